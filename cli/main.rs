@@ -1,0 +1,2 @@
+//! The scree command.
+fn main() {}

@@ -1,0 +1,89 @@
+//! What is wrong with a file, and where: the one error type of everything that reads input here.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Whether the fault is in a file that a person wrote or in data that a program wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// A model, metadata or other hand-written file.
+    Input,
+    /// A table, a run directory.
+    Data,
+    /// The machine: a full disk, an unwritable folder.
+    Machine,
+}
+
+/// A fault with its place. `line` and `column` count from 1.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// Who has to mend it.
+    pub kind: FaultKind,
+    /// The file.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1.
+    pub column: usize,
+    /// The offending line as it stands in the file; empty if there is none.
+    pub text: String,
+    /// What is wrong and what was expected.
+    pub message: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+}
+
+impl Fault {
+    /// A fault at a place of `text`, the whole content of the file.
+    pub fn at(kind: FaultKind, file: &Path, text: &str, line: usize, column: usize, message: impl Into<String>) -> Fault {
+        let quoted = text.lines().nth(line.saturating_sub(1)).unwrap_or("").to_string();
+        Fault { kind, file: file.into(), line: line.max(1), column: column.max(1), text: quoted, message: message.into(), hint: None }
+    }
+
+    /// A fault of a file as a whole.
+    pub fn whole(kind: FaultKind, file: &Path, message: impl Into<String>) -> Fault {
+        Fault::at(kind, file, "", 1, 1, message)
+    }
+
+    /// Add what to do about it.
+    pub fn hint(mut self, hint: impl Into<String>) -> Fault {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// A file that could not be read.
+    pub fn unreadable(kind: FaultKind, file: &Path, error: &std::io::Error) -> Fault {
+        Fault::whole(kind, file, format!("cannot be read: {error}"))
+    }
+
+    /// A file that could not be written.
+    pub fn unwritable(file: &Path, error: &std::io::Error) -> Fault {
+        Fault::whole(FaultKind::Machine, file, format!("cannot be written: {error}"))
+            .hint("check that the folder exists, may be written to, and that the disk is not full")
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)?;
+        if !self.text.is_empty() {
+            write!(f, "\n  | {}\n  | {}^", self.text, " ".repeat(self.column.saturating_sub(1).min(self.text.chars().count())))?;
+        }
+        if let Some(hint) = &self.hint {
+            write!(f, "\n  = {hint}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// The candidate nearest in spelling to `name`, if any is near enough to be a likely slip.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .into_iter()
+        .map(|c| (strsim::damerau_levenshtein(&name.to_lowercase(), &c.to_lowercase()), c))
+        .filter(|(d, c)| *d <= 1 + name.len().max(c.len()) / 3)
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, c)| c)
+}

@@ -1,0 +1,18 @@
+//! Tables of one instant, the run directory, and the readers and writers of both.
+//!
+//! A [`Frame`] is a list of named, typed, unit-carrying columns of equal length. Simulations write frames into a
+//! [`run`] directory; pictures, previews and plots read them back, or read a [`sequence`] of somebody else's files.
+//! Everything that is written is written whole and then renamed ([`atomic`]); everything that is read answers bad
+//! input with a [`Fault`] that names file, line and column.
+
+pub mod arrow;
+pub mod atomic;
+mod column;
+pub mod csv;
+mod fault;
+pub mod run;
+pub mod sequence;
+pub mod yaml;
+
+pub use column::{Column, Field, Frame};
+pub use fault::{Fault, FaultKind, nearest};

@@ -1,0 +1,201 @@
+//! Hand-written YAML read into types, with the place of everything that is wrong.
+//!
+//! Structure (types, unknown and missing keys) is checked while reading; meaning is checked later by the reader's owner,
+//! who asks the [`Document`] where a value stands: `doc.fault("materials.stone.density", "must be positive")`.
+
+use crate::{Fault, FaultKind, nearest};
+use saphyr_parser::{Event, Parser};
+use serde::de::DeserializeOwned;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// The text of a YAML file and where each of its values stands.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    /// The file it came from.
+    pub path: PathBuf,
+    /// The whole text.
+    pub text: String,
+    /// `a.b.2.c` → line and column, from 1, of the key (or of the list's item).
+    places: HashMap<String, (usize, usize)>,
+}
+
+/// Read a YAML file into `T`.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
+    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Input, path, &e))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        Fault::at(FaultKind::Input, path, "", line, 1, "is not UTF-8 text")
+    })?;
+    parse(path, text)
+}
+
+/// Read YAML text that came from `path` into `T`.
+pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Document), Fault> {
+    if text.trim().is_empty() {
+        return Err(Fault::whole(FaultKind::Input, path, "is empty"));
+    }
+    let doc = Document { path: path.into(), places: places(&text), text };
+    let reader = serde_yaml::Deserializer::from_str(&doc.text);
+    match serde_path_to_error::deserialize::<_, T>(reader) {
+        Ok(value) => Ok((value, doc)),
+        Err(error) => {
+            let key = error.path().to_string();
+            Err(explain(&doc, &key, error.inner()))
+        }
+    }
+}
+
+impl Document {
+    /// A fault at a dotted path (`bodies.2.mass`), or at the longest part of it that the file has.
+    pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
+        let (line, column) = self.place(key);
+        Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
+    }
+
+    /// Where a dotted path stands: line and column, from 1.
+    pub fn place(&self, key: &str) -> (usize, usize) {
+        let mut key = key;
+        loop {
+            if let Some(place) = self.places.get(key) {
+                return *place;
+            }
+            match key.rsplit_once('.') {
+                Some((parent, _)) => key = parent,
+                None => return (1, 1),
+            }
+        }
+    }
+
+    /// A fault for a name that is not among those known, with the nearest of them.
+    pub fn unknown(&self, key: &str, what: &str, name: &str, known: &[&str]) -> Fault {
+        let fault = self.fault(key, format!("unknown {what} `{name}`, expected one of {}", known.join(", ")));
+        match nearest(name, known.iter().copied()) {
+            Some(near) => fault.hint(format!("did you mean `{near}`?")),
+            None => fault,
+        }
+    }
+}
+
+/// A structural error as a fault: the place from the reader where it knows it, else from the path; the nearest key as a hint.
+fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
+    let full = error.to_string();
+    let message = full.split(" at line ").next().unwrap_or(&full);
+    let message = message.strip_prefix(&format!("{key}: ")).unwrap_or(message).to_string();
+    let key: String = key.replace('[', ".").replace(']', "");
+    let name = ["unknown field `", "unknown variant `"]
+        .iter()
+        .find_map(|head| message.split_once(head))
+        .and_then(|(_, rest)| rest.split('`').next());
+    let (line, column) = match (name.map(|n| if key == "." || key == n || key.ends_with(&format!(".{n}")) { key.clone() } else { format!("{key}.{n}") }), error.location()) {
+        (Some(k), _) if doc.places.contains_key(k.trim_start_matches("..")) => doc.place(k.trim_start_matches("..")),
+        (_, Some(at)) => (at.line(), at.column()),
+        _ => doc.place(&key),
+    };
+    let fault = Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message.clone());
+    let known: Vec<&str> = message.split('`').skip(1).step_by(2).filter(|k| Some(*k) != name).collect();
+    match name.and_then(|n| nearest(n, known)) {
+        Some(near) => fault.hint(format!("did you mean `{near}`?")),
+        None => fault,
+    }
+}
+
+/// Where every key and list item of a YAML text stands; of a text that is not YAML, what came before the error.
+fn places(text: &str) -> HashMap<String, (usize, usize)> {
+    enum Level {
+        Map { path: String, key: Option<String> },
+        List { path: String, next: usize },
+    }
+    let join = |path: &str, part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
+    let mut found = HashMap::new();
+    let mut stack: Vec<Level> = Vec::new();
+    for event in Parser::new_from_str(text) {
+        let Ok((event, span)) = event else { break };
+        let at = (span.start.line(), span.start.col() + 1);
+        // The path of the value that this event starts; a map's keys are consumed here.
+        let mut value_path = || -> Option<String> {
+            match stack.last_mut() {
+                None => Some(String::new()),
+                Some(Level::List { path, next }) => {
+                    let here = join(path, &next.to_string());
+                    *next += 1;
+                    found.insert(here.clone(), at);
+                    Some(here)
+                }
+                Some(Level::Map { path, key }) => key.take().map(|k| join(path, &k)),
+            }
+        };
+        match event {
+            Event::MappingStart(..) => {
+                let path = value_path().unwrap_or_default();
+                stack.push(Level::Map { path, key: None });
+            }
+            Event::SequenceStart(..) => {
+                let path = value_path().unwrap_or_default();
+                stack.push(Level::List { path, next: 0 });
+            }
+            Event::MappingEnd | Event::SequenceEnd => {
+                stack.pop();
+            }
+            Event::Scalar(value, ..) => {
+                if value_path().is_none()
+                    && let Some(Level::Map { path, key }) = stack.last_mut()
+                {
+                    found.insert(join(path, &value), at);
+                    *key = Some(value.to_string());
+                }
+            }
+            Event::Alias(_) => {
+                value_path();
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Deserialize, Debug)]
+    #[serde(deny_unknown_fields)]
+    struct Stone {
+        #[allow(dead_code)]
+        density: f64,
+    }
+
+    #[derive(Deserialize, Debug)]
+    #[serde(deny_unknown_fields)]
+    struct Top {
+        #[allow(dead_code)]
+        stones: Vec<Stone>,
+    }
+
+    fn fault(text: &str) -> Fault {
+        parse::<Top>(Path::new("m.yaml"), text.into()).unwrap_err()
+    }
+
+    #[test]
+    fn an_unknown_key_is_placed_and_its_neighbour_named() {
+        let f = fault("stones:\n  - density: 1\n  - densty: 2\n");
+        assert_eq!((f.line, f.column), (3, 5), "{f}");
+        assert_eq!(f.hint.as_deref(), Some("did you mean `density`?"));
+    }
+
+    #[test]
+    fn a_wrong_type_and_a_torn_file_are_placed() {
+        let f = fault("stones:\n  - density: heavy\n");
+        assert_eq!((f.line, f.column), (2, 14), "{f}");
+        assert_eq!(fault("stones: [\n  {density: 1},\n").line, 3);
+        assert_eq!(fault(" \n").message, "is empty");
+    }
+
+    #[test]
+    fn meaning_is_placed_by_path() {
+        let (_, doc) = parse::<Top>(Path::new("m.yaml"), "stones:\n  - density: -1\n".into()).unwrap();
+        assert_eq!(doc.place("stones.0.density"), (2, 5));
+        assert_eq!(doc.place("stones.0.no.such"), (2, 5));
+    }
+}

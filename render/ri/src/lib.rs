@@ -1,0 +1,1 @@
+//! The RenderMan Interface: one trait, the RIB reader and the RIB writer.

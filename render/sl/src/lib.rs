@@ -1,0 +1,1 @@
+//! The RenderMan shading language: front end, typed IR, and the grid machine.

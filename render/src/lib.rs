@@ -1,0 +1,1 @@
+//! The REYES renderer: bound, split, dice, displace, shade, sample, filter, display.

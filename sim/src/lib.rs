@@ -1,0 +1,1 @@
+//! Many rigid bodies with exact Coulomb friction cones: model, state, stages, solvers.

@@ -1,0 +1,3 @@
+//! The one test binary: each file of `tests/` is a module of it.
+
+mod parity;
