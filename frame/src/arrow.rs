@@ -4,7 +4,9 @@
 
 use crate::{Column, Fault, FaultKind, Field, Frame};
 use arrow_array::types::UInt32Type;
-use arrow_array::{Array, ArrayRef, DictionaryArray, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray, UInt32Array};
+use arrow_array::{
+    Array, ArrayRef, DictionaryArray, Float32Array, Float64Array, Int64Array, RecordBatch, StringArray, UInt32Array,
+};
 use arrow_ipc::reader::FileReader;
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::{DataType, Field as ArrowField, Schema};
@@ -69,7 +71,11 @@ pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> 
     for field in schema.fields() {
         let unit = field.metadata().get("unit").cloned().unwrap_or_default();
         let empty = empty_column(field.data_type()).ok_or_else(|| {
-            torn(&format!("column `{}` has type {}, which is not a number or a dictionary of words", field.name(), field.data_type()))
+            torn(&format!(
+                "column `{}` has type {}, which is not a number or a dictionary of words",
+                field.name(),
+                field.data_type()
+            ))
         })?;
         frame.columns.push((Field::new(field.name(), unit), empty));
     }

@@ -32,7 +32,8 @@ pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
 }
 
 fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-    let fault = |line: usize, column: usize, message: String| Fault::at(FaultKind::Data, path, text, line, column, message);
+    let fault =
+        |line: usize, column: usize, message: String| Fault::at(FaultKind::Data, path, text, line, column, message);
     let mut lines = text
         .trim_start_matches('\u{feff}')
         .lines()
@@ -66,7 +67,9 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         if found.len() != fields.len() {
             let at = found.last().map_or(1, |(at, _)| at + 1);
             let message = format!("row has {} cells, expected {} ({})", found.len(), fields.len(), names.join(", "));
-            return Err(fault(line, at, message).hint("a row that is cut off at the end means that its writer was interrupted"));
+            return Err(
+                fault(line, at, message).hint("a row that is cut off at the end means that its writer was interrupted")
+            );
         }
         for ((at, cell), column) in found.into_iter().zip(&mut cells) {
             if cell.is_empty() {
@@ -173,7 +176,10 @@ mod tests {
     #[test]
     fn separators_headers_and_units_are_found_out() {
         for text in ["x;y [m]\n1;2.5\n", "x,y [m]\n1,2.5,\n", "x\ty [m]\n1\t2.5\n", "# remark\nx  y[m]\n 1  2.5\n"] {
-            let text = text.replace("y [m]", if text.contains(' ') && !text.contains(';') && text.starts_with('#') { "y[m]" } else { "y [m]" });
+            let text = text.replace(
+                "y [m]",
+                if text.contains(' ') && !text.contains(';') && text.starts_with('#') { "y[m]" } else { "y [m]" },
+            );
             let frame = read_text(&text).unwrap();
             assert_eq!(frame.names(), ["x", "y"], "{text}");
             assert_eq!(frame.columns[1].0.unit, "m");

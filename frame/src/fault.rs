@@ -35,9 +35,24 @@ pub struct Fault {
 
 impl Fault {
     /// A fault at a place of `text`, the whole content of the file.
-    pub fn at(kind: FaultKind, file: &Path, text: &str, line: usize, column: usize, message: impl Into<String>) -> Fault {
+    pub fn at(
+        kind: FaultKind,
+        file: &Path,
+        text: &str,
+        line: usize,
+        column: usize,
+        message: impl Into<String>,
+    ) -> Fault {
         let quoted = text.lines().nth(line.saturating_sub(1)).unwrap_or("").to_string();
-        Fault { kind, file: file.into(), line: line.max(1), column: column.max(1), text: quoted, message: message.into(), hint: None }
+        Fault {
+            kind,
+            file: file.into(),
+            line: line.max(1),
+            column: column.max(1),
+            text: quoted,
+            message: message.into(),
+            hint: None,
+        }
     }
 
     /// A fault of a file as a whole.
@@ -67,7 +82,12 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)?;
         if !self.text.is_empty() {
-            write!(f, "\n  | {}\n  | {}^", self.text, " ".repeat(self.column.saturating_sub(1).min(self.text.chars().count())))?;
+            write!(
+                f,
+                "\n  | {}\n  | {}^",
+                self.text,
+                " ".repeat(self.column.saturating_sub(1).min(self.text.chars().count()))
+            )?;
         }
         if let Some(hint) = &self.hint {
             write!(f, "\n  = {hint}")?;

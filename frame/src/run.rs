@@ -126,7 +126,11 @@ impl RunWriter {
         };
         atomic::write(&self.folder.join(&file), &bytes)?;
         if self.index.columns.is_empty() {
-            let entry = |(f, c): &(crate::Field, crate::Column)| ColumnEntry { name: f.name.clone(), kind: c.kind().into(), unit: f.unit.clone() };
+            let entry = |(f, c): &(crate::Field, crate::Column)| ColumnEntry {
+                name: f.name.clone(),
+                kind: c.kind().into(),
+                unit: f.unit.clone(),
+            };
             self.index.columns = frame.columns.iter().map(entry).collect();
         }
         let hash = blake3::hash(&bytes).to_hex().to_string();
@@ -171,8 +175,9 @@ impl RunReader {
     pub fn open(folder: &Path) -> Result<RunReader, Fault> {
         let path = folder.join("run.json");
         let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
-        let index: Index = serde_json::from_str(&text)
-            .map_err(|e| Fault::at(FaultKind::Data, &path, &text, e.line(), e.column(), format!("is not a run's index: {e}")))?;
+        let index: Index = serde_json::from_str(&text).map_err(|e| {
+            Fault::at(FaultKind::Data, &path, &text, e.line(), e.column(), format!("is not a run's index: {e}"))
+        })?;
         if index.format_version != FORMAT_VERSION {
             let message = format!("has format version {}, this program reads {FORMAT_VERSION}", index.format_version);
             return Err(Fault::whole(FaultKind::Data, &path, message));
@@ -196,8 +201,12 @@ impl RunReader {
         let path = self.folder.join(&entry.file);
         let bytes = std::fs::read(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
         if blake3::hash(&bytes).to_hex().as_str() != entry.hash {
-            return Err(Fault::whole(FaultKind::Data, &path, "is not the file that the run wrote (its hash differs from run.json)")
-                .hint("it is cut off or was replaced: simulate again"));
+            return Err(Fault::whole(
+                FaultKind::Data,
+                &path,
+                "is not the file that the run wrote (its hash differs from run.json)",
+            )
+            .hint("it is cut off or was replaced: simulate again"));
         }
         let mut frame = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => csv::read(&path, number, &csv::Layout::default())?,

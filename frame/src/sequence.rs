@@ -19,7 +19,8 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
         let number = number_in(file).unwrap_or(0);
         if let Some(other) = found.get(&number) {
             let message = format!("has frame number {number}, and so has {}", other.display());
-            return Err(Fault::whole(FaultKind::Data, &path, message).hint("narrow the pattern: a frame's number is the last number in its file name"));
+            return Err(Fault::whole(FaultKind::Data, &path, message)
+                .hint("narrow the pattern: a frame's number is the last number in its file name"));
         }
         found.insert(number, path);
     }

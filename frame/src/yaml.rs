@@ -87,7 +87,12 @@ fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
         .iter()
         .find_map(|head| message.split_once(head))
         .and_then(|(_, rest)| rest.split('`').next());
-    let (line, column) = match (name.map(|n| if key == "." || key == n || key.ends_with(&format!(".{n}")) { key.clone() } else { format!("{key}.{n}") }), error.location()) {
+    let (line, column) = match (
+        name.map(|n| {
+            if key == "." || key == n || key.ends_with(&format!(".{n}")) { key.clone() } else { format!("{key}.{n}") }
+        }),
+        error.location(),
+    ) {
         (Some(k), _) if doc.places.contains_key(k.trim_start_matches("..")) => doc.place(k.trim_start_matches("..")),
         (_, Some(at)) => (at.line(), at.column()),
         _ => doc.place(&key),

@@ -62,7 +62,8 @@ impl Device {
         let mut found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::VULKAN));
         found.sort_by_key(|a| describe(a).software);
         let adapter = found.into_iter().find(|a| allow_software || !describe(a).software).ok_or(GpuError::NoAdapter)?;
-        let desc = wgpu::DeviceDescriptor { label: Some("scree"), required_limits: adapter.limits(), ..Default::default() };
+        let desc =
+            wgpu::DeviceDescriptor { label: Some("scree"), required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&desc)).map_err(|e| GpuError::Device(e.to_string()))?;
         Ok(Device { adapter: describe(&adapter), device, queue })

@@ -1,1 +1,19 @@
 //! The RenderMan Interface: one trait, the RIB reader and the RIB writer.
+//!
+//! [`Ri`] is the only door to a renderer: the [`reader`] makes its calls from RIB, a binder makes them from tables, Rust callers
+//! make them by hand, and the [`writer`] is one more `Ri`, which turns them back into RIB. Conventions are those of the
+//! RenderMan Interface Specification 3.2 (RISpec): row vectors, left-handed camera space, angles in degrees.
+
+pub mod files;
+mod instances;
+mod lexer;
+mod params;
+pub mod reader;
+mod requests;
+mod ri;
+pub mod writer;
+
+pub use instances::{InstanceShape, Instances};
+pub use params::{Class, Declaration, Declarations, Param, Params, Type, Values};
+pub use reader::{Place, RibError};
+pub use ri::{Fail, Ri, RiResult};

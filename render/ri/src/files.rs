@@ -1,0 +1,48 @@
+//! Where scenes, archives and shaders are looked for: folders in order, then what is built into the program.
+
+use std::path::{Path, PathBuf};
+
+/// A search path.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    /// Folders, first one first.
+    pub folders: Vec<PathBuf>,
+    /// Files built into the program: path and text.
+    pub built_in: Vec<(&'static str, &'static str)>,
+}
+
+impl Files {
+    /// A file of that name (in a folder itself or below its `room`, as `scenes` or `shaders/surface`): its path and text.
+    pub fn read(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, String), String> {
+        let path = Path::new(name);
+        let mut places: Vec<PathBuf> = vec![path.into()];
+        if path.is_relative() {
+            places.clear();
+            for folder in &self.folders {
+                places.push(folder.join(path));
+                places.extend(rooms.iter().map(|room| folder.join(room).join(path)));
+            }
+        }
+        if let Some(found) = places.iter().find(|p| p.is_file()) {
+            let bytes = std::fs::read(found).map_err(|e| format!("{} cannot be read: {e}", found.display()))?;
+            let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", found.display()))?;
+            return Ok((found.clone(), text));
+        }
+        let inside = |p: &str| p == name || rooms.iter().any(|room| p == format!("{room}/{name}"));
+        match self.built_in.iter().find(|(p, _)| inside(p)) {
+            Some((p, text)) => Ok((PathBuf::from(p), text.to_string())),
+            None => Err(self.not_found(name, rooms)),
+        }
+    }
+
+    fn not_found(&self, name: &str, rooms: &[&str]) -> String {
+        let known = self.built_in.iter().filter(|(p, _)| rooms.iter().any(|room| p.starts_with(&format!("{room}/"))));
+        let near = known
+            .map(|(p, _)| p.rsplit('/').next().unwrap_or(p))
+            .min_by_key(|p| strsim::damerau_levenshtein(p, name))
+            .filter(|p| strsim::damerau_levenshtein(p, name) <= 3);
+        let folders: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();
+        let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        format!("`{name}` was not found in {} or the library{hint}", folders.join(", "))
+    }
+}

@@ -1,0 +1,101 @@
+//! The instance array: one gprim or object in many places, as columns; the one call that is ours.
+
+use crate::{Class, Param, Ri, RiResult, Type, Values};
+use glam::{Mat4, Quat, Vec3};
+
+/// What is repeated.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InstanceShape {
+    /// The unit sphere.
+    Sphere,
+    /// An object made by `ObjectBegin` with this handle.
+    Object(String),
+}
+
+/// Many instances of one shape. A column has a row an instance, or is empty for its default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instances {
+    /// What is repeated.
+    pub shape: InstanceShape,
+    /// Places.
+    pub position: Vec<[f32; 3]>,
+    /// Unit quaternions (x, y, z, w); empty: unturned.
+    pub orientation: Vec<[f32; 4]>,
+    /// Scale along the shape's own axes; empty: 1.
+    pub scale: Vec<[f32; 3]>,
+    /// Primitive variables, one value an instance.
+    pub params: Vec<Param>,
+}
+
+impl Instances {
+    /// Number of instances.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Shape to object space for column vectors; its columns read as an RI matrix's rows.
+    pub fn matrix(&self, i: usize) -> Mat4 {
+        Mat4::from_scale_rotation_translation(
+            self.scale.get(i).map_or(Vec3::ONE, |s| Vec3::from(*s)),
+            self.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q)),
+            Vec3::from(self.position[i]),
+        )
+    }
+
+    /// The values of an instance of a primitive variable.
+    pub fn param_of(&self, param: &Param, i: usize) -> Param {
+        let width = param.decl.width();
+        let values = match &param.values {
+            Values::Floats(v) => Values::Floats(v[i * width..(i + 1) * width].to_vec()),
+            Values::Strings(v) => Values::Strings(v[i * width..(i + 1) * width].to_vec()),
+        };
+        Param { decl: param.decl.clone(), values }
+    }
+
+    /// The same pictures by standard calls: an attribute block an instance.
+    pub fn expand(&self, ri: &mut (impl Ri + ?Sized)) -> RiResult {
+        for i in 0..self.len() {
+            ri.attribute_begin()?;
+            let mut on_shape = Vec::new();
+            for param in &self.params {
+                let own = self.param_of(param, i);
+                if own.decl.name == "Cs" && own.decl.ty == Type::Color {
+                    ri.color([own.numbers()[0], own.numbers()[1], own.numbers()[2]])?;
+                } else {
+                    on_shape.push(Param {
+                        decl: crate::Declaration { class: Class::Constant, ..own.decl },
+                        values: own.values,
+                    });
+                }
+            }
+            let uniform = self.scale.get(i).filter(|s| s[0] == s[1] && s[1] == s[2]).map(|s| s[0]);
+            match (&self.shape, uniform) {
+                // A ball of its own radius reads better than a scaled one, and its object space is not scaled.
+                (InstanceShape::Sphere, Some(radius)) => {
+                    let place = Mat4::from_scale_rotation_translation(
+                        Vec3::ONE,
+                        self.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q)),
+                        Vec3::from(self.position[i]),
+                    );
+                    ri.concat_transform(place.to_cols_array())?;
+                    ri.sphere(radius, -radius, radius, 360.0, on_shape)?;
+                }
+                (InstanceShape::Sphere, None) => {
+                    ri.concat_transform(self.matrix(i).to_cols_array())?;
+                    ri.sphere(1.0, -1.0, 1.0, 360.0, on_shape)?;
+                }
+                (InstanceShape::Object(handle), _) => {
+                    ri.concat_transform(self.matrix(i).to_cols_array())?;
+                    ri.object_instance(handle)?;
+                }
+            }
+            ri.attribute_end()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,285 @@
+//! Parameter lists: `"class type name[n]" values`, declared inline or by `Declare` (RISpec section 3).
+
+use std::collections::HashMap;
+
+/// How often a value is given over a primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Once.
+    Constant,
+    /// Once a facet.
+    Uniform,
+    /// At every corner, bilinear between.
+    Varying,
+    /// At every control vertex, as the surface itself.
+    Vertex,
+    /// At every corner of every face.
+    FaceVarying,
+}
+
+impl Class {
+    /// The name in declarations.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Constant => "constant",
+            Class::Uniform => "uniform",
+            Class::Varying => "varying",
+            Class::Vertex => "vertex",
+            Class::FaceVarying => "facevarying",
+        }
+    }
+}
+
+/// What a value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// A number.
+    Float,
+    /// A whole number.
+    Integer,
+    /// Text.
+    String,
+    /// A colour, three numbers.
+    Color,
+    /// A position.
+    Point,
+    /// A direction.
+    Vector,
+    /// A surface normal.
+    Normal,
+    /// A homogeneous position, four numbers.
+    HPoint,
+    /// A 4×4 matrix, 16 numbers.
+    Matrix,
+}
+
+impl Type {
+    /// The name in declarations.
+    pub fn name(self) -> &'static str {
+        match self {
+            Type::Float => "float",
+            Type::Integer => "integer",
+            Type::String => "string",
+            Type::Color => "color",
+            Type::Point => "point",
+            Type::Vector => "vector",
+            Type::Normal => "normal",
+            Type::HPoint => "hpoint",
+            Type::Matrix => "matrix",
+        }
+    }
+
+    /// Numbers (or strings) in one value.
+    pub fn width(self) -> usize {
+        match self {
+            Type::Float | Type::Integer | Type::String => 1,
+            Type::Color | Type::Point | Type::Vector | Type::Normal => 3,
+            Type::HPoint => 4,
+            Type::Matrix => 16,
+        }
+    }
+}
+
+/// A parameter's name and what it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declaration {
+    /// Name.
+    pub name: String,
+    /// How often.
+    pub class: Class,
+    /// What.
+    pub ty: Type,
+    /// Elements of an array; 1 for a single value.
+    pub array: usize,
+}
+
+impl Declaration {
+    /// A declaration of a single value.
+    pub fn new(name: &str, class: Class, ty: Type) -> Declaration {
+        Declaration { name: name.into(), class, ty, array: 1 }
+    }
+
+    /// `class type[n] name`, as an inline declaration has it.
+    pub fn inline(&self) -> String {
+        let array = if self.array > 1 { format!("[{}]", self.array) } else { String::new() };
+        format!("{} {}{array} {}", self.class.name(), self.ty.name(), self.name)
+    }
+
+    /// Numbers (or strings) in one value of this declaration.
+    pub fn width(&self) -> usize {
+        self.ty.width() * self.array
+    }
+}
+
+/// The values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers, `width` for each value.
+    Floats(Vec<f32>),
+    /// Strings.
+    Strings(Vec<String>),
+}
+
+/// A parameter: its declaration and its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Param {
+    /// What it is.
+    pub decl: Declaration,
+    /// What it holds.
+    pub values: Values,
+}
+
+impl Param {
+    /// A parameter of numbers.
+    pub fn floats(name: &str, class: Class, ty: Type, values: impl Into<Vec<f32>>) -> Param {
+        Param { decl: Declaration::new(name, class, ty), values: Values::Floats(values.into()) }
+    }
+
+    /// A uniform string.
+    pub fn string(name: &str, value: &str) -> Param {
+        Param {
+            decl: Declaration::new(name, Class::Uniform, Type::String),
+            values: Values::Strings(vec![value.into()]),
+        }
+    }
+
+    /// The numbers; empty for strings.
+    pub fn numbers(&self) -> &[f32] {
+        match &self.values {
+            Values::Floats(v) => v,
+            Values::Strings(_) => &[],
+        }
+    }
+
+    /// The first string, if it holds strings.
+    pub fn text(&self) -> Option<&str> {
+        match &self.values {
+            Values::Strings(v) => v.first().map(String::as_str),
+            Values::Floats(_) => None,
+        }
+    }
+}
+
+/// A parameter list.
+pub type Params = Vec<Param>;
+
+/// The declarations in force: the standard ones of RISpec section 3 and what `Declare` added.
+pub struct Declarations(HashMap<String, Declaration>);
+
+impl Default for Declarations {
+    fn default() -> Declarations {
+        let mut known = Declarations(HashMap::new());
+        for (names, class, ty) in [
+            ("P", Class::Vertex, Type::Point),
+            ("Pw", Class::Vertex, Type::HPoint),
+            ("N", Class::Varying, Type::Normal),
+            ("Np", Class::Uniform, Type::Normal),
+            ("Cs Os", Class::Varying, Type::Color),
+            ("s t", Class::Varying, Type::Float),
+            ("width", Class::Varying, Type::Float),
+            ("constantwidth", Class::Constant, Type::Float),
+            ("Ka Kd Ks Kr roughness intensity coneangle conedeltaangle beamdistribution", Class::Uniform, Type::Float),
+            ("mindistance maxdistance amplitude fov", Class::Uniform, Type::Float),
+            ("lightcolor specularcolor background", Class::Uniform, Type::Color),
+            ("from to", Class::Uniform, Type::Point),
+            ("texturename shadowname name", Class::Uniform, Type::String),
+            ("gridsize bucketsize", Class::Uniform, Type::Integer),
+            ("coordinatesystem space", Class::Uniform, Type::String),
+            ("sphere", Class::Uniform, Type::Float),
+        ] {
+            for name in names.split(' ') {
+                known.0.insert(name.into(), Declaration::new(name, class, ty));
+            }
+        }
+        known
+    }
+}
+
+impl Declarations {
+    /// `Declare "name" "class type[n]"`.
+    pub fn declare(&mut self, name: &str, declaration: &str) -> Result<(), String> {
+        let decl = parse_inline(&format!("{declaration} {name}"))?;
+        self.0.insert(name.into(), decl);
+        Ok(())
+    }
+
+    /// What a token of a parameter list declares: inline, or the name of a known one. `None` for an undeclared name.
+    pub fn resolve(&self, token: &str) -> Result<Option<Declaration>, String> {
+        if let Some(known) = self.0.get(token) {
+            return Ok(Some(known.clone()));
+        }
+        if token.contains(char::is_whitespace) { parse_inline(token).map(Some) } else { Ok(None) }
+    }
+
+    /// All declared names.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+}
+
+/// `[class] type[n] name`.
+fn parse_inline(text: &str) -> Result<Declaration, String> {
+    let spaced = text.replace('[', " [ ").replace(']', " ] ");
+    let mut words = spaced.split_whitespace().peekable();
+    let class = match words.peek().copied() {
+        Some("constant") => Class::Constant,
+        Some("uniform") => Class::Uniform,
+        Some("varying") => Class::Varying,
+        Some("vertex") => Class::Vertex,
+        Some("facevarying") => Class::FaceVarying,
+        _ => Class::Uniform,
+    };
+    if words.peek() == Some(&class.name()) {
+        words.next();
+    }
+    let ty = match words.next() {
+        Some("float") => Type::Float,
+        Some("integer" | "int") => Type::Integer,
+        Some("string") => Type::String,
+        Some("color") => Type::Color,
+        Some("point") => Type::Point,
+        Some("vector") => Type::Vector,
+        Some("normal") => Type::Normal,
+        Some("hpoint") => Type::HPoint,
+        Some("matrix") => Type::Matrix,
+        other => {
+            return Err(format!(
+                "`{}` is not a type, expected float, integer, string, color, point, vector, normal, hpoint or matrix",
+                other.unwrap_or("")
+            ));
+        }
+    };
+    let mut array = 1;
+    if words.peek() == Some(&"[") {
+        words.next();
+        array = words
+            .next()
+            .and_then(|n| n.parse().ok())
+            .filter(|n| *n > 0)
+            .ok_or("an array's size must be a whole number above 0")?;
+        if words.next() != Some("]") {
+            return Err("expected `]` after an array's size".into());
+        }
+    }
+    let name = words.next().ok_or("a declaration needs a name")?;
+    match words.next() {
+        Some(extra) => Err(format!("unexpected `{extra}` in a declaration")),
+        None => Ok(Declaration { name: name.into(), class, ty, array }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn declarations() {
+        let known = Declarations::default();
+        assert_eq!(known.resolve("P").unwrap().unwrap().class, Class::Vertex);
+        let d = known.resolve("varying color[2] tint").unwrap().unwrap();
+        assert_eq!((d.class, d.ty, d.array, d.name.as_str()), (Class::Varying, Type::Color, 2, "tint"));
+        assert_eq!(d.inline(), "varying color[2] tint");
+        assert!(known.resolve("uniform flaot x").is_err());
+        assert_eq!(known.resolve("unheard").unwrap(), None);
+    }
+}

@@ -1,0 +1,18 @@
+//! Find where each active bin starts among the sorted (bin, shape) pairs.
+//! in   bin       [n_pairs]       sorted
+//! out  bin_start [n_active + 1]  index into the pairs
+//! Source: paper §3, stages 5 and 6.
+
+/// The stage. Bins with a single shape are left out: nothing can meet there.
+pub fn run(bin: &[u32], bin_start: &mut Vec<[u32; 2]>) {
+    bin_start.clear();
+    let mut first = 0;
+    for i in 1..=bin.len() {
+        if i == bin.len() || bin[i] != bin[first] {
+            if i - first > 1 {
+                bin_start.push([first as u32, i as u32]);
+            }
+            first = i;
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The benchmark workloads that every engine is measured on: beds of spheres that settle in an open box.
+
+use crate::fill::SplitMix64;
+use crate::{FrictionLaw, Method, Model, ShapeKind, SolverSettings, State};
+use glam::{DQuat, DVec3};
+
+/// Which workload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Workload {
+    /// Spheres of 0.075 m, 1900 kg/m³, μ 0.4.
+    S,
+    /// Anchor-like: radius 0.025–0.036 m, 0.005 kg each.
+    A,
+}
+
+/// Build a workload of `n` spheres on a jittered lattice 12 layers high, in a box of a floor and four walls.
+pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) -> (Model, State) {
+    let r_max = if workload == Workload::S { 0.075 } else { 0.036 };
+    let spacing = 2.1 * r_max;
+    let side = (n as f64 / 12.0).sqrt().ceil() as usize;
+    let length = side as f64 * spacing;
+    let mut random = SplitMix64(12345);
+    let mut model = Model {
+        name: format!("{workload:?}({n})"),
+        gravity: DVec3::new(0.0, 0.0, -9.81),
+        step,
+        duration: 1.0,
+        frame_rate: 24.0,
+        seed: 12345,
+        solver,
+        inv_mass: vec![],
+        inv_inertia: vec![],
+        class: vec![],
+        class_names: vec!["wall".into(), "grain".into()],
+        shape_body: vec![],
+        shape_kind: vec![],
+        shape_size: vec![],
+        shape_friction: vec![],
+    };
+    let mut state = State::default();
+    let walls = [
+        (DVec3::ZERO, DVec3::Z),
+        (DVec3::ZERO, DVec3::X),
+        (DVec3::new(length, 0.0, 0.0), -DVec3::X),
+        (DVec3::ZERO, DVec3::Y),
+        (DVec3::new(0.0, length, 0.0), -DVec3::Y),
+    ];
+    for (point, normal) in walls {
+        add(
+            &mut model,
+            &mut state,
+            0,
+            ShapeKind::Plane,
+            DVec3::ZERO,
+            point,
+            DQuat::from_rotation_arc(DVec3::Z, normal),
+            0.0,
+        );
+    }
+    for i in 0..n {
+        let site = [i % side, i / side % side, i / (side * side)];
+        let p = site.map(|c| (c as f64 + 0.5) * spacing + (2.0 * random.uniform() - 1.0) * 0.04 * r_max);
+        let (r, mass) = match workload {
+            Workload::S => (r_max, 1900.0 * 4.0 / 3.0 * std::f64::consts::PI * r_max.powi(3)),
+            Workload::A => (0.025 + 0.011 * random.uniform(), 0.005),
+        };
+        add(&mut model, &mut state, 1, ShapeKind::Sphere, DVec3::splat(r), DVec3::from_array(p), DQuat::IDENTITY, mass);
+    }
+    (model, state)
+}
+
+/// The settings that the workloads are compared under.
+pub fn solver(method: Method, iterations: u32) -> SolverSettings {
+    SolverSettings {
+        method,
+        friction: FrictionLaw::Relaxed,
+        iterations,
+        tolerance: 0.0,
+        omega: 0.3,
+        lambda: 1.0,
+        warm_start: true,
+        recovery_speed: 1.0,
+        envelope: 1e-3,
+    }
+}
+
+#[allow(clippy::too_many_arguments)]
+fn add(
+    model: &mut Model,
+    state: &mut State,
+    class: u32,
+    kind: ShapeKind,
+    size: DVec3,
+    position: DVec3,
+    orientation: DQuat,
+    mass: f64,
+) {
+    let inv = if mass > 0.0 { 1.0 / mass } else { 0.0 };
+    model.shape_body.push(model.inv_mass.len() as u32);
+    model.shape_kind.push(kind);
+    model.shape_size.push(size);
+    model.shape_friction.push(0.4);
+    model.inv_mass.push(inv);
+    model.inv_inertia.push(if mass > 0.0 { DVec3::splat(inv / (0.4 * size.x * size.x)) } else { DVec3::ZERO });
+    model.class.push(class);
+    state.position.push(position);
+    state.orientation.push(orientation);
+    state.velocity.push(DVec3::ZERO);
+    state.angular_velocity.push(DVec3::ZERO);
+}
