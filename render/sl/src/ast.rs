@@ -1,0 +1,119 @@
+//! The syntax tree. `at` is the byte of the source where a node starts.
+
+/// A type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ty {
+    Void,
+    Float,
+    Color,
+    Point,
+    Vector,
+    Normal,
+    Text,
+}
+
+impl Ty {
+    pub fn name(self) -> &'static str {
+        match self {
+            Ty::Void => "void",
+            Ty::Float => "float",
+            Ty::Color => "color",
+            Ty::Point => "point",
+            Ty::Vector => "vector",
+            Ty::Normal => "normal",
+            Ty::Text => "string",
+        }
+    }
+
+    pub fn of_name(name: &str) -> Option<Ty> {
+        [Ty::Void, Ty::Float, Ty::Color, Ty::Point, Ty::Vector, Ty::Normal, Ty::Text]
+            .into_iter()
+            .find(|t| t.name() == name)
+    }
+
+    pub fn is_triple(self) -> bool {
+        matches!(self, Ty::Color | Ty::Point | Ty::Vector | Ty::Normal)
+    }
+}
+
+/// An expression.
+#[derive(Clone, Debug)]
+pub struct Expr {
+    pub at: usize,
+    pub kind: ExprKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum ExprKind {
+    Number(f32),
+    Text(String),
+    Name(String),
+    Unary(&'static str, Box<Expr>),
+    Binary(&'static str, Box<Expr>, Box<Expr>),
+    Choose(Box<Expr>, Box<Expr>, Box<Expr>),
+    Call(String, Vec<Expr>),
+    /// `type ["space"] expression`
+    Cast(Ty, Option<String>, Box<Expr>),
+    Triple(Box<[Expr; 3]>),
+}
+
+/// A statement.
+#[derive(Clone, Debug)]
+pub struct Stmt {
+    pub at: usize,
+    pub kind: StmtKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum StmtKind {
+    Declare(Vec<Variable>),
+    /// Target, operator (`=`, `+=` …), value.
+    Assign(String, &'static str, Expr),
+    Call(Expr),
+    Block(Vec<Stmt>),
+    If(Expr, Box<Stmt>, Option<Box<Stmt>>),
+    While(Expr, Box<Stmt>),
+    For(Box<Stmt>, Expr, Box<Stmt>, Box<Stmt>),
+    Break,
+    Continue,
+    Return(Option<Expr>),
+    /// `illuminance`, `illuminate` or `solar`, its arguments and its body.
+    Light(&'static str, Vec<Expr>, Box<Stmt>),
+}
+
+/// A variable or a parameter.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    pub at: usize,
+    pub name: String,
+    pub ty: Ty,
+    pub varying: bool,
+    pub output: bool,
+    pub value: Option<Expr>,
+}
+
+/// A user function.
+#[derive(Clone, Debug)]
+pub struct Function {
+    pub name: String,
+    pub ret: Ty,
+    pub params: Vec<Variable>,
+    pub body: Vec<Stmt>,
+}
+
+/// A shader.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    pub kind: crate::ir::ShaderKind,
+    pub name: String,
+    pub params: Vec<Variable>,
+    pub body: Vec<Stmt>,
+}
+
+/// A source file.
+#[derive(Clone, Debug, Default)]
+pub struct File {
+    pub functions: Vec<Function>,
+    pub shader: Option<Shader>,
+    pub end: usize,
+}

@@ -1,0 +1,81 @@
+//! Repeatable noise (RISpec 15.1): gradient noise with range [0, 1] and mean ½, and constant noise of unit cells.
+
+/// A well-mixed number of three whole coordinates and a channel.
+#[inline]
+fn hash(x: i32, y: i32, z: i32, channel: u32) -> u32 {
+    let mut h = (x as u32).wrapping_mul(0x8da6_b343)
+        ^ (y as u32).wrapping_mul(0xd816_3841)
+        ^ (z as u32).wrapping_mul(0xcb1a_b31f);
+    h ^= channel.wrapping_mul(0x9e37_79b9);
+    h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
+    h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
+    h ^ (h >> 16)
+}
+
+/// The gradient of a lattice point, one of the twelve edge directions of a cube, times the way from it.
+#[inline]
+fn slope(h: u32, x: f32, y: f32, z: f32) -> f32 {
+    let h = h & 15;
+    let u = if h < 8 { x } else { y };
+    let v = if h < 4 {
+        y
+    } else if h == 12 || h == 14 {
+        x
+    } else {
+        z
+    };
+    (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+}
+
+#[inline]
+fn fade(t: f32) -> f32 {
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+#[inline]
+fn lerp(t: f32, a: f32, b: f32) -> f32 {
+    a + t * (b - a)
+}
+
+/// Gradient noise of a place, in [0, 1]; channels are independent of each other.
+#[inline]
+pub fn noise(p: [f32; 3], channel: u32) -> f32 {
+    let cell = p.map(f32::floor);
+    let [x, y, z] = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
+    let [i, j, k] = cell.map(|c| c as i32);
+    let corner = |dx: i32, dy: i32, dz: i32| {
+        let h = hash(i.wrapping_add(dx), j.wrapping_add(dy), k.wrapping_add(dz), channel);
+        slope(h, x - dx as f32, y - dy as f32, z - dz as f32)
+    };
+    let (u, v, w) = (fade(x), fade(y), fade(z));
+    let near = lerp(v, lerp(u, corner(0, 0, 0), corner(1, 0, 0)), lerp(u, corner(0, 1, 0), corner(1, 1, 0)));
+    let far = lerp(v, lerp(u, corner(0, 0, 1), corner(1, 0, 1)), lerp(u, corner(0, 1, 1), corner(1, 1, 1)));
+    (0.5 + 0.5 * lerp(w, near, far)).clamp(0.0, 1.0)
+}
+
+/// A number in [0, 1) that is constant over each unit cell.
+#[inline]
+pub fn cell_noise(p: [f32; 3], channel: u32) -> f32 {
+    let [i, j, k] = p.map(|c| c.floor() as i32);
+    hash(i, j, k, channel.wrapping_add(77)) as f32 / 4_294_967_296.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_its_range_and_mean() {
+        let (mut sum, mut lo, mut hi, n) = (0.0f64, 1.0f32, 0.0f32, 60);
+        for i in 0..n * n * n {
+            let p = [i % n, i / n % n, i / n / n].map(|c| c as f32 * 0.37 + 0.123);
+            let x = noise(p, 0);
+            (sum, lo, hi) = (sum + x as f64, lo.min(x), hi.max(x));
+        }
+        let mean = sum / (n * n * n) as f64;
+        assert!((mean - 0.5).abs() < 5e-3, "mean {mean}");
+        assert!((0.0..0.2).contains(&lo) && (0.8..=1.0).contains(&hi), "{lo} {hi}");
+        assert_eq!(noise([3.0, -2.0, 7.0], 0), 0.5);
+        assert_eq!(noise([0.3, 0.4, 0.5], 1), noise([0.3, 0.4, 0.5], 1));
+    }
+}

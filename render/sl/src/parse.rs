@@ -1,0 +1,383 @@
+//! Tokens → syntax tree, by recursive descent (RISpec part II, section 17 has the grammar).
+
+use crate::ast::*;
+use crate::ir::ShaderKind;
+use crate::lex::Tok;
+use crate::{Error, error};
+
+/// The deepest that expressions and statements may nest.
+const MAX_DEPTH: usize = 200;
+
+/// Binary operators by rising precedence.
+const LEVELS: &[&[&str]] =
+    &[&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["/", "*"], &["^"], &["."]];
+
+struct Parser<'a> {
+    tokens: &'a [(Tok, usize)],
+    at: usize,
+    depth: usize,
+}
+
+/// Parse a source file: functions and at most one shader.
+pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
+    let mut p = Parser { tokens, at: 0, depth: 0 };
+    let mut file = File::default();
+    while *p.peek() != Tok::End {
+        let at = p.place();
+        let head = p.name("a shader or a function")?;
+        if let Some(kind) = ShaderKind::of_name(&head) {
+            if file.shader.is_some() {
+                return error(at, "a file holds one shader, this is the second");
+            }
+            let name = p.name("the shader's name")?;
+            let (params, body) = (p.parameters(false)?, p.block()?);
+            file.shader = Some(Shader { kind, name, params, body });
+        } else if let Some(ret) = Ty::of_name(&head) {
+            let name = p.name("the function's name")?;
+            let (params, body) = (p.parameters(true)?, p.block()?);
+            file.functions.push(Function { name, ret, params, body });
+        } else {
+            return error(
+                at,
+                format!("expected surface, displacement, light, volume, imager or a function's type, found `{head}`"),
+            );
+        }
+    }
+    file.end = p.place();
+    Ok(file)
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> &Tok {
+        &self.tokens[self.at].0
+    }
+
+    fn ahead(&self, n: usize) -> &Tok {
+        &self.tokens[(self.at + n).min(self.tokens.len() - 1)].0
+    }
+
+    fn place(&self) -> usize {
+        self.tokens[self.at].1
+    }
+
+    fn take(&mut self) -> Tok {
+        let token = self.tokens[self.at].0.clone();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        token
+    }
+
+    fn describe(&self) -> String {
+        match self.peek() {
+            Tok::Name(n) => format!("`{n}`"),
+            Tok::Number(x) => format!("the number {x}"),
+            Tok::Text(t) => format!("the string \"{t}\""),
+            Tok::Op(op) => format!("`{op}`"),
+            Tok::End => "the end of the file".into(),
+        }
+    }
+
+    fn eat(&mut self, op: &str) -> bool {
+        let found = matches!(self.peek(), Tok::Op(o) if *o == op);
+        if found {
+            self.take();
+        }
+        found
+    }
+
+    fn expect(&mut self, op: &str) -> Result<(), Error> {
+        if self.eat(op) { Ok(()) } else { error(self.place(), format!("expected `{op}`, found {}", self.describe())) }
+    }
+
+    fn name(&mut self, what: &str) -> Result<String, Error> {
+        match self.peek().clone() {
+            Tok::Name(name) => {
+                self.take();
+                Ok(name)
+            }
+            _ => error(self.place(), format!("expected {what}, found {}", self.describe())),
+        }
+    }
+
+    fn eat_name(&mut self, name: &str) -> bool {
+        let found = matches!(self.peek(), Tok::Name(n) if n == name);
+        if found {
+            self.take();
+        }
+        found
+    }
+
+    fn deeper<T>(&mut self, f: impl FnOnce(&mut Self) -> Result<T, Error>) -> Result<T, Error> {
+        if self.depth >= MAX_DEPTH {
+            return error(self.place(), format!("nested more than {MAX_DEPTH} deep"));
+        }
+        self.depth += 1;
+        let result = f(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// `(type name [= value], … ; …)`; functions' parameters are varying unless said otherwise, shaders' uniform.
+    fn parameters(&mut self, varying: bool) -> Result<Vec<Variable>, Error> {
+        self.expect("(")?;
+        let mut params = Vec::new();
+        while !self.eat(")") {
+            let output = self.eat_name("output");
+            params.extend(self.variables(varying, output)?);
+            if !self.eat(";") && !matches!(self.peek(), Tok::Op(")")) {
+                if !varying || !self.eat(",") {
+                    return error(self.place(), format!("expected `;` or `)`, found {}", self.describe()));
+                }
+            }
+        }
+        Ok(params)
+    }
+
+    /// `[class] type name [= value] {, name [= value]}`
+    fn variables(&mut self, mut varying: bool, output: bool) -> Result<Vec<Variable>, Error> {
+        if self.eat_name("varying") {
+            varying = true;
+        } else if self.eat_name("uniform") {
+            varying = false;
+        }
+        let at = self.place();
+        let word = self.name("a type")?;
+        let ty = match Ty::of_name(&word) {
+            Some(ty) if ty != Ty::Void => ty,
+            _ if word == "matrix" => return error(at, "type `matrix` is not supported yet"),
+            _ => {
+                return error(
+                    at,
+                    format!("expected a type (float, color, point, vector, normal, string), found `{word}`"),
+                );
+            }
+        };
+        let mut list = Vec::new();
+        loop {
+            let at = self.place();
+            let name = self.name("a variable's name")?;
+            if matches!(self.peek(), Tok::Op("[")) {
+                return error(self.place(), "arrays are not supported yet");
+            }
+            let value = if self.eat("=") { Some(self.expression()?) } else { None };
+            list.push(Variable { at, name, ty, varying, output, value });
+            // In a function's parameter list a comma may also start the next declaration.
+            let next_declares = matches!(self.ahead(1), Tok::Name(n) if Ty::of_name(n).is_some() || n == "uniform" || n == "varying" || n == "output");
+            if next_declares || !self.eat(",") {
+                return Ok(list);
+            }
+        }
+    }
+
+    fn block(&mut self) -> Result<Vec<Stmt>, Error> {
+        self.expect("{")?;
+        let mut body = Vec::new();
+        while !self.eat("}") {
+            if *self.peek() == Tok::End {
+                return error(self.place(), "expected `}`, found the end of the file");
+            }
+            body.push(self.statement()?);
+        }
+        Ok(body)
+    }
+
+    fn statement(&mut self) -> Result<Stmt, Error> {
+        self.deeper(|p| {
+            let at = p.place();
+            Ok(Stmt { at, kind: p.statement_kind(at)? })
+        })
+    }
+
+    fn statement_kind(&mut self, at: usize) -> Result<StmtKind, Error> {
+        let word = match self.peek().clone() {
+            Tok::Op("{") => return Ok(StmtKind::Block(self.block()?)),
+            Tok::Op(";") => {
+                self.take();
+                return Ok(StmtKind::Block(vec![]));
+            }
+            Tok::Name(word) => word,
+            _ => return error(at, format!("expected a statement, found {}", self.describe())),
+        };
+        let kind = match word.as_str() {
+            "if" => {
+                self.take();
+                let (condition, then) = (self.parenthesised()?, self.statement()?);
+                let otherwise = if self.eat_name("else") { Some(Box::new(self.statement()?)) } else { None };
+                return Ok(StmtKind::If(condition, Box::new(then), otherwise));
+            }
+            "while" => {
+                self.take();
+                let condition = self.parenthesised()?;
+                return Ok(StmtKind::While(condition, Box::new(self.statement()?)));
+            }
+            "for" => {
+                self.take();
+                self.expect("(")?;
+                let start = self.simple()?;
+                self.expect(";")?;
+                let condition = self.expression()?;
+                self.expect(";")?;
+                let step = self.simple()?;
+                self.expect(")")?;
+                return Ok(StmtKind::For(Box::new(start), condition, Box::new(step), Box::new(self.statement()?)));
+            }
+            "illuminance" | "illuminate" | "solar" => {
+                self.take();
+                self.expect("(")?;
+                let args = self.arguments()?;
+                let which = ["illuminance", "illuminate", "solar"].into_iter().find(|w| *w == word).unwrap_or("solar");
+                return Ok(StmtKind::Light(which, args, Box::new(self.statement()?)));
+            }
+            "break" => {
+                self.take();
+                StmtKind::Break
+            }
+            "continue" => {
+                self.take();
+                StmtKind::Continue
+            }
+            "return" => {
+                self.take();
+                StmtKind::Return(if matches!(self.peek(), Tok::Op(";")) { None } else { Some(self.expression()?) })
+            }
+            "extern" => return error(at, "`extern` is not supported yet"),
+            "gather" => return error(at, "`gather` is not supported yet"),
+            "uniform" | "varying" => StmtKind::Declare(self.variables(true, false)?),
+            w if (Ty::of_name(w).is_some() || w == "matrix") && matches!(self.ahead(1), Tok::Name(_)) => {
+                StmtKind::Declare(self.variables(true, false)?)
+            }
+            _ => self.simple()?.kind,
+        };
+        self.expect(";")?;
+        Ok(kind)
+    }
+
+    /// An assignment or a call.
+    fn simple(&mut self) -> Result<Stmt, Error> {
+        let at = self.place();
+        if let (Tok::Name(name), Tok::Op(op @ ("=" | "+=" | "-=" | "*=" | "/="))) =
+            (self.peek().clone(), self.ahead(1).clone())
+        {
+            self.take();
+            self.take();
+            return Ok(Stmt { at, kind: StmtKind::Assign(name, op, self.expression()?) });
+        }
+        if let (Tok::Name(_), Tok::Op("[")) = (self.peek(), self.ahead(1)) {
+            return error(at, "arrays are not supported yet");
+        }
+        let call = self.expression()?;
+        match call.kind {
+            ExprKind::Call(..) => Ok(Stmt { at, kind: StmtKind::Call(call) }),
+            _ => error(at, "expected a statement: an assignment or a call"),
+        }
+    }
+
+    fn parenthesised(&mut self) -> Result<Expr, Error> {
+        self.expect("(")?;
+        let e = self.expression()?;
+        self.expect(")")?;
+        Ok(e)
+    }
+
+    /// Arguments up to the closing parenthesis.
+    fn arguments(&mut self) -> Result<Vec<Expr>, Error> {
+        let mut args = Vec::new();
+        if self.eat(")") {
+            return Ok(args);
+        }
+        loop {
+            args.push(self.expression()?);
+            if self.eat(")") {
+                return Ok(args);
+            }
+            self.expect(",")?;
+        }
+    }
+
+    fn expression(&mut self) -> Result<Expr, Error> {
+        self.deeper(|p| {
+            let at = p.place();
+            let condition = p.binary(0)?;
+            if !p.eat("?") {
+                return Ok(condition);
+            }
+            let then = p.expression()?;
+            p.expect(":")?;
+            let otherwise = p.expression()?;
+            Ok(Expr { at, kind: ExprKind::Choose(Box::new(condition), Box::new(then), Box::new(otherwise)) })
+        })
+    }
+
+    fn binary(&mut self, level: usize) -> Result<Expr, Error> {
+        let Some(ops) = LEVELS.get(level) else { return self.unary() };
+        let mut left = self.binary(level + 1)?;
+        while let Tok::Op(op) = *self.peek() {
+            if !ops.contains(&op) {
+                break;
+            }
+            let at = self.place();
+            self.take();
+            let right = self.binary(level + 1)?;
+            left = Expr { at, kind: ExprKind::Binary(op, Box::new(left), Box::new(right)) };
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self) -> Result<Expr, Error> {
+        let at = self.place();
+        for op in ["-", "!"] {
+            if self.eat(op) {
+                let operand = self.deeper(|p| p.unary())?;
+                return Ok(Expr { at, kind: ExprKind::Unary(op, Box::new(operand)) });
+            }
+        }
+        self.primary()
+    }
+
+    fn primary(&mut self) -> Result<Expr, Error> {
+        let at = self.place();
+        let kind = match self.peek().clone() {
+            Tok::Number(x) => {
+                self.take();
+                ExprKind::Number(x)
+            }
+            Tok::Text(t) => {
+                self.take();
+                ExprKind::Text(t)
+            }
+            Tok::Op("(") => {
+                self.take();
+                let first = self.expression()?;
+                if self.eat(",") {
+                    let second = self.expression()?;
+                    self.expect(",")?;
+                    let third = self.expression()?;
+                    self.expect(")")?;
+                    ExprKind::Triple(Box::new([first, second, third]))
+                } else {
+                    self.expect(")")?;
+                    return Ok(first);
+                }
+            }
+            Tok::Name(name) => {
+                self.take();
+                match Ty::of_name(&name) {
+                    Some(ty) if ty != Ty::Void => {
+                        let space = match self.peek().clone() {
+                            Tok::Text(space) => {
+                                self.take();
+                                Some(space)
+                            }
+                            _ => None,
+                        };
+                        let operand = self.deeper(|p| p.unary())?;
+                        ExprKind::Cast(ty, space, Box::new(operand))
+                    }
+                    _ if self.eat("(") => ExprKind::Call(name, self.arguments()?),
+                    _ => ExprKind::Name(name),
+                }
+            }
+            _ => return error(at, format!("expected an expression, found {}", self.describe())),
+        };
+        Ok(Expr { at, kind })
+    }
+}

@@ -1,0 +1,10 @@
+// Cast concrete: pale, blotched, with small pores.
+surface concrete(float Ka = 1; float Kd = 0.9; float size = 0.1;) {
+    point Q = transform("object", P) / size;
+    float blotch = noise(Q * 0.6) * 0.6 + noise(Q * 2.3) * 0.4;
+    float pores = smoothstep(0.68, 0.78, noise(Q * 9));
+    color tone = Cs * (0.82 + 0.36 * (blotch - 0.2)) * (1 - 0.35 * pores);
+    normal Nf = faceforward(normalize(N), I);
+    Oi = Os;
+    Ci = Os * tone * (Ka * (0.7 + 0.3 * zcomp(Nf)) * ambient() + Kd * diffuse(Nf));
+}

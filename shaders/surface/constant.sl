@@ -1,0 +1,5 @@
+// Flat colour, whatever the light.
+surface constant() {
+    Oi = Os;
+    Ci = Os * Cs;
+}

@@ -1,0 +1,15 @@
+// Crushed stone: speckled and veined in the stone's own space, so that the pattern turns with it.
+// size: the grain of the pattern, in the unit of the stone's space; variation: how much stones and spots differ.
+surface gravel(float Ka = 1; float Kd = 0.9; float size = 0.02; float variation = 0.35; float skylight = 0.6;) {
+    point Q = transform("object", P) / size;
+    float mottle = noise(Q * 0.35);
+    float speckle = noise(Q * 2.1);
+    float vein = 1 - smoothstep(0.0, 0.12, abs(noise(Q * 0.18 + point(31.4, 0, 0)) - 0.5));
+    float tone = 1 + variation * ((mottle - 0.5) * 1.6 + (speckle - 0.5) * 1.1) + 0.25 * variation * vein;
+    color stone = Cs * clamp(tone, 0.25, 1.8);
+    normal Nf = faceforward(normalize(N), I);
+    // The sky is brighter than the ground, so that faces turned up take more of the ambient light.
+    float sky = mix(1, 0.5 + 0.5 * zcomp(Nf), skylight);
+    Oi = Os;
+    Ci = Os * stone * (Ka * sky * ambient() + Kd * diffuse(Nf));
+}
