@@ -171,8 +171,6 @@ pub const GLOBALS: &[(&str, Ty)] = &[
     ("t", Ty::Float),
     ("u", Ty::Float),
     ("v", Ty::Float),
-    ("dPdu", Ty::Vector),
-    ("dPdv", Ty::Vector),
     ("L", Ty::Vector),
     ("Cl", Ty::Color),
     ("Ol", Ty::Color),

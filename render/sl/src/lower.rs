@@ -157,6 +157,10 @@ impl<'a> Lower<'a> {
         if let Some(value) = self.global(at, name)? {
             return Ok(value);
         }
+        if name == "dPdu" || name == "dPdv" {
+            let p = self.variable(at, "P")?;
+            return self.derivative(at, if name == "dPdu" { Builtin::Du } else { Builtin::Dv }, p);
+        }
         if name == "PI" {
             return self.constant(at, std::f32::consts::PI);
         }

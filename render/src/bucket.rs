@@ -1,0 +1,221 @@
+//! The bucket loop: which items a bucket has, the picture of one bucket, and the picture of all.
+
+use crate::camera::Camera;
+use crate::filter::Filter;
+use crate::image::Image;
+use crate::options::Options;
+use crate::sample::{Jitter, Samples};
+use crate::scene::{Item, ItemView, Scene, Shape};
+use crate::shade::{Grid, displacement_reach};
+use crate::{patch, sphere};
+use glam::Vec3;
+use rayon::prelude::*;
+use sl::machine::Machine;
+
+/// What a picture took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stats {
+    /// Primitives in the scene.
+    pub items: u64,
+    /// Grids diced.
+    pub grids: u64,
+    /// Grids found hidden or outside before shading.
+    pub grids_hidden: u64,
+    /// Points shaded.
+    pub shaded_points: u64,
+    /// Micropolygons sampled.
+    pub micropolygons: u64,
+    /// Samples tried against micropolygons.
+    pub samples: u64,
+}
+
+impl Stats {
+    fn add(mut self, o: Stats) -> Stats {
+        self.grids += o.grids;
+        self.grids_hidden += o.grids_hidden;
+        self.shaded_points += o.shaded_points;
+        self.micropolygons += o.micropolygons;
+        self.samples += o.samples;
+        self
+    }
+}
+
+/// What all buckets share.
+pub struct Frame<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The camera.
+    pub camera: Camera,
+    jitter: Jitter,
+    filter: [Filter; 2],
+    options: &'a Options,
+}
+
+/// A bucket at work, and the memory that it works in.
+pub struct Job<'a> {
+    /// What all buckets share.
+    pub frame: &'a Frame<'a>,
+    /// Its samples.
+    pub samples: Samples,
+    /// The grid at hand.
+    pub grid: Grid,
+    /// The grid machine.
+    pub machine: Machine,
+    /// Varying variables of the grid at hand.
+    pub varying: Vec<(String, Vec<f32>)>,
+    /// What it took.
+    pub stats: Stats,
+    /// Raster bound of the samples: x0, y0, x1, y1.
+    rect: [f32; 4],
+}
+
+impl Job<'_> {
+    /// Whether a camera-space box may show in this bucket: in range, on its raster, not hidden.
+    pub fn worth(&mut self, min: Vec3, max: Vec3) -> bool {
+        let Some(bound) = self.frame.camera.bound(min, max) else { return false };
+        self.touches(bound.min.to_array(), bound.max.to_array()) && !self.samples.hides(bound.min.to_array(), bound.max.to_array(), bound.z)
+    }
+
+    /// Whether a raster rectangle touches this bucket's samples.
+    pub fn touches(&self, min: [f32; 2], max: [f32; 2]) -> bool {
+        max[0] >= self.rect[0] && max[1] >= self.rect[1] && min[0] <= self.rect[2] && min[1] <= self.rect[3]
+    }
+
+    /// Whether a shader of the primitive reads u, v, s or t.
+    pub fn needs_parameters(&self, view: &ItemView<'_>) -> bool {
+        let reads = |p: &sl::ir::Program| ["u", "v", "s", "t"].iter().any(|n| p.global(n).is_some());
+        reads(&view.attributes.surface.program) || view.attributes.displacement.as_ref().is_some_and(|d| reads(&d.program))
+    }
+}
+
+/// Make the picture; `progress` is told buckets done and in all.
+pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn Fn(usize, usize) + Sync)) -> (Image, Stats) {
+    let filter = [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
+    let frame = Frame { scene, camera, jitter: Jitter::new(options.samples), filter, options };
+    let size = options.bucket_size;
+    let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
+    let lists = items_of_buckets(&frame, columns, rows);
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let tiles: Vec<(Vec<[f32; 4]>, Stats)> = (0..columns * rows)
+        .into_par_iter()
+        .with_max_len(1)
+        .map_init(
+            || Job {
+                frame: &frame,
+                samples: Samples::default(),
+                grid: Grid::default(),
+                machine: Machine::new(),
+                varying: Vec::new(),
+                stats: Stats::default(),
+                rect: [0.0; 4],
+            },
+            |job, b| {
+                let tile = one_bucket(job, [b % columns * size, b / columns * size], &lists[b]);
+                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, columns * rows);
+                tile
+            },
+        )
+        .collect();
+    let mut image = Image::new(options.width, options.height);
+    let mut stats = Stats { items: scene.sources.iter().map(|s| s.len() as u64).sum(), ..Stats::default() };
+    for (b, (pixels, own)) in tiles.into_iter().enumerate() {
+        stats = stats.add(own);
+        let (x0, y0) = (b % columns * size, b / columns * size);
+        let width = size.min(options.width - x0);
+        for (row, line) in pixels.chunks(width).enumerate() {
+            let at = (y0 + row) * options.width + x0;
+            image.pixels[at..at + width].copy_from_slice(line);
+        }
+    }
+    (image, stats)
+}
+
+/// The picture of a bucket: its items front to back, then its samples filtered.
+fn one_bucket(job: &mut Job<'_>, [x0, y0]: [usize; 2], items: &[(f32, Item)]) -> (Vec<[f32; 4]>, Stats) {
+    let frame = job.frame;
+    let (options, margin) = (frame.options, [frame.filter[0].margin(), frame.filter[1].margin()]);
+    let width = options.bucket_size.min(options.width - x0) + 2 * margin[0];
+    let height = options.bucket_size.min(options.height - y0) + 2 * margin[1];
+    let (left, top) = (x0 as i64 - margin[0] as i64, y0 as i64 - margin[1] as i64);
+    job.samples.start(&frame.jitter, left, top, width, height);
+    job.rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
+    job.stats = Stats::default();
+    for (_, item) in items {
+        draw(job, *item);
+    }
+    job.samples.resolve();
+    let mut pixels = Vec::new();
+    job.samples.filter(&frame.filter[0], &frame.filter[1], margin, options.background, &mut pixels);
+    (pixels, job.stats)
+}
+
+fn draw(job: &mut Job<'_>, item: Item) {
+    let view = job.frame.scene.view(item);
+    let (min, max) = camera_bound(&job.frame.camera, &view);
+    if !job.worth(min, max) {
+        return;
+    }
+    match view.shape {
+        Shape::Sphere => {
+            job.varying.clear();
+            sphere::draw(job, item, &view);
+        }
+        Shape::Patches(patches) => patch::draw_all(job, item, &view, patches),
+    }
+}
+
+/// The camera-space box of an item, displacement included.
+fn camera_bound(camera: &Camera, view: &ItemView<'_>) -> (Vec3, Vec3) {
+    let m = camera.to_camera * view.to_world;
+    let (min, max) = match view.shape {
+        Shape::Sphere => {
+            let row = |k: usize| Vec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]).length();
+            let (center, half) = (m.w_axis.truncate(), Vec3::new(row(0), row(1), row(2)));
+            (center - half, center + half)
+        }
+        Shape::Patches(patches) => patches
+            .iter()
+            .flat_map(|patch| patch.p.iter())
+            .map(|p| m.transform_point3(*p))
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p))),
+    };
+    let reach = displacement_reach(view, 0.5 * (max - min).max_element());
+    (min - reach, max + reach)
+}
+
+/// For each bucket, its items with their least depth, nearest first.
+fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<Vec<(f32, Item)>> {
+    let size = frame.options.bucket_size as f32;
+    let margin = [frame.filter[0].margin() as f32, frame.filter[1].margin() as f32];
+    let items: Vec<Item> = frame.scene.items().filter(|i| frame.scene.sources[i.source as usize].attributes.visible).collect();
+    let bounds: Vec<_> = items
+        .par_iter()
+        .with_min_len(1024)
+        .map(|item| {
+            let (min, max) = camera_bound(&frame.camera, &frame.scene.view(*item));
+            if min.is_finite() && max.is_finite() { frame.camera.bound(min, max) } else { None }
+        })
+        .collect();
+    let mut lists: Vec<Vec<(f32, Item)>> = vec![Vec::new(); columns * rows];
+    for (item, bound) in items.iter().zip(bounds) {
+        let Some(bound) = bound else { continue };
+        let range = |lo: f32, hi: f32, margin: f32, n: usize| {
+            let first = ((lo - margin) / size).floor().max(0.0);
+            let last = ((hi + margin) / size).floor().min(n as f32 - 1.0);
+            (first <= last).then_some(first as usize..last as usize + 1)
+        };
+        let across = range(bound.min.x, bound.max.x, margin[0], columns);
+        let down = range(bound.min.y, bound.max.y, margin[1], rows);
+        if let (Some(across), Some(down)) = (across, down) {
+            for row in down {
+                for column in across.clone() {
+                    lists[row * columns + column].push((bound.z, *item));
+                }
+            }
+        }
+    }
+    lists.par_iter_mut().for_each(|list| {
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+    });
+    lists
+}

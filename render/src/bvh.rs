@@ -1,0 +1,258 @@
+//! Ray-traced visibility: a bounding volume hierarchy over the primitives, for shadows.
+//!
+//! Spheres and ellipsoids are met directly, patches as triangles. A sphere does not shadow itself: it is convex, and where it
+//! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
+
+use crate::scene::{Item, Scene, Shape};
+use glam::{Mat4, Vec3};
+
+/// What stops a ray.
+#[derive(Clone, Copy, Debug)]
+enum Occluder {
+    Ball { center: Vec3, radius: f32 },
+    /// Index of the matrix that makes it the unit ball.
+    Ellipsoid { inverse: u32 },
+    Triangle { a: Vec3, ab: Vec3, ac: Vec3, flat: bool },
+}
+
+/// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    min: Vec3,
+    max: Vec3,
+    at: u32,
+    count: u32,
+}
+
+/// The hierarchy.
+#[derive(Default)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    occluders: Vec<(Item, Occluder)>,
+    inverses: Vec<Mat4>,
+}
+
+/// Occluders of a leaf.
+const LEAF: usize = 4;
+
+/// Segments along a curved patch's edge.
+const FACETS: usize = 12;
+
+impl Bvh {
+    /// Build it over all items of a scene that cast shadows.
+    pub fn build(scene: &Scene) -> Bvh {
+        let mut bvh = Bvh::default();
+        for item in scene.items() {
+            if scene.sources[item.source as usize].attributes.casts_shadows {
+                let (shape, to_world) = scene.place(item);
+                bvh.add(item, shape, to_world);
+            }
+        }
+        let bounds: Vec<(Vec3, Vec3)> = bvh.occluders.iter().map(|(_, o)| bvh.bound(o)).collect();
+        let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
+        if !order.is_empty() {
+            split(&bounds, &mut order, 0, &mut bvh.nodes);
+        }
+        bvh.occluders = order.iter().map(|i| bvh.occluders[*i as usize]).collect();
+        bvh
+    }
+
+    fn add(&mut self, item: Item, shape: &Shape, to_world: Mat4) {
+        match shape {
+            Shape::Sphere => {
+                let [x, y, z] = [to_world.x_axis, to_world.y_axis, to_world.z_axis].map(|a| a.truncate().length());
+                let even = (x - y).abs() <= 1e-4 * x && (x - z).abs() <= 1e-4 * x;
+                let occluder = if even {
+                    Occluder::Ball { center: to_world.w_axis.truncate(), radius: x }
+                } else {
+                    self.inverses.push(to_world.inverse());
+                    Occluder::Ellipsoid { inverse: self.inverses.len() as u32 - 1 }
+                };
+                self.occluders.push((item, occluder));
+            }
+            Shape::Patches(patches) => {
+                for patch in patches.iter() {
+                    let n = if patch.flat { 1 } else { FACETS };
+                    let at = |i: usize, j: usize| to_world.transform_point3(patch.at(i as f32 / n as f32, j as f32 / n as f32));
+                    for j in 0..n {
+                        for i in 0..n {
+                            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                            for (a, b, c) in [(a, b, c), (a, c, d)] {
+                                if (b - a).cross(c - a).length_squared() > 0.0 {
+                                    let triangle = Occluder::Triangle { a, ab: b - a, ac: c - a, flat: patch.flat };
+                                    self.occluders.push((item, triangle));
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
+        match *occluder {
+            Occluder::Ball { center, radius } => (center - radius, center + radius),
+            Occluder::Ellipsoid { inverse } => {
+                let m = self.inverses[inverse as usize].inverse();
+                let row = |k: usize| Vec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]).length();
+                let reach = Vec3::new(row(0), row(1), row(2));
+                (m.w_axis.truncate() - reach, m.w_axis.truncate() + reach)
+            }
+            Occluder::Triangle { a, ab, ac, .. } => (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac)),
+        }
+    }
+
+    /// Whether anything but `own` stands between two points; `bias` is how near the start a triangle does not count.
+    pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: f32) -> bool {
+        if self.nodes.is_empty() {
+            return false;
+        }
+        let way = to - from;
+        let length = way.length();
+        if !(length > 0.0) || !from.is_finite() {
+            return false;
+        }
+        let dir = way / length;
+        let inv = dir.recip();
+        let mut stack = [0u32; 64];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let at = stack[top];
+            let node = &self.nodes[at as usize];
+            let (t0, t1) = ((node.min - from) * inv, (node.max - from) * inv);
+            let enter = t0.min(t1).max_element().max(0.0);
+            let leave = t0.max(t1).min_element().min(length);
+            // A ray in the plane of a side gives a NaN there, which must not hide the node.
+            if enter > leave {
+                continue;
+            }
+            if node.count == 0 {
+                stack[top] = node.at;
+                stack[top + 1] = at + 1;
+                top += 2;
+                continue;
+            }
+            let leaf = &self.occluders[node.at as usize..(node.at + node.count) as usize];
+            if leaf.iter().any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline]
+    fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: f32) -> bool {
+        match *occluder {
+            Occluder::Ball { center, radius } => !own && {
+                let to = center - from;
+                let along = to.dot(dir);
+                let off2 = (to - dir * along).length_squared();
+                let r2 = radius * radius;
+                off2 < r2 && {
+                    let half = (r2 - off2).sqrt();
+                    along + half > 0.0 && along - half < length
+                }
+            },
+            Occluder::Ellipsoid { inverse } => !own && {
+                let m = &self.inverses[inverse as usize];
+                let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
+                let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
+                let disc = b * b - a * c;
+                disc > 0.0 && {
+                    let root = disc.sqrt();
+                    root - b > 0.0 && (-b - root) < length * a
+                }
+            },
+            Occluder::Triangle { a, ab, ac, flat } => !(own && flat) && {
+                let p = dir.cross(ac);
+                let det = ab.dot(p);
+                if det == 0.0 {
+                    return false;
+                }
+                let inv = 1.0 / det;
+                let s = from - a;
+                let u = s.dot(p) * inv;
+                let q = s.cross(ab);
+                let v = dir.dot(q) * inv;
+                let t = ac.dot(q) * inv;
+                u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias && t < length
+            },
+        }
+    }
+}
+
+/// Split a run of occluders at the best of 16 planes along each axis by the surface area heuristic; nodes are written depth first.
+fn split(bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32, nodes: &mut Vec<Node>) {
+    let hull = |run: &[u32]| {
+        run.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(bounds[*i as usize].0), hi.max(bounds[*i as usize].1)))
+    };
+    let (min, max) = hull(order);
+    let here = nodes.len();
+    nodes.push(Node { min, max, at: first, count: order.len() as u32 });
+    if order.len() <= LEAF {
+        return;
+    }
+    let center = |i: u32| 0.5 * (bounds[i as usize].0 + bounds[i as usize].1);
+    let (lo, hi) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(center(*i)), hi.max(center(*i))));
+    let mut middle = best_plane(bounds, order, lo, hi).map_or(0, |(axis, plane)| partition(order, |i| center(i)[axis] < plane));
+    if middle == 0 || middle == order.len() {
+        // All centres in one place: halves of the run will do.
+        middle = order.len() / 2;
+    }
+    let (left, right) = order.split_at_mut(middle);
+    split(bounds, left, first, nodes);
+    nodes[here].at = nodes.len() as u32;
+    nodes[here].count = 0;
+    split(bounds, right, first + middle as u32, nodes);
+}
+
+fn best_plane(bounds: &[(Vec3, Vec3)], order: &[u32], lo: Vec3, hi: Vec3) -> Option<(usize, f32)> {
+    const BINS: usize = 16;
+    let area = |(lo, hi): (Vec3, Vec3)| {
+        let d = (hi - lo).max(Vec3::ZERO);
+        d.x * d.y + d.y * d.z + d.z * d.x
+    };
+    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let mut best: Option<(f32, usize, f32)> = None;
+    for axis in 0..3 {
+        let width = hi[axis] - lo[axis];
+        if !(width > 0.0) {
+            continue;
+        }
+        let mut bins = [(0u32, empty); BINS];
+        for i in order {
+            let b = bounds[*i as usize];
+            let c = 0.5 * (b.0[axis] + b.1[axis]);
+            let bin = (((c - lo[axis]) / width * BINS as f32) as usize).min(BINS - 1);
+            bins[bin] = (bins[bin].0 + 1, join(bins[bin].1, b));
+        }
+        let mut after = [(0u32, empty); BINS];
+        let mut sum = (0, empty);
+        for k in (1..BINS).rev() {
+            sum = (sum.0 + bins[k].0, join(sum.1, bins[k].1));
+            after[k] = sum;
+        }
+        let mut before = (0u32, empty);
+        for k in 1..BINS {
+            before = (before.0 + bins[k - 1].0, join(before.1, bins[k - 1].1));
+            if before.0 > 0 && after[k].0 > 0 {
+                let cost = before.0 as f32 * area(before.1) + after[k].0 as f32 * area(after[k].1);
+                if best.is_none_or(|(c, ..)| cost < c) {
+                    best = Some((cost, axis, lo[axis] + width * k as f32 / BINS as f32));
+                }
+            }
+        }
+    }
+    best.map(|(_, axis, plane)| (axis, plane))
+}
+
+/// Move what satisfies `first` to the front, keeping the order on both sides; how many do.
+fn partition(order: &mut [u32], first: impl Fn(u32) -> bool) -> usize {
+    let (front, back): (Vec<u32>, Vec<u32>) = order.iter().partition(|i| first(**i));
+    order[..front.len()].copy_from_slice(&front);
+    order[front.len()..].copy_from_slice(&back);
+    front.len()
+}

@@ -1,0 +1,103 @@
+//! The camera: world → camera space → raster (pixels from the upper left corner), and bounds on the raster.
+
+use crate::options::Options;
+use glam::{Mat4, Vec2, Vec3};
+
+/// A camera.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// World to camera: x right, y up, z into the picture.
+    pub to_camera: Mat4,
+    /// Camera to world.
+    pub to_world: Mat4,
+    /// Where the eye is, world.
+    pub eye: Vec3,
+    /// Perspective, or orthographic.
+    pub perspective: bool,
+    /// Pixels for a unit of x/z and y/z, or of x and y.
+    pub scale: Vec2,
+    /// Raster point of the axis.
+    pub center: Vec2,
+    /// Nearest depth.
+    pub near: f32,
+    /// Farthest depth.
+    pub far: f32,
+}
+
+/// A rectangle of the raster and the least depth of what is in it.
+#[derive(Clone, Copy, Debug)]
+pub struct RasterBound {
+    /// Least corner, pixels.
+    pub min: Vec2,
+    /// Greatest corner, pixels.
+    pub max: Vec2,
+    /// Least depth.
+    pub z: f32,
+}
+
+impl Camera {
+    /// The camera of the options and of the transformation that was current at `WorldBegin`.
+    pub fn new(options: &Options, to_camera: Mat4) -> Camera {
+        let (w, h) = (options.width as f32, options.height as f32);
+        let aspect = w * options.pixel_aspect / h;
+        let window = options.screen_window.unwrap_or(if aspect >= 1.0 {
+            [-aspect, aspect, -1.0, 1.0]
+        } else {
+            [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect]
+        });
+        let [left, right, bottom, top] = window;
+        let half = options.fov.map_or(1.0, |fov| (fov.to_radians() * 0.5).tan());
+        let per_unit = Vec2::new(w / (right - left), h / (top - bottom));
+        let to_world = to_camera.inverse();
+        Camera {
+            to_camera,
+            to_world,
+            eye: to_world.transform_point3(Vec3::ZERO),
+            perspective: options.fov.is_some(),
+            scale: per_unit / half,
+            center: Vec2::new(-left, top) * per_unit,
+            near: options.clipping[0],
+            far: options.clipping[1],
+        }
+    }
+
+    /// Raster point of a camera-space point before the near plane.
+    #[inline]
+    pub fn project(&self, p: Vec3) -> Vec2 {
+        let k = if self.perspective { 1.0 / p.z } else { 1.0 };
+        Vec2::new(self.center.x + p.x * k * self.scale.x, self.center.y - p.y * k * self.scale.y)
+    }
+
+    /// Pixels that a unit length covers at a depth.
+    #[inline]
+    pub fn pixels_at(&self, z: f32) -> f32 {
+        let scale = self.scale.x.abs().max(self.scale.y.abs());
+        if self.perspective { scale / z.max(self.near) } else { scale }
+    }
+
+    /// The raster bound of a camera-space box, `None` if it is wholly out of the depth range. A box that reaches behind the
+    /// near plane may be anywhere on the raster.
+    pub fn bound(&self, min: Vec3, max: Vec3) -> Option<RasterBound> {
+        if !(max.z >= self.near && min.z <= self.far) {
+            return None;
+        }
+        if self.perspective && min.z < self.near {
+            return Some(RasterBound { min: Vec2::NEG_INFINITY, max: Vec2::INFINITY, z: self.near });
+        }
+        let (mut lo, mut hi) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for z in [min.z, max.z] {
+            for corner in [Vec3::new(min.x, min.y, z), Vec3::new(max.x, max.y, z)] {
+                let p = self.project(corner);
+                lo = lo.min(p);
+                hi = hi.max(p);
+            }
+        }
+        Some(RasterBound { min: lo, max: hi, z: min.z })
+    }
+
+    /// The direction from the eye to a point, unnormalised: the shading language's I.
+    #[inline]
+    pub fn incident(&self, p: Vec3) -> Vec3 {
+        if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
+    }
+}

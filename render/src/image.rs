@@ -1,0 +1,69 @@
+//! Pictures: exposure, quantization, and PNG and EXR bytes (RISpec 4.2).
+
+use crate::options::Options;
+use ::image::codecs::{openexr::OpenExrEncoder, png::PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
+
+/// A picture: rows from the top, red, green, blue (premultiplied) and coverage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// The pixels.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+impl Image {
+    /// A black picture.
+    pub fn new(width: usize, height: usize) -> Image {
+        Image { width, height, pixels: vec![[0.0; 4]; width * height] }
+    }
+
+    /// Expose the colours: (gain · c)^(1/gamma).
+    pub fn expose(&mut self, gain: f32, gamma: f32) {
+        for p in &mut self.pixels {
+            for c in &mut p[..3] {
+                *c = (*c * gain).max(0.0);
+                if gamma != 1.0 {
+                    *c = c.powf(1.0 / gamma);
+                }
+            }
+        }
+    }
+
+    /// The picture as the bytes of a file of `kind` (`png` or `exr`) with or without coverage.
+    pub fn encode(&self, kind: &str, with_alpha: bool, options: &Options) -> Result<Vec<u8>, String> {
+        let mut bytes = Vec::new();
+        let (w, h) = (self.width as u32, self.height as u32);
+        let n = if with_alpha { 4 } else { 3 };
+        if kind == "exr" {
+            let floats: Vec<u8> = self.pixels.iter().flat_map(|p| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
+            let color = if with_alpha { ExtendedColorType::Rgba32F } else { ExtendedColorType::Rgb32F };
+            OpenExrEncoder::new(std::io::Cursor::new(&mut bytes)).write_image(&floats, w, h, color).map_err(|e| e.to_string())?;
+            return Ok(bytes);
+        }
+        let deep = options.quantize_one > 255;
+        let one = if deep { 65535.0 } else { 255.0 };
+        let quantize = |i: usize, c: usize, x: f32| {
+            // Dither is noise of the pixel's own, the same in every run.
+            let noise = sl::noise::cell_noise([(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5], 9);
+            (x * one + options.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
+        };
+        let values = self.pixels.iter().enumerate().flat_map(|(i, p)| (0..n).map(move |c| (i, c, p[c])));
+        let data: Vec<u8> = if deep {
+            values.flat_map(|(i, c, x)| (quantize(i, c, x) as u16).to_ne_bytes()).collect()
+        } else {
+            values.map(|(i, c, x)| quantize(i, c, x) as u8).collect()
+        };
+        let color = match (deep, with_alpha) {
+            (false, false) => ExtendedColorType::Rgb8,
+            (false, true) => ExtendedColorType::Rgba8,
+            (true, false) => ExtendedColorType::Rgb16,
+            (true, true) => ExtendedColorType::Rgba16,
+        };
+        PngEncoder::new(&mut bytes).write_image(&data, w, h, color).map_err(|e| e.to_string())?;
+        Ok(bytes)
+    }
+}

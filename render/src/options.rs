@@ -1,0 +1,114 @@
+//! Options and attributes: the graphics state of RISpec sections 4 and 5, as far as it is built.
+
+use crate::filter::FilterKind;
+use glam::Mat4;
+use sl::machine::BoundShader;
+use std::sync::Arc;
+
+/// Where a picture goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Display {
+    /// File name.
+    pub name: String,
+    /// `png`, `exr` or `file`, which goes by the name's ending.
+    pub kind: String,
+    /// `rgb` or `rgba`.
+    pub mode: String,
+}
+
+/// What holds for the whole picture.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Left, right, bottom, top of the screen; from the format if not given.
+    pub screen_window: Option<[f32; 4]>,
+    /// Full angle of view, degrees; `None` is orthographic.
+    pub fov: Option<f32>,
+    /// Near and far.
+    pub clipping: [f32; 2],
+    /// Samples along x and y of a pixel.
+    pub samples: [usize; 2],
+    /// Pixel filter.
+    pub filter: FilterKind,
+    /// Its widths, pixels.
+    pub filter_width: [f32; 2],
+    /// Exposure's gain.
+    pub gain: f32,
+    /// Exposure's gamma.
+    pub gamma: f32,
+    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    pub quantize_one: i32,
+    /// Amplitude of the dither, quantization steps.
+    pub dither: f32,
+    /// Where it goes.
+    pub displays: Vec<Display>,
+    /// Pixels along a bucket's edge.
+    pub bucket_size: usize,
+    /// Colour behind everything, and whether it counts as covered.
+    pub background: Option<[f32; 3]>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            width: 640,
+            height: 480,
+            pixel_aspect: 1.0,
+            screen_window: None,
+            fov: None,
+            clipping: [1e-3, 1e30],
+            samples: [2, 2],
+            filter: FilterKind::Gaussian,
+            filter_width: [2.0, 2.0],
+            gain: 1.0,
+            gamma: 1.0,
+            quantize_one: 255,
+            dither: 0.5,
+            displays: vec![],
+            bucket_size: 64,
+            background: None,
+        }
+    }
+}
+
+/// What holds for a primitive.
+#[derive(Clone)]
+pub struct Attributes {
+    /// Colour.
+    pub color: [f32; 3],
+    /// Opacity.
+    pub opacity: [f32; 3],
+    /// Surface shader.
+    pub surface: Arc<BoundShader>,
+    /// The surface shader's space.
+    pub surface_space: Mat4,
+    /// Displacement shader.
+    pub displacement: Option<Arc<BoundShader>>,
+    /// The displacement shader's space.
+    pub displacement_space: Mat4,
+    /// Greatest displacement, in object units; if not given, a tenth of the primitive.
+    pub displacement_bound: Option<f32>,
+    /// Lights that are on, by handle.
+    pub lights: Vec<(String, Arc<BoundShader>)>,
+    /// The same, as shading wants them.
+    pub light_list: Arc<Vec<Arc<BoundShader>>>,
+    /// Pixels a micropolygon.
+    pub shading_rate: f32,
+    /// Colour is interpolated over a micropolygon.
+    pub smooth: bool,
+    /// Both sides are seen.
+    pub two_sided: bool,
+    /// The inside is out.
+    pub reversed: bool,
+    /// It hides what is behind and leaves a hole.
+    pub matte: bool,
+    /// It is seen by the camera.
+    pub visible: bool,
+    /// It casts shadows.
+    pub casts_shadows: bool,
+}

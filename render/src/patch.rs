@@ -1,0 +1,182 @@
+//! Splitting and dicing bicubic patches.
+//!
+//! A patch is split in its parameters until a piece is before the near plane, even in depth, and small enough for a grid. A
+//! grid's edge is diced by what the edge itself measures, in powers of two, and points that the edge's own rate does not have
+//! are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their insides need.
+
+use crate::bucket::Job;
+use crate::scene::{Item, ItemView, Patch};
+use crate::shade::{Diced, displacement_reach, finish};
+use glam::{Mat4, Vec3};
+
+/// Micropolygons along a grid's edge.
+const TILE: usize = 16;
+
+/// Splits after which a piece that still crosses the near plane is given up.
+const DEEPEST: u32 = 40;
+
+/// A piece of a patch, in its parameters.
+#[derive(Clone, Copy)]
+struct Piece {
+    u: [f32; 2],
+    v: [f32; 2],
+    depth: u32,
+}
+
+/// Draw the patches of an item.
+pub fn draw_all(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch]) {
+    for patch in patches {
+        let size = patch.p.iter().map(|p| (*p - patch.p[0]).length()).fold(0.0, f32::max);
+        let scale = view.to_world.x_axis.truncate().length();
+        let reach = displacement_reach(view, size * scale);
+        let to_camera = job.frame.camera.to_camera * view.to_world;
+        let mut stack = vec![Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 }];
+        while let Some(piece) = stack.pop() {
+            draw_piece(job, item, view, patch, &to_camera, reach, piece, &mut stack);
+        }
+    }
+}
+
+#[allow(clippy::too_many_arguments)]
+fn draw_piece(
+    job: &mut Job<'_>,
+    item: Item,
+    view: &ItemView<'_>,
+    patch: &Patch,
+    to_camera: &Mat4,
+    reach: f32,
+    piece: Piece,
+    stack: &mut Vec<Piece>,
+) {
+    let p = sub_patch(&patch.p, piece).map(|p| to_camera.transform_point3(p));
+    let (min, max) = p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (min, max) = (min - reach, max + reach);
+    if !min.is_finite() || !max.is_finite() || !job.worth(min, max) {
+        return;
+    }
+    let camera = &job.frame.camera;
+    let split = |along_u: bool, stack: &mut Vec<Piece>| {
+        let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
+        let depth = piece.depth + 1;
+        if along_u {
+            stack.extend(halves(piece.u).map(|u| Piece { u, depth, ..piece }));
+        } else {
+            stack.extend(halves(piece.v).map(|v| Piece { v, depth, ..piece }));
+        }
+    };
+    let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
+    let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
+    let crosses = camera.perspective && min.z <= camera.near;
+    if crosses {
+        if piece.depth < DEEPEST {
+            let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
+            split(u >= v, stack);
+        }
+        return;
+    }
+    let step = view.attributes.shading_rate.sqrt();
+    let raster = p.map(|p| {
+        let r = camera.project(p);
+        Vec3::new(r.x, r.y, 0.0)
+    });
+    // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
+    let pixels = |a: usize, stride: usize| path(&[raster[a], raster[a + stride], raster[a + 2 * stride], raster[a + 3 * stride]]) / step;
+    let rate = |length: f32| (length.max(1.0).min(65536.0).ceil() as usize).next_power_of_two();
+    let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
+    let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
+    let (nu, nv) = (rows.into_iter().max().unwrap_or(1), columns.into_iter().max().unwrap_or(1));
+    let uneven = camera.perspective && max.z > 2.0 * min.z;
+    let deep = piece.depth >= DEEPEST;
+    if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
+        return split(nu >= nv, stack);
+    }
+    let (nu, nv) = (nu.min(TILE), nv.min(TILE));
+    let apron = view.attributes.displacement.is_some();
+    dice(job, view, patch, piece, nu, nv, apron);
+    let keep = [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
+    finish(job, item, view, &Diced { apron, keep });
+}
+
+/// Length of a control polygon's leg.
+fn path(p: &[Vec3; 4]) -> f32 {
+    (p[1] - p[0]).length() + (p[2] - p[1]).length() + (p[3] - p[2]).length()
+}
+
+/// Control points of a piece, by de Casteljau's construction in each direction.
+fn sub_patch(p: &[Vec3; 16], piece: Piece) -> [Vec3; 16] {
+    let mut out = *p;
+    for j in 0..4 {
+        let row = sub_curve([out[4 * j], out[4 * j + 1], out[4 * j + 2], out[4 * j + 3]], piece.u);
+        out[4 * j..4 * j + 4].copy_from_slice(&row);
+    }
+    for i in 0..4 {
+        let column = sub_curve([out[i], out[4 + i], out[8 + i], out[12 + i]], piece.v);
+        (0..4).for_each(|j| out[4 * j + i] = column[j]);
+    }
+    out
+}
+
+/// Bézier points of the part of a curve between two parameters: its blossom.
+fn sub_curve(p: [Vec3; 4], [a, b]: [f32; 2]) -> [Vec3; 4] {
+    let blossom = |t: [f32; 3]| {
+        let mut q = p;
+        for (level, t) in t.into_iter().enumerate() {
+            for i in 0..3 - level {
+                q[i] = q[i].lerp(q[i + 1], t);
+            }
+        }
+        q[0]
+    };
+    [blossom([a, a, a]), blossom([a, a, b]), blossom([a, b, b]), blossom([b, b, b])]
+}
+
+fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu: usize, nv: usize, apron: bool) {
+    let ring = apron as i32;
+    // All points are of the whole patch at dyadic parameters, so that grids that share an edge compute the same points.
+    let lines = |r: [f32; 2], n: usize| (-ring..=n as i32 + ring).map(move |k| r[0] + (r[1] - r[0]) * k as f32 / n as f32).collect::<Vec<f32>>();
+    let (us, vs) = (lines(piece.u, nu), lines(piece.v, nv));
+    let normals = glam::Mat3::from_mat4(view.to_world).inverse().transpose();
+    let mirrored = view.to_world.determinant() < 0.0;
+    let sign = if view.attributes.reversed { -1.0 } else { 1.0 };
+    let points = &mut job.grid.points;
+    (points.nu, points.nv) = (us.len(), vs.len());
+    points.orientation = if mirrored { -sign } else { sign };
+    let n = points.n();
+    let mut p = std::mem::take(points.refill("P"));
+    let mut normal = std::mem::take(points.refill("N"));
+    p.resize(3 * n, 0.0);
+    normal.resize(3 * n, 0.0);
+    for (j, v) in vs.iter().enumerate() {
+        for (i, u) in us.iter().enumerate() {
+            let k = j * us.len() + i;
+            let q = view.to_world.transform_point3(patch.at(*u, *v));
+            let m = (normals * patch.normal(*u, *v)).normalize_or_zero() * sign;
+            (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
+            (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
+        }
+    }
+    *points.refill("P") = p;
+    *points.refill("N") = normal;
+    if job.needs_parameters(view) {
+        let points = &mut job.grid.points;
+        for (name, corner) in [("u", patch.uv.map(|c| c[0])), ("v", patch.uv.map(|c| c[1])), ("s", patch.st.map(|c| c[0])), ("t", patch.st.map(|c| c[1]))] {
+            let values = vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corner, *u, *v)));
+            points.refill(name).extend(values);
+        }
+    }
+    job.varying.clear();
+    for (name, values) in &patch.varying {
+        let width = values.len() / 4;
+        let corner = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
+        // The apron is dropped from globals alone: variables are made without it.
+        let inner = |x: &[f32]| x[ring as usize..x.len() - ring as usize].to_vec();
+        let (us, vs) = (inner(&us), inner(&vs));
+        let all = (0..width).flat_map(|c| vs.iter().flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>()).collect::<Vec<_>>());
+        job.varying.push((name.clone(), all.collect()));
+    }
+    job.varying.extend(patch.uniform.iter().cloned());
+}
+
+fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
+    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
+}

@@ -1,0 +1,273 @@
+//! The scene: sources of primitives, held by reference; an item is one primitive of a source.
+
+use crate::bvh::Bvh;
+use crate::options::Attributes;
+use glam::{Mat4, Quat, Vec3};
+use ri::{Instances, Param, Values};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+/// A primitive in its object space.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A whole sphere of radius 1; its size is in the transformation.
+    Sphere,
+    /// A part of a sphere, as patches.
+    Patches(Arc<Vec<Patch>>),
+}
+
+/// A bicubic Bézier patch with its corner values.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// Control points, u fastest.
+    pub p: [Vec3; 16],
+    /// u and v at the corners (0,0), (1,0), (0,1), (1,1).
+    pub uv: [[f32; 2]; 4],
+    /// s and t at the corners.
+    pub st: [[f32; 2]; 4],
+    /// Varying variables: name and values at the four corners, `width` each.
+    pub varying: Vec<(String, Vec<f32>)>,
+    /// Variables that are the same all over.
+    pub uniform: Vec<(String, Vec<f32>)>,
+    /// Flat, so that it cannot shadow itself.
+    pub flat: bool,
+}
+
+/// What a source repeats.
+pub enum SourceShape {
+    /// One primitive.
+    One(Shape),
+    /// Spheres by columns.
+    Spheres(Instances),
+    /// Objects by columns: each has all these parts with their places in the object.
+    Objects(Instances, Arc<Vec<(Shape, Mat4)>>),
+}
+
+/// Primitives that share attributes and a transformation.
+pub struct Source {
+    /// The primitives.
+    pub shape: SourceShape,
+    /// Object to world.
+    pub to_world: Mat4,
+    /// Attributes.
+    pub attributes: Arc<Attributes>,
+    /// Uniform primitive variables.
+    pub uniform: Vec<(String, Vec<f32>)>,
+}
+
+/// Source and index within it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Index into the sources.
+    pub source: u32,
+    /// Index within the source.
+    pub index: u32,
+}
+
+/// One primitive, looked up.
+pub struct ItemView<'a> {
+    /// Its shape.
+    pub shape: &'a Shape,
+    /// Shape to world.
+    pub to_world: Mat4,
+    /// Object space to world: as `to_world`, but without the scale that is a sphere's radius.
+    pub object_to_world: Mat4,
+    /// Attributes.
+    pub attributes: &'a Attributes,
+    /// Colour.
+    pub color: [f32; 3],
+    /// The source, for its uniform variables.
+    pub source: &'a Source,
+    /// The instance.
+    pub instance: Option<(&'a Instances, usize)>,
+}
+
+/// All that is drawn.
+#[derive(Default)]
+pub struct Scene {
+    /// Primitives.
+    pub sources: Vec<Source>,
+    /// Named coordinate systems, to world.
+    pub spaces: HashMap<String, Mat4>,
+    /// Camera to world.
+    pub camera_to_world: Mat4,
+    /// For shadows; made at `WorldEnd`.
+    pub bvh: Bvh,
+    /// What is odd about the scene, once each.
+    pub warnings: Mutex<Vec<String>>,
+}
+
+static WHOLE_SPHERE: Shape = Shape::Sphere;
+
+impl Source {
+    /// Number of items.
+    pub fn len(&self) -> usize {
+        match &self.shape {
+            SourceShape::One(_) => 1,
+            SourceShape::Spheres(columns) => columns.len(),
+            SourceShape::Objects(columns, parts) => columns.len() * parts.len(),
+        }
+    }
+
+    /// Whether it has no items.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Scene {
+    /// All items, in order.
+    pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
+        self.sources.iter().enumerate().flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
+    }
+
+    /// Look an item up.
+    pub fn view(&self, item: Item) -> ItemView<'_> {
+        let source = &self.sources[item.source as usize];
+        let i = item.index as usize;
+        let attributes = &*source.attributes;
+        let (shape, place, object, instance) = match &source.shape {
+            SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
+            SourceShape::Spheres(columns) => (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i))),
+            SourceShape::Objects(columns, parts) => {
+                let (k, part) = (i / parts.len(), &parts[i % parts.len()]);
+                let place = columns.matrix(k) * part.1;
+                (&part.0, place, unscaled(columns, k), Some((columns, k)))
+            }
+        };
+        let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
+        let (to_world, object_to_world) = (source.to_world * place, source.to_world * object);
+        ItemView { shape, to_world, object_to_world, attributes, color, source, instance }
+    }
+
+    /// The place of an item for shadows and bounds alone: shape and its matrix to world.
+    pub fn place(&self, item: Item) -> (&Shape, Mat4) {
+        let source = &self.sources[item.source as usize];
+        let i = item.index as usize;
+        match &source.shape {
+            SourceShape::One(shape) => (shape, source.to_world),
+            SourceShape::Spheres(columns) => (&WHOLE_SPHERE, source.to_world * columns.matrix(i)),
+            SourceShape::Objects(columns, parts) => {
+                let part = &parts[i % parts.len()];
+                (&part.0, source.to_world * columns.matrix(i / parts.len()) * part.1)
+            }
+        }
+    }
+
+    /// Remember an oddity, once.
+    pub fn warn(&self, message: String) {
+        let mut warnings = self.warnings.lock().unwrap_or_else(|e| e.into_inner());
+        if !warnings.contains(&message) {
+            warnings.push(message);
+        }
+    }
+}
+
+fn unscaled(columns: &Instances, i: usize) -> Mat4 {
+    let turn = columns.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q));
+    Mat4::from_rotation_translation(turn, Vec3::from(columns.position[i]))
+}
+
+fn instance_color(columns: &Instances, i: usize) -> Option<[f32; 3]> {
+    let param = columns.params.iter().find(|p| p.decl.name == "Cs")?;
+    param.numbers().get(3 * i..3 * i + 3).map(|c| [c[0], c[1], c[2]])
+}
+
+/// The uniform numbers of an instance's primitive variables other than colour.
+pub(crate) fn instance_inputs(columns: &Instances, i: usize) -> impl Iterator<Item = (String, Vec<f32>)> + '_ {
+    let wanted = |p: &&Param| p.decl.name != "Cs" && matches!(p.values, Values::Floats(_));
+    columns.params.iter().filter(wanted).map(move |p| {
+        let width = p.decl.width();
+        (p.decl.name.clone(), p.numbers()[i * width..(i + 1) * width].to_vec())
+    })
+}
+
+impl Patch {
+    /// The bilinear patch of four corners (0,0), (1,0), (0,1), (1,1), as a bicubic one.
+    pub fn bilinear(c: [Vec3; 4]) -> Patch {
+        let mut p = [Vec3::ZERO; 16];
+        for (k, q) in p.iter_mut().enumerate() {
+            let (u, v) = ((k % 4) as f32 / 3.0, (k / 4) as f32 / 3.0);
+            *q = lerp4(c, u, v);
+        }
+        let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
+        let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat }
+    }
+
+    /// The point at (u, v).
+    pub fn at(&self, u: f32, v: f32) -> Vec3 {
+        let (bu, bv) = (bernstein(u), bernstein(v));
+        (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
+    }
+
+    /// Derivatives along u and v.
+    pub fn slopes(&self, u: f32, v: f32) -> (Vec3, Vec3) {
+        let (bu, bv, du, dv) = (bernstein(u), bernstein(v), bernstein_slope(u), bernstein_slope(v));
+        let sum = |x: [f32; 4], y: [f32; 4]| (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum();
+        (sum(du, bv), sum(bu, dv))
+    }
+
+    /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.
+    pub fn normal(&self, u: f32, v: f32) -> Vec3 {
+        let (mut u, mut v) = (u, v);
+        for _ in 0..3 {
+            let (du, dv) = self.slopes(u, v);
+            let n = du.cross(dv);
+            if n.length_squared() > 1e-12 * du.length_squared().max(dv.length_squared()).powi(2) {
+                return n.normalize();
+            }
+            (u, v) = (u + (0.5 - u) * 0.02, v + (0.5 - v) * 0.02);
+        }
+        Vec3::ZERO
+    }
+}
+
+/// Bilinear interpolation between corners.
+pub(crate) fn lerp4(c: [Vec3; 4], u: f32, v: f32) -> Vec3 {
+    c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v)
+}
+
+fn bernstein(t: f32) -> [f32; 4] {
+    let s = 1.0 - t;
+    [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
+}
+
+fn bernstein_slope(t: f32) -> [f32; 4] {
+    let s = 1.0 - t;
+    [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
+}
+
+/// A part of a sphere as patches of at most 30°, which miss the sphere by less than 1e-6 of its radius.
+pub fn sphere_patches(radius: f32, z_min: f32, z_max: f32, sweep: f32) -> Vec<Patch> {
+    let lo = (z_min / radius).clamp(-1.0, 1.0).asin();
+    let hi = (z_max / radius).clamp(-1.0, 1.0).asin();
+    let turn = sweep.to_radians();
+    let step = 30f32.to_radians();
+    let (nu, nv) = ((turn.abs() / step).ceil().max(1.0) as usize, ((hi - lo).abs() / step).ceil().max(1.0) as usize);
+    let mut patches = Vec::new();
+    for j in 0..nv {
+        let profile = arc(lo + (hi - lo) * j as f32 / nv as f32, lo + (hi - lo) * (j + 1) as f32 / nv as f32);
+        for i in 0..nu {
+            let around = arc(turn * i as f32 / nu as f32, turn * (i + 1) as f32 / nu as f32);
+            let mut p = [Vec3::ZERO; 16];
+            for (k, q) in p.iter_mut().enumerate() {
+                let ([r, z], [x, y]) = (profile[k / 4], around[k % 4]);
+                *q = Vec3::new(r * x, r * y, z) * radius;
+            }
+            let u = [i as f32 / nu as f32, (i + 1) as f32 / nu as f32];
+            let v = [j as f32 / nv as f32, (j + 1) as f32 / nv as f32];
+            let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
+            patches.push(Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false });
+        }
+    }
+    patches
+}
+
+/// Bézier points of the unit circle's arc between two angles.
+fn arc(a: f32, b: f32) -> [[f32; 2]; 4] {
+    let k = 4.0 / 3.0 * ((b - a) / 4.0).tan();
+    let ((sa, ca), (sb, cb)) = (a.sin_cos(), b.sin_cos());
+    [[ca, sa], [ca - k * sa, sa + k * ca], [cb + k * sb, sb - k * cb], [cb, sb]]
+}

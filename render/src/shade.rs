@@ -1,0 +1,248 @@
+//! A grid of micropolygons: displaced, projected, shaded and handed to the samples.
+
+use crate::bucket::{Job, Stats};
+use crate::camera::Camera;
+use crate::sample::Look;
+use crate::scene::{Item, ItemView, Scene, instance_inputs};
+use glam::{Mat4, Vec3};
+use sl::ir::{Op, Program};
+use sl::machine::{BoundShader, Points};
+use std::sync::Arc;
+
+/// A grid: points in rows, in world space, and where they fall on the raster.
+#[derive(Default)]
+pub struct Grid {
+    /// P, N, u, v, s, t as the dicer left them.
+    pub points: Points,
+    /// Raster x and y, pixels, and depth.
+    raster: Vec<[f32; 3]>,
+}
+
+/// What a dicer says of its grid.
+pub struct Diced {
+    /// An extra ring of points all around, for derivatives, which is dropped after displacement.
+    pub apron: bool,
+    /// After displacement, points of an edge that its neighbour does not have are put onto the line between those that it has:
+    /// every how many points of the edges at the first row, last row, first column, last column are kept.
+    pub keep: [usize; 4],
+}
+
+/// The scene as shaders see it from one primitive.
+struct View<'a> {
+    scene: &'a Scene,
+    item: Item,
+    object_to_world: Mat4,
+    shader_to_world: Mat4,
+    lights: &'a [Arc<BoundShader>],
+    bias: f32,
+}
+
+impl sl::machine::Scene for View<'_> {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        self.lights
+    }
+
+    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
+        let to_world = |space: &str| match space {
+            "current" | "world" => Some(Mat4::IDENTITY),
+            "object" => Some(self.object_to_world),
+            "shader" => Some(self.shader_to_world),
+            "camera" => Some(self.scene.camera_to_world),
+            named => {
+                let found = self.scene.spaces.get(named).copied();
+                if found.is_none() {
+                    self.scene.warn(format!("a shader names the unknown space `{named}`; world space is taken"));
+                }
+                found
+            }
+        };
+        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
+    }
+
+    fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+        let blocked = self.scene.bvh.blocked(self.item, from.into(), to.into(), self.bias);
+        if blocked { [0.0; 3] } else { [1.0; 3] }
+    }
+}
+
+/// Whether a shader leaves Oi as Os, so that an opaque primitive stays opaque.
+pub fn keeps_opacity(program: &Program) -> bool {
+    fn plain(ops: &[Op], oi: u16, os: Option<u16>) -> bool {
+        ops.iter().all(|op| match op {
+            Op::Assign(dst, src) => *dst != oi || Some(*src) == os,
+            Op::If(_, a, b) => plain(a, oi, os) && plain(b, oi, os),
+            Op::Loop(a, _, b, c) => plain(a, oi, os) && plain(b, oi, os) && plain(c, oi, os),
+            Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } => plain(body, oi, os),
+            _ => true,
+        })
+    }
+    program.global("Oi").is_none_or(|oi| plain(&program.body, oi, program.global("Os")))
+}
+
+/// The greatest displacement of an item in world units.
+pub fn displacement_reach(view: &ItemView<'_>, size: f32) -> f32 {
+    if view.attributes.displacement.is_none() {
+        return 0.0;
+    }
+    let scale = view.object_to_world.x_axis.truncate().length();
+    view.attributes.displacement_bound.map_or(0.1 * size, |b| b * scale)
+}
+
+/// Displace, project, shade and sample the grid that a dicer has left in `job.grid`.
+pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced) {
+    let a = view.attributes;
+    let frame = job.frame;
+    job.grid.points.inputs.clear();
+    let source_inputs = view.source.uniform.iter().cloned();
+    let own_inputs = view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i));
+    job.grid.points.inputs.extend(source_inputs.chain(own_inputs));
+    let mut scene = View {
+        scene: frame.scene,
+        item,
+        object_to_world: view.object_to_world,
+        shader_to_world: a.displacement_space,
+        lights: &a.light_list,
+        bias: 0.0,
+    };
+    if let Some(displacement) = &a.displacement {
+        fill_incident(&mut job.grid.points, &frame.camera);
+        job.machine.run(displacement, &mut job.grid.points, &scene);
+        spread(&mut job.grid.points);
+    }
+    if diced.apron {
+        strip_apron(&mut job.grid.points);
+    }
+    job.grid.points.inputs.append(&mut job.varying);
+    if diced.keep != [1; 4] {
+        snap_edges(&mut job.grid.points, diced.keep);
+    }
+    let Some((min, max, z)) = job.grid.project(&frame.camera) else { return };
+    job.stats.grids += 1;
+    if !job.touches(min, max) || job.samples.hides([min[0], min[1]], [max[0], max[1]], z) {
+        job.stats.grids_hidden += 1;
+        return;
+    }
+    let n = job.grid.points.n();
+    scene.shader_to_world = a.surface_space;
+    scene.bias = 2.0 / frame.camera.pixels_at(z);
+    fill_incident(&mut job.grid.points, &frame.camera);
+    let varies = |name: &str| job.grid.points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+    let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));
+    job.grid.points.refill("Cs").extend_from_slice(&cs);
+    job.grid.points.refill("Os").extend_from_slice(&os);
+    job.grid.points.refill("Ci").extend_from_slice(&[0.0; 3]);
+    job.grid.points.refill("Oi").extend_from_slice(&os);
+    if a.surface.program.global("Ng").is_some() {
+        let normal = job.grid.points.get("N").unwrap_or(&[]).to_vec();
+        job.grid.points.refill("Ng").extend(normal);
+    }
+    if a.surface.program.global("E").is_some() {
+        let eye = frame.camera.eye.to_array();
+        job.grid.points.refill("E").extend_from_slice(&eye);
+    }
+    job.machine.run(&a.surface, &mut job.grid.points, &scene);
+    job.stats.shaded_points += n as u64;
+    sample(job, view);
+}
+
+fn sample(job: &mut Job<'_>, view: &ItemView<'_>) {
+    let points = &job.grid.points;
+    let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), points.get("Oi").unwrap_or(&[1.0; 3]));
+    let opaque = oi.iter().all(|o| *o >= 1.0);
+    let look = Look { color: ci, opacity: oi, n: points.n(), smooth: view.attributes.smooth, opaque, matte: view.attributes.matte };
+    let near = job.frame.camera.near;
+    let nu = points.nu;
+    let stats: &mut Stats = &mut job.stats;
+    for j in 0..points.nv - 1 {
+        for i in 0..nu - 1 {
+            let k = j * nu + i;
+            let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| (job.grid.raster[k], k as u32));
+            if corners.iter().any(|(p, _)| !(p[2] >= near)) {
+                continue;
+            }
+            stats.micropolygons += 1;
+            stats.samples += job.samples.quad(corners, &look) as u64;
+        }
+    }
+}
+
+impl Grid {
+    /// Project all points; the bound on the raster and the least depth, `None` if nothing is before the near plane.
+    fn project(&mut self, camera: &Camera) -> Option<([f32; 2], [f32; 2], f32)> {
+        let n = self.points.n();
+        let p = self.points.get("P")?;
+        let (mut min, mut max, mut z) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2], f32::INFINITY);
+        self.raster.clear();
+        for k in 0..n {
+            let c = camera.to_camera.transform_point3(Vec3::new(p[k], p[n + k], p[2 * n + k]));
+            if !(c.z >= camera.near && c.is_finite()) {
+                self.raster.push([0.0, 0.0, f32::NEG_INFINITY]);
+                continue;
+            }
+            let r = camera.project(c);
+            self.raster.push([r.x, r.y, c.z]);
+            min = [min[0].min(r.x), min[1].min(r.y)];
+            max = [max[0].max(r.x), max[1].max(r.y)];
+            z = z.min(c.z);
+        }
+        (z <= camera.far).then_some((min, max, z))
+    }
+}
+
+/// I at every point, and a uniform P or N made varying, as projection wants it.
+fn fill_incident(points: &mut Points, camera: &Camera) {
+    spread(points);
+    let n = points.n();
+    let mut i = std::mem::take(points.refill("I"));
+    i.resize(3 * n, 0.0);
+    let p = points.get("P").unwrap_or(&[]);
+    for k in 0..n {
+        let v = camera.incident(Vec3::new(p[k], p[n + k], p[2 * n + k]));
+        (i[k], i[n + k], i[2 * n + k]) = (v.x, v.y, v.z);
+    }
+    *points.refill("I") = i;
+}
+
+/// A shader may have left P or N the same everywhere.
+fn spread(points: &mut Points) {
+    let n = points.n();
+    for (_, v) in points.globals.iter_mut().filter(|(name, v)| matches!(*name, "P" | "N") && v.len() == 3 && n > 1) {
+        *v = v.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
+    }
+}
+
+/// Drop the ring of points around the grid.
+fn strip_apron(points: &mut Points) {
+    let (nu, nv, n) = (points.nu, points.nv, points.n());
+    for (_, v) in &mut points.globals {
+        if v.len() >= n && v.len() % n == 0 {
+            let mut kept = Vec::with_capacity(v.len());
+            for c in 0..v.len() / n {
+                for j in 1..nv - 1 {
+                    let row = c * n + j * nu;
+                    kept.extend_from_slice(&v[row + 1..row + nu - 1]);
+                }
+            }
+            *v = kept;
+        }
+    }
+    points.nu -= 2;
+    points.nv -= 2;
+}
+
+/// Put the points of an edge that its neighbour does not have onto the line between those that it has.
+fn snap_edges(points: &mut Points, keep: [usize; 4]) {
+    let (nu, nv, n) = (points.nu, points.nv, points.n());
+    let Some((_, p)) = points.globals.iter_mut().find(|(name, _)| *name == "P") else { return };
+    let edges = [(0, 1, nu), ((nv - 1) * nu, 1, nu), (0, nu, nv), (nu - 1, nu, nv)];
+    for ((start, stride, count), keep) in edges.into_iter().zip(keep) {
+        for i in (0..count).filter(|i| i % keep != 0) {
+            let (a, b) = (i - i % keep, (i - i % keep + keep).min(count - 1));
+            let t = (i - a) as f32 / (b - a) as f32;
+            for c in 0..3 {
+                let at = |k: usize| c * n + start + k * stride;
+                p[at(i)] = p[at(a)] * (1.0 - t) + p[at(b)] * t;
+            }
+        }
+    }
+}
