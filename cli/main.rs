@@ -1,2 +1,50 @@
-//! The scree command.
-fn main() {}
+//! The scree command: simulate, render, encode.
+//!
+//! `args` holds the words of the command line, `job` checks and resolves them, and each subcommand has its file.
+
+mod args;
+mod bench;
+mod check;
+mod doctor;
+mod inspect;
+mod job;
+mod library;
+mod movie;
+mod progress;
+mod render;
+mod report;
+mod rib;
+mod run;
+mod simulate;
+
+use args::{Args, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    if let Some(threads) = args.threads
+        && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
+    {
+        eprintln!("error: cannot start {threads} threads: {e}");
+        return ExitCode::from(1);
+    }
+    let done = match args.command {
+        Command::Run(a) => run::run(&a),
+        Command::Simulate(a) => simulate::command(&a),
+        Command::Render(a) => render::command(&a),
+        Command::Rib(a) => rib::command(&a),
+        Command::Movie(a) => movie::command(&a),
+        Command::Check(a) => check::command(&a),
+        Command::Inspect(a) => inspect::command(&a),
+        Command::Bench(a) => bench::command(&a),
+        Command::Doctor => doctor::command(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::from(failure.exit as u8)
+        }
+    }
+}

@@ -53,6 +53,8 @@ pub struct Context {
     objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
     progress: Progress,
+    /// Take all calls but make no picture: for checking a scene.
+    pub dry: bool,
     /// Pictures that are done, for the caller to take.
     pub finished: Vec<Finished>,
 }
@@ -124,6 +126,7 @@ impl Context {
             objects: HashMap::new(),
             open_object: None,
             progress: Box::new(|_, _| {}),
+            dry: false,
             finished: vec![],
         };
         context.attributes.surface = context.shader("defaultsurface", "surface", vec![])?;
@@ -133,6 +136,11 @@ impl Context {
     /// Be told of buckets done and in all.
     pub fn on_progress(&mut self, progress: impl Fn(usize, usize) + Sync + Send + 'static) {
         self.progress = Box::new(progress);
+    }
+
+    /// The names of a shader's parameters.
+    pub fn shader_parameters(&mut self, name: &str, kind: &str) -> Result<Vec<String>, Fail> {
+        Ok(self.shader(name, kind, vec![])?.program.params.iter().map(|p| p.name.clone()).collect())
     }
 
     /// Object to world: the current transformation after `WorldBegin`.
@@ -331,6 +339,9 @@ impl Ri for Context {
     }
     fn world_end(&mut self) -> RiResult {
         let Some(to_camera) = self.to_camera.take() else { return Err(Fail::new("WorldEnd without WorldBegin")) };
+        if self.dry {
+            return Ok(());
+        }
         self.scene.bvh = Bvh::build(&self.scene);
         let camera = Camera::new(&self.options, to_camera);
         let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);

@@ -67,3 +67,8 @@ impl Image {
         Ok(bytes)
     }
 }
+
+/// Width and height of a picture file, if it can be decoded whole.
+pub fn decode_size(path: &std::path::Path) -> Option<(u32, u32)> {
+    ::image::open(path).ok().map(|i| (i.width(), i.height()))
+}

@@ -19,5 +19,7 @@ pub mod scene;
 mod shade;
 mod sphere;
 
+pub use {ri, sl};
+
 pub use context::{Context, Finished};
 pub use options::{Display, Options};

@@ -1,0 +1,215 @@
+//! The words of the command line, as clap has them; nothing here is checked beyond their form.
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Simulate granular material and vehicles, and turn the runs into pictures and movies.
+///
+/// Start with `scree run metadata/quickstart.yaml`: it simulates, renders and encodes the ready example.
+/// Exit codes: 0 done, 1 a fault of the program or the machine, 2 usage, 3 bad input file, 4 bad data, 5 partly done, 130 interrupted.
+#[derive(Parser, Debug)]
+#[command(name = "scree", version)]
+pub struct Args {
+    /// Threads to work with; all processors if not given.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Simulate, render and encode: the whole way from a model or a metadata file to a movie.
+    Run(RunArgs),
+    /// Simulate a model into a run directory.
+    Simulate(SimulateArgs),
+    /// Render the frames of a run directory or of a metadata file, or a RIB scene.
+    Render(RenderArgs),
+    /// Print a frame as RIB, for any RenderMan renderer.
+    Rib(RibArgs),
+    /// Encode the pictures of a folder to a movie.
+    Movie(MovieArgs),
+    /// Check models, metadata, RIB scenes and shaders, and say what is wrong with them and where.
+    Check(CheckArgs),
+    /// Show columns, ranges and frames of any data, and write a metadata file to start from.
+    Inspect(InspectArgs),
+    /// Measure this machine.
+    Bench(BenchArgs),
+    /// Say what of the machine scree can use.
+    Doctor,
+}
+
+#[derive(Parser, Debug)]
+pub struct RunArgs {
+    /// A model or a metadata file (YAML).
+    pub input: PathBuf,
+    /// Where everything goes [default: runs/NAME].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Simulate again even if the same model's run is there.
+    #[arg(long)]
+    pub fresh: bool,
+    #[command(flatten)]
+    pub pictures: PictureArgs,
+}
+
+#[derive(Parser, Debug)]
+pub struct SimulateArgs {
+    /// The model (YAML).
+    pub model: PathBuf,
+    /// The run directory [default: runs/NAME].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Stop at this time, s.
+    #[arg(long, value_name = "T")]
+    pub until: Option<f64>,
+    /// What computes.
+    #[arg(long, default_value = "auto")]
+    pub backend: Backend,
+    /// Write frames as CSV rather than Arrow.
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// What computes.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// The best there is.
+    Auto,
+    /// The processor.
+    Cpu,
+    /// A graphics adapter.
+    Gpu,
+}
+
+#[derive(Parser, Debug)]
+pub struct PictureArgs {
+    /// Frames: 3, 0-99, 0-99x5 (every fifth), 120x5 (every fifth from 120 on), joined by commas.
+    #[arg(short, long, value_name = "LIST")]
+    pub frames: Option<String>,
+    /// Pixels, as 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = resolution)]
+    pub res: Option<[u32; 2]>,
+    /// Samples along a pixel's side.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: Option<u32>,
+    /// Draw only frames whose picture is not there yet.
+    #[arg(long)]
+    pub missing: bool,
+}
+
+/// `1280x720`
+fn resolution(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    parsed.filter(|r: &[u32; 2]| r.iter().all(|n| (1..=65_536).contains(n))).ok_or_else(|| format!("`{text}` is not a size: expected 1280x720"))
+}
+
+#[derive(Parser, Debug)]
+pub struct RenderArgs {
+    /// A run directory, a metadata file (YAML) or a scene (.rib).
+    pub input: PathBuf,
+    /// The folder for the pictures [default: images/ in the run directory, or runs/NAME/images].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub pictures: PictureArgs,
+    /// Say what every picture took.
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+#[derive(Parser, Debug)]
+pub struct RibArgs {
+    /// A run directory or a metadata file (YAML).
+    pub input: PathBuf,
+    /// The frame.
+    #[arg(short, long, value_name = "N")]
+    pub frame: u64,
+    /// The file to write rather than standard output.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Parser, Debug)]
+pub struct MovieArgs {
+    /// The folder of pictures (PNG).
+    pub images: PathBuf,
+    /// The movie [default: movie.mp4 beside the folder].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Pictures a second.
+    #[arg(long, default_value_t = 24.0, value_name = "N")]
+    pub frame_rate: f64,
+}
+
+#[derive(Parser, Debug)]
+pub struct CheckArgs {
+    /// Models and metadata (.yaml), scenes (.rib), shaders (.sl).
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+}
+
+#[derive(Parser, Debug)]
+pub struct InspectArgs {
+    /// A run directory, or a file or pattern of CSV files, as 'p_*.csv'.
+    pub data: PathBuf,
+    /// Write a metadata file to start from.
+    #[arg(long, value_name = "FILE")]
+    pub write: Option<PathBuf>,
+    /// The frame to look at; the first if not given.
+    #[arg(short, long, value_name = "N")]
+    pub frame: Option<u64>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Parser, Debug)]
+pub struct BenchArgs {
+    #[command(subcommand)]
+    pub what: BenchCommand,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum BenchCommand {
+    /// Spheres that settle in a box.
+    Sim {
+        /// s: spheres of 0.075 m; a: small spheres of mixed size, as in the anchor's bed.
+        #[arg(long, default_value = "s")]
+        workload: String,
+        /// How many.
+        #[arg(long, default_value_t = 8000)]
+        n: usize,
+        #[arg(long, default_value = "cpu")]
+        backend: Backend,
+        /// Steps to take; a whole simulated second if not given.
+        #[arg(long)]
+        steps: Option<u64>,
+        /// Step size, s.
+        #[arg(long, default_value_t = 1e-3)]
+        step: f64,
+        /// Solver iterations a step.
+        #[arg(long, default_value_t = 50)]
+        iterations: u32,
+        /// apgd or jacobi.
+        #[arg(long, default_value = "apgd")]
+        method: String,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// A bed of shaded spheres under one light with shadows, 1280×720, 16 samples.
+    Render {
+        /// How many.
+        #[arg(long, default_value_t = 84_000)]
+        n: usize,
+        #[arg(long, default_value = "cpu")]
+        backend: Backend,
+        /// Keep the picture.
+        #[arg(long, value_name = "FILE")]
+        image: Option<PathBuf>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}

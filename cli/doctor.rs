@@ -1,0 +1,27 @@
+//! `scree doctor`: what of the machine scree can use.
+
+use crate::movie;
+use crate::report::Outcome;
+
+/// The command.
+pub fn command() -> Outcome {
+    println!("scree {}", env!("CARGO_PKG_VERSION"));
+    println!("processors: {}", rayon::current_num_threads());
+    if let Some(kib) = crate::bench::status_kib("/proc/meminfo", "MemTotal") {
+        println!("memory: {:.1} GiB", kib as f64 / 1_048_576.0);
+    }
+    match movie::ffmpeg_version() {
+        Some(version) => println!("movies: {version}"),
+        None => println!("movies: ffmpeg is not on PATH; animated PNGs are written instead (Debian: apt-get install ffmpeg)"),
+    }
+    let adapters = gpu::adapters();
+    if adapters.is_empty() {
+        println!("graphics: no Vulkan adapter; everything runs on the processor");
+    }
+    for a in adapters {
+        let kind = if a.software { "software, for tests only" } else { "usable" };
+        println!("graphics: {} ({}): {kind}", a.name, a.driver);
+    }
+    println!("simulation and rendering run on the processor");
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! What the words of the command line come to: which data, which pictures, where they go; all checked before work starts.
+
+use crate::args::PictureArgs;
+use crate::library;
+use crate::report::{Exit, Failure, Outcome};
+use bind::data::Source;
+use bind::metadata::{self, Checked, Data, ImageFormat};
+use frame::Fault;
+use frame::FaultKind;
+use frame::run::RunReader;
+use render::Context;
+use render::ri::files::Files;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What a YAML file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Yaml {
+    /// A model.
+    Model,
+    /// A metadata file.
+    Metadata,
+}
+
+/// Tell a model from a metadata file by its keys.
+pub fn kind_of(path: &Path) -> Outcome<Yaml> {
+    let (keys, doc): (BTreeMap<String, serde::de::IgnoredAny>, _) = frame::yaml::read(path)?;
+    let has = |names: &[&str]| names.iter().any(|n| keys.contains_key(*n));
+    if has(&["objects", "model", "data", "scene"]) {
+        Ok(Yaml::Metadata)
+    } else if has(&["bodies", "fills", "materials", "gravity", "step"]) {
+        Ok(Yaml::Model)
+    } else {
+        Err(doc.fault("", "is neither a model (expected `bodies`, `fills`, `materials`) nor a metadata file (expected `objects`)").into())
+    }
+}
+
+/// The name that a file's results go by: its stem.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().and_then(|s| s.to_str()).filter(|s| !s.is_empty()).unwrap_or("run").into()
+}
+
+/// Where the results of an input go if nothing else is said.
+pub fn default_output(input: &Path) -> PathBuf {
+    Path::new("runs").join(stem(input))
+}
+
+/// Pictures to be made.
+pub struct Pictures {
+    /// The metadata.
+    pub checked: Checked,
+    /// The data.
+    pub source: Source,
+    /// Scenes and shaders.
+    pub files: Files,
+    /// Frames, in order.
+    pub frames: Vec<u64>,
+    /// The folder that they go to.
+    pub folder: PathBuf,
+}
+
+impl Pictures {
+    /// Resolve metadata, its data and the options of the command line.
+    pub fn resolve(mut checked: Checked, source: Source, folder: PathBuf, args: &PictureArgs) -> Outcome<Pictures> {
+        let output = &mut checked.metadata.output;
+        if let Some(res) = args.res {
+            output.resolution = res;
+        }
+        if let Some(n) = args.samples {
+            output.samples = [n; 2];
+        }
+        let existing = source.numbers();
+        if existing.is_empty() {
+            return Err(Failure::new(Exit::Data, "the data has no frames yet"));
+        }
+        let frames = match (&args.frames, &checked.metadata.output.frames) {
+            (Some(list), _) => bind::frames::parse(list, &existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
+            (None, Some(list)) => bind::frames::parse(list, &existing).map_err(|m| checked.doc.fault("output.frames", m))?,
+            (None, None) => existing,
+        };
+        let files = library::files(&checked.folder());
+        checked.check_columns(&source.read(frames[0])?)?;
+        check_shaders(&checked, &files)?;
+        Ok(Pictures { checked, source, files, frames, folder })
+    }
+
+    /// The picture of a frame.
+    pub fn image(&self, frame: u64) -> PathBuf {
+        let ending = match self.checked.metadata.output.format {
+            ImageFormat::Png => "png",
+            ImageFormat::Exr => "exr",
+        };
+        self.folder.join(format!("{frame:06}.{ending}"))
+    }
+}
+
+/// Shaders exist, compile, and have the parameters that the metadata gives them.
+pub fn check_shaders(checked: &Checked, files: &Files) -> Outcome {
+    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    for (i, object) in checked.metadata.objects.iter().enumerate() {
+        for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
+            let Some(shader) = shader else { continue };
+            let key = format!("objects.{i}.{kind}");
+            let known = context.shader_parameters(&shader.name, kind).map_err(|f| checked.doc.fault(&format!("{key}.name"), f.message))?;
+            let names: Vec<&str> = known.iter().map(String::as_str).collect();
+            if let Some(name) = shader.parameters.keys().find(|p| !names.contains(&p.as_str())) {
+                return Err(checked.doc.unknown(&format!("{key}.{name}"), &format!("parameter of `{}`", shader.name), name, &names).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The metadata of a run directory: its own, with its own data.
+pub fn metadata_of_run(folder: &Path) -> Outcome<(Checked, Source)> {
+    let run = RunReader::open(folder)?;
+    let path = folder.join("metadata.yaml");
+    if !path.is_file() {
+        let hint = format!("write one with `scree inspect {} --write {}`", folder.display(), path.display());
+        return Err(Fault::whole(FaultKind::Data, &path, "is missing: it says what to draw").hint(hint).into());
+    }
+    let mut checked = metadata::read(&path)?;
+    checked.metadata.data = Some(Data { run: Some(".".into()), ..Data::default() });
+    Ok((checked, Source::Run(run)))
+}

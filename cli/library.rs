@@ -1,0 +1,28 @@
+//! The library of scenes and shaders, built into the program, and the search path that ends in it.
+
+use include_dir::{Dir, include_dir};
+use render::ri::files::Files;
+use std::path::{Path, PathBuf};
+
+static SHADERS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+static SCENES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/scenes");
+
+/// Files are looked for in `folder` first, then in the working folder, then in the library.
+pub fn files(folder: &Path) -> Files {
+    let mut built_in = Vec::new();
+    for (room, dir) in [("shaders", &SHADERS), ("scenes", &SCENES)] {
+        collect(room, dir, &mut built_in);
+    }
+    Files { folders: vec![folder.into(), PathBuf::from(".")], built_in }
+}
+
+fn collect(room: &str, dir: &'static Dir<'static>, out: &mut Vec<(&'static str, &'static str)>) {
+    for file in dir.files() {
+        if let Some(text) = file.contents_utf8() {
+            let path = format!("{room}/{}", file.path().to_string_lossy());
+            // A handful of names for the program's whole life.
+            out.push((Box::leak(path.into_boxed_str()), text));
+        }
+    }
+    dir.dirs().for_each(|d| collect(room, d, out));
+}

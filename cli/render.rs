@@ -1,0 +1,159 @@
+//! `scree render`: frames → pictures.
+
+use crate::args::RenderArgs;
+use crate::job::{self, Pictures};
+use crate::library;
+use crate::progress::Progress;
+use crate::report::{Exit, Failure, Outcome};
+use crate::run;
+use bind::emit;
+use frame::run::RunReader;
+use render::bucket::Stats;
+use render::ri::reader;
+use render::{Context, Finished};
+use std::path::{Path, PathBuf};
+
+/// The command.
+pub fn command(args: &RenderArgs) -> Outcome {
+    if args.input.extension().is_some_and(|e| e == "rib") {
+        return scene(args);
+    }
+    let (checked, source, home) = run::open(&args.input)?;
+    let folder = args.output.clone().unwrap_or_else(|| home.join("images"));
+    let pictures = Pictures::resolve(checked, source, folder, &args.pictures)?;
+    pictures_of(&pictures, args.pictures.missing, args.verbose)?;
+    println!("{}", pictures.folder.display());
+    missing_frames(&pictures)
+}
+
+/// Draw the frames of a job; with `missing`, only those whose picture is not there.
+pub fn pictures_of(pictures: &Pictures, missing: bool, verbose: bool) -> Outcome {
+    let wanted = |f: &&u64| !(missing && is_picture(&pictures.image(**f), pictures.checked.metadata.output.resolution));
+    let frames: Vec<u64> = pictures.frames.iter().filter(wanted).copied().collect();
+    let progress = Progress::start("rendering", frames.len() as u64);
+    for (done, number) in frames.iter().enumerate() {
+        let finished = picture(pictures, *number)?;
+        if verbose {
+            print_stats(*number, &finished.stats);
+        }
+        progress.at(done as u64 + 1);
+    }
+    progress.finish();
+    Ok(())
+}
+
+/// Draw a frame and write its picture.
+fn picture(pictures: &Pictures, number: u64) -> Outcome<Finished> {
+    let table = pictures.source.read(number)?;
+    pictures.checked.check_columns(&table)?;
+    let mut context = context(&pictures.files)?;
+    let image = pictures.image(number);
+    emit::frame(&pictures.checked, &table, &image.to_string_lossy(), &pictures.files, &mut context)?;
+    write_all(context, Path::new("."))?.pop().ok_or_else(|| Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no picture"))
+}
+
+fn context(files: &render::ri::files::Files) -> Outcome<Context> {
+    Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))
+}
+
+/// Draw a RIB file; its pictures go where its `Display` calls say, from `-o` or the working folder.
+fn scene(args: &RenderArgs) -> Outcome {
+    if args.pictures.frames.is_some() || args.pictures.missing {
+        return Err(Failure::new(Exit::Usage, "a RIB scene has no frames to choose: --frames and --missing are for data"));
+    }
+    let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
+    let text = read_text(&args.input)?;
+    let mut context = context(&files)?;
+    let progress = std::sync::Arc::new(Progress::start("rendering", 100));
+    let bar = progress.clone();
+    context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
+    let (res, samples) = (args.pictures.res, args.pictures.samples);
+    if res.is_some() || samples.is_some() {
+        return Err(Failure::new(Exit::Usage, "--res and --samples are for data: a RIB scene has its own Format and PixelSamples"));
+    }
+    reader::read(&args.input, &text, &files, &mut context, &mut |_, _| Ok(()))?;
+    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("."));
+    let finished = write_all(context, &folder)?;
+    progress.finish();
+    if finished.is_empty() {
+        return Err(Failure::new(Exit::Input, format!("{}: the scene has no WorldBegin and WorldEnd: there is no picture", args.input.display())));
+    }
+    for f in &finished {
+        if args.verbose {
+            print_stats(f.frame as u64, &f.stats);
+        }
+        for d in &f.options.displays {
+            println!("{}", folder.join(&d.name).display());
+        }
+    }
+    Ok(())
+}
+
+/// A text file of the user's.
+pub fn read_text(path: &Path) -> Outcome<String> {
+    use frame::{Fault, FaultKind};
+    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Input, path, &e))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        Fault::at(FaultKind::Input, path, "", line, 1, "is not UTF-8 text").into()
+    })
+}
+
+/// Write every finished picture to its displays, and say what was odd.
+fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
+    let mut finished = std::mem::take(&mut context.finished);
+    for f in &mut finished {
+        for warning in &f.warnings {
+            eprintln!("warning: {warning}");
+        }
+        if f.options.displays.is_empty() {
+            f.options.displays.push(render::Display { name: "ri.png".into(), kind: "file".into(), mode: "rgb".into() });
+        }
+        for display in &mut f.options.displays {
+            if !matches!(Path::new(&display.name).extension().and_then(|e| e.to_str()), Some("png" | "exr")) {
+                let ending = if display.kind == "exr" || display.kind == "openexr" { "exr" } else { "png" };
+                eprintln!("warning: the picture `{}` is written as {ending}", display.name);
+                display.name = format!("{}.{ending}", display.name.rsplit_once('.').map_or(display.name.as_str(), |(stem, _)| stem));
+            }
+        }
+        for display in &f.options.displays {
+            let kind = if display.name.ends_with(".exr") { "exr" } else { "png" };
+            let bytes = f.image.encode(kind, display.mode == "rgba", &f.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+            frame::atomic::write(&folder.join(&display.name), &bytes)?;
+        }
+    }
+    Ok(finished)
+}
+
+/// Whether a picture is there, whole and of the right size.
+pub fn is_picture(path: &Path, [w, h]: [u32; 2]) -> bool {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("png") => crate::movie::read_png(path).is_ok_and(|p| (p.width, p.height) == (w, h)),
+        _ => render::image::decode_size(path).is_some_and(|size| size == (w, h)),
+    }
+}
+
+fn print_stats(frame: u64, s: &Stats) {
+    eprintln!(
+        "frame {frame}: {} primitives, {} grids ({} hidden), {} points shaded, {} micropolygons, {} samples tried",
+        s.items, s.grids, s.grids_hidden, s.shaded_points, s.micropolygons, s.samples
+    );
+}
+
+/// A run that was interrupted has fewer frames than it should: what is there was drawn, what is missing is said.
+pub fn missing_frames(pictures: &Pictures) -> Outcome {
+    let (have, expected) = (pictures.source.numbers(), pictures.source.expected());
+    let absent: Vec<u64> = (0..expected).filter(|f| !have.contains(f)).collect();
+    match (absent.first(), absent.last()) {
+        (Some(first), Some(last)) => Err(Failure::new(
+            Exit::Partial,
+            format!("the simulation was interrupted: {} of {expected} frames are missing ({first} to {last}); the others were drawn", absent.len()),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a path is a run directory.
+pub fn is_run(path: &Path) -> bool {
+    RunReader::is_run(path) || job::stem(path) == "run.json"
+}

@@ -1,0 +1,50 @@
+//! Named colour maps: from a number in [0, 1] to a linear colour.
+
+/// A map: its name and colours at even steps, as sRGB hexadecimal.
+const MAPS: &[(&str, &[u32])] = &[
+    ("viridis", &[0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725]),
+    ("plasma", &[0x0d0887, 0x46039f, 0x7201a8, 0x9c179e, 0xbd3786, 0xd8576b, 0xed7953, 0xfb9f3a, 0xfdca26, 0xf0f921]),
+    ("inferno", &[0x000004, 0x1b0c41, 0x4a0c6b, 0x781c6d, 0xa52c60, 0xcf4446, 0xed6925, 0xfb9b06, 0xf7d13d, 0xfcffa4]),
+    ("turbo", &[
+        0x30123b, 0x4145ab, 0x4675ed, 0x39a2fc, 0x1bcfd4, 0x24eca6, 0x61fc6c, 0xa4fc3b, 0xd1e834, 0xf3c63a, 0xfe9b2d, 0xf36315, 0xd93806,
+        0xb11901, 0x7a0402,
+    ]),
+    ("coolwarm", &[0x3b4cc0, 0x7b9ff9, 0xc0d4f5, 0xf2cbb7, 0xee8468, 0xb40426]),
+    ("gray", &[0x000000, 0xffffff]),
+];
+
+/// The names of all maps.
+pub fn names() -> Vec<&'static str> {
+    MAPS.iter().map(|(n, _)| *n).collect()
+}
+
+/// The colour of `t`, clamped to [0, 1], in the map of that name; not-a-number is magenta, which no map has.
+pub fn color(map: &str, t: f64) -> Option<[f32; 3]> {
+    let (_, stops) = MAPS.iter().find(|(n, _)| *n == map)?;
+    if t.is_nan() {
+        return Some([1.0, 0.0, 1.0]);
+    }
+    let x = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+    let i = (x as usize).min(stops.len() - 2);
+    let part = |hex: u32, c: usize| (hex >> (16 - 8 * c) & 255) as f64 / 255.0;
+    let mixed = |c: usize| part(stops[i], c) + (part(stops[i + 1], c) - part(stops[i], c)) * (x - i as f64);
+    Some([0, 1, 2].map(|c| linear(mixed(c)) as f32))
+}
+
+/// An sRGB value as a linear one.
+fn linear(x: f64) -> f64 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_and_strays() {
+        assert_eq!(color("gray", 0.0), Some([0.0; 3]));
+        assert_eq!(color("gray", 7.0), Some([1.0; 3]));
+        assert_eq!(color("none", 0.0), None);
+        assert!(color("viridis", 0.5).unwrap()[1] > 0.2);
+    }
+}

@@ -1,0 +1,322 @@
+//! A frame's table and its metadata → RenderMan calls, injected into a scene.
+//!
+//! A scene is an ordinary RIB file; structured comments say where the data goes, so that any renderer still opens it:
+//! ```text
+//! #scree inject camera              the metadata's camera
+//! #scree inject lights              the metadata's lights, or the default ones
+//! #scree inject objects [NAME…]     the objects of these names, or all
+//! #scree override Format            the metadata's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
+//! ```
+
+use crate::colormap;
+use crate::expr::Expr;
+use crate::metadata::{CameraSpec, Checked, Color, Geometry, ImageFormat, Object, Output, Parameter, Quantity, Shader};
+use frame::{Fault, FaultKind, Frame};
+use glam::{Mat4, Vec3};
+use ri::files::Files;
+use ri::reader::{self, RibError};
+use ri::{Class, Declaration, Fail, InstanceShape, Instances, Param, Params, Ri, RiResult, Type, Values};
+
+/// Why a frame could not be emitted.
+#[derive(Debug)]
+pub enum EmitError {
+    /// Something in the metadata or the data.
+    Fault(Fault),
+    /// Something in a RIB file.
+    Rib(RibError),
+}
+
+impl From<Fault> for EmitError {
+    fn from(fault: Fault) -> EmitError {
+        EmitError::Fault(fault)
+    }
+}
+
+/// An object's instances, made before the scene is read, so that a fault in the data stops nothing half way.
+struct Prepared<'a> {
+    object: &'a Object,
+    instances: Instances,
+    handle: Option<String>,
+}
+
+/// What is left of settings that no directive has placed yet.
+const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
+
+/// Emit a frame: read the scene, and make the calls of its directives. `image` is the picture's file.
+pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &mut dyn Ri) -> Result<(), EmitError> {
+    let m = &checked.metadata;
+    let mut prepared = Vec::new();
+    for (i, object) in m.objects.iter().enumerate() {
+        prepared.push(prepare(checked, i, object, frame)?);
+    }
+    let (path, text) = files.read(&m.scene, &["scenes"]).map_err(|e| checked.doc.fault("scene", format!("scene {e}")))?;
+    check_overrides(checked, &text)?;
+    let mut drawn = false;
+    let done = reader::read(&path, &text, files, ri, &mut |ri, directive| {
+        let mut words = directive.split_whitespace();
+        match (words.next(), words.next()) {
+            (Some("inject"), Some("camera")) => inject_camera(checked, files, ri),
+            (Some("inject"), Some("lights")) => inject_lights(checked, files, ri),
+            (Some("inject"), Some("objects")) => {
+                drawn = true;
+                inject_objects(&prepared, &words.collect::<Vec<_>>(), files, ri)
+            }
+            (Some("override"), Some(what)) if OVERRIDES.contains(&what) => override_setting(what, &m.output, image, ri),
+            (Some("override"), what) => {
+                Err(Fail::new(format!("`#scree override {}` is unknown, expected one of {}", what.unwrap_or(""), OVERRIDES.join(", "))))
+            }
+            (Some("inject"), what) => {
+                Err(Fail::new(format!("`#scree inject {}` is unknown, expected camera, lights or objects", what.unwrap_or(""))))
+            }
+            _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject` or `override`"))),
+        }
+    });
+    done.map_err(EmitError::Rib)?;
+    if !drawn {
+        let message = format!("scene {} has no `#scree inject objects`: the data would not be drawn", path.display());
+        return Err(checked.doc.fault("scene", message).into());
+    }
+    Ok(())
+}
+
+/// A setting that the metadata makes and the scene does not take would be lost silently: that is an error.
+fn check_overrides(checked: &Checked, scene: &str) -> Result<(), Fault> {
+    let places = [("Format", "resolution"), ("PixelSamples", "samples"), ("PixelFilter", "filter"), ("ShadingRate", "shading_rate")];
+    for (call, key) in places {
+        let set = checked.doc.place(&format!("output.{key}")) != checked.doc.place("output");
+        if set && !scene.contains(&format!("#scree override {call}")) {
+            let message = format!("the scene does not take it: `#scree override {call}` is missing there");
+            return Err(checked.doc.fault(&format!("output.{key}"), message));
+        }
+    }
+    if !scene.contains("#scree override Display") {
+        return Err(checked.doc.fault("scene", "the scene has no `#scree override Display`: its picture would go elsewhere"));
+    }
+    if checked.metadata.camera.is_some() && !scene.contains("#scree inject camera") {
+        return Err(checked.doc.fault("camera", "the scene does not take a camera: `#scree inject camera` is missing there"));
+    }
+    Ok(())
+}
+
+fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiResult {
+    match what {
+        "Format" => ri.format(o.resolution[0] as i32, o.resolution[1] as i32, 1.0),
+        "PixelSamples" => ri.pixel_samples(o.samples[0] as f32, o.samples[1] as f32),
+        "PixelFilter" => ri.pixel_filter(&o.filter.name, o.filter.width, o.filter.width),
+        "ShadingRate" => ri.shading_rate(o.shading_rate),
+        _ => {
+            let (kind, one) = match (o.format, o.bits) {
+                (ImageFormat::Exr, _) => ("exr", 0),
+                (_, 16) => ("png", 65_535),
+                _ => ("png", 255),
+            };
+            ri.quantize("rgba", one, 0, one, if one == 0 { 0.0 } else { 0.5 })?;
+            ri.display(image, kind, "rgb", vec![])
+        }
+    }
+}
+
+/// Projection and world-to-camera matrix.
+fn inject_camera(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let Some(camera) = &checked.metadata.camera else {
+        return Err(Fail::new("the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`"));
+    };
+    if let Some(file) = &camera.file {
+        return include(file, files, ri);
+    }
+    match camera.orthographic {
+        Some(height) => {
+            let [w, h] = checked.metadata.output.resolution.map(|n| n as f32);
+            let (x, y) = if w >= h { (0.5 * height * w / h, 0.5 * height) } else { (0.5 * height, 0.5 * height * h / w) };
+            ri.screen_window(-x, x, -y, y)?;
+            ri.projection("orthographic", vec![])?;
+        }
+        None => ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [camera.fov])])?,
+    }
+    ri.concat_transform(look_at(camera).to_cols_array())
+}
+
+/// World to camera: x right, y up, z forward.
+fn look_at(camera: &CameraSpec) -> Mat4 {
+    let (eye, at) = (Vec3::from(camera.eye.unwrap_or_default()), Vec3::from(camera.look_at.unwrap_or_default()));
+    let forward = (at - eye).normalize();
+    let right = forward.cross(camera.up.into()).normalize();
+    let up = right.cross(forward);
+    let turn = Mat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), glam::Vec4::W).transpose();
+    turn * Mat4::from_translation(-eye)
+}
+
+/// The metadata's lights, or a sun from the left with a little light from everywhere.
+fn inject_lights(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    if let Some(file) = &checked.metadata.lights {
+        return include(file, files, ri);
+    }
+    let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
+    let triple = |name: &str, ty: Type, x: [f32; 3]| Param::floats(name, Class::Uniform, ty, x);
+    ri.light_source("ambientlight", "scree:sky", vec![number("intensity", 0.3), triple("lightcolor", Type::Color, [0.75, 0.87, 1.0])])?;
+    let sun = vec![
+        number("intensity", 0.95),
+        triple("lightcolor", Type::Color, [1.0, 0.95, 0.87]),
+        triple("from", Type::Point, [0.0; 3]),
+        triple("to", Type::Point, [0.55, 0.5, -0.8]),
+    ];
+    ri.light_source("distantlight", "scree:sun", sun)
+}
+
+fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
+    reader::read(&path, &text, files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
+}
+
+fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: &mut dyn Ri) -> RiResult {
+    for name in names {
+        if !prepared.iter().any(|p| p.object.name == *name) {
+            return Err(Fail::new(format!("the scene wants the object `{name}`, which the metadata does not have")));
+        }
+    }
+    for p in prepared.iter().filter(|p| names.is_empty() || names.contains(&p.object.name.as_str())) {
+        ri.attribute_begin()?;
+        if let Color::Rgb(color) = p.object.color {
+            ri.color(color)?;
+        }
+        if let Some(o) = p.object.opacity {
+            ri.opacity([o; 3])?;
+        }
+        if let Some(surface) = &p.object.surface {
+            ri.surface(&surface.name, shader_params(surface))?;
+        }
+        if let Some(displacement) = &p.object.displacement {
+            if let Some(bound) = displacement.bound {
+                ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
+            }
+            ri.displacement(&displacement.name, shader_params(displacement))?;
+        }
+        if let Some(handle) = &p.handle {
+            ri.object_begin(handle)?;
+            define(&p.object.geometry, files, ri)?;
+            ri.object_end()?;
+        }
+        ri.instances(p.instances.clone())?;
+        ri.attribute_end()?;
+    }
+    Ok(())
+}
+
+fn shader_params(shader: &Shader) -> Params {
+    let param = |(name, value): (&String, &Parameter)| match value {
+        Parameter::Number(x) => Param::floats(name, Class::Uniform, Type::Float, [*x]),
+        Parameter::Triple(x) => Param::floats(name, Class::Uniform, Type::Color, *x),
+        Parameter::Text(text) => Param::string(name, text),
+    };
+    shader.parameters.iter().map(param).collect()
+}
+
+/// The retained object of a geometry that is not a sphere: a unit cube, a unit square, an archive.
+fn define(geometry: &Geometry, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    if let Some(archive) = &geometry.archive {
+        return include(&archive.file, files, ri);
+    }
+    let polygon = |corners: [[f32; 3]; 4]| {
+        let decl = Declaration::new("P", Class::Vertex, Type::Point);
+        vec![Param { decl, values: Values::Floats(corners.concat()) }]
+    };
+    if geometry.plane.is_some() {
+        return ri.polygon(polygon([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]));
+    }
+    for axis in 0..3 {
+        for side in [-1.0f32, 1.0] {
+            // Around the face, so that its normal points outwards.
+            let corner = |s: f32, t: f32| {
+                let mut p = [0.0; 3];
+                p[axis] = side;
+                p[(axis + 1) % 3] = s * side;
+                p[(axis + 2) % 3] = t;
+                p
+            };
+            ri.polygon(polygon([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]))?;
+        }
+    }
+    Ok(())
+}
+
+/// Evaluate an object's rows into columns of instances.
+fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -> Result<Prepared<'a>, Fault> {
+    let key = format!("objects.{i}");
+    let fail = |part: &str, message: String| checked.doc.fault(&format!("{key}.{part}"), message);
+    let expr = |part: &str, q: &Quantity| -> Result<Expr, Fault> { q.expr().map_err(|e| fail(part, e.message)) };
+    let rows = match &object.select {
+        Some(select) => {
+            let condition = expr("select", &Quantity::Expression(select.clone()))?;
+            condition.select(frame).map_err(|m| fail("select", m))?
+        }
+        None => (0..frame.rows()).collect(),
+    };
+    let numbers = |part: &str, q: &Quantity| -> Result<Vec<f64>, Fault> {
+        let values = expr(part, q)?.numbers(frame, &rows).map_err(|m| fail(part, m))?;
+        match values.iter().position(|x| !x.is_finite()) {
+            Some(k) => {
+                let message = format!("row {} has {} in `{}`", rows[k] + 1, values[k], expr(part, q)?.text);
+                let place = fail(part, message);
+                Err(Fault { kind: FaultKind::Data, ..place })
+            }
+            None => Ok(values),
+        }
+    };
+    let three = |part: &str, q: &[Quantity; 3]| -> Result<Vec<[f32; 3]>, Fault> {
+        let columns = [numbers(part, &q[0])?, numbers(part, &q[1])?, numbers(part, &q[2])?];
+        Ok((0..rows.len()).map(|r| [0, 1, 2].map(|c| columns[c][r] as f32)).collect())
+    };
+    let single = |part: &str, q: &Quantity| -> Result<Vec<[f32; 3]>, Fault> { Ok(numbers(part, q)?.into_iter().map(|x| [x as f32; 3]).collect()) };
+    let g = &object.geometry;
+    let scale = if let Some(s) = &g.sphere {
+        single("geometry", &s.radius)?
+    } else if let Some(s) = g.block.as_ref().or(g.ellipsoid.as_ref()) {
+        three("geometry", &s.half)?
+    } else if let Some(s) = &g.plane {
+        single("geometry", &s.half)?
+    } else {
+        single("geometry", g.archive.as_ref().map_or(&Quantity::Number(1.0), |a| &a.scale))?
+    };
+    if let Some(k) = scale.iter().position(|s| s.iter().any(|x| !(*x > 0.0))) {
+        let place = fail("geometry", format!("row {} has a size that is not above 0", rows[k] + 1));
+        return Err(Fault { kind: FaultKind::Data, ..place });
+    }
+    let handle = (g.sphere.is_none() && g.ellipsoid.is_none()).then(|| format!("scree:{}", object.name));
+    let mut instances = Instances {
+        shape: handle.clone().map_or(InstanceShape::Sphere, InstanceShape::Object),
+        position: three("position", &object.position)?,
+        orientation: orientation(object, frame, &numbers)?,
+        scale,
+        params: vec![],
+    };
+    if let Color::Column(by) = &object.color {
+        let values = numbers("color", &by.column)?;
+        let (lo, hi) = by.range.map(|[a, b]| (a, b)).unwrap_or_else(|| range_of(&values));
+        let width = if hi > lo { hi - lo } else { 1.0 };
+        let colors = values.iter().flat_map(|x| colormap::color(&by.map, (x - lo) / width).unwrap_or([1.0; 3]));
+        instances.params.push(Param::floats("Cs", Class::Uniform, Type::Color, colors.collect::<Vec<f32>>()));
+    }
+    Ok(Prepared { object, instances, handle })
+}
+
+fn range_of(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(*x), hi.max(*x)))
+}
+
+/// Quaternions (x, y, z, w), made unit; none if neither the metadata nor the data has any.
+fn orientation(
+    object: &Object,
+    frame: &Frame,
+    numbers: &dyn Fn(&str, &Quantity) -> Result<Vec<f64>, Fault>,
+) -> Result<Vec<[f32; 4]>, Fault> {
+    let standard = ["quat_w", "quat_x", "quat_y", "quat_z"];
+    let columns = match &object.orientation {
+        Some(q) => q.clone(),
+        None if standard.iter().all(|c| frame.column(c).is_some()) => standard.map(|c| Quantity::Expression(c.into())),
+        None => return Ok(vec![]),
+    };
+    let [w, x, y, z] = [0, 1, 2, 3].map(|k| numbers("orientation", &columns[k]));
+    let (w, x, y, z) = (w?, x?, y?, z?);
+    let unit = |i: usize| glam::Quat::from_xyzw(x[i] as f32, y[i] as f32, z[i] as f32, w[i] as f32);
+    Ok((0..w.len()).map(|i| if unit(i).length() > 0.0 { unit(i).normalize().to_array() } else { [0.0, 0.0, 0.0, 1.0] }).collect())
+}

@@ -1,0 +1,115 @@
+//! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
+
+use crate::metadata::{ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, PlaneSpec, Quantity, Shader, SphereSpec};
+use frame::{Column, Frame};
+use glam::Vec3;
+
+/// Names that columns of positions go by, in the usual tools.
+const POSITIONS: [[&str; 3]; 5] = [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
+
+/// Names that a radius goes by.
+const RADII: [&str; 6] = ["radius", "r", "R", "rad", "size_x", "c4"];
+
+fn column(name: &str) -> Quantity {
+    Quantity::Expression(name.into())
+}
+
+/// Metadata for a frame of the data, or what is missing.
+pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
+    let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
+    let Some(position) = POSITIONS.iter().find(|p| p.iter().all(|c| has(c))) else {
+        return Err(format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}", frame.names().join(", ")));
+    };
+    let place = |row: usize| Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32));
+    let radius = RADII.iter().find(|c| has(c));
+    let size = |row: usize| radius.and_then(|r| frame.column(r)).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
+    let rows: Vec<usize> = (0..frame.rows()).filter(|row| !is_plane(frame, *row)).collect();
+    let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for row in &rows {
+        lo = lo.min(place(*row) - size(*row));
+        hi = hi.max(place(*row) + size(*row));
+    }
+    if rows.is_empty() || !lo.is_finite() || !hi.is_finite() {
+        return Err("the data has no finite positions".into());
+    }
+    let objects = if has("size_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
+        classes(frame, (hi - lo).length())
+    } else {
+        let radius = radius.map_or_else(|| Quantity::Number(rounded((hi - lo).length() / (2.0 * (rows.len() as f32).cbrt()))), |r| column(r));
+        vec![Object { position: position.map(column), ..object("particles", None, Geometry { sphere: Some(SphereSpec { radius }), ..Geometry::default() }, "plastic") }]
+    };
+    Ok(Metadata {
+        data: Some(data),
+        scene: "studio.rib".into(),
+        camera: Some(camera(lo, hi)),
+        objects,
+        ..Metadata::default()
+    })
+}
+
+fn is_plane(frame: &Frame, row: usize) -> bool {
+    matches!(frame.column("shape"), Some(c @ Column::Category { .. }) if c.text(row) == "plane")
+}
+
+fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
+    let position = ["pos_x", "pos_y", "pos_z"].map(column);
+    let surface = Some(Shader { name: surface.into(), bound: None, parameters: Default::default() });
+    Object { name: name.into(), select, geometry, position, orientation: None, surface, displacement: None, color: Color::default(), opacity: None }
+}
+
+/// One object for each class and shape of a run of ours.
+fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
+    let (Some(class), Some(shape)) = (frame.column("class"), frame.column("shape")) else { return vec![] };
+    let mut seen: Vec<(String, String)> = Vec::new();
+    for row in 0..frame.rows() {
+        let pair = (class.text(row), shape.text(row));
+        if !seen.contains(&pair) {
+            seen.push(pair);
+        }
+    }
+    seen.iter()
+        .map(|(class, shape)| {
+            let half = ["size_x", "size_y", "size_z"].map(column);
+            let (geometry, surface, color) = match shape.as_str() {
+                "sphere" => (Geometry { sphere: Some(SphereSpec { radius: column("size_x") }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4]),
+                "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+                "plane" => {
+                    let half = Quantity::Number(rounded(6.0 * extent));
+                    (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
+                }
+                other => (Geometry { archive: Some(ArchiveSpec { file: format!("{other}.rib"), scale: Quantity::Number(1.0) }), ..Geometry::default() }, "matte", [0.7; 3]),
+            };
+            let alone = seen.iter().filter(|(c, _)| c == class).count() == 1;
+            let name = if alone { class.clone() } else { format!("{class}_{shape}") };
+            let select = if alone { format!("class == '{class}'") } else { format!("class == '{class}' and shape == '{shape}'") };
+            Object { color: Color::Rgb(color), ..object(&name, Some(select), geometry, surface) }
+        })
+        .collect()
+}
+
+/// A camera from the front, a little to the side and above, that has the box in its view.
+fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
+    let (center, radius) = (0.5 * (lo + hi), 0.5 * (hi - lo).length().max(1e-3));
+    let fov = 35.0f32;
+    let way = Vec3::new(-0.45, -1.0, 0.5).normalize();
+    let eye = center + way * radius * 1.15 / (fov.to_radians() * 0.5).sin();
+    CameraSpec {
+        eye: Some(eye.to_array().map(|x| rounded(x) as f32)),
+        look_at: Some(center.to_array().map(|x| rounded(x) as f32)),
+        up: [0.0, 0.0, 1.0],
+        fov,
+        ..CameraSpec::default()
+    }
+}
+
+/// Three figures are enough for a start.
+fn rounded(x: f32) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x as f64)
+}
+
+/// Metadata as YAML, with a line on what may be changed.
+pub fn to_yaml(metadata: &Metadata) -> String {
+    let head = "# What to draw, found out from the data; change what you like.\n\
+                # Colour by a column: replace `color` by  color: {column: speed, map: viridis}\n";
+    format!("{head}{}", serde_yaml::to_string(metadata).expect("metadata is plain data"))
+}
