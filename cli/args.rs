@@ -101,7 +101,9 @@ pub struct PictureArgs {
 /// `1280x720`
 fn resolution(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    parsed.filter(|r: &[u32; 2]| r.iter().all(|n| (1..=65_536).contains(n))).ok_or_else(|| format!("`{text}` is not a size: expected 1280x720"))
+    parsed
+        .filter(|r: &[u32; 2]| r.iter().all(|n| (1..=65_536).contains(n)))
+        .ok_or_else(|| format!("`{text}` is not a size: expected 1280x720"))
 }
 
 #[derive(Parser, Debug)]

@@ -54,7 +54,14 @@ fn print(result: serde_json::Value, as_json: bool) {
     }
 }
 
-fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, iterations: u32, method: Method) -> serde_json::Value {
+fn bench_sim(
+    workload: Workload,
+    n: usize,
+    steps: Option<u64>,
+    step: f64,
+    iterations: u32,
+    method: Method,
+) -> serde_json::Value {
     let (cpu, wall) = (cpu_seconds(), Instant::now());
     let (model, state) = workload::build(workload, n, workload::solver(method, iterations), step);
     let mut sim = Simulation::new(model, state);
@@ -158,7 +165,12 @@ fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
     ri.attribute_begin()?;
     ri.color([0.5; 3])?;
     let [x, y0, y1] = [8.0 * h, 0.5 * h, 12.0 * h].map(|x| x as f32);
-    ri.polygon(vec![Param::floats("P", Class::Vertex, Type::Point, [-x, y0, 0.0, x, y0, 0.0, x, y1, 0.0, -x, y1, 0.0])])?;
+    ri.polygon(vec![Param::floats(
+        "P",
+        Class::Vertex,
+        Type::Point,
+        [-x, y0, 0.0, x, y0, 0.0, x, y1, 0.0, -x, y1, 0.0],
+    )])?;
     ri.attribute_end()?;
     ri.instances(Instances {
         shape: InstanceShape::Sphere,

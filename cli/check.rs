@@ -26,7 +26,10 @@ pub fn command(args: &CheckArgs) -> Outcome {
     let n = args.files.len();
     match bad.iter().max_by_key(|e| **e as u8) {
         None => Ok(()),
-        Some(exit) => Err(Failure::new(*exit, format!("{} of {n} files {} faults", bad.len(), if bad.len() == 1 { "has" } else { "have" }))),
+        Some(exit) => Err(Failure::new(
+            *exit,
+            format!("{} of {n} files {} faults", bad.len(), if bad.len() == 1 { "has" } else { "have" }),
+        )),
     }
 }
 
@@ -62,6 +65,8 @@ fn check(path: &Path) -> Outcome<&'static str> {
                 Err(d) => Err(Failure::new(Exit::Input, d.to_string())),
             }
         }
-        _ => Err(Fault::whole(FaultKind::Input, path, "is of no kind that is known: expected .yaml, .rib or .sl").into()),
+        _ => {
+            Err(Fault::whole(FaultKind::Input, path, "is of no kind that is known: expected .yaml, .rib or .sl").into())
+        }
     }
 }

@@ -12,7 +12,9 @@ pub fn command() -> Outcome {
     }
     match movie::ffmpeg_version() {
         Some(version) => println!("movies: {version}"),
-        None => println!("movies: ffmpeg is not on PATH; animated PNGs are written instead (Debian: apt-get install ffmpeg)"),
+        None => println!(
+            "movies: ffmpeg is not on PATH; animated PNGs are written instead (Debian: apt-get install ffmpeg)"
+        ),
     }
     let adapters = gpu::adapters();
     if adapters.is_empty() {

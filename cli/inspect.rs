@@ -14,7 +14,10 @@ pub fn command(args: &InspectArgs) -> Outcome {
     let numbers = source.numbers();
     let number = match args.frame {
         Some(n) if !numbers.contains(&n) => {
-            return Err(Failure::new(Exit::Usage, format!("--frame {n}: the data has {}", bind::frames::describe(&numbers))));
+            return Err(Failure::new(
+                Exit::Usage,
+                format!("--frame {n}: the data has {}", bind::frames::describe(&numbers)),
+            ));
         }
         Some(n) => n,
         None => *numbers.first().ok_or_else(|| Failure::new(Exit::Data, "the data has no frames yet"))?,
@@ -32,12 +35,20 @@ pub fn command(args: &InspectArgs) -> Outcome {
 }
 
 fn print(numbers: &[u64], table: &Frame) {
-    println!("{}; frame {} at {} s has {} rows", bind::frames::describe(numbers), table.number, table.time, table.rows());
+    println!(
+        "{}; frame {} at {} s has {} rows",
+        bind::frames::describe(numbers),
+        table.number,
+        table.time,
+        table.rows()
+    );
     let width = table.names().iter().map(|n| n.len()).max().unwrap_or(0);
     for (field, column) in &table.columns {
         let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
         let values = match column {
-            Column::Category { names, .. } => format!("words: {}", names.iter().take(8).cloned().collect::<Vec<_>>().join(", ")),
+            Column::Category { names, .. } => {
+                format!("words: {}", names.iter().take(8).cloned().collect::<Vec<_>>().join(", "))
+            }
             _ => column.range().map_or("no numbers".into(), |(lo, hi)| format!("{lo} to {hi}{unit}")),
         };
         println!("  {:width$}  {:8}  {values}", field.name, column.kind());
@@ -64,7 +75,8 @@ fn write(args: &InspectArgs, table: &Frame, path: &Path) -> Outcome {
     } else {
         data.csv = Some(from_there);
     }
-    let metadata = bind::suggest::metadata(data, table).map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", args.data.display())))?;
+    let metadata = bind::suggest::metadata(data, table)
+        .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", args.data.display())))?;
     frame::atomic::write(path, bind::suggest::to_yaml(&metadata).as_bytes())?;
     println!("wrote {}: draw it with `scree render {}`", path.display(), path.display());
     Ok(())

@@ -31,7 +31,12 @@ pub fn kind_of(path: &Path) -> Outcome<Yaml> {
     } else if has(&["bodies", "fills", "materials", "gravity", "step"]) {
         Ok(Yaml::Model)
     } else {
-        Err(doc.fault("", "is neither a model (expected `bodies`, `fills`, `materials`) nor a metadata file (expected `objects`)").into())
+        Err(doc
+            .fault(
+                "",
+                "is neither a model (expected `bodies`, `fills`, `materials`) nor a metadata file (expected `objects`)",
+            )
+            .into())
     }
 }
 
@@ -74,8 +79,12 @@ impl Pictures {
             return Err(Failure::new(Exit::Data, "the data has no frames yet"));
         }
         let frames = match (&args.frames, &checked.metadata.output.frames) {
-            (Some(list), _) => bind::frames::parse(list, &existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
-            (None, Some(list)) => bind::frames::parse(list, &existing).map_err(|m| checked.doc.fault("output.frames", m))?,
+            (Some(list), _) => {
+                bind::frames::parse(list, &existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?
+            }
+            (None, Some(list)) => {
+                bind::frames::parse(list, &existing).map_err(|m| checked.doc.fault("output.frames", m))?
+            }
             (None, None) => existing,
         };
         let files = library::files(&checked.folder());
@@ -101,10 +110,15 @@ pub fn check_shaders(checked: &Checked, files: &Files) -> Outcome {
         for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
             let Some(shader) = shader else { continue };
             let key = format!("objects.{i}.{kind}");
-            let known = context.shader_parameters(&shader.name, kind).map_err(|f| checked.doc.fault(&format!("{key}.name"), f.message))?;
+            let known = context
+                .shader_parameters(&shader.name, kind)
+                .map_err(|f| checked.doc.fault(&format!("{key}.name"), f.message))?;
             let names: Vec<&str> = known.iter().map(String::as_str).collect();
             if let Some(name) = shader.parameters.keys().find(|p| !names.contains(&p.as_str())) {
-                return Err(checked.doc.unknown(&format!("{key}.{name}"), &format!("parameter of `{}`", shader.name), name, &names).into());
+                return Err(checked
+                    .doc
+                    .unknown(&format!("{key}.{name}"), &format!("parameter of `{}`", shader.name), name, &names)
+                    .into());
             }
         }
     }

@@ -21,7 +21,10 @@ pub struct Png {
 /// The command.
 pub fn command(args: &MovieArgs) -> Outcome {
     if !(args.frame_rate > 0.0 && args.frame_rate <= 1000.0) {
-        return Err(Failure::new(Exit::Usage, format!("--frame-rate {}: expected a number above 0 and at most 1000", args.frame_rate)));
+        return Err(Failure::new(
+            Exit::Usage,
+            format!("--frame-rate {}: expected a number above 0 and at most 1000", args.frame_rate),
+        ));
     }
     let images: Vec<PathBuf> = frame::sequence::find(&args.images.join("*.png"))?.into_values().collect();
     let beside = args.images.parent().unwrap_or(Path::new(".")).join("movie.mp4");
@@ -47,7 +50,13 @@ pub fn encode(images: &[PathBuf], goal: &Path, frame_rate: f64) -> Outcome<PathB
         let picture = read_png(path)?;
         let own = (picture.width, picture.height);
         if *size.get_or_insert(own) != own {
-            let message = format!("is {}×{} pixels, the first picture is {}×{}", own.0, own.1, size.unwrap_or(own).0, size.unwrap_or(own).1);
+            let message = format!(
+                "is {}×{} pixels, the first picture is {}×{}",
+                own.0,
+                own.1,
+                size.unwrap_or(own).0,
+                size.unwrap_or(own).1
+            );
             return Err(Fault::whole(FaultKind::Data, path, message).into());
         }
     }
@@ -60,7 +69,9 @@ pub fn encode(images: &[PathBuf], goal: &Path, frame_rate: f64) -> Outcome<PathB
         by_ffmpeg(images, &movie, frame_rate)?;
         return Ok(movie);
     }
-    eprintln!("ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 install ffmpeg (Debian: apt-get install ffmpeg) and run `scree movie`");
+    eprintln!(
+        "ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 install ffmpeg (Debian: apt-get install ffmpeg) and run `scree movie`"
+    );
     let movie = named("apng");
     frame::atomic::write(&movie, &animated_png(images, frame_rate)?)?;
     Ok(movie)
@@ -68,7 +79,8 @@ pub fn encode(images: &[PathBuf], goal: &Path, frame_rate: f64) -> Outcome<PathB
 
 /// The first line of `ffmpeg -version`, if ffmpeg is there.
 pub fn ffmpeg_version() -> Option<String> {
-    let output = Command::new("ffmpeg").arg("-version").stdin(Stdio::null()).output().ok().filter(|o| o.status.success())?;
+    let output =
+        Command::new("ffmpeg").arg("-version").stdin(Stdio::null()).output().ok().filter(|o| o.status.success())?;
     String::from_utf8_lossy(&output.stdout).lines().next().map(str::to_string)
 }
 
@@ -78,8 +90,31 @@ fn by_ffmpeg(images: &[PathBuf], movie: &Path, frame_rate: f64) -> Outcome {
     let fault = |e: std::io::Error| Failure::new(Exit::Fault, format!("ffmpeg: {e}"));
     // H.264 wants even sizes: an odd one is padded by a row or a column.
     let mut child = Command::new("ffmpeg")
-        .args(["-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "png", "-framerate", &frame_rate.to_string(), "-i", "-"])
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart"])
+        .args([
+            "-y",
+            "-loglevel",
+            "error",
+            "-f",
+            "image2pipe",
+            "-c:v",
+            "png",
+            "-framerate",
+            &frame_rate.to_string(),
+            "-i",
+            "-",
+        ])
+        .args([
+            "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "-c:v",
+            "libx264",
+            "-pix_fmt",
+            "yuv420p",
+            "-crf",
+            "18",
+            "-movflags",
+            "+faststart",
+        ])
         .arg(&part)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
@@ -99,7 +134,8 @@ fn by_ffmpeg(images: &[PathBuf], movie: &Path, frame_rate: f64) -> Outcome {
         let _ = std::fs::remove_file(&part);
         let said = String::from_utf8_lossy(&output.stderr);
         let tail: Vec<&str> = said.lines().rev().take(5).collect();
-        let message = format!("ffmpeg failed ({}): {}", output.status, tail.into_iter().rev().collect::<Vec<_>>().join("; "));
+        let message =
+            format!("ffmpeg failed ({}): {}", output.status, tail.into_iter().rev().collect::<Vec<_>>().join("; "));
         return Err(Failure::new(Exit::Fault, message));
     }
     std::fs::rename(&part, movie).map_err(|e| Fault::unwritable(movie, &e).into())

@@ -22,7 +22,9 @@ impl Progress {
     pub fn start(what: &str, total: u64) -> Progress {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{msg:>12} [{bar:32}] {pos}/{len}  {elapsed} elapsed, {eta} left");
-            ProgressBar::new(total).with_style(style.unwrap_or(ProgressStyle::default_bar()).progress_chars("=> ")).with_message(what.to_string())
+            ProgressBar::new(total)
+                .with_style(style.unwrap_or(ProgressStyle::default_bar()).progress_chars("=> "))
+                .with_message(what.to_string())
         });
         if bar.is_none() {
             eprintln!("{what}: {total} to do");
@@ -38,7 +40,12 @@ impl Progress {
                 let mut said = self.said.lock().unwrap_or_else(|e| e.into_inner());
                 if said.elapsed() >= EVERY {
                     *said = Instant::now();
-                    eprintln!("{}: {done} of {} after {:.0} s", self.what, self.total, self.started.elapsed().as_secs_f64());
+                    eprintln!(
+                        "{}: {done} of {} after {:.0} s",
+                        self.what,
+                        self.total,
+                        self.started.elapsed().as_secs_f64()
+                    );
                 }
             }
         }

@@ -49,7 +49,9 @@ fn picture(pictures: &Pictures, number: u64) -> Outcome<Finished> {
     let mut context = context(&pictures.files)?;
     let image = pictures.image(number);
     emit::frame(&pictures.checked, &table, &image.to_string_lossy(), &pictures.files, &mut context)?;
-    write_all(context, Path::new("."))?.pop().ok_or_else(|| Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no picture"))
+    write_all(context, Path::new("."))?
+        .pop()
+        .ok_or_else(|| Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no picture"))
 }
 
 fn context(files: &render::ri::files::Files) -> Outcome<Context> {
@@ -59,7 +61,10 @@ fn context(files: &render::ri::files::Files) -> Outcome<Context> {
 /// Draw a RIB file; its pictures go where its `Display` calls say, from `-o` or the working folder.
 fn scene(args: &RenderArgs) -> Outcome {
     if args.pictures.frames.is_some() || args.pictures.missing {
-        return Err(Failure::new(Exit::Usage, "a RIB scene has no frames to choose: --frames and --missing are for data"));
+        return Err(Failure::new(
+            Exit::Usage,
+            "a RIB scene has no frames to choose: --frames and --missing are for data",
+        ));
     }
     let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
     let text = read_text(&args.input)?;
@@ -69,14 +74,20 @@ fn scene(args: &RenderArgs) -> Outcome {
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
     let (res, samples) = (args.pictures.res, args.pictures.samples);
     if res.is_some() || samples.is_some() {
-        return Err(Failure::new(Exit::Usage, "--res and --samples are for data: a RIB scene has its own Format and PixelSamples"));
+        return Err(Failure::new(
+            Exit::Usage,
+            "--res and --samples are for data: a RIB scene has its own Format and PixelSamples",
+        ));
     }
     reader::read(&args.input, &text, &files, &mut context, &mut |_, _| Ok(()))?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("."));
     let finished = write_all(context, &folder)?;
     progress.finish();
     if finished.is_empty() {
-        return Err(Failure::new(Exit::Input, format!("{}: the scene has no WorldBegin and WorldEnd: there is no picture", args.input.display())));
+        return Err(Failure::new(
+            Exit::Input,
+            format!("{}: the scene has no WorldBegin and WorldEnd: there is no picture", args.input.display()),
+        ));
     }
     for f in &finished {
         if args.verbose {
@@ -113,12 +124,16 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
             if !matches!(Path::new(&display.name).extension().and_then(|e| e.to_str()), Some("png" | "exr")) {
                 let ending = if display.kind == "exr" || display.kind == "openexr" { "exr" } else { "png" };
                 eprintln!("warning: the picture `{}` is written as {ending}", display.name);
-                display.name = format!("{}.{ending}", display.name.rsplit_once('.').map_or(display.name.as_str(), |(stem, _)| stem));
+                display.name = format!(
+                    "{}.{ending}",
+                    display.name.rsplit_once('.').map_or(display.name.as_str(), |(stem, _)| stem)
+                );
             }
         }
         for display in &f.options.displays {
             let kind = if display.name.ends_with(".exr") { "exr" } else { "png" };
-            let bytes = f.image.encode(kind, display.mode == "rgba", &f.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+            let bytes =
+                f.image.encode(kind, display.mode == "rgba", &f.options).map_err(|m| Failure::new(Exit::Fault, m))?;
             frame::atomic::write(&folder.join(&display.name), &bytes)?;
         }
     }
@@ -147,7 +162,10 @@ pub fn missing_frames(pictures: &Pictures) -> Outcome {
     match (absent.first(), absent.last()) {
         (Some(first), Some(last)) => Err(Failure::new(
             Exit::Partial,
-            format!("the simulation was interrupted: {} of {expected} frames are missing ({first} to {last}); the others were drawn", absent.len()),
+            format!(
+                "the simulation was interrupted: {} of {expected} frames are missing ({first} to {last}); the others were drawn",
+                absent.len()
+            ),
         )),
         _ => Ok(()),
     }

@@ -59,7 +59,15 @@ impl From<Fault> for Failure {
 impl From<RibError> for Failure {
     fn from(e: RibError) -> Failure {
         let p = e.place;
-        let fault = Fault { kind: FaultKind::Input, file: p.file, line: p.line, column: p.column, text: e.text, message: e.message, hint: None };
+        let fault = Fault {
+            kind: FaultKind::Input,
+            file: p.file,
+            line: p.line,
+            column: p.column,
+            text: e.text,
+            message: e.message,
+            hint: None,
+        };
         fault.into()
     }
 }

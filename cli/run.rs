@@ -67,7 +67,9 @@ fn data_of(checked: &Checked, home: &Path, fresh: bool) -> Outcome<Source> {
             ensure_run(&path, home, fresh)?;
             Ok(Source::Run(RunReader::open(home)?))
         }
-        (None, None) => Err(checked.doc.fault("data", "has neither `data` nor `model`: there is nothing to draw").into()),
+        (None, None) => {
+            Err(checked.doc.fault("data", "has neither `data` nor `model`: there is nothing to draw").into())
+        }
     }
 }
 
@@ -86,7 +88,10 @@ pub fn open(input: &Path) -> Outcome<(Checked, Source, PathBuf)> {
     }
     let home = job::default_output(input);
     match job::kind_of(input)? {
-        Yaml::Model => Err(Failure::new(Exit::Usage, format!("{} is a model: simulate it first, or give it to `scree run`", input.display()))),
+        Yaml::Model => Err(Failure::new(
+            Exit::Usage,
+            format!("{} is a model: simulate it first, or give it to `scree run`", input.display()),
+        )),
         Yaml::Metadata => {
             let checked = metadata::read(input)?;
             let source = data_of(&checked, &home, false)?;

@@ -13,7 +13,10 @@ use std::path::Path;
 /// The command.
 pub fn command(args: &SimulateArgs) -> Outcome {
     if args.backend == Backend::Gpu {
-        return Err(Failure::new(Exit::Usage, "--backend gpu: the simulation has no GPU back end yet; use cpu or auto"));
+        return Err(Failure::new(
+            Exit::Usage,
+            "--backend gpu: the simulation has no GPU back end yet; use cpu or auto",
+        ));
     }
     if let Some(until) = args.until
         && !(until > 0.0 && until.is_finite())
@@ -37,7 +40,11 @@ pub fn model_hash(file: &ModelFile) -> String {
 
 /// Whether a folder holds a finished run of just this model.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
-    RunReader::open(folder).is_ok_and(|run| run.index.complete && run.index.model_hash == model_hash(file) && run.index.frames.len() as u64 == run.index.expected_frames)
+    RunReader::open(folder).is_ok_and(|run| {
+        run.index.complete
+            && run.index.model_hash == model_hash(file)
+            && run.index.frames.len() as u64 == run.index.expected_frames
+    })
 }
 
 /// Run the model into `folder`, up to `until` s or its own end.

@@ -73,7 +73,8 @@ impl Job<'_> {
     /// Whether a camera-space box may show in this bucket: in range, on its raster, not hidden.
     pub fn worth(&mut self, min: Vec3, max: Vec3) -> bool {
         let Some(bound) = self.frame.camera.bound(min, max) else { return false };
-        self.touches(bound.min.to_array(), bound.max.to_array()) && !self.samples.hides(bound.min.to_array(), bound.max.to_array(), bound.z)
+        self.touches(bound.min.to_array(), bound.max.to_array())
+            && !self.samples.hides(bound.min.to_array(), bound.max.to_array(), bound.z)
     }
 
     /// Whether a raster rectangle touches this bucket's samples.
@@ -84,13 +85,20 @@ impl Job<'_> {
     /// Whether a shader of the primitive reads u, v, s or t.
     pub fn needs_parameters(&self, view: &ItemView<'_>) -> bool {
         let reads = |p: &sl::ir::Program| ["u", "v", "s", "t"].iter().any(|n| p.global(n).is_some());
-        reads(&view.attributes.surface.program) || view.attributes.displacement.as_ref().is_some_and(|d| reads(&d.program))
+        reads(&view.attributes.surface.program)
+            || view.attributes.displacement.as_ref().is_some_and(|d| reads(&d.program))
     }
 }
 
 /// Make the picture; `progress` is told buckets done and in all.
-pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn Fn(usize, usize) + Sync)) -> (Image, Stats) {
-    let filter = [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
+pub fn render(
+    scene: &Scene,
+    options: &Options,
+    camera: Camera,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> (Image, Stats) {
+    let filter =
+        [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
     let frame = Frame { scene, camera, jitter: Jitter::new(options.samples), filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
@@ -187,7 +195,8 @@ fn camera_bound(camera: &Camera, view: &ItemView<'_>) -> (Vec3, Vec3) {
 fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<Vec<(f32, Item)>> {
     let size = frame.options.bucket_size as f32;
     let margin = [frame.filter[0].margin() as f32, frame.filter[1].margin() as f32];
-    let items: Vec<Item> = frame.scene.items().filter(|i| frame.scene.sources[i.source as usize].attributes.visible).collect();
+    let items: Vec<Item> =
+        frame.scene.items().filter(|i| frame.scene.sources[i.source as usize].attributes.visible).collect();
     let bounds: Vec<_> = items
         .par_iter()
         .with_min_len(1024)

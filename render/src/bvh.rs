@@ -9,10 +9,20 @@ use glam::{Mat4, Vec3};
 /// What stops a ray.
 #[derive(Clone, Copy, Debug)]
 enum Occluder {
-    Ball { center: Vec3, radius: f32 },
+    Ball {
+        center: Vec3,
+        radius: f32,
+    },
     /// Index of the matrix that makes it the unit ball.
-    Ellipsoid { inverse: u32 },
-    Triangle { a: Vec3, ab: Vec3, ac: Vec3, flat: bool },
+    Ellipsoid {
+        inverse: u32,
+    },
+    Triangle {
+        a: Vec3,
+        ab: Vec3,
+        ac: Vec3,
+        flat: bool,
+    },
 }
 
 /// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it.
@@ -73,7 +83,9 @@ impl Bvh {
             Shape::Patches(patches) => {
                 for patch in patches.iter() {
                     let n = if patch.flat { 1 } else { FACETS };
-                    let at = |i: usize, j: usize| to_world.transform_point3(patch.at(i as f32 / n as f32, j as f32 / n as f32));
+                    let at = |i: usize, j: usize| {
+                        to_world.transform_point3(patch.at(i as f32 / n as f32, j as f32 / n as f32))
+                    };
                     for j in 0..n {
                         for i in 0..n {
                             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
@@ -145,40 +157,46 @@ impl Bvh {
     #[inline]
     fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: f32) -> bool {
         match *occluder {
-            Occluder::Ball { center, radius } => !own && {
-                let to = center - from;
-                let along = to.dot(dir);
-                let off2 = (to - dir * along).length_squared();
-                let r2 = radius * radius;
-                off2 < r2 && {
-                    let half = (r2 - off2).sqrt();
-                    along + half > 0.0 && along - half < length
+            Occluder::Ball { center, radius } => {
+                !own && {
+                    let to = center - from;
+                    let along = to.dot(dir);
+                    let off2 = (to - dir * along).length_squared();
+                    let r2 = radius * radius;
+                    off2 < r2 && {
+                        let half = (r2 - off2).sqrt();
+                        along + half > 0.0 && along - half < length
+                    }
                 }
-            },
-            Occluder::Ellipsoid { inverse } => !own && {
-                let m = &self.inverses[inverse as usize];
-                let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
-                let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
-                let disc = b * b - a * c;
-                disc > 0.0 && {
-                    let root = disc.sqrt();
-                    root - b > 0.0 && (-b - root) < length * a
+            }
+            Occluder::Ellipsoid { inverse } => {
+                !own && {
+                    let m = &self.inverses[inverse as usize];
+                    let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
+                    let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
+                    let disc = b * b - a * c;
+                    disc > 0.0 && {
+                        let root = disc.sqrt();
+                        root - b > 0.0 && (-b - root) < length * a
+                    }
                 }
-            },
-            Occluder::Triangle { a, ab, ac, flat } => !(own && flat) && {
-                let p = dir.cross(ac);
-                let det = ab.dot(p);
-                if det == 0.0 {
-                    return false;
+            }
+            Occluder::Triangle { a, ab, ac, flat } => {
+                !(own && flat) && {
+                    let p = dir.cross(ac);
+                    let det = ab.dot(p);
+                    if det == 0.0 {
+                        return false;
+                    }
+                    let inv = 1.0 / det;
+                    let s = from - a;
+                    let u = s.dot(p) * inv;
+                    let q = s.cross(ab);
+                    let v = dir.dot(q) * inv;
+                    let t = ac.dot(q) * inv;
+                    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias && t < length
                 }
-                let inv = 1.0 / det;
-                let s = from - a;
-                let u = s.dot(p) * inv;
-                let q = s.cross(ab);
-                let v = dir.dot(q) * inv;
-                let t = ac.dot(q) * inv;
-                u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias && t < length
-            },
+            }
         }
     }
 }
@@ -186,7 +204,9 @@ impl Bvh {
 /// Split a run of occluders at the best of 16 planes along each axis by the surface area heuristic; nodes are written depth first.
 fn split(bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32, nodes: &mut Vec<Node>) {
     let hull = |run: &[u32]| {
-        run.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(bounds[*i as usize].0), hi.max(bounds[*i as usize].1)))
+        run.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| {
+            (lo.min(bounds[*i as usize].0), hi.max(bounds[*i as usize].1))
+        })
     };
     let (min, max) = hull(order);
     let here = nodes.len();
@@ -195,8 +215,10 @@ fn split(bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32, nodes: &mut Vec
         return;
     }
     let center = |i: u32| 0.5 * (bounds[i as usize].0 + bounds[i as usize].1);
-    let (lo, hi) = order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(center(*i)), hi.max(center(*i))));
-    let mut middle = best_plane(bounds, order, lo, hi).map_or(0, |(axis, plane)| partition(order, |i| center(i)[axis] < plane));
+    let (lo, hi) =
+        order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(center(*i)), hi.max(center(*i))));
+    let mut middle =
+        best_plane(bounds, order, lo, hi).map_or(0, |(axis, plane)| partition(order, |i| center(i)[axis] < plane));
     if middle == 0 || middle == order.len() {
         // All centres in one place: halves of the run will do.
         middle = order.len() / 2;

@@ -18,6 +18,8 @@ pub struct Camera {
     pub scale: Vec2,
     /// Raster point of the axis.
     pub center: Vec2,
+    /// Least and greatest x/z and y/z that the picture shows, with some room for filters.
+    view: [Vec2; 2],
     /// Nearest depth.
     pub near: f32,
     /// Farthest depth.
@@ -49,13 +51,19 @@ impl Camera {
         let half = options.fov.map_or(1.0, |fov| (fov.to_radians() * 0.5).tan());
         let per_unit = Vec2::new(w / (right - left), h / (top - bottom));
         let to_world = to_camera.inverse();
+        let scale = per_unit / half;
+        let center = Vec2::new(-left, top) * per_unit;
+        let room = Vec2::splat(32.0);
+        let view = [(-center - room) / scale, (Vec2::new(w, h) - center + room) / scale];
         Camera {
+            // Raster y runs downwards, camera y upwards.
+            view: [Vec2::new(view[0].x, -view[1].y), Vec2::new(view[1].x, -view[0].y)],
             to_camera,
             to_world,
             eye: to_world.transform_point3(Vec3::ZERO),
             perspective: options.fov.is_some(),
-            scale: per_unit / half,
-            center: Vec2::new(-left, top) * per_unit,
+            scale,
+            center,
             near: options.clipping[0],
             far: options.clipping[1],
         }
@@ -76,12 +84,21 @@ impl Camera {
     }
 
     /// The raster bound of a camera-space box, `None` if it is wholly out of the depth range. A box that reaches behind the
-    /// near plane may be anywhere on the raster.
+    /// near plane may be anywhere on the raster, unless all of it is beside the view.
     pub fn bound(&self, min: Vec3, max: Vec3) -> Option<RasterBound> {
         if !(max.z >= self.near && min.z <= self.far) {
             return None;
         }
         if self.perspective && min.z < self.near {
+            for axis in 0..2 {
+                // The view is widest where the box is deepest.
+                let (lo, hi) = (self.view[0][axis], self.view[1][axis]);
+                let most = (hi * max.z).max(hi * self.near);
+                let least = (lo * max.z).min(lo * self.near);
+                if min[axis] > most || max[axis] < least {
+                    return None;
+                }
+            }
             return Some(RasterBound { min: Vec2::NEG_INFINITY, max: Vec2::INFINITY, z: self.near });
         }
         let (mut lo, mut hi) = (Vec2::INFINITY, Vec2::NEG_INFINITY);

@@ -88,7 +88,10 @@ impl Context {
     /// A renderer that finds shaders through `files`.
     pub fn new(files: Files) -> Result<Context, Fail> {
         let nothing = Arc::new(BoundShader {
-            program: Arc::new(sl::compile(Path::new("constant.sl"), "surface constant() { Ci = Os * Cs; }").map_err(|e| Fail::new(e.to_string()))?),
+            program: Arc::new(
+                sl::compile(Path::new("constant.sl"), "surface constant() { Ci = Os * Cs; }")
+                    .map_err(|e| Fail::new(e.to_string()))?,
+            ),
             numbers: vec![],
             texts: vec![],
         });
@@ -156,7 +159,8 @@ impl Context {
             None => {
                 let rooms = [format!("shaders/{kind}"), "shaders".into()];
                 let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
-                let (path, source) = self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
+                let (path, source) =
+                    self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
                 let program = sl::compile(&path, &source).map_err(|d| Fail::new(format!("in shader {d}")))?;
                 self.programs.entry(file).or_insert(Arc::new(program)).clone()
             }
@@ -173,8 +177,15 @@ impl Context {
             let wanted = program.params[i].kind;
             match param.values {
                 Values::Strings(v) if wanted == Kind::Text => texts.push((i, v[0].clone())),
-                Values::Floats(v) if wanted != Kind::Text => numbers.push((i, self.to_current(wanted, &v, &param.decl.name)?)),
-                _ => return Err(Fail::new(format!("parameter `{}` of `{name}` has the wrong type, expected {wanted:?}", param.decl.name))),
+                Values::Floats(v) if wanted != Kind::Text => {
+                    numbers.push((i, self.to_current(wanted, &v, &param.decl.name)?))
+                }
+                _ => {
+                    return Err(Fail::new(format!(
+                        "parameter `{}` of `{name}` has the wrong type, expected {wanted:?}",
+                        param.decl.name
+                    )));
+                }
             }
         }
         Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
@@ -197,7 +208,11 @@ impl Context {
     }
 
     fn in_world(&self, call: &str) -> RiResult {
-        if self.to_camera.is_some() { Ok(()) } else { Err(Fail::new(format!("`{call}` stands between WorldBegin and WorldEnd"))) }
+        if self.to_camera.is_some() {
+            Ok(())
+        } else {
+            Err(Fail::new(format!("`{call}` stands between WorldBegin and WorldEnd")))
+        }
     }
 
     fn lights_changed(&mut self) {
@@ -230,7 +245,11 @@ impl Context {
     /// A convex polygon as bilinear patches: a fan of quadrilaterals and a triangle.
     fn polygon_patches(&self, corners: &[usize], params: &Params, face: usize) -> Result<Vec<Patch>, Fail> {
         let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("a polygon needs \"P\""))?.numbers();
-        let point = |i: usize| p.get(3 * i..3 * i + 3).map(|c| Vec3::new(c[0], c[1], c[2])).ok_or(Fail::new(format!("vertex {i} is not in \"P\"")));
+        let point = |i: usize| {
+            p.get(3 * i..3 * i + 3)
+                .map(|c| Vec3::new(c[0], c[1], c[2]))
+                .ok_or(Fail::new(format!("vertex {i} is not in \"P\"")))
+        };
         let n = corners.len();
         let mut patches = Vec::new();
         let mut k = 1;
@@ -262,11 +281,17 @@ fn patch_variables(patch: &mut Patch, params: &Params, vertex: [usize; 4], face:
     for param in params.iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "N" | "Np" | "Pw")) {
         let width = param.decl.width();
         let v = param.numbers();
-        let value = |i: usize| v.get(i * width..(i + 1) * width).map(<[f32]>::to_vec).ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)));
+        let value = |i: usize| {
+            v.get(i * width..(i + 1) * width)
+                .map(<[f32]>::to_vec)
+                .ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))
+        };
         match param.decl.class {
             _ if v.is_empty() => {}
             Class::Constant => patch.uniform.push((param.decl.name.clone(), value(0)?)),
-            Class::Uniform => patch.uniform.push((param.decl.name.clone(), value(if v.len() > width { face } else { 0 })?)),
+            Class::Uniform => {
+                patch.uniform.push((param.decl.name.clone(), value(if v.len() > width { face } else { 0 })?))
+            }
             Class::FaceVarying => return Err(Fail::new("facevarying variables are not supported yet")),
             Class::Varying | Class::Vertex => {
                 let mut all = Vec::new();
@@ -292,14 +317,23 @@ fn uniform_numbers(params: Params) -> Result<Vec<(String, Vec<f32>)>, Fail> {
         match (&param.values, param.decl.class) {
             (Values::Floats(v), Class::Constant | Class::Uniform) => out.push((param.decl.name, v.clone())),
             (Values::Strings(_), _) => {}
-            _ => return Err(Fail::new(format!("varying variable `{}` on a quadric is not supported yet", param.decl.name))),
+            _ => {
+                return Err(Fail::new(format!(
+                    "varying variable `{}` on a quadric is not supported yet",
+                    param.decl.name
+                )));
+            }
         }
     }
     Ok(out)
 }
 
 fn positive(value: f32, what: &str) -> RiResult {
-    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(Fail::new(format!("{what} is {value}, expected a number above 0"))) }
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(Fail::new(format!("{what} is {value}, expected a number above 0")))
+    }
 }
 
 impl Ri for Context {
@@ -331,7 +365,11 @@ impl Ri for Context {
             return Err(Fail::new("the camera's transformation cannot be inverted"));
         }
         self.to_camera = Some(to_camera);
-        self.scene = Scene { camera_to_world: to_camera.inverse(), warnings: std::mem::take(&mut self.scene.warnings), ..Scene::default() };
+        self.scene = Scene {
+            camera_to_world: to_camera.inverse(),
+            warnings: std::mem::take(&mut self.scene.warnings),
+            ..Scene::default()
+        };
         // Lights and spaces that were set in camera space move to world space with it.
         self.attribute_stack.push((self.attributes.clone(), self.transform));
         self.transform = Mat4::IDENTITY;
@@ -413,7 +451,8 @@ impl Ri for Context {
     }
     fn frame_aspect_ratio(&mut self, ratio: f32) -> RiResult {
         positive(ratio, "the frame aspect ratio")?;
-        self.options.screen_window = Some(if ratio >= 1.0 { [-ratio, ratio, -1.0, 1.0] } else { [-1.0, 1.0, -1.0 / ratio, 1.0 / ratio] });
+        self.options.screen_window =
+            Some(if ratio >= 1.0 { [-ratio, ratio, -1.0, 1.0] } else { [-1.0, 1.0, -1.0 / ratio, 1.0 / ratio] });
         Ok(())
     }
     fn screen_window(&mut self, left: f32, right: f32, bottom: f32, top: f32) -> RiResult {
@@ -425,14 +464,19 @@ impl Ri for Context {
     fn projection(&mut self, name: &str, params: Params) -> RiResult {
         match name {
             "perspective" => {
-                let fov = params.iter().find(|p| p.decl.name == "fov").map_or(90.0, |p| p.numbers().first().copied().unwrap_or(90.0));
+                let fov = params
+                    .iter()
+                    .find(|p| p.decl.name == "fov")
+                    .map_or(90.0, |p| p.numbers().first().copied().unwrap_or(90.0));
                 if !(fov > 0.0 && fov < 179.9) {
                     return Err(Fail::new(format!("fov is {fov}, expected an angle between 0 and 179.9 degrees")));
                 }
                 self.options.fov = Some(fov);
             }
             "orthographic" => self.options.fov = None,
-            other => return Err(Fail::new(format!("unknown projection `{other}`, expected perspective or orthographic"))),
+            other => {
+                return Err(Fail::new(format!("unknown projection `{other}`, expected perspective or orthographic")));
+            }
         }
         // The projection starts the camera's transformation afresh (RISpec 4.1.2).
         self.transform = Mat4::IDENTITY;
@@ -446,7 +490,8 @@ impl Ri for Context {
     }
     fn shutter(&mut self, open: f32, close: f32) -> RiResult {
         if open != close {
-            self.scene.warn("motion blur is not supported yet: the picture is of the moment when the shutter opens".into());
+            self.scene
+                .warn("motion blur is not supported yet: the picture is of the moment when the shutter opens".into());
         }
         Ok(())
     }
@@ -460,8 +505,9 @@ impl Ri for Context {
         Ok(())
     }
     fn pixel_filter(&mut self, name: &str, x_width: f32, y_width: f32) -> RiResult {
-        self.options.filter = FilterKind::of_name(name)
-            .ok_or(Fail::new(format!("unknown filter `{name}`, expected box, triangle, gaussian, catmull-rom, sinc or mitchell")))?;
+        self.options.filter = FilterKind::of_name(name).ok_or(Fail::new(format!(
+            "unknown filter `{name}`, expected box, triangle, gaussian, catmull-rom, sinc or mitchell"
+        )))?;
         for width in [x_width, y_width] {
             if !(1.0..=16.0).contains(&width) {
                 return Err(Fail::new(format!("filter width {width}, expected 1 to 16 pixels")));
@@ -480,7 +526,8 @@ impl Ri for Context {
         if name != "background" {
             return Err(Fail::new(format!("imager `{name}` is not supported yet; `background` is")));
         }
-        let color = params.iter().find(|p| matches!(p.decl.name.as_str(), "background" | "color") && p.decl.ty == Type::Color);
+        let color =
+            params.iter().find(|p| matches!(p.decl.name.as_str(), "background" | "color") && p.decl.ty == Type::Color);
         self.options.background = Some(color.map_or([0.0; 3], |p| [p.numbers()[0], p.numbers()[1], p.numbers()[2]]));
         Ok(())
     }
@@ -516,10 +563,14 @@ impl Ri for Context {
         for param in &params {
             let number = param.numbers().first().copied();
             match (name, param.decl.name.as_str(), number) {
-                ("displacementbound", "sphere", Some(bound)) => self.attributes.displacement_bound = Some(bound.max(0.0)),
+                ("displacementbound", "sphere", Some(bound)) => {
+                    self.attributes.displacement_bound = Some(bound.max(0.0))
+                }
                 ("visibility", "camera", Some(on)) => self.attributes.visible = on != 0.0,
                 ("visibility", "transmission", Some(on)) => self.attributes.casts_shadows = on != 0.0,
-                ("visibility", "transmission", None) => self.attributes.casts_shadows = param.text() != Some("transparent"),
+                ("visibility", "transmission", None) => {
+                    self.attributes.casts_shadows = param.text() != Some("transparent")
+                }
                 _ => {}
             }
         }
@@ -543,7 +594,8 @@ impl Ri for Context {
     }
     fn illuminate(&mut self, handle: &str, on: bool) -> RiResult {
         let known = |lights: &[(String, Arc<BoundShader>)]| lights.iter().find(|(h, _)| h == handle).cloned();
-        let light = known(&self.attributes.lights).or_else(|| self.attribute_stack.iter().rev().find_map(|(a, _)| known(&a.lights)));
+        let light = known(&self.attributes.lights)
+            .or_else(|| self.attribute_stack.iter().rev().find_map(|(a, _)| known(&a.lights)));
         let Some(light) = light else { return Err(Fail::new(format!("there is no light `{handle}`"))) };
         self.attributes.lights.retain(|(h, _)| h != handle);
         if on {
@@ -558,7 +610,8 @@ impl Ri for Context {
         Ok(())
     }
     fn displacement(&mut self, name: &str, params: Params) -> RiResult {
-        self.attributes.displacement = if name == "null" { None } else { Some(self.shader(name, "displacement", params)?) };
+        self.attributes.displacement =
+            if name == "null" { None } else { Some(self.shader(name, "displacement", params)?) };
         self.attributes.displacement_space = self.transform;
         Ok(())
     }
@@ -586,7 +639,9 @@ impl Ri for Context {
         self.attributes.reversed = match kind {
             "outside" | "lh" => false,
             "inside" | "rh" => true,
-            other => return Err(Fail::new(format!("unknown orientation `{other}`, expected outside, inside, lh or rh"))),
+            other => {
+                return Err(Fail::new(format!("unknown orientation `{other}`, expected outside, inside, lh or rh")));
+            }
         };
         Ok(())
     }
@@ -627,7 +682,8 @@ impl Ri for Context {
         Ok(())
     }
     fn coord_sys_transform(&mut self, name: &str) -> RiResult {
-        self.transform = *self.scene.spaces.get(name).ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?;
+        self.transform =
+            *self.scene.spaces.get(name).ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?;
         Ok(())
     }
     fn polygon(&mut self, params: Params) -> RiResult {
@@ -642,7 +698,10 @@ impl Ri for Context {
         let mut patches = Vec::new();
         let mut rest = vertices.as_slice();
         for (face, n) in n_vertices.iter().enumerate() {
-            let n = usize::try_from(*n).ok().filter(|n| *n >= 3).ok_or(Fail::new(format!("face {face} has {n} vertices, expected at least 3")))?;
+            let n = usize::try_from(*n)
+                .ok()
+                .filter(|n| *n >= 3)
+                .ok_or(Fail::new(format!("face {face} has {n} vertices, expected at least 3")))?;
             if rest.len() < n {
                 return Err(Fail::new(format!("the vertex list ends in face {face}")));
             }
@@ -681,7 +740,9 @@ impl Ri for Context {
     }
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
         if !(radius != 0.0 && radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
-            return Err(Fail::new(format!("a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn")));
+            return Err(Fail::new(format!(
+                "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
+            )));
         }
         let uniform = uniform_numbers(params)?;
         let r = radius.abs();
@@ -711,7 +772,8 @@ impl Ri for Context {
         let shape = match &instances.shape {
             InstanceShape::Sphere => SourceShape::Spheres(instances),
             InstanceShape::Object(handle) => {
-                let parts = self.objects.get(handle).cloned().ok_or(Fail::new(format!("there is no object `{handle}`")))?;
+                let parts =
+                    self.objects.get(handle).cloned().ok_or(Fail::new(format!("there is no object `{handle}`")))?;
                 SourceShape::Objects(instances, parts)
             }
         };

@@ -53,7 +53,8 @@ impl FilterKind {
                 }
             }
             FilterKind::Sinc => {
-                let s = |t: f32| if t == 0.0 { 1.0 } else { (std::f32::consts::PI * t).sin() / (std::f32::consts::PI * t) };
+                let s =
+                    |t: f32| if t == 0.0 { 1.0 } else { (std::f32::consts::PI * t).sin() / (std::f32::consts::PI * t) };
                 s(x) * s(x / half)
             }
             FilterKind::Mitchell => {
@@ -61,9 +62,15 @@ impl FilterKind {
                 let t = 2.0 * x / half;
                 let (b, c) = (1.0 / 3.0, 1.0 / 3.0);
                 if t < 1.0 {
-                    ((12.0 - 9.0 * b - 6.0 * c) * t * t * t + (-18.0 + 12.0 * b + 6.0 * c) * t * t + 6.0 - 2.0 * b) / 6.0
+                    ((12.0 - 9.0 * b - 6.0 * c) * t * t * t + (-18.0 + 12.0 * b + 6.0 * c) * t * t + 6.0 - 2.0 * b)
+                        / 6.0
                 } else {
-                    ((-b - 6.0 * c) * t * t * t + (6.0 * b + 30.0 * c) * t * t + (-12.0 * b - 48.0 * c) * t + 8.0 * b + 24.0 * c) / 6.0
+                    ((-b - 6.0 * c) * t * t * t
+                        + (6.0 * b + 30.0 * c) * t * t
+                        + (-12.0 * b - 48.0 * c) * t
+                        + 8.0 * b
+                        + 24.0 * c)
+                        / 6.0
                 }
             }
         }

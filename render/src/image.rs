@@ -39,16 +39,22 @@ impl Image {
         let (w, h) = (self.width as u32, self.height as u32);
         let n = if with_alpha { 4 } else { 3 };
         if kind == "exr" {
-            let floats: Vec<u8> = self.pixels.iter().flat_map(|p| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
+            let floats: Vec<u8> =
+                self.pixels.iter().flat_map(|p| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
             let color = if with_alpha { ExtendedColorType::Rgba32F } else { ExtendedColorType::Rgb32F };
-            OpenExrEncoder::new(std::io::Cursor::new(&mut bytes)).write_image(&floats, w, h, color).map_err(|e| e.to_string())?;
+            OpenExrEncoder::new(std::io::Cursor::new(&mut bytes))
+                .write_image(&floats, w, h, color)
+                .map_err(|e| e.to_string())?;
             return Ok(bytes);
         }
         let deep = options.quantize_one > 255;
         let one = if deep { 65535.0 } else { 255.0 };
         let quantize = |i: usize, c: usize, x: f32| {
             // Dither is noise of the pixel's own, the same in every run.
-            let noise = sl::noise::cell_noise([(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5], 9);
+            let noise = sl::noise::cell_noise(
+                [(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5],
+                9,
+            );
             (x * one + options.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
         };
         let values = self.pixels.iter().enumerate().flat_map(|(i, p)| (0..n).map(move |c| (i, c, p[c])));

@@ -80,7 +80,9 @@ fn draw_piece(
         Vec3::new(r.x, r.y, 0.0)
     });
     // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
-    let pixels = |a: usize, stride: usize| path(&[raster[a], raster[a + stride], raster[a + 2 * stride], raster[a + 3 * stride]]) / step;
+    let pixels = |a: usize, stride: usize| {
+        path(&[raster[a], raster[a + stride], raster[a + 2 * stride], raster[a + 3 * stride]]) / step
+    };
     let rate = |length: f32| (length.max(1.0).min(65536.0).ceil() as usize).next_power_of_two();
     let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
     let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
@@ -93,7 +95,8 @@ fn draw_piece(
     let (nu, nv) = (nu.min(TILE), nv.min(TILE));
     let apron = view.attributes.displacement.is_some();
     dice(job, view, patch, piece, nu, nv, apron);
-    let keep = [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
+    let keep =
+        [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
     finish(job, item, view, &Diced { apron, keep });
 }
 
@@ -133,7 +136,9 @@ fn sub_curve(p: [Vec3; 4], [a, b]: [f32; 2]) -> [Vec3; 4] {
 fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu: usize, nv: usize, apron: bool) {
     let ring = apron as i32;
     // All points are of the whole patch at dyadic parameters, so that grids that share an edge compute the same points.
-    let lines = |r: [f32; 2], n: usize| (-ring..=n as i32 + ring).map(move |k| r[0] + (r[1] - r[0]) * k as f32 / n as f32).collect::<Vec<f32>>();
+    let lines = |r: [f32; 2], n: usize| {
+        (-ring..=n as i32 + ring).map(move |k| r[0] + (r[1] - r[0]) * k as f32 / n as f32).collect::<Vec<f32>>()
+    };
     let (us, vs) = (lines(piece.u, nu), lines(piece.v, nv));
     let normals = glam::Mat3::from_mat4(view.to_world).inverse().transpose();
     let mirrored = view.to_world.determinant() < 0.0;
@@ -159,7 +164,12 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     *points.refill("N") = normal;
     if job.needs_parameters(view) {
         let points = &mut job.grid.points;
-        for (name, corner) in [("u", patch.uv.map(|c| c[0])), ("v", patch.uv.map(|c| c[1])), ("s", patch.st.map(|c| c[0])), ("t", patch.st.map(|c| c[1]))] {
+        for (name, corner) in [
+            ("u", patch.uv.map(|c| c[0])),
+            ("v", patch.uv.map(|c| c[1])),
+            ("s", patch.st.map(|c| c[0])),
+            ("t", patch.st.map(|c| c[1])),
+        ] {
             let values = vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corner, *u, *v)));
             points.refill(name).extend(values);
         }
@@ -171,7 +181,11 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         // The apron is dropped from globals alone: variables are made without it.
         let inner = |x: &[f32]| x[ring as usize..x.len() - ring as usize].to_vec();
         let (us, vs) = (inner(&us), inner(&vs));
-        let all = (0..width).flat_map(|c| vs.iter().flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>()).collect::<Vec<_>>());
+        let all = (0..width).flat_map(|c| {
+            vs.iter()
+                .flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>())
+                .collect::<Vec<_>>()
+        });
         job.varying.push((name.clone(), all.collect()));
     }
     job.varying.extend(patch.uniform.iter().cloned());

@@ -27,7 +27,8 @@ impl Jitter {
             h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
             (h ^ (h >> 16)) as f32 / 4_294_967_808.0
         };
-        let offset = (0..n).map(|i| if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] }).collect();
+        let offset =
+            (0..n).map(|i| if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] }).collect();
         Jitter { strata, offset }
     }
 
@@ -50,6 +51,18 @@ struct Visible {
 }
 
 const NONE: u32 = u32::MAX;
+
+/// Weights of a point in a triangle; of one on the widened edge, those of a point inside nearby, since a sliver's own weights
+/// run wild there.
+#[inline]
+fn within(w: [f32; 3]) -> [f32; 3] {
+    if w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 {
+        return w;
+    }
+    let w = w.map(|x| x.max(0.0));
+    let sum = w[0] + w[1] + w[2];
+    w.map(|x| x / sum)
+}
 
 /// Pixels along the edge of a block whose greatest depth is kept for culling.
 const BLOCK: usize = 8;
@@ -170,14 +183,21 @@ impl Samples {
             return None;
         }
         let block = |x: f32, n: usize| (x.clamp(0.0, n as f32 - 1.0) as usize) / BLOCK;
-        Some(([block(x0 - EDGE, self.width), block(x1 + EDGE, self.width)], [block(y0 - EDGE, self.height), block(y1 + EDGE, self.height)]))
+        Some((
+            [block(x0 - EDGE, self.width), block(x1 + EDGE, self.width)],
+            [block(y0 - EDGE, self.height), block(y1 + EDGE, self.height)],
+        ))
     }
 
     fn greatest_depth(&self, bx: usize, by: usize) -> f32 {
         let [sx, sy] = self.strata;
         let columns = bx * BLOCK * sx..((bx + 1) * BLOCK).min(self.width) * sx;
         let rows = by * BLOCK * sy..((by + 1) * BLOCK).min(self.height) * sy;
-        let row_max = |row: usize| self.z[row * self.columns + columns.start..row * self.columns + columns.end].iter().fold(0.0f32, |a, z| a.max(*z));
+        let row_max = |row: usize| {
+            self.z[row * self.columns + columns.start..row * self.columns + columns.end]
+                .iter()
+                .fold(0.0f32, |a, z| a.max(*z))
+        };
         rows.map(row_max).fold(0.0, f32::max)
     }
 
@@ -221,10 +241,11 @@ impl Samples {
                 if w0 < slack || w1 < slack || w2 < slack {
                     continue;
                 }
-                let z = z0 + w1 * (z1 - z0) + w2 * (z2 - z0);
+                let w = within([w0, w1, w2]);
+                let z = z0 * w[0] + z1 * w[1] + z2 * w[2];
                 if z < self.z[k] {
                     hit = true;
-                    self.keep(k, z, corners.map(|c| c.1), [w0, w1, w2], flat, look);
+                    self.keep(k, z, corners.map(|c| c.1), w, flat, look);
                 }
             }
         }
@@ -286,7 +307,14 @@ impl Samples {
     }
 
     /// Filter the pixels of the bucket proper, `margin` pixels in from each side: red, green, blue, coverage each.
-    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], background: Option<[f32; 3]>, out: &mut Vec<[f32; 4]>) {
+    pub fn filter(
+        &self,
+        fx: &Filter,
+        fy: &Filter,
+        margin: [usize; 2],
+        background: Option<[f32; 3]>,
+        out: &mut Vec<[f32; 4]>,
+    ) {
         let [sx, sy] = self.strata;
         out.clear();
         for py in margin[1]..self.height - margin[1] {

@@ -118,7 +118,10 @@ impl Source {
 impl Scene {
     /// All items, in order.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
-        self.sources.iter().enumerate().flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
+        self.sources
+            .iter()
+            .enumerate()
+            .flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
     }
 
     /// Look an item up.
@@ -128,7 +131,9 @@ impl Scene {
         let attributes = &*source.attributes;
         let (shape, place, object, instance) = match &source.shape {
             SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
-            SourceShape::Spheres(columns) => (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i))),
+            SourceShape::Spheres(columns) => {
+                (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i)))
+            }
             SourceShape::Objects(columns, parts) => {
                 let (k, part) = (i / parts.len(), &parts[i % parts.len()]);
                 let place = columns.matrix(k) * part.1;
@@ -205,7 +210,9 @@ impl Patch {
     /// Derivatives along u and v.
     pub fn slopes(&self, u: f32, v: f32) -> (Vec3, Vec3) {
         let (bu, bv, du, dv) = (bernstein(u), bernstein(v), bernstein_slope(u), bernstein_slope(v));
-        let sum = |x: [f32; 4], y: [f32; 4]| (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum();
+        let sum = |x: [f32; 4], y: [f32; 4]| {
+            (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum()
+        };
         (sum(du, bv), sum(bu, dv))
     }
 

@@ -149,7 +149,14 @@ fn sample(job: &mut Job<'_>, view: &ItemView<'_>) {
     let points = &job.grid.points;
     let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), points.get("Oi").unwrap_or(&[1.0; 3]));
     let opaque = oi.iter().all(|o| *o >= 1.0);
-    let look = Look { color: ci, opacity: oi, n: points.n(), smooth: view.attributes.smooth, opaque, matte: view.attributes.matte };
+    let look = Look {
+        color: ci,
+        opacity: oi,
+        n: points.n(),
+        smooth: view.attributes.smooth,
+        opaque,
+        matte: view.attributes.matte,
+    };
     let near = job.frame.camera.near;
     let nu = points.nu;
     let stats: &mut Stats = &mut job.stats;

@@ -96,7 +96,11 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
         normals: if even { Mat3::IDENTITY } else { linear.inverse().transpose() },
         to_object: if even { linear.inverse() * x } else { Mat3::IDENTITY },
         orientation: if even { 1.0 } else { sign },
-        eye: eye_in_lattice(job, center, if even { Mat3::from_diagonal(Vec3::splat(1.0 / x)) } else { linear.inverse() }),
+        eye: eye_in_lattice(
+            job,
+            center,
+            if even { Mat3::from_diagonal(Vec3::splat(1.0 / x)) } else { linear.inverse() },
+        ),
         reach,
         n: (lines as usize).max(2),
     };
@@ -122,7 +126,16 @@ fn eye_in_lattice(job: &Job<'_>, center: Vec3, inverse: Mat3) -> Vec3 {
 }
 
 #[allow(clippy::too_many_arguments)]
-fn draw_tile(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, ball: &Ball, face: usize, i: [usize; 2], j: [usize; 2], seen_through: bool) {
+fn draw_tile(
+    job: &mut Job<'_>,
+    item: Item,
+    view: &ItemView<'_>,
+    ball: &Ball,
+    face: usize,
+    i: [usize; 2],
+    j: [usize; 2],
+    seen_through: bool,
+) {
     let n = ball.n as i32;
     let at = |i: f32, j: f32| {
         let angle = |k: f32| (std::f32::consts::FRAC_PI_4 * (2.0 * k / n as f32 - 1.0)).tan();

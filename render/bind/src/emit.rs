@@ -49,7 +49,8 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
     for (i, object) in m.objects.iter().enumerate() {
         prepared.push(prepare(checked, i, object, frame)?);
     }
-    let (path, text) = files.read(&m.scene, &["scenes"]).map_err(|e| checked.doc.fault("scene", format!("scene {e}")))?;
+    let (path, text) =
+        files.read(&m.scene, &["scenes"]).map_err(|e| checked.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(checked, &text)?;
     let mut drawn = false;
     let done = reader::read(&path, &text, files, ri, &mut |ri, directive| {
@@ -62,12 +63,15 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
                 inject_objects(&prepared, &words.collect::<Vec<_>>(), files, ri)
             }
             (Some("override"), Some(what)) if OVERRIDES.contains(&what) => override_setting(what, &m.output, image, ri),
-            (Some("override"), what) => {
-                Err(Fail::new(format!("`#scree override {}` is unknown, expected one of {}", what.unwrap_or(""), OVERRIDES.join(", "))))
-            }
-            (Some("inject"), what) => {
-                Err(Fail::new(format!("`#scree inject {}` is unknown, expected camera, lights or objects", what.unwrap_or(""))))
-            }
+            (Some("override"), what) => Err(Fail::new(format!(
+                "`#scree override {}` is unknown, expected one of {}",
+                what.unwrap_or(""),
+                OVERRIDES.join(", ")
+            ))),
+            (Some("inject"), what) => Err(Fail::new(format!(
+                "`#scree inject {}` is unknown, expected camera, lights or objects",
+                what.unwrap_or("")
+            ))),
             _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject` or `override`"))),
         }
     });
@@ -81,7 +85,12 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
 
 /// A setting that the metadata makes and the scene does not take would be lost silently: that is an error.
 fn check_overrides(checked: &Checked, scene: &str) -> Result<(), Fault> {
-    let places = [("Format", "resolution"), ("PixelSamples", "samples"), ("PixelFilter", "filter"), ("ShadingRate", "shading_rate")];
+    let places = [
+        ("Format", "resolution"),
+        ("PixelSamples", "samples"),
+        ("PixelFilter", "filter"),
+        ("ShadingRate", "shading_rate"),
+    ];
     for (call, key) in places {
         let set = checked.doc.place(&format!("output.{key}")) != checked.doc.place("output");
         if set && !scene.contains(&format!("#scree override {call}")) {
@@ -90,10 +99,14 @@ fn check_overrides(checked: &Checked, scene: &str) -> Result<(), Fault> {
         }
     }
     if !scene.contains("#scree override Display") {
-        return Err(checked.doc.fault("scene", "the scene has no `#scree override Display`: its picture would go elsewhere"));
+        return Err(checked
+            .doc
+            .fault("scene", "the scene has no `#scree override Display`: its picture would go elsewhere"));
     }
     if checked.metadata.camera.is_some() && !scene.contains("#scree inject camera") {
-        return Err(checked.doc.fault("camera", "the scene does not take a camera: `#scree inject camera` is missing there"));
+        return Err(checked
+            .doc
+            .fault("camera", "the scene does not take a camera: `#scree inject camera` is missing there"));
     }
     Ok(())
 }
@@ -119,7 +132,9 @@ fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiR
 /// Projection and world-to-camera matrix.
 fn inject_camera(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult {
     let Some(camera) = &checked.metadata.camera else {
-        return Err(Fail::new("the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`"));
+        return Err(Fail::new(
+            "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`",
+        ));
     };
     if let Some(file) = &camera.file {
         return include(file, files, ri);
@@ -127,7 +142,8 @@ fn inject_camera(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult 
     match camera.orthographic {
         Some(height) => {
             let [w, h] = checked.metadata.output.resolution.map(|n| n as f32);
-            let (x, y) = if w >= h { (0.5 * height * w / h, 0.5 * height) } else { (0.5 * height, 0.5 * height * h / w) };
+            let (x, y) =
+                if w >= h { (0.5 * height * w / h, 0.5 * height) } else { (0.5 * height, 0.5 * height * h / w) };
             ri.screen_window(-x, x, -y, y)?;
             ri.projection("orthographic", vec![])?;
         }
@@ -153,7 +169,11 @@ fn inject_lights(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult 
     }
     let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
     let triple = |name: &str, ty: Type, x: [f32; 3]| Param::floats(name, Class::Uniform, ty, x);
-    ri.light_source("ambientlight", "scree:sky", vec![number("intensity", 0.3), triple("lightcolor", Type::Color, [0.75, 0.87, 1.0])])?;
+    ri.light_source(
+        "ambientlight",
+        "scree:sky",
+        vec![number("intensity", 0.3), triple("lightcolor", Type::Color, [0.75, 0.87, 1.0])],
+    )?;
     let sun = vec![
         number("intensity", 0.95),
         triple("lightcolor", Type::Color, [1.0, 0.95, 0.87]),
@@ -266,7 +286,9 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
         let columns = [numbers(part, &q[0])?, numbers(part, &q[1])?, numbers(part, &q[2])?];
         Ok((0..rows.len()).map(|r| [0, 1, 2].map(|c| columns[c][r] as f32)).collect())
     };
-    let single = |part: &str, q: &Quantity| -> Result<Vec<[f32; 3]>, Fault> { Ok(numbers(part, q)?.into_iter().map(|x| [x as f32; 3]).collect()) };
+    let single = |part: &str, q: &Quantity| -> Result<Vec<[f32; 3]>, Fault> {
+        Ok(numbers(part, q)?.into_iter().map(|x| [x as f32; 3]).collect())
+    };
     let g = &object.geometry;
     let scale = if let Some(s) = &g.sphere {
         single("geometry", &s.radius)?
@@ -318,5 +340,7 @@ fn orientation(
     let [w, x, y, z] = [0, 1, 2, 3].map(|k| numbers("orientation", &columns[k]));
     let (w, x, y, z) = (w?, x?, y?, z?);
     let unit = |i: usize| glam::Quat::from_xyzw(x[i] as f32, y[i] as f32, z[i] as f32, w[i] as f32);
-    Ok((0..w.len()).map(|i| if unit(i).length() > 0.0 { unit(i).normalize().to_array() } else { [0.0, 0.0, 0.0, 1.0] }).collect())
+    Ok((0..w.len())
+        .map(|i| if unit(i).length() > 0.0 { unit(i).normalize().to_array() } else { [0.0, 0.0, 0.0, 1.0] })
+        .collect())
 }

@@ -337,7 +337,10 @@ impl Parser<'_> {
                 n = rest.len() - e.len() + e.find(|c: char| !c.is_ascii_digit()).unwrap_or(e.len());
             }
             self.at += n;
-            return rest[..n].parse().map(Node::Number).map_err(|_| ExprError { at: start, message: format!("`{}` is not a number", &rest[..n]) });
+            return rest[..n]
+                .parse()
+                .map(Node::Number)
+                .map_err(|_| ExprError { at: start, message: format!("`{}` is not a number", &rest[..n]) });
         }
         let n = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
         if n == 0 {
@@ -362,7 +365,8 @@ impl Parser<'_> {
             ("max", Function::Max, 2),
         ];
         let Some((_, f, n)) = functions.iter().find(|(known, ..)| *known == name) else {
-            let message = format!("unknown function `{name}`, expected sqrt, abs, sin, cos, exp, log, floor, min or max");
+            let message =
+                format!("unknown function `{name}`, expected sqrt, abs, sin, cos, exp, log, floor, min or max");
             return Err(ExprError { at: start, message });
         };
         let mut args = vec![self.or()?];
@@ -373,7 +377,10 @@ impl Parser<'_> {
             return self.fail("expected `)`");
         }
         if args.len() != *n {
-            return Err(ExprError { at: start, message: format!("`{name}` takes {n} arguments, found {}", args.len()) });
+            return Err(ExprError {
+                at: start,
+                message: format!("`{name}` takes {n} arguments, found {}", args.len()),
+            });
         }
         Ok(Node::Call(*f, args))
     }

@@ -4,7 +4,11 @@
 pub fn parse(list: &str, existing: &[u64]) -> Result<Vec<u64>, String> {
     let mut out: Vec<u64> = Vec::new();
     for part in list.split(',').map(str::trim) {
-        let number = |s: &str| s.trim().parse::<u64>().map_err(|_| format!("`{part}` is not a list of frames: expected 3, 0-99, 0-99x5 or 120x5"));
+        let number = |s: &str| {
+            s.trim()
+                .parse::<u64>()
+                .map_err(|_| format!("`{part}` is not a list of frames: expected 3, 0-99, 0-99x5 or 120x5"))
+        };
         let (range, step) = match part.split_once('x') {
             Some((range, step)) => (range, Some(number(step)?)),
             None => (part, None),

@@ -392,7 +392,11 @@ impl Checked {
                     header: data.header,
                     names: data.columns.clone(),
                 };
-                Ok(Source::Csv { files: sequence::find(&self.folder().join(pattern))?, layout, rename: data.rename.clone() })
+                Ok(Source::Csv {
+                    files: sequence::find(&self.folder().join(pattern))?,
+                    layout,
+                    rename: data.rename.clone(),
+                })
             }
             _ => Err(self.doc.fault("data", "needs exactly one of `run` and `csv`")),
         }
@@ -433,7 +437,9 @@ impl Checked {
                 return Err(doc.fault("camera", "needs `eye` and `look_at`, or a `file`"));
             }
             if !(c.fov > 0.0 && c.fov < 179.0) {
-                return Err(doc.fault("camera.fov", format!("is {}, expected an angle between 0 and 179 degrees", c.fov)));
+                return Err(
+                    doc.fault("camera.fov", format!("is {}, expected an angle between 0 and 179 degrees", c.fov))
+                );
             }
             if let (Some(eye), Some(at)) = (c.eye, c.look_at) {
                 let way = glam::Vec3::from(at) - glam::Vec3::from(eye);
@@ -451,9 +457,13 @@ impl Checked {
     fn check_object(&self, i: usize, object: &Object) -> Result<(), Fault> {
         let key = format!("objects.{i}");
         let g = &object.geometry;
-        let count = [g.sphere.is_some(), g.block.is_some(), g.ellipsoid.is_some(), g.plane.is_some(), g.archive.is_some()];
+        let count =
+            [g.sphere.is_some(), g.block.is_some(), g.ellipsoid.is_some(), g.plane.is_some(), g.archive.is_some()];
         if count.iter().filter(|x| **x).count() != 1 {
-            return Err(self.doc.fault(&format!("{key}.geometry"), "needs exactly one of `sphere`, `box`, `ellipsoid`, `plane` and `archive`"));
+            return Err(self.doc.fault(
+                &format!("{key}.geometry"),
+                "needs exactly one of `sphere`, `box`, `ellipsoid`, `plane` and `archive`",
+            ));
         }
         if let Color::Column(by) = &object.color {
             let maps = crate::colormap::names();
@@ -496,7 +506,9 @@ impl Checked {
         list.into_iter()
             .map(|(key, q)| match q.expr() {
                 Ok(e) => Ok((key, e)),
-                Err(e) => Err(self.doc.fault(&key, format!("in the expression, at character {}: {}", e.at + 1, e.message))),
+                Err(e) => {
+                    Err(self.doc.fault(&key, format!("in the expression, at character {}: {}", e.at + 1, e.message)))
+                }
             })
             .collect()
     }
@@ -508,7 +520,9 @@ impl Checked {
             for (key, expr) in self.expressions(i)? {
                 for (column, _) in expr.columns() {
                     if !names.contains(&column) {
-                        let fault = self.doc.fault(&key, format!("unknown column `{column}`, the data has {}", names.join(", ")));
+                        let fault = self
+                            .doc
+                            .fault(&key, format!("unknown column `{column}`, the data has {}", names.join(", ")));
                         return Err(match nearest(column, names.iter().copied()) {
                             Some(near) => fault.hint(format!("did you mean `{near}`?")),
                             None => fault,

@@ -1,11 +1,14 @@
 //! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
 
-use crate::metadata::{ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, PlaneSpec, Quantity, Shader, SphereSpec};
+use crate::metadata::{
+    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, PlaneSpec, Quantity, Shader, SphereSpec,
+};
 use frame::{Column, Frame};
 use glam::Vec3;
 
 /// Names that columns of positions go by, in the usual tools.
-const POSITIONS: [[&str; 3]; 5] = [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
+const POSITIONS: [[&str; 3]; 5] =
+    [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
 
 /// Names that a radius goes by.
 const RADII: [&str; 6] = ["radius", "r", "R", "rad", "size_x", "c4"];
@@ -18,9 +21,14 @@ fn column(name: &str) -> Quantity {
 pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
     let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
     let Some(position) = POSITIONS.iter().find(|p| p.iter().all(|c| has(c))) else {
-        return Err(format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}", frame.names().join(", ")));
+        return Err(format!(
+            "no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}",
+            frame.names().join(", ")
+        ));
     };
-    let place = |row: usize| Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32));
+    let place = |row: usize| {
+        Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32))
+    };
     let radius = RADII.iter().find(|c| has(c));
     let size = |row: usize| radius.and_then(|r| frame.column(r)).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
     let rows: Vec<usize> = (0..frame.rows()).filter(|row| !is_plane(frame, *row)).collect();
@@ -35,8 +43,19 @@ pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
     let objects = if has("size_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
         classes(frame, (hi - lo).length())
     } else {
-        let radius = radius.map_or_else(|| Quantity::Number(rounded((hi - lo).length() / (2.0 * (rows.len() as f32).cbrt()))), |r| column(r));
-        vec![Object { position: position.map(column), ..object("particles", None, Geometry { sphere: Some(SphereSpec { radius }), ..Geometry::default() }, "plastic") }]
+        let radius = radius.map_or_else(
+            || Quantity::Number(rounded((hi - lo).length() / (2.0 * (rows.len() as f32).cbrt()))),
+            |r| column(r),
+        );
+        vec![Object {
+            position: position.map(column),
+            ..object(
+                "particles",
+                None,
+                Geometry { sphere: Some(SphereSpec { radius }), ..Geometry::default() },
+                "plastic",
+            )
+        }]
     };
     Ok(Metadata {
         data: Some(data),
@@ -54,7 +73,17 @@ fn is_plane(frame: &Frame, row: usize) -> bool {
 fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
     let position = ["pos_x", "pos_y", "pos_z"].map(column);
     let surface = Some(Shader { name: surface.into(), bound: None, parameters: Default::default() });
-    Object { name: name.into(), select, geometry, position, orientation: None, surface, displacement: None, color: Color::default(), opacity: None }
+    Object {
+        name: name.into(),
+        select,
+        geometry,
+        position,
+        orientation: None,
+        surface,
+        displacement: None,
+        color: Color::default(),
+        opacity: None,
+    }
 }
 
 /// One object for each class and shape of a run of ours.
@@ -71,17 +100,34 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
         .map(|(class, shape)| {
             let half = ["size_x", "size_y", "size_z"].map(column);
             let (geometry, surface, color) = match shape.as_str() {
-                "sphere" => (Geometry { sphere: Some(SphereSpec { radius: column("size_x") }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4]),
-                "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+                "sphere" => (
+                    Geometry { sphere: Some(SphereSpec { radius: column("size_x") }), ..Geometry::default() },
+                    "gravel",
+                    [0.56, 0.48, 0.4],
+                ),
+                "box" => {
+                    (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58])
+                }
                 "plane" => {
                     let half = Quantity::Number(rounded(6.0 * extent));
                     (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
                 }
-                other => (Geometry { archive: Some(ArchiveSpec { file: format!("{other}.rib"), scale: Quantity::Number(1.0) }), ..Geometry::default() }, "matte", [0.7; 3]),
+                other => (
+                    Geometry {
+                        archive: Some(ArchiveSpec { file: format!("{other}.rib"), scale: Quantity::Number(1.0) }),
+                        ..Geometry::default()
+                    },
+                    "matte",
+                    [0.7; 3],
+                ),
             };
             let alone = seen.iter().filter(|(c, _)| c == class).count() == 1;
             let name = if alone { class.clone() } else { format!("{class}_{shape}") };
-            let select = if alone { format!("class == '{class}'") } else { format!("class == '{class}' and shape == '{shape}'") };
+            let select = if alone {
+                format!("class == '{class}'")
+            } else {
+                format!("class == '{class}' and shape == '{shape}'")
+            };
             Object { color: Color::Rgb(color), ..object(&name, Some(select), geometry, surface) }
         })
         .collect()

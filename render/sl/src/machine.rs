@@ -21,7 +21,12 @@ pub struct BoundShader {
 
 impl BoundShader {
     /// Bind a program: the values given, and for every other parameter its default, computed once in `scene`.
-    pub fn new(program: Arc<Program>, numbers: Vec<(usize, Vec<f32>)>, texts: Vec<(usize, String)>, scene: &dyn Scene) -> BoundShader {
+    pub fn new(
+        program: Arc<Program>,
+        numbers: Vec<(usize, Vec<f32>)>,
+        texts: Vec<(usize, String)>,
+        scene: &dyn Scene,
+    ) -> BoundShader {
         let mut bound = BoundShader { program, numbers, texts };
         let points = Points { nu: 1, nv: 1, orientation: 1.0, ..Points::default() };
         let mut machine = Machine::new();
