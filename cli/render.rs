@@ -157,14 +157,14 @@ fn print_stats(frame: u64, s: &Stats) {
 
 /// A run that was interrupted has fewer frames than it should: what is there was drawn, what is missing is said.
 pub fn missing_frames(pictures: &Pictures) -> Outcome {
-    let (have, expected) = (pictures.source.numbers(), pictures.source.expected());
-    let absent: Vec<u64> = (0..expected).filter(|f| !have.contains(f)).collect();
+    let absent = pictures.source.missing();
     match (absent.first(), absent.last()) {
         (Some(first), Some(last)) => Err(Failure::new(
             Exit::Partial,
             format!(
-                "the simulation was interrupted: {} of {expected} frames are missing ({first} to {last}); the others were drawn",
-                absent.len()
+                "the simulation was interrupted: {} of {} frames are missing ({first} to {last}); the others were drawn",
+                absent.len(),
+                absent.len() + pictures.source.numbers().len()
             ),
         )),
         _ => Ok(()),

@@ -105,7 +105,7 @@ fn blown_up(sim: &Simulation, body: usize, frame: u64) -> Failure {
 fn write_metadata(run: &RunWriter, first: &frame::Frame) -> Outcome {
     let data = Data { run: Some(".".into()), ..Data::default() };
     if let Ok(metadata) = bind::suggest::metadata(data, first) {
-        run.write_file("metadata.yaml", &bind::suggest::to_yaml(&metadata))?;
+        run.write_file("metadata.yaml", &bind::suggest::to_yaml(&metadata, first))?;
     }
     Ok(())
 }

@@ -1,4 +1,11 @@
 //! The one test binary: each file of `tests/` is a module of it.
 
 mod analytic;
+mod cli;
+mod corpus;
+mod determinism;
+mod faults;
 mod parity;
+mod picture;
+mod pipeline;
+mod tidy;

@@ -82,6 +82,11 @@ fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
     let full = error.to_string();
     let message = full.split(" at line ").next().unwrap_or(&full);
     let message = message.strip_prefix(&format!("{key}: ")).unwrap_or(message).to_string();
+    // The reader puts the path before some of its messages; the place says it already.
+    let message = match message.split_once(": ") {
+        Some((path, rest)) if !path.contains(' ') && key.starts_with(path) => rest.to_string(),
+        _ => message,
+    };
     let key: String = key.replace('[', ".").replace(']', "");
     let name = ["unknown field `", "unknown variant `"]
         .iter()

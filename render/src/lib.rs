@@ -2,8 +2,8 @@
 //!
 //! [`Context`] takes the calls of the RenderMan Interface and keeps a [`scene::Scene`]; at `WorldEnd` the picture is made,
 //! [`bucket`] by bucket: what overlaps the bucket is taken front to back, culled if hidden, split and diced to grids of
-//! micropolygons about a pixel across ([`sphere`], [`patch`]), displaced and shaded a grid at a time ([`shade`]), and sampled
-//! ([`sample`]); then the samples are filtered ([`filter`]). A bucket depends on no other, so that any number of threads and
+//! micropolygons about a pixel across (`sphere`, `patch`), displaced and shaded a grid at a time (`shade`), and sampled
+//! (`sample`); then the samples are filtered ([`filter`]). A bucket depends on no other, so that any number of threads and
 //! any order give the same bits. Spaces: shading happens in world space, which is what shaders call "current".
 
 pub mod bucket;

@@ -83,7 +83,7 @@ fn draw_piece(
     let pixels = |a: usize, stride: usize| {
         path(&[raster[a], raster[a + stride], raster[a + 2 * stride], raster[a + 3 * stride]]) / step
     };
-    let rate = |length: f32| (length.max(1.0).min(65536.0).ceil() as usize).next_power_of_two();
+    let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
     let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
     let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
     let (nu, nv) = (rows.into_iter().max().unwrap_or(1), columns.into_iter().max().unwrap_or(1));

@@ -47,6 +47,7 @@ struct Visible {
     z: f32,
     color: [f32; 3],
     opacity: [f32; 3],
+    id: u64,
     next: u32,
 }
 
@@ -110,6 +111,8 @@ pub struct Look<'a> {
     pub opaque: bool,
     /// It leaves a hole.
     pub matte: bool,
+    /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
+    pub id: u64,
 }
 
 impl Look<'_> {
@@ -265,8 +268,16 @@ impl Samples {
             self.alpha[k] = if look.matte { 0.0 } else { 1.0 };
             return;
         }
+        let mut at = self.list[k];
+        while at != NONE {
+            let other = &self.pool[at as usize];
+            if other.id == look.id && (other.z - z).abs() <= 1e-4 * z {
+                return;
+            }
+            at = other.next;
+        }
         let opacity = value(look.opacity);
-        self.pool.push(Visible { z, color, opacity, next: self.list[k] });
+        self.pool.push(Visible { z, color, opacity, id: look.id, next: self.list[k] });
         self.list[k] = self.pool.len() as u32 - 1;
     }
 

@@ -137,7 +137,7 @@ impl Scene {
             SourceShape::Objects(columns, parts) => {
                 let (k, part) = (i / parts.len(), &parts[i % parts.len()]);
                 let place = columns.matrix(k) * part.1;
-                (&part.0, place, unscaled(columns, k), Some((columns, k)))
+                (&part.0, place, columns.matrix(k), Some((columns, k)))
             }
         };
         let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
@@ -168,7 +168,11 @@ impl Scene {
     }
 }
 
+/// The object space of a sphere: a ball's radius is no part of it, the half axes of an ellipsoid are.
 fn unscaled(columns: &Instances, i: usize) -> Mat4 {
+    if columns.scale.get(i).is_some_and(|s| s[0] != s[1] || s[1] != s[2]) {
+        return columns.matrix(i);
+    }
     let turn = columns.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q));
     Mat4::from_rotation_translation(turn, Vec3::from(columns.position[i]))
 }

@@ -142,10 +142,10 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced)
     }
     job.machine.run(&a.surface, &mut job.grid.points, &scene);
     job.stats.shaded_points += n as u64;
-    sample(job, view);
+    sample(job, item, view);
 }
 
-fn sample(job: &mut Job<'_>, view: &ItemView<'_>) {
+fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let points = &job.grid.points;
     let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), points.get("Oi").unwrap_or(&[1.0; 3]));
     let opaque = oi.iter().all(|o| *o >= 1.0);
@@ -156,6 +156,7 @@ fn sample(job: &mut Job<'_>, view: &ItemView<'_>) {
         smooth: view.attributes.smooth,
         opaque,
         matte: view.attributes.matte,
+        id: (item.source as u64) << 32 | item.index as u64,
     };
     let near = job.frame.camera.near;
     let nu = points.nu;

@@ -90,9 +90,14 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let even = (x - y).abs() <= 1e-5 * x && (x - z).abs() <= 1e-5 * x;
     let sign = linear.determinant().signum();
     // An even sphere is diced along the world's axes: its turn moves nothing but the pattern, which reads object space.
+    let n = (lines as usize).max(2);
+    // Chords cut a part δ²/6 off a circle's area, δ the angle of one: the lattice is that much wider, so that small spheres
+    // cover what they should.
+    let delta = std::f32::consts::FRAC_PI_2 / n as f32;
+    let swell = 1.0 / (1.0 - delta * delta / 6.0).sqrt();
     let ball = Ball {
         center,
-        linear: if even { Mat3::from_diagonal(Vec3::splat(x)) } else { linear },
+        linear: (if even { Mat3::from_diagonal(Vec3::splat(x)) } else { linear }) * swell,
         normals: if even { Mat3::IDENTITY } else { linear.inverse().transpose() },
         to_object: if even { linear.inverse() * x } else { Mat3::IDENTITY },
         orientation: if even { 1.0 } else { sign },
@@ -102,7 +107,7 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
             if even { Mat3::from_diagonal(Vec3::splat(1.0 / x)) } else { linear.inverse() },
         ),
         reach,
-        n: (lines as usize).max(2),
+        n,
     };
     let seen_through = view.attributes.opacity != [1.0; 3] || !keeps_opacity(&view.attributes.surface.program);
     let tiles = ball.n.div_ceil(TILE);

@@ -1,6 +1,11 @@
 // Cast concrete: pale, blotched, with small pores.
 surface concrete(float Ka = 1; float Kd = 0.9; float size = 0.1;) {
-    point Q = transform("object", P) / size;
+    // Object space may be scaled to the block: its axes' lengths make the pattern the same size on every block.
+    point Q = transform("object", P);
+    float x = xcomp(Q) * length(vtransform("object", "current", vector (1, 0, 0)));
+    float y = ycomp(Q) * length(vtransform("object", "current", vector (0, 1, 0)));
+    float z = zcomp(Q) * length(vtransform("object", "current", vector (0, 0, 1)));
+    Q = point (x, y, z) / size;
     float blotch = noise(Q * 0.6) * 0.6 + noise(Q * 2.3) * 0.4;
     float pores = smoothstep(0.68, 0.78, noise(Q * 9));
     color tone = Cs * (0.82 + 0.36 * (blotch - 0.2)) * (1 - 0.35 * pores);

@@ -397,6 +397,14 @@ impl<'a> Builder<'a> {
             }
         };
         let fixed = body.fixed || kind == ShapeKind::Plane;
+        for (name, motion) in [("velocity", body.velocity), ("angular_velocity", body.angular_velocity)] {
+            if fixed && motion != [0.0; 3] {
+                return Err(doc.fault(
+                    &format!("{key}.{name}"),
+                    format!("body `{}` is held in place and cannot move", body.name),
+                ));
+            }
+        }
         let mass = body.mass.unwrap_or_else(|| material.density * volume(kind, size));
         let class = self.class(body.class.as_deref().unwrap_or(&body.name));
         self.add(NewBody {

@@ -26,7 +26,7 @@ impl ShapeKind {
     }
 }
 
-/// Which form of Coulomb's law a step satisfies (see `shared` theory in ARCHITECTURE.md).
+/// Which form of Coulomb's law a step satisfies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrictionLaw {

@@ -39,11 +39,14 @@ impl Source {
         }
     }
 
-    /// How many frames the whole of it should have: more than are there if the simulation was interrupted.
-    pub fn expected(&self) -> u64 {
+    /// Frames that should be there and are not: those that an interrupted simulation did not come to.
+    pub fn missing(&self) -> Vec<u64> {
         match self {
-            Source::Run(run) if !run.index.complete => run.index.expected_frames,
-            _ => self.numbers().len() as u64,
+            Source::Run(run) => {
+                let have = self.numbers();
+                (0..run.index.expected_frames).filter(|f| have.binary_search(f).is_err()).collect()
+            }
+            Source::Csv { .. } => vec![],
         }
     }
 

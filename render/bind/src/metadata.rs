@@ -110,7 +110,7 @@ pub struct Object {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Shader>,
     /// Colour.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Color::is_default")]
     pub color: Color,
     /// Opacity, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -305,6 +305,12 @@ impl Default for PixelFilter {
 impl Default for Movie {
     fn default() -> Movie {
         Movie { frame_rate: 24.0 }
+    }
+}
+
+impl Color {
+    fn is_default(&self) -> bool {
+        *self == Color::default()
     }
 }
 

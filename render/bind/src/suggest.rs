@@ -153,9 +153,20 @@ fn rounded(x: f32) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x as f64)
 }
 
-/// Metadata as YAML, with a line on what may be changed.
-pub fn to_yaml(metadata: &Metadata) -> String {
-    let head = "# What to draw, found out from the data; change what you like.\n\
-                # Colour by a column: replace `color` by  color: {column: speed, map: viridis}\n";
-    format!("{head}{}", serde_yaml::to_string(metadata).expect("metadata is plain data"))
+/// Metadata as YAML, with a commented line that colours the first object by a column of the frame.
+pub fn to_yaml(metadata: &Metadata, frame: &Frame) -> String {
+    let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
+    let head = "# What to draw, found out from the data; change what you like.\n";
+    let taken = |name: &str| POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
+    let numeric = |name: &&str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
+    let names = frame.names();
+    let by = names.iter().find(|n| **n == "speed").or(names.iter().find(|n| !taken(n) && **n != "id" && numeric(n)));
+    let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
+    match (by, first) {
+        (Some(column), Some(first)) => {
+            let line = format!("{first}  # color: {{column: {column}, map: viridis}}\n");
+            format!("{head}{}", yaml.replacen(&first, &line, 1))
+        }
+        _ => format!("{head}{yaml}"),
+    }
 }

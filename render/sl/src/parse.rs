@@ -123,10 +123,9 @@ impl Parser<'_> {
         while !self.eat(")") {
             let output = self.eat_name("output");
             params.extend(self.variables(varying, output)?);
-            if !self.eat(";") && !matches!(self.peek(), Tok::Op(")")) {
-                if !varying || !self.eat(",") {
-                    return error(self.place(), format!("expected `;` or `)`, found {}", self.describe()));
-                }
+            let ends = self.eat(";") || matches!(self.peek(), Tok::Op(")")) || (varying && self.eat(","));
+            if !ends {
+                return error(self.place(), format!("expected `;` or `)`, found {}", self.describe()));
             }
         }
         Ok(params)

@@ -36,7 +36,7 @@ pub struct SolverSettings {
     pub friction: FrictionLaw,
     /// The most iterations a step.
     pub iterations: u32,
-    /// Stop when the residual (see [`Outcome`]) is below this, m/s.
+    /// Stop when the residual (as in `report.csv`) is below this, m/s.
     pub tolerance: f64,
     /// Jacobi's relaxation ω.
     pub omega: f64,
@@ -114,7 +114,7 @@ pub fn run(
         FrictionLaw::Relaxed => work.solve(model, contacts, linear, angular, model.solver.iterations),
         FrictionLaw::Exact => work.solve_exact(model, contacts, linear, angular),
     };
-    work.to_bodies(model, contacts, &contacts.gamma);
+    work.spread_to_bodies(model, contacts, &contacts.gamma);
     for (b, [dv, dw]) in work.change.iter().enumerate() {
         linear[b] += *dv;
         angular[b] += *dw;
@@ -208,7 +208,7 @@ impl Workspace {
     }
 
     /// change = M⁻¹ D γ, body by body.
-    fn to_bodies(&mut self, model: &Model, contacts: &Contacts, gamma: &[DVec3]) {
+    fn spread_to_bodies(&mut self, model: &Model, contacts: &Contacts, gamma: &[DVec3]) {
         fill_rows(&mut self.impulse, |i| world_impulse(contacts, i, gamma[i]));
         let (impulse, inv_inertia) = (&self.impulse, &self.inv_inertia);
         fill_rows(&mut self.change, |body| {
@@ -232,7 +232,7 @@ impl Workspace {
 
     /// N γ = Dᵀ (M⁻¹ D γ), into `out`.
     fn apply(&mut self, model: &Model, contacts: &Contacts, gamma: &[DVec3], out: &mut [DVec3]) {
-        self.to_bodies(model, contacts, gamma);
+        self.spread_to_bodies(model, contacts, gamma);
         fill_rows(out, |i| relative_velocity(contacts, i, |b| (self.change[b][0], self.change[b][1])));
     }
 

@@ -1,0 +1,2 @@
+surface t() {
+    Ci = 1;

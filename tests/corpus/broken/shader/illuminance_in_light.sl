@@ -1,0 +1,3 @@
+light t() {
+    illuminance(Ps) { Cl = 1; } // FAULT
+}

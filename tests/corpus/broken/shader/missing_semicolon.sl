@@ -1,0 +1,4 @@
+surface t() {
+    Ci = 1
+    Oi = 1; // FAULT
+}

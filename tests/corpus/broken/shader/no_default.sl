@@ -1,0 +1,3 @@
+surface t(float Kd;) { // FAULT
+    Ci = Kd;
+}

@@ -1,0 +1,2 @@
+float f(float x) { return f(x); } // FAULT
+surface t() { Ci = f(1); }

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = 1 @ 2; // FAULT
+}

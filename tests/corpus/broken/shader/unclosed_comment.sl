@@ -1,0 +1,2 @@
+surface t() { /* never ends
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = difuse(N); // FAULT
+}

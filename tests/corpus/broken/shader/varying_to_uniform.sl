@@ -1,0 +1,3 @@
+surface t() {
+    uniform float x = s; // FAULT
+}

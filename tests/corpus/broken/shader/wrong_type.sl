@@ -1,0 +1,3 @@
+surface t() {
+    float x = P; // FAULT
+}

@@ -1,0 +1,60 @@
+//! The same input gives the same bits, for any number of threads and any size of bucket.
+
+use crate::cli::{scratch, scree};
+use std::path::Path;
+
+/// All files of a folder, by name, as bytes.
+fn bytes(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .map(|p| (p.file_name().unwrap().to_string_lossy().to_string(), std::fs::read(&p).unwrap()))
+        .collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn simulation_and_pictures_do_not_depend_on_threads() {
+    let work = scratch();
+    let mut frames = Vec::new();
+    let mut images = Vec::new();
+    for threads in ["1", "2", "7"] {
+        let run = work.path().join(format!("run{threads}"));
+        let run_text = run.to_str().unwrap();
+        scree(&["simulate", "sim/models/pour.yaml", "--until", "0.3", "--threads", threads, "-o", run_text]).ok();
+        frames.push(bytes(&run.join("frames")));
+        scree(&["render", run_text, "-f", "7", "--res", "120x68", "--samples", "2", "--threads", threads]).ok();
+        images.push(bytes(&run.join("images")));
+    }
+    assert_eq!(frames[0].len(), 8);
+    assert!(frames[1] == frames[0] && frames[2] == frames[0], "the frame files differ");
+    assert!(images[1] == images[0] && images[2] == images[0], "the pictures differ");
+}
+
+#[test]
+fn pictures_do_not_depend_on_the_bucket() {
+    let work = scratch();
+    let mut pictures = Vec::new();
+    for size in [8, 16, 37, 64, 200] {
+        let scene = format!(
+            "Option \"limits\" \"uniform integer bucketsize\" [{size}]
+Format 150 100 1 PixelSamples 3 3 PixelFilter \"catmull-rom\" 4 4 Display \"p{size}.png\" \"file\" \"rgba\"
+Projection \"perspective\" \"fov\" 40 Translate 0 0 5
+WorldBegin
+LightSource \"distantlight\" 1 \"to\" [1 -1 2]
+Displacement \"rock\" \"uniform float Km\" [0.1] \"uniform float size\" [0.4]
+Color 1 .5 .2 Sphere 1 -1 1 360
+TransformBegin Translate 0.8 0.2 -1 Opacity .5 .5 .5 Color .2 .5 1 Sphere .6 -.6 .6 360 TransformEnd
+Displacement \"null\" Opacity 1 1 1
+Polygon \"P\" [-5 -1 -2 5 -1 -2 5 -1 30 -5 -1 30]
+WorldEnd
+"
+        );
+        let path = work.path().join("t.rib");
+        std::fs::write(&path, scene).unwrap();
+        scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+        pictures.push(std::fs::read(work.path().join(format!("p{size}.png"))).unwrap());
+    }
+    assert!(pictures.iter().all(|p| *p == pictures[0]));
+}

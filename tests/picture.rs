@@ -1,0 +1,181 @@
+//! Pictures against answers known on paper, then against a golden one.
+
+use crate::cli::{scratch, scree};
+use std::path::Path;
+
+/// A rendered picture: floats, red green blue coverage.
+struct Picture {
+    width: usize,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    fn at(&self, x: usize, y: usize) -> [f32; 4] {
+        self.pixels[y * self.width + x]
+    }
+
+    fn coverage(&self) -> f32 {
+        self.pixels.iter().map(|p| p[3]).sum()
+    }
+}
+
+/// Render the world part of a RIB after options, as floats.
+fn render(options: &str, world: &str) -> Picture {
+    let work = scratch();
+    let path = work.path().join("t.rib");
+    let text = format!("Display \"t.exr\" \"exr\" \"rgba\"\n{options}\nWorldBegin\n{world}\nWorldEnd\n");
+    std::fs::write(&path, text).unwrap();
+    scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+    let image = image::open(work.path().join("t.exr")).unwrap().to_rgba32f();
+    let width = image.width() as usize;
+    Picture { width, pixels: image.pixels().map(|p| p.0).collect() }
+}
+
+/// Looking along z from −5, ±1 across the picture.
+const ORTHO: &str =
+    "Format 80 80 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
+
+#[test]
+fn a_sphere_is_lit_by_lamberts_law() {
+    // The light comes from the eye: at distance r from the axis the cosine is √(1 − r²/R²).
+    let p = render(
+        ORTHO,
+        "LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1 Color .8 .6 .4 Sphere .9 -.9 .9 360",
+    );
+    for y in 4..76 {
+        for x in 4..76 {
+            let (dx, dy) = ((x as f32 + 0.5) / 40.0 - 1.0, (y as f32 + 0.5) / 40.0 - 1.0);
+            let r2 = (dx * dx + dy * dy) / 0.81;
+            if r2 < 0.9 {
+                let cosine = (1.0 - r2).sqrt();
+                let [r, g, b, a] = p.at(x, y);
+                for (value, color) in [(r, 0.8), (g, 0.6), (b, 0.4), (a, 1.0 / cosine)] {
+                    assert!((value - color * cosine).abs() < 0.01, "({x}, {y}): {value}, expected {}", color * cosine);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_disc_covers_its_area_and_has_no_facets() {
+    for radius in [0.05f32, 0.31, 0.9] {
+        let p = render(ORTHO, &format!("Surface \"constant\" Sphere {radius} -{radius} {radius} 360"));
+        let expected = std::f32::consts::PI * (radius * 40.0).powi(2);
+        let error = (p.coverage() - expected).abs() / expected;
+        assert!(error < 0.01, "radius {radius}: {} pixels covered, expected {expected}", p.coverage());
+    }
+}
+
+#[test]
+fn a_half_plane_covers_half_through_every_filter() {
+    for filter in ["box", "triangle", "gaussian", "catmull-rom", "sinc", "mitchell"] {
+        let width = if filter == "box" { 1 } else { 4 };
+        let options = ORTHO.replace("\"box\" 1 1", &format!("\"{filter}\" {width} {width}"));
+        // The edge runs through the middle of pixel column 40: x from 0 to 0.025.
+        let p = render(&options, "Surface \"constant\" Polygon \"P\" [0.0125 -2 0 4 -2 0 4 2 0 0.0125 2 0]");
+        for y in 10..70 {
+            assert!((p.at(40, y)[3] - 0.5).abs() < 0.13, "{filter}: {}", p.at(40, y)[3]);
+            assert!(p.at(34, y)[3].abs() < 1e-3 && (p.at(46, y)[3] - 1.0).abs() < 1e-3, "{filter}");
+        }
+        let mean = (10..70).map(|y| p.at(40, y)[3]).sum::<f32>() / 60.0;
+        assert!((mean - 0.5).abs() < 0.02, "{filter}: mean {mean}");
+    }
+}
+
+#[test]
+fn half_transparent_layers_multiply() {
+    let square = |z: f32| format!("Polygon \"P\" [-2 -2 {z} 2 -2 {z} 2 2 {z} -2 2 {z}]");
+    let world = format!(
+        "Surface \"constant\" Opacity .25 .25 .25 Color 0 1 0 {} Opacity .5 .5 .5 Color 1 0 0 {} Opacity 1 1 1 Color 0 0 1 {}",
+        square(1.0),
+        square(0.0),
+        square(2.0)
+    );
+    let p = render(ORTHO, &world);
+    // Red at ½ before green at ¼ before blue: ½, ½·¼, ½·¾.
+    for (value, expected) in p.at(40, 40).iter().zip([0.5, 0.125, 0.375, 1.0]) {
+        assert!((value - expected).abs() < 1e-4, "{:?}", p.at(40, 40));
+    }
+}
+
+#[test]
+fn a_ball_casts_its_shadow_the_right_way() {
+    // Light travels along +x +z: the shadow of a ball before a wall lies to the right of it.
+    let p = render(
+        ORTHO,
+        "LightSource \"distantlight\" 1 \"to\" [1 0 1] Surface \"matte\" \"Ka\" 0
+         Polygon \"P\" [-2 -2 1 2 -2 1 2 2 1 -2 2 1] TransformBegin Translate -.5 0 0 Sphere .2 -.2 .2 360 TransformEnd",
+    );
+    let lit = 0.5f32.sqrt();
+    // The ball's centre at x −0.5, z 0 falls on the wall z = 1 at x 0.5: pixel 60.
+    assert!(p.at(60, 40)[0] < 1e-3, "{:?}", p.at(60, 40));
+    assert!((p.at(40, 40)[0] - lit).abs() < 1e-3 && (p.at(60, 10)[0] - lit).abs() < 1e-3);
+    // The shadow is a circle in the light's cross-section, stretched by 1/cos 45° on the wall.
+    let dark = (0..80).filter(|x| p.at(*x, 40)[0] < 0.3 * lit && p.at(*x, 40)[3] > 0.99 && *x > 45).count() as f32;
+    assert!((dark - 0.4 * 40.0 * 2f32.sqrt()).abs() < 2.0, "{dark} pixels");
+}
+
+#[test]
+fn perspective_puts_points_where_they_belong() {
+    // fov 90°, picture 80×80: a ball at (1, 0.5, 2) shows at x/z = 0.5, y/z = 0.25.
+    let p = render(
+        "Format 80 80 1 PixelSamples 4 4 PixelFilter \"box\" 1 1 Projection \"perspective\" \"fov\" 90",
+        "Surface \"constant\" Translate 1 .5 2 Sphere .08 -.08 .08 360",
+    );
+    let total = p.coverage();
+    let mean = |f: &dyn Fn(usize) -> f32| (0..6400).map(|k| f(k) * p.pixels[k][3]).sum::<f32>() / total;
+    assert!((mean(&|k| (k % 80) as f32 + 0.5) - 60.0).abs() < 0.15);
+    assert!((mean(&|k| (k / 80) as f32 + 0.5) - 30.0).abs() < 0.15);
+}
+
+#[test]
+fn no_background_shows_between_grids() {
+    // Everything is inside a displaced ball, and in front of it a sheet of curved patches that share edges.
+    let mut world = String::from(
+        "Surface \"constant\" Displacement \"rock\" \"uniform float Km\" [.08] \"uniform float size\" [.3] Attribute \"displacementbound\" \"sphere\" [.08] Sphere 1.6 -1.6 1.6 360 ",
+    );
+    let height = |x: f32, y: f32| (7.0 * x).sin() * (5.0 * y).cos() * 0.2;
+    for j in 0..4 {
+        for i in 0..4 {
+            let mut p = String::new();
+            for b in 0..4 {
+                for a in 0..4 {
+                    let (x, y) = ((3 * i + a) as f32 / 5.0 - 1.2, (3 * j + b) as f32 / 5.0 - 1.2);
+                    p += &format!("{x} {y} {} ", -2.5 + height(x, y));
+                }
+            }
+            world += &format!("Patch \"bicubic\" \"P\" [{p}] ");
+        }
+    }
+    for (rate, view) in
+        [(1.0, "Translate 0 0 5"), (0.3, "Translate .1 0 5 Rotate 20 1 .3 0"), (4.0, "Translate 0 0 0.2")]
+    {
+        let camera = "Projection \"perspective\" \"fov\" 14";
+        let p = render(
+            &format!("Format 96 96 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 {camera} {view}"),
+            &format!("ShadingRate {rate} {world}"),
+        );
+        let open = p.pixels.iter().filter(|p| p[3] < 1.0).count();
+        assert_eq!(open, 0, "{view}: background shows in {open} pixels");
+    }
+}
+
+#[test]
+fn the_golden_picture_is_as_it_was() {
+    let work = scratch();
+    let out = work.path().join("o");
+    let run = work.path().join("run");
+    scree(&["simulate", "sim/models/pour.yaml", "--until", "0.5", "-o", run.to_str().unwrap()]).ok();
+    let call =
+        ["render", run.to_str().unwrap(), "-f", "11", "--res", "128x96", "--samples", "4", "-o", out.to_str().unwrap()];
+    scree(&call).ok();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/pour_000011.png");
+    let golden = image::open(&golden).unwrap_or_else(|e| panic!("{}: {e}", golden.display())).to_rgb8();
+    let now = image::open(out.join("000011.png")).unwrap().to_rgb8();
+    assert_eq!(now.dimensions(), golden.dimensions());
+    let off: f64 = now.as_raw().iter().zip(golden.as_raw()).map(|(a, b)| a.abs_diff(*b) as f64).sum::<f64>()
+        / now.as_raw().len() as f64;
+    // A stone that lands elsewhere is seen; the last bits of a sine are not.
+    assert!(off < 1.0, "the picture is {off} of 255 away from the golden one on average");
+}
