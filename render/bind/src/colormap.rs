@@ -14,6 +14,8 @@ const MAPS: &[(&str, &[u32])] = &[
     ),
     ("coolwarm", &[0x3b4cc0, 0x7b9ff9, 0xc0d4f5, 0xf2cbb7, 0xee8468, 0xb40426]),
     ("gray", &[0x000000, 0xffffff]),
+    // Not a scale: the colours that crushed stone comes in, for telling stones apart.
+    ("stone", &[0x8f7f6c, 0xb09a80, 0x7d7a76, 0xa48a6d, 0x948d84, 0xc2ad92, 0x86705c, 0xa39c92]),
 ];
 
 /// The names of all maps.
