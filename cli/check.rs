@@ -62,7 +62,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             let text = crate::render::read_text(path)?;
             match render::sl::compile(path, &text) {
                 Ok(_) => Ok("shader"),
-                Err(d) => Err(Failure::new(Exit::Input, d.to_string())),
+                Err(d) => Err(d.into()),
             }
         }
         _ => {

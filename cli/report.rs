@@ -3,6 +3,7 @@
 use bind::emit::EmitError;
 use frame::{Fault, FaultKind};
 use render::ri::reader::RibError;
+use render::sl::Diagnostic;
 use std::fmt;
 
 /// Exit codes that mean something.
@@ -69,6 +70,13 @@ impl From<RibError> for Failure {
             hint: None,
         };
         fault.into()
+    }
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(d: Diagnostic) -> Failure {
+        let Diagnostic { file, line, column, text, message } = d;
+        Fault { kind: FaultKind::Input, file, line, column, text, message, hint: None }.into()
     }
 }
 

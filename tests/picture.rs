@@ -117,6 +117,26 @@ fn a_ball_casts_its_shadow_the_right_way() {
 }
 
 #[test]
+fn every_library_surface_draws_spheres_of_all_sizes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/surface");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let name = entry.unwrap().path().file_stem().unwrap().to_string_lossy().to_string();
+        let mut world = format!(
+            "LightSource \"distantlight\" 1 \"to\" [1 -1 2] LightSource \"pointlight\" 2 \"from\" [0 0 -4] LightSource \"ambientlight\" 3 \"intensity\" .2
+             Color .8 .5 .3 Surface \"{name}\" "
+        );
+        for (i, radius) in [0.02, 0.05, 0.1, 0.2, 0.3, 0.03, 0.15].into_iter().enumerate() {
+            let (x, y) = (i as f32 * 0.27 - 0.8, (i % 3) as f32 * 0.5 - 0.5);
+            world +=
+                &format!("TransformBegin Translate {x} {y} 0 Sphere {radius} -{radius} {radius} 360 TransformEnd ");
+        }
+        let p = render(ORTHO, &world);
+        let bright = p.pixels.iter().flat_map(|p| &p[..3]).fold(0.0f32, |a, x| a.max(*x));
+        assert!(bright > 0.1 && p.pixels.iter().flatten().all(|x| x.is_finite()), "{name}: {bright}");
+    }
+}
+
+#[test]
 fn perspective_puts_points_where_they_belong() {
     // fov 90°, picture 80×80: a ball at (1, 0.5, 2) shows at x/z = 0.5, y/z = 0.25.
     let p = render(

@@ -82,12 +82,8 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)?;
         if !self.text.is_empty() {
-            write!(
-                f,
-                "\n  | {}\n  | {}^",
-                self.text,
-                " ".repeat(self.column.saturating_sub(1).min(self.text.chars().count()))
-            )?;
+            let (text, before) = window(&self.text, self.column);
+            write!(f, "\n  | {text}\n  | {}^", " ".repeat(before))?;
         }
         if let Some(hint) = &self.hint {
             write!(f, "\n  = {hint}")?;
@@ -97,6 +93,16 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
+
+/// The part of a line around a column (from 1) that fits a terminal, and how many characters of it are before the column.
+fn window(line: &str, column: usize) -> (String, usize) {
+    const WIDTH: usize = 110;
+    let at = column.saturating_sub(1).min(line.chars().count());
+    let first = at.saturating_sub(WIDTH / 2);
+    // A control character in the line must not move the mark.
+    let shown = line.chars().skip(first).take(WIDTH).map(|c| if c.is_control() { ' ' } else { c });
+    (shown.collect(), at - first)
+}
 
 /// The candidate nearest in spelling to `name`, if any is near enough to be a likely slip.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {

@@ -18,6 +18,8 @@ pub struct Document {
     pub text: String,
     /// `a.b.2.c` → line and column, from 1, of the key (or of the list's item).
     places: HashMap<String, (usize, usize)>,
+    /// Where a key stands for the second time.
+    repeated: Option<(usize, usize)>,
 }
 
 /// Read a YAML file into `T`.
@@ -35,7 +37,8 @@ pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Docum
     if text.trim().is_empty() {
         return Err(Fault::whole(FaultKind::Input, path, "is empty"));
     }
-    let doc = Document { path: path.into(), places: places(&text), text };
+    let (places, repeated) = places(&text);
+    let doc = Document { path: path.into(), places, repeated, text };
     let reader = serde_yaml::Deserializer::from_str(&doc.text);
     match serde_path_to_error::deserialize::<_, T>(reader) {
         Ok(value) => Ok((value, doc)),
@@ -102,6 +105,7 @@ fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
         (_, Some(at)) => (at.line(), at.column()),
         _ => doc.place(&key),
     };
+    let (line, column) = doc.repeated.filter(|_| message.starts_with("duplicate")).unwrap_or((line, column));
     let fault = Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message.clone());
     let known: Vec<&str> = message.split('`').skip(1).step_by(2).filter(|k| Some(*k) != name).collect();
     match name.and_then(|n| nearest(n, known)) {
@@ -110,14 +114,14 @@ fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
     }
 }
 
-/// Where every key and list item of a YAML text stands; of a text that is not YAML, what came before the error.
-fn places(text: &str) -> HashMap<String, (usize, usize)> {
+/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came before the error.
+fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)>) {
     enum Level {
         Map { path: String, key: Option<String> },
         List { path: String, next: usize },
     }
     let join = |path: &str, part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
-    let mut found = HashMap::new();
+    let (mut found, mut repeated) = (HashMap::new(), None);
     let mut stack: Vec<Level> = Vec::new();
     for event in Parser::new_from_str(text) {
         let Ok((event, span)) = event else { break };
@@ -151,7 +155,9 @@ fn places(text: &str) -> HashMap<String, (usize, usize)> {
                 if value_path().is_none()
                     && let Some(Level::Map { path, key }) = stack.last_mut()
                 {
-                    found.insert(join(path, &value), at);
+                    if found.insert(join(path, &value), at).is_some() {
+                        repeated.get_or_insert(at);
+                    }
                     *key = Some(value.to_string());
                 }
             }
@@ -161,7 +167,7 @@ fn places(text: &str) -> HashMap<String, (usize, usize)> {
             _ => {}
         }
     }
-    found
+    (found, repeated)
 }
 
 #[cfg(test)]

@@ -175,7 +175,7 @@ pub struct ArchiveSpec {
 
 /// A number, or an expression over columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or an expression over columns")]
 pub enum Quantity {
     /// A number.
     Number(f64),
@@ -198,7 +198,7 @@ pub struct Shader {
 
 /// A shader parameter: a number, three numbers, or text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number, three numbers or text")]
 pub enum Parameter {
     /// A number.
     Number(f32),
@@ -210,7 +210,7 @@ pub enum Parameter {
 
 /// Colour: red, green, blue, or a column through a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected [red, green, blue] or {column: …, map: …, range: [low, high]}")]
 pub enum Color {
     /// Linear red, green and blue.
     Rgb([f32; 3]),

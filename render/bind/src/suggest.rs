@@ -1,7 +1,8 @@
 //! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
 
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, PlaneSpec, Quantity, Shader, SphereSpec,
+    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity, Shader,
+    SphereSpec,
 };
 use frame::{Column, Frame};
 use glam::Vec3;
@@ -72,7 +73,9 @@ fn is_plane(frame: &Frame, row: usize) -> bool {
 
 fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
     let position = ["pos_x", "pos_y", "pos_z"].map(column);
-    let surface = Some(Shader { name: surface.into(), bound: None, parameters: Default::default() });
+    let shiny = [("Kd", 0.85), ("Ks", 0.25)].map(|(name, x)| (name.to_string(), Parameter::Number(x)));
+    let parameters = if surface == "plastic" { shiny.into_iter().collect() } else { Default::default() };
+    let surface = Some(Shader { name: surface.into(), bound: None, parameters });
     Object {
         name: name.into(),
         select,
@@ -109,7 +112,7 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
                     (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58])
                 }
                 "plane" => {
-                    let half = Quantity::Number(rounded(6.0 * extent));
+                    let half = Quantity::Number(rounded(40.0 * extent));
                     (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
                 }
                 other => (
@@ -133,12 +136,22 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
         .collect()
 }
 
-/// A camera from the front, a little to the side and above, that has the box in its view.
+/// A camera from the front, a little to the side and above, near enough that the box fills the picture.
 fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
-    let (center, radius) = (0.5 * (lo + hi), 0.5 * (hi - lo).length().max(1e-3));
+    /// How much of the picture the box may take.
+    const FILL: f32 = 0.85;
+    let center = 0.5 * (lo + hi);
     let fov = 35.0f32;
-    let way = Vec3::new(-0.45, -1.0, 0.5).normalize();
-    let eye = center + way * radius * 1.15 / (fov.to_radians() * 0.5).sin();
+    let back = Vec3::new(-0.45, -1.0, 0.5).normalize();
+    let right = back.cross(Vec3::Z).normalize() * -1.0;
+    let up = back.cross(right);
+    let half_height = (fov.to_radians() * 0.5).tan() * FILL;
+    let half_width = half_height * 16.0 / 9.0;
+    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
+    // A corner at depth d + p·back shows if its offset is at most so many of that depth.
+    let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
+    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-3, f32::max);
+    let eye = center + back * distance;
     CameraSpec {
         eye: Some(eye.to_array().map(|x| rounded(x) as f32)),
         look_at: Some(center.to_array().map(|x| rounded(x) as f32)),

@@ -36,12 +36,23 @@ impl Files {
     }
 
     fn not_found(&self, name: &str, rooms: &[&str]) -> String {
-        let known = self.built_in.iter().filter(|(p, _)| rooms.iter().any(|room| p.starts_with(&format!("{room}/"))));
+        let known =
+            self.built_in.iter().filter(|(p, _)| rooms.first().is_some_and(|room| p.starts_with(&format!("{room}/"))));
         let near = known
             .map(|(p, _)| p.rsplit('/').next().unwrap_or(p))
             .min_by_key(|p| strsim::damerau_levenshtein(p, name))
             .filter(|p| strsim::damerau_levenshtein(p, name) <= 3);
-        let folders: Vec<String> = self.folders.iter().map(|f| f.display().to_string()).collect();
+        let folders: Vec<String> = self
+            .folders
+            .iter()
+            .map(|f| if f.as_os_str().is_empty() { ".".into() } else { f.display().to_string() })
+            .collect();
+        let folders = folders.into_iter().fold(Vec::new(), |mut list: Vec<String>, f| {
+            if !list.contains(&f) {
+                list.push(f);
+            }
+            list
+        });
         let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
         format!("`{name}` was not found in {} or the library{hint}", folders.join(", "))
     }

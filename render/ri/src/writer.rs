@@ -9,12 +9,13 @@ pub struct Writer<W: Write> {
     out: W,
     indent: usize,
     line: String,
+    handles: Vec<String>,
 }
 
 impl<W: Write> Writer<W> {
     /// A writer onto `out`; starts with the structure comment and the version.
     pub fn new(out: W) -> Result<Writer<W>, Fail> {
-        let mut writer = Writer { out, indent: 0, line: String::new() };
+        let mut writer = Writer { out, indent: 0, line: String::new(), handles: vec![] };
         writer.put("##RenderMan RIB-Structure 1.1")?;
         writer.put("version 3.04")?;
         Ok(writer)
@@ -39,6 +40,19 @@ impl<W: Write> Writer<W> {
     fn end(&mut self, request: &str) -> RiResult {
         self.indent = self.indent.saturating_sub(2);
         self.put(request)
+    }
+
+    /// A handle as a number: the specification's lights and objects have no names. Names are numbered as they come, from 1001,
+    /// where the small numbers that people write do not reach.
+    fn number_of(&mut self, handle: &str) -> String {
+        if handle.parse::<i32>().is_ok() {
+            return handle.into();
+        }
+        let known = self.handles.iter().position(|h| h == handle).unwrap_or_else(|| {
+            self.handles.push(handle.into());
+            self.handles.len() - 1
+        });
+        (1001 + known).to_string()
     }
 
     fn put_with(&mut self, head: &str, params: &[Param]) -> RiResult {
@@ -118,13 +132,15 @@ impl<W: Write> Ri for Writer<W> {
         self.end("TransformEnd")
     }
     fn object_begin(&mut self, handle: &str) -> RiResult {
-        self.begin(&format!("ObjectBegin {}", handle_text(handle)))
+        let number = self.number_of(handle);
+        self.begin(&format!("ObjectBegin {}", number))
     }
     fn object_end(&mut self) -> RiResult {
         self.end("ObjectEnd")
     }
     fn object_instance(&mut self, handle: &str) -> RiResult {
-        self.put(&format!("ObjectInstance {}", handle_text(handle)))
+        let number = self.number_of(handle);
+        self.put(&format!("ObjectInstance {}", number))
     }
     fn solid_begin(&mut self, operation: &str) -> RiResult {
         self.begin(&format!("SolidBegin {}", quote(operation)))
@@ -202,13 +218,16 @@ impl<W: Write> Ri for Writer<W> {
         self.put_matrix("Opacity", &opacity)
     }
     fn light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.put_with(&format!("LightSource {} {}", quote(name), handle_text(handle)), &params)
+        let number = self.number_of(handle);
+        self.put_with(&format!("LightSource {} {}", quote(name), number), &params)
     }
     fn area_light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.put_with(&format!("AreaLightSource {} {}", quote(name), handle_text(handle)), &params)
+        let number = self.number_of(handle);
+        self.put_with(&format!("AreaLightSource {} {}", quote(name), number), &params)
     }
     fn illuminate(&mut self, handle: &str, on: bool) -> RiResult {
-        self.put(&format!("Illuminate {} {}", handle_text(handle), on as i32))
+        let number = self.number_of(handle);
+        self.put(&format!("Illuminate {} {}", number, on as i32))
     }
     fn surface(&mut self, name: &str, params: Params) -> RiResult {
         self.put_with(&format!("Surface {}", quote(name)), &params)
@@ -317,11 +336,6 @@ impl<W: Write> Ri for Writer<W> {
     fn archive_record(&mut self, kind: &str, text: &str) -> RiResult {
         self.put(&format!("{}{text}", if kind == "structure" { "##" } else { "#" }))
     }
-}
-
-/// A handle that is a number is written as one, as old readers expect.
-fn handle_text(handle: &str) -> String {
-    if handle.parse::<i32>().is_ok() { handle.into() } else { quote(handle) }
 }
 
 #[cfg(test)]

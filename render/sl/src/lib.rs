@@ -32,16 +32,7 @@ pub struct Diagnostic {
 
 impl std::fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)?;
-        if !self.text.is_empty() {
-            write!(
-                f,
-                "\n  | {}\n  | {}^",
-                self.text,
-                " ".repeat(self.column.saturating_sub(1).min(self.text.chars().count()))
-            )?;
-        }
-        Ok(())
+        write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)
     }
 }
 

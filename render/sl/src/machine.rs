@@ -175,6 +175,8 @@ impl Machine {
         self.mask = None;
         self.loops.clear();
         self.lit.clear();
+        // Nothing of the last grid is left, whose points were others.
+        self.regs.iter_mut().for_each(Vec::clear);
         if self.regs.len() < program.widths.len() {
             self.regs.resize_with(program.widths.len(), Vec::new);
         }
