@@ -4,7 +4,7 @@
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
 use crate::scene::{Item, Scene, Shape};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec3A};
 
 /// What stops a ray.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +28,8 @@ enum Occluder {
 /// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    min: Vec3,
-    max: Vec3,
+    min: Vec3A,
+    max: Vec3A,
     at: u32,
     count: u32,
 }
@@ -126,14 +126,14 @@ impl Bvh {
             return false;
         }
         let dir = way / length;
-        let inv = dir.recip();
+        let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
         let mut stack = [0u32; 64];
         let mut top = 1;
         while top > 0 {
             top -= 1;
             let at = stack[top];
             let node = &self.nodes[at as usize];
-            let (t0, t1) = ((node.min - from) * inv, (node.max - from) * inv);
+            let (t0, t1) = ((node.min - origin) * inv, (node.max - origin) * inv);
             let enter = t0.min(t1).max_element().max(0.0);
             let leave = t0.max(t1).min_element().min(length);
             // A ray in the plane of a side gives a NaN there, which must not hide the node.
@@ -210,7 +210,7 @@ fn split(bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32, nodes: &mut Vec
     };
     let (min, max) = hull(order);
     let here = nodes.len();
-    nodes.push(Node { min, max, at: first, count: order.len() as u32 });
+    nodes.push(Node { min: min.into(), max: max.into(), at: first, count: order.len() as u32 });
     if order.len() <= LEAF {
         return;
     }

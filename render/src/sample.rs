@@ -8,6 +8,15 @@ use crate::filter::Filter;
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
 const EDGE: f32 = 1.5e-3;
 
+/// Samples that are tested together.
+const LANES: usize = 8;
+
+/// `LANES` values from `k` on.
+#[inline]
+fn lanes(v: &[f32], k: usize) -> &[f32; LANES] {
+    v[k..k + LANES].try_into().expect("the columns are padded")
+}
+
 /// Pixels after which the jitter repeats.
 const PERIOD: usize = 32;
 
@@ -144,6 +153,9 @@ impl Samples {
                 self.y.push(y - y0 as f32);
             }
         }
+        // The last samples are tested with lanes beyond them.
+        self.x.resize(n + LANES, f32::INFINITY);
+        self.y.resize(n + LANES, f32::INFINITY);
         self.z.clear();
         self.z.resize(n, f32::INFINITY);
         self.color.clear();
@@ -233,22 +245,33 @@ impl Samples {
         let row = |y: f32| (y * sy as f32).max(0.0) as usize;
         let (c0, c1) = (column(min_x), column(max_x).min(self.columns - 1));
         let (r0, r1) = (row(min_y), row(max_y).min(self.rows - 1));
+        // Weights of the second and third corner, as planes over the raster.
+        let (ax, ay, bx, by) = (vy * inv, -vx * inv, -uy * inv, ux * inv);
+        let (a, b) = (-(ax * x0 + ay * y0), -(bx * x0 + by * y0));
         let mut hit = false;
         for r in r0..=r1 {
-            let base = r * self.columns;
-            for k in base + c0..=base + c1 {
-                let (px, py) = (self.x[k] - x0, self.y[k] - y0);
-                let w1 = (px * vy - vx * py) * inv;
-                let w2 = (ux * py - px * uy) * inv;
-                let w0 = 1.0 - w1 - w2;
-                if w0 < slack || w1 < slack || w2 < slack {
-                    continue;
+            for first in (c0..=c1).step_by(LANES) {
+                let k = r * self.columns + first;
+                let (xs, ys) = (lanes(&self.x, k), lanes(&self.y, k));
+                let (mut w1, mut w2, mut least) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+                for i in 0..LANES {
+                    w1[i] = ax * xs[i] + ay * ys[i] + a;
+                    w2[i] = bx * xs[i] + by * ys[i] + b;
+                    let w0 = 1.0 - w1[i] - w2[i];
+                    let w = if w1[i] < w2[i] { w1[i] } else { w2[i] };
+                    least[i] = if w0 < w { w0 } else { w };
                 }
-                let w = within([w0, w1, w2]);
-                let z = z0 * w[0] + z1 * w[1] + z2 * w[2];
-                if z < self.z[k] {
-                    hit = true;
-                    self.keep(k, z, corners.map(|c| c.1), w, flat, look);
+                let inside = (0..LANES).fold(0u32, |m, i| m | ((least[i] >= slack) as u32) << i);
+                let mut inside = inside & (u32::MAX >> (31 - (c1 - first).min(31)));
+                while inside != 0 {
+                    let i = inside.trailing_zeros() as usize;
+                    inside &= inside - 1;
+                    let w = within([1.0 - w1[i] - w2[i], w1[i], w2[i]]);
+                    let z = z0 * w[0] + z1 * w[1] + z2 * w[2];
+                    if z < self.z[k + i] {
+                        hit = true;
+                        self.keep(k + i, z, corners.map(|c| c.1), w, flat, look);
+                    }
                 }
             }
         }

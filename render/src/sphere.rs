@@ -11,7 +11,7 @@ use glam::{Mat3, Vec3};
 use std::sync::OnceLock;
 
 /// Points along a grid's edge, less one.
-const TILE: usize = 16;
+const TILE: usize = 11;
 
 /// Finer lattices than this are drawn as patches.
 const FINEST: usize = 512;
