@@ -47,6 +47,9 @@ fn check(path: &Path) -> Outcome<&'static str> {
                         checked.check_columns(&source.read(*first)?)?;
                     }
                 }
+                if let Some(model) = &checked.metadata.model {
+                    model_file::read(&checked.folder().join(model))?;
+                }
                 Ok("metadata file")
             }
         },

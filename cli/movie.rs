@@ -26,11 +26,27 @@ pub fn command(args: &MovieArgs) -> Outcome {
             format!("--frame-rate {}: expected a number above 0 and at most 1000", args.frame_rate),
         ));
     }
-    let images: Vec<PathBuf> = frame::sequence::find(&args.images.join("*.png"))?.into_values().collect();
+    let found = frame::sequence::find(&args.images.join("*.png"))?;
+    check_gaps(&args.images, &found.keys().copied().collect::<Vec<_>>())?;
+    let images: Vec<PathBuf> = found.into_values().collect();
     let beside = args.images.parent().unwrap_or(Path::new(".")).join("movie.mp4");
     let goal = args.output.clone().unwrap_or(beside);
     println!("{}", encode(&images, &goal.with_extension(""), args.frame_rate)?.display());
     Ok(())
+}
+
+/// Pictures are numbered in even steps: a gap means that some are not drawn yet.
+fn check_gaps(folder: &Path, numbers: &[u64]) -> Outcome {
+    let step = numbers.windows(2).map(|w| w[1] - w[0]).min().unwrap_or(1) as usize;
+    let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
+    let absent: Vec<String> =
+        (first..=last).step_by(step).filter(|n| numbers.binary_search(n).is_err()).map(|n| n.to_string()).collect();
+    if absent.is_empty() {
+        return Ok(());
+    }
+    let some = absent.iter().take(20).cloned().collect::<Vec<_>>().join(", ");
+    let message = format!("{} pictures are missing between {first} and {last}: {some}", absent.len());
+    Err(Fault::whole(FaultKind::Data, folder, message).hint("draw them with `scree render … --missing`").into())
 }
 
 /// Read a PNG whole; a torn one is a fault.

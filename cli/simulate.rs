@@ -84,6 +84,7 @@ pub fn simulate(file: &ModelFile, model: Model, state: State, folder: &Path, unt
             }
         }
         run.write_frame(&frame_of(&sim.model, &sim.state, number))?;
+        run.write_file("report.csv", &report)?;
         progress.at(number + 1);
     }
     run.write_file("report.csv", &report)?;

@@ -100,6 +100,20 @@ fn half_transparent_layers_multiply() {
 }
 
 #[test]
+fn a_one_sided_polygon_is_seen_from_its_outside_only() {
+    let square = "Polygon \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0]";
+    let seen =
+        |attributes: &str| render(ORTHO, &format!("Surface \"constant\" {attributes} {square}")).coverage() / 1600.0;
+    assert!((seen("Sides 2") - 1.0).abs() < 0.01);
+    let (outside, inside) = (seen("Sides 1"), seen("Sides 1 ReverseOrientation"));
+    assert!((outside + inside - 1.0).abs() < 0.01 && (outside - inside).abs() > 0.9, "{outside} {inside}");
+    // Of a ball from outside, both ways of drawing show the same.
+    let ball =
+        |sides: i32| render(ORTHO, &format!("Surface \"constant\" Sides {sides} Sphere .5 -.5 .5 360")).coverage();
+    assert!((ball(1) - ball(2)).abs() < 0.03 * ball(2));
+}
+
+#[test]
 fn a_ball_casts_its_shadow_the_right_way() {
     // Light travels along +x +z: the shadow of a ball before a wall lies to the right of it.
     let p = render(

@@ -159,13 +159,17 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
         id: (item.source as u64) << 32 | item.index as u64,
     };
     let near = job.frame.camera.near;
+    // Of a one-sided primitive, micropolygons that face away are not there.
+    let (normal, incident) = (points.get("N").unwrap_or(&[]), points.get("I").unwrap_or(&[]));
+    let n = points.n();
+    let away = |k: usize| (0..3).map(|c| normal[c * n + k] * incident[c * n + k]).sum::<f32>() > 0.0;
     let nu = points.nu;
     let stats: &mut Stats = &mut job.stats;
     for j in 0..points.nv - 1 {
         for i in 0..nu - 1 {
             let k = j * nu + i;
             let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| (job.grid.raster[k], k as u32));
-            if corners.iter().any(|(p, _)| !(p[2] >= near)) {
+            if corners.iter().any(|(p, _)| !(p[2] >= near)) || (!view.attributes.two_sided && away(k)) {
                 continue;
             }
             stats.micropolygons += 1;

@@ -194,7 +194,7 @@ impl<'a> Lower<'a> {
         match &s.kind {
             StmtKind::Declare(variables) => variables.iter().try_for_each(|v| self.local(v)),
             StmtKind::Assign(name, op, value) => self.assign(at, name, op, value),
-            StmtKind::Call(call) => self.call_statement(call),
+            StmtKind::Call(call) => self.expr(call, None).map(|_| ()),
             StmtKind::Block(body) => self.scoped(body),
             StmtKind::If(condition, then, otherwise) => {
                 let condition = self.condition(condition)?;
@@ -259,16 +259,6 @@ impl<'a> Lower<'a> {
         let value = self.convert(at, value, var.ty)?;
         self.check_class(at, name, var, value)?;
         self.store(at, var, value)
-    }
-
-    fn call_statement(&mut self, call: &Expr) -> Result<(), Error> {
-        match &call.kind {
-            // Messages are of use while a shader is written; a picture does not need them.
-            ExprKind::Call(name, args) if name == "printf" => {
-                args.iter().try_for_each(|a| self.expr(a, None).map(|_| ()))
-            }
-            _ => self.expr(call, None).map(|_| ()),
-        }
     }
 
     fn condition(&mut self, e: &Expr) -> Result<Value, Error> {
