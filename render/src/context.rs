@@ -526,8 +526,9 @@ impl Ri for Context {
         if name != "background" {
             return Err(Fail::new(format!("imager `{name}` is not supported yet; `background` is")));
         }
-        let color =
-            params.iter().find(|p| matches!(p.decl.name.as_str(), "background" | "color") && p.decl.ty == Type::Color);
+        let color = params
+            .iter()
+            .find(|p| matches!(p.decl.name.as_str(), "bgcolor" | "background") && p.decl.ty == Type::Color);
         self.options.background = Some(color.map_or([0.0; 3], |p| [p.numbers()[0], p.numbers()[1], p.numbers()[2]]));
         Ok(())
     }

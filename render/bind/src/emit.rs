@@ -202,8 +202,9 @@ fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: 
         if let Some(o) = p.object.opacity {
             ri.opacity([o; 3])?;
         }
-        if let Some(surface) = &p.object.surface {
-            ri.surface(&surface.name, shader_params(surface))?;
+        match &p.object.surface {
+            Some(surface) => ri.surface(&surface.name, shader_params(surface))?,
+            None => ri.surface("matte", vec![])?,
         }
         if let Some(displacement) = &p.object.displacement {
             if let Some(bound) = displacement.bound {

@@ -103,7 +103,7 @@ pub struct Object {
     /// The quaternion's w, x, y, z: columns or expressions. If not given: quat_w … quat_z where the data has them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[Quantity; 4]>,
-    /// Surface shader and its parameters.
+    /// Surface shader and its parameters; `matte` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Shader>,
     /// Displacement shader and its parameters.
