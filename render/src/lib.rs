@@ -11,6 +11,7 @@ mod bvh;
 mod camera;
 mod context;
 pub mod filter;
+mod gprim;
 pub mod image;
 mod options;
 mod patch;

@@ -3,7 +3,7 @@
 //! Units are SI (m, kg, s, N, rad) but for `rotate.angle`, which is in degrees. Everything but `bodies` or `fills` has a default;
 //! [`ModelFile::to_yaml`] writes the model with its defaults filled in.
 
-use crate::{FrictionLaw, Method, Model, ShapeKind, SolverSettings, SplitMix64, State, fill};
+use crate::{Model, ShapeKind, SolverSettings, SplitMix64, State, fill};
 use frame::Fault;
 use frame::yaml::Document;
 use glam::{DQuat, DVec3};
@@ -38,7 +38,7 @@ pub struct ModelFile {
     pub format: frame::run::FrameFormat,
     /// The contact solver.
     #[serde(default)]
-    pub solver: SolverFile,
+    pub solver: SolverSettings,
     /// Materials by name.
     #[serde(default)]
     pub materials: BTreeMap<String, MaterialFile>,
@@ -48,46 +48,6 @@ pub struct ModelFile {
     /// Regions filled with spheres.
     #[serde(default)]
     pub fills: Vec<FillFile>,
-}
-
-/// The contact solver's settings.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct SolverFile {
-    /// `apgd` or `jacobi`.
-    pub method: Method,
-    /// `relaxed` (the paper's convex form) or `exact`.
-    pub friction: FrictionLaw,
-    /// The most iterations a step.
-    pub iterations: u32,
-    /// Stop below this residual, m/s; 0 does all iterations.
-    pub tolerance: f64,
-    /// Jacobi's relaxation.
-    pub omega: f64,
-    /// Jacobi's smoothing.
-    pub lambda: f64,
-    /// Start from the last step's impulses.
-    pub warm_start: bool,
-    /// Greatest speed at which an overlap is pushed apart, m/s.
-    pub recovery_speed: f64,
-    /// Gap below which contacts are made, m; if not given, a fiftieth of the least moving shape.
-    pub envelope: Option<f64>,
-}
-
-impl Default for SolverFile {
-    fn default() -> SolverFile {
-        SolverFile {
-            method: Method::Apgd,
-            friction: FrictionLaw::Relaxed,
-            iterations: 50,
-            tolerance: 1e-7,
-            omega: 0.3,
-            lambda: 1.0,
-            warm_start: true,
-            recovery_speed: 1.0,
-            envelope: None,
-        }
-    }
 }
 
 /// A material.
@@ -218,7 +178,7 @@ pub fn read(path: &Path) -> Result<(ModelFile, Model, State), Fault> {
         file.name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("model").into();
     }
     let (model, state) = file.resolve(&doc)?;
-    file.solver.envelope = Some(model.solver.envelope);
+    file.solver.envelope = Some(model.envelope);
     Ok((file, model, state))
 }
 
@@ -314,18 +274,6 @@ struct NewBody {
 
 impl<'a> Builder<'a> {
     fn new(file: &'a ModelFile) -> Builder<'a> {
-        let s = &file.solver;
-        let solver = SolverSettings {
-            method: s.method,
-            friction: s.friction,
-            iterations: s.iterations,
-            tolerance: s.tolerance,
-            omega: s.omega,
-            lambda: s.lambda,
-            warm_start: s.warm_start,
-            recovery_speed: s.recovery_speed,
-            envelope: 0.0,
-        };
         let model = Model {
             name: file.name.clone(),
             gravity: file.gravity.into(),
@@ -333,7 +281,8 @@ impl<'a> Builder<'a> {
             duration: file.duration,
             frame_rate: file.frame_rate,
             seed: file.seed,
-            solver,
+            solver: file.solver.clone(),
+            envelope: 0.0,
             inv_mass: vec![],
             inv_inertia: vec![],
             class: vec![],
@@ -485,7 +434,7 @@ impl<'a> Builder<'a> {
             .map(|s| self.model.shape_size[s].min_element())
             .fold(f64::INFINITY, f64::min);
         let default = if least.is_finite() { 0.02 * least } else { 1e-3 };
-        self.model.solver.envelope = self.file.solver.envelope.unwrap_or(default);
+        self.model.envelope = self.file.solver.envelope.unwrap_or(default);
     }
 }
 

@@ -54,6 +54,8 @@ pub struct Model {
     pub seed: u64,
     /// Solver and its settings.
     pub solver: SolverSettings,
+    /// Contacts are made at gaps up to this, and farther for fast bodies, m.
+    pub envelope: f64,
     /// Reciprocal mass, 1/kg; zero holds the body where it is (n_bodies).
     pub inv_mass: Vec<f64>,
     /// Reciprocal principal moments of inertia, 1/(kg m²), body frame (n_bodies).

@@ -1,7 +1,7 @@
 //! The benchmark workloads that every engine is measured on: beds of spheres that settle in an open box.
 
 use crate::fill::SplitMix64;
-use crate::{FrictionLaw, Method, Model, ShapeKind, SolverSettings, State};
+use crate::{Method, Model, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
 /// Which workload.
@@ -27,6 +27,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
         duration: 1.0,
         frame_rate: 24.0,
         seed: 12345,
+        envelope: solver.envelope.unwrap_or(1e-3),
         solver,
         inv_mass: vec![],
         inv_inertia: vec![],
@@ -71,17 +72,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
 
 /// The settings that the workloads are compared under.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
-    SolverSettings {
-        method,
-        friction: FrictionLaw::Relaxed,
-        iterations,
-        tolerance: 0.0,
-        omega: 0.3,
-        lambda: 1.0,
-        warm_start: true,
-        recovery_speed: 1.0,
-        envelope: 1e-3,
-    }
+    SolverSettings { method, iterations, tolerance: 0.0, envelope: Some(1e-3), ..SolverSettings::default() }
 }
 
 #[allow(clippy::too_many_arguments)]

@@ -7,6 +7,7 @@
 mod ast;
 mod builtins;
 pub mod ir;
+mod lanes;
 mod lex;
 mod lower;
 pub mod machine;

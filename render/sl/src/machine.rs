@@ -5,6 +5,7 @@
 //! One machine serves one thread and is used again for grid after grid, so that its memory is taken once.
 
 use crate::ir::*;
+use crate::lanes::{at, cross, dot, power, put, refract, run_of, triple, triples2, zip};
 use crate::noise::{cell_noise, noise};
 use std::sync::Arc;
 
@@ -147,19 +148,25 @@ impl Machine {
 
     /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
     pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
+        self.run_where(shader, points, scene, None);
+    }
+
+    /// Run a shader over the points of a mask.
+    fn run_where(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene, mask: Option<Vec<bool>>) {
         let program = &*shader.program;
         self.load(shader, points);
         for (name, reg) in &program.globals {
-            let width = program.widths[*reg as usize];
+            let width = program.widths[*reg as usize] as usize;
             let reg = &mut self.regs[*reg as usize];
-            reg.clear();
             match points.get(name) {
                 Some(values) => reg.extend_from_slice(values),
-                None => reg.resize(width as usize, 0.0),
+                None => reg.resize(width, 0.0),
             }
         }
         self.defaults(shader, points, scene);
+        self.mask = mask;
         self.block(program, &program.body, scene);
+        self.mask = None;
         for (name, reg) in &program.globals {
             if let Some((_, values)) = points.globals.iter_mut().find(|(n, _)| n == name) {
                 std::mem::swap(values, &mut self.regs[*reg as usize]);
@@ -175,6 +182,8 @@ impl Machine {
         self.mask = None;
         self.loops.clear();
         self.lit.clear();
+        self.reached.clear();
+        self.reached.resize(self.n, false);
         // Nothing of the last grid is left, whose points were others.
         self.regs.iter_mut().for_each(Vec::clear);
         if self.regs.len() < program.widths.len() {
@@ -705,7 +714,7 @@ impl Machine {
         points.globals.push(("Cl", vec![0.0; 3]));
         machine.receiver =
             Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
-        machine.run_light(light, &mut points, scene, self.mask.clone());
+        machine.run_where(light, &mut points, scene, self.mask.clone());
         let mut take = |name: &str| {
             points.globals.iter_mut().find(|(n, _)| *n == name).map(|(_, v)| std::mem::take(v)).unwrap_or_default()
         };
@@ -726,26 +735,6 @@ impl Machine {
         self.lit.len() - 1
     }
 
-    fn run_light(&mut self, light: &BoundShader, points: &mut Points, scene: &dyn Scene, mask: Option<Vec<bool>>) {
-        let program = &*light.program;
-        self.reached.clear();
-        self.reached.resize(points.n(), false);
-        self.load(light, points);
-        for (name, reg) in &program.globals {
-            self.regs[*reg as usize] =
-                points.get(name).map_or(vec![0.0; program.widths[*reg as usize] as usize], <[f32]>::to_vec);
-        }
-        self.defaults(light, points, scene);
-        self.mask = mask;
-        self.block(program, &program.body, scene);
-        self.mask = None;
-        for (name, reg) in &program.globals {
-            if let Some((_, values)) = points.globals.iter_mut().find(|(n, _)| n == name) {
-                std::mem::swap(values, &mut self.regs[*reg as usize]);
-            }
-        }
-    }
-
     /// The sum of the ambient lights.
     fn ambient(&mut self, out: &mut Vec<f32>, scene: &dyn Scene) {
         let n = self.n;
@@ -756,94 +745,13 @@ impl Machine {
                 Points { nu: self.nu, nv: n / self.nu.max(1), orientation: self.orientation, ..Points::default() };
             points.globals.push(("Cl", vec![0.0; 3]));
             machine.receiver = None;
-            machine.run_light(light, &mut points, scene, None);
+            machine.run_where(light, &mut points, scene, None);
             let cl = points.get("Cl").unwrap_or(&[0.0; 3]);
             for c in 0..3 {
                 let run = run_of(cl, 3, c, n);
                 (0..n).for_each(|k| out[c * n + k] += at(run, k));
             }
             self.light_machine = Some(machine);
-        }
-    }
-}
-
-/// One component's values: one, or one a point.
-#[inline]
-fn run_of(v: &[f32], width: usize, c: usize, n: usize) -> &[f32] {
-    let c = if width == 1 { 0 } else { c };
-    if v.len() == width { &v[c..c + 1] } else { &v[c * n..(c + 1) * n] }
-}
-
-#[inline]
-fn at(run: &[f32], i: usize) -> f32 {
-    if run.len() == 1 { run[0] } else { run[i] }
-}
-
-/// Append `f` of two runs.
-#[inline]
-fn zip(out: &mut Vec<f32>, a: &[f32], b: &[f32], n: usize, f: impl Fn(f32, f32) -> f32) {
-    match (a, b) {
-        ([a], [b]) => out.extend(std::iter::repeat_n(f(*a, *b), n)),
-        ([a], b) => out.extend(b.iter().map(|b| f(*a, *b))),
-        (a, [b]) => out.extend(a.iter().map(|a| f(*a, *b))),
-        (a, b) => out.extend(a.iter().zip(b).map(|(a, b)| f(*a, *b))),
-    }
-}
-
-/// xʸ, 0 where it is not a number.
-fn power(x: f32, y: f32) -> f32 {
-    let p = x.powf(y);
-    if p.is_nan() { 0.0 } else { p }
-}
-
-#[inline]
-fn triple(v: &[f32], k: usize, n: usize) -> [f32; 3] {
-    if v.len() == 3 { [v[0], v[1], v[2]] } else { [v[k], v[n + k], v[2 * n + k]] }
-}
-
-#[inline]
-fn put(out: &mut [f32], k: usize, lanes: usize, v: [f32; 3]) {
-    for c in 0..3 {
-        out[c * lanes + k] = v[c];
-    }
-}
-
-#[inline]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn refract(i: [f32; 3], m: [f32; 3], eta: f32) -> [f32; 3] {
-    let d = dot(i, m);
-    let k = 1.0 - eta * eta * (1.0 - d * d);
-    if k < 0.0 {
-        return [0.0; 3];
-    }
-    let f = eta * d + k.sqrt();
-    [0, 1, 2].map(|c| eta * i[c] - f * m[c])
-}
-
-/// Append `f` of two triples, `width` of its numbers, at every point, or once if both are uniform.
-#[inline]
-fn triples2(
-    out: &mut Vec<f32>,
-    a: &[f32],
-    b: &[f32],
-    n: usize,
-    width: usize,
-    f: impl Fn([f32; 3], [f32; 3]) -> [f32; 3],
-) {
-    let lanes = if a.len() == 3 && b.len() == 3 { 1 } else { n };
-    out.resize(width * lanes, 0.0);
-    for k in 0..lanes {
-        let r = f(triple(a, k, n), triple(b, k, n));
-        for c in 0..width {
-            out[c * lanes + k] = r[c];
         }
     }
 }

@@ -16,7 +16,7 @@ pub fn run(model: &Model, state: &State, margin: &mut Vec<f64>, aabb: &mut Vec<A
     aabb.resize(n, Aabb::default());
     fill_rows(margin, |s| {
         let speed = state.velocity[model.shape_body[s] as usize].length();
-        model.solver.envelope + speed * model.step
+        model.envelope + speed * model.step
     });
     let margin = &*margin;
     fill_rows(aabb, |s| {

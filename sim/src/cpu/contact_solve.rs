@@ -27,16 +27,17 @@ pub enum Method {
     Apgd,
 }
 
-/// How contacts are solved.
-#[derive(Clone, Debug, PartialEq)]
+/// How contacts are solved; also the `solver` section of a model file.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
-    /// The iteration.
+    /// `apgd` or `jacobi`.
     pub method: Method,
-    /// The law of friction.
+    /// The law of friction: `relaxed` (the paper's convex form) or `exact`.
     pub friction: FrictionLaw,
     /// The most iterations a step.
     pub iterations: u32,
-    /// Stop when the residual (as in `report.csv`) is below this, m/s.
+    /// Stop when the residual (as in `report.csv`) is below this, m/s; 0 does all iterations.
     pub tolerance: f64,
     /// Jacobi's relaxation ω.
     pub omega: f64,
@@ -46,8 +47,24 @@ pub struct SolverSettings {
     pub warm_start: bool,
     /// Greatest speed at which an overlap is pushed apart, m/s.
     pub recovery_speed: f64,
-    /// Contacts are made at gaps up to this, and farther for fast bodies, m.
-    pub envelope: f64,
+    /// Contacts are made at gaps up to this, and farther for fast bodies, m; a fiftieth of the least moving shape if not given.
+    pub envelope: Option<f64>,
+}
+
+impl Default for SolverSettings {
+    fn default() -> SolverSettings {
+        SolverSettings {
+            method: Method::Apgd,
+            friction: FrictionLaw::Relaxed,
+            iterations: 50,
+            tolerance: 1e-7,
+            omega: 0.3,
+            lambda: 1.0,
+            warm_start: true,
+            recovery_speed: 1.0,
+            envelope: None,
+        }
+    }
 }
 
 /// How a solve went.
