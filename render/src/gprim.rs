@@ -42,7 +42,7 @@ pub fn polygon_patches(corners: &[usize], params: &Params, face: usize) -> Resul
 
 /// Give a patch its primitive variables: `vertex` are the indices of its corners in varying values, `face` its uniform index.
 pub fn patch_variables(patch: &mut Patch, params: &Params, vertex: [usize; 4], face: usize) -> RiResult {
-    for param in params.iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "N" | "Np" | "Pw")) {
+    for param in params.iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "Np" | "Pw")) {
         let width = param.decl.width();
         let v = param.numbers();
         let value = |i: usize| {

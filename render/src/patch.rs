@@ -141,6 +141,8 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     };
     let (us, vs) = (lines(piece.u, nu), lines(piece.v, nv));
     let normals = glam::Mat3::from_mat4(view.to_world).inverse().transpose();
+    // Normals that the scene gives go before the patch's own.
+    let given = patch.varying.iter().find(|(name, v)| name == "N" && v.len() == 12).map(|(_, v)| v.as_slice());
     let mirrored = view.to_world.determinant() < 0.0;
     let sign = if view.attributes.reversed { -1.0 } else { 1.0 };
     let points = &mut job.grid.points;
@@ -155,7 +157,8 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         for (i, u) in us.iter().enumerate() {
             let k = j * us.len() + i;
             let q = view.to_world.transform_point3(patch.at(*u, *v));
-            let m = (normals * patch.normal(*u, *v)).normalize_or_zero() * sign;
+            let own = given.map_or_else(|| patch.normal(*u, *v), |n| normal_at(n, *u, *v));
+            let m = (normals * own).normalize_or_zero() * sign;
             (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
             (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
         }
@@ -175,7 +178,7 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         }
     }
     job.varying.clear();
-    for (name, values) in &patch.varying {
+    for (name, values) in patch.varying.iter().filter(|(name, _)| name != "N") {
         let width = values.len() / 4;
         let corner = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
         // The apron is dropped from globals alone: variables are made without it.
@@ -189,6 +192,11 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         job.varying.push((name.clone(), all.collect()));
     }
     job.varying.extend(patch.uniform.iter().cloned());
+}
+
+/// The normal between those of the corners.
+fn normal_at(corners: &[f32], u: f32, v: f32) -> Vec3 {
+    Vec3::from_array([0, 1, 2].map(|c| bilinear([0, 1, 2, 3].map(|k| corners[3 * k + c]), u, v)))
 }
 
 fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
