@@ -40,7 +40,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             Yaml::Model => model_file::read(path).map(|_| "model").map_err(Failure::from),
             Yaml::Metadata => {
                 let checked = metadata::read(path)?;
-                job::check_shaders(&checked, &library::files(folder))?;
+                job::check_library(&checked, &library::files(folder))?;
                 if checked.metadata.data.is_some() {
                     let source = checked.open_data()?;
                     if let Some(first) = source.numbers().first() {

@@ -89,7 +89,7 @@ impl Pictures {
         };
         let files = library::files(&checked.folder());
         checked.check_columns(&source.read(frames[0])?)?;
-        check_shaders(&checked, &files)?;
+        check_library(&checked, &files)?;
         Ok(Pictures { checked, source, files, frames, folder })
     }
 
@@ -103,10 +103,17 @@ impl Pictures {
     }
 }
 
-/// Shaders exist, compile, and have the parameters that the metadata gives them.
-pub fn check_shaders(checked: &Checked, files: &Files) -> Outcome {
+/// Scene, camera and lights are there; shaders are, compile, and have the parameters that the metadata gives them.
+pub fn check_library(checked: &Checked, files: &Files) -> Outcome {
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
-    for (i, object) in checked.metadata.objects.iter().enumerate() {
+    let m = &checked.metadata;
+    let camera = m.camera.as_ref().and_then(|c| c.file.as_ref());
+    for (key, name) in [("scene", Some(&m.scene)), ("lights", m.lights.as_ref()), ("camera.file", camera)] {
+        if let Some(name) = name {
+            files.read(name, &["scenes"]).map_err(|e| checked.doc.fault(key, e))?;
+        }
+    }
+    for (i, object) in m.objects.iter().enumerate() {
         for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
             let Some(shader) = shader else { continue };
             let key = format!("objects.{i}.{kind}");

@@ -16,6 +16,7 @@ mod report;
 mod rib;
 mod run;
 mod simulate;
+mod source;
 
 use args::{Args, Command};
 use clap::Parser;

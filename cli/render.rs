@@ -1,13 +1,12 @@
 //! `scree render`: frames → pictures.
 
 use crate::args::RenderArgs;
-use crate::job::{self, Pictures};
+use crate::job::Pictures;
 use crate::library;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
-use crate::run;
+use crate::source;
 use bind::emit;
-use frame::run::RunReader;
 use render::bucket::Stats;
 use render::ri::reader;
 use render::{Context, Finished};
@@ -18,9 +17,9 @@ pub fn command(args: &RenderArgs) -> Outcome {
     if args.input.extension().is_some_and(|e| e == "rib") {
         return scene(args);
     }
-    let (checked, source, home) = run::open(&args.input)?;
+    let (checked, data, home) = source::open(&args.input)?;
     let folder = args.output.clone().unwrap_or_else(|| home.join("images"));
-    let pictures = Pictures::resolve(checked, source, folder, &args.pictures)?;
+    let pictures = Pictures::resolve(checked, data, folder, &args.pictures)?;
     pictures_of(&pictures, args.pictures.missing, args.verbose)?;
     println!("{}", pictures.folder.display());
     missing_frames(&pictures)
@@ -169,9 +168,4 @@ pub fn missing_frames(pictures: &Pictures) -> Outcome {
         )),
         _ => Ok(()),
     }
-}
-
-/// Whether a path is a run directory.
-pub fn is_run(path: &Path) -> bool {
-    RunReader::is_run(path) || job::stem(path) == "run.json"
 }

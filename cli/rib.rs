@@ -3,20 +3,20 @@
 use crate::args::RibArgs;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
-use crate::run;
+use crate::source;
 use bind::emit;
 use render::ri::writer::Writer;
 use std::io::Write;
 
 /// The command.
 pub fn command(args: &RibArgs) -> Outcome {
-    let (checked, source, _) = run::open(&args.input)?;
-    let existing = source.numbers();
+    let (checked, data, _) = source::open(&args.input)?;
+    let existing = data.numbers();
     if !existing.contains(&args.frame) {
         let message = format!("--frame {}: the data has {}", args.frame, bind::frames::describe(&existing));
         return Err(Failure::new(Exit::Usage, message));
     }
-    let table = source.read(args.frame)?;
+    let table = data.read(args.frame)?;
     checked.check_columns(&table)?;
     let files = library::files(&checked.folder());
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;

@@ -2,32 +2,28 @@
 
 use crate::args::RunArgs;
 use crate::job::{self, Pictures, Yaml};
-use crate::report::{Exit, Failure, Outcome};
-use crate::{movie, render, simulate};
-use bind::data::Source;
-use bind::metadata::{self, Checked};
-use frame::run::RunReader;
-use frame::{Fault, FaultKind};
-use sim::model_file;
+use crate::report::Outcome;
+use crate::{movie, render, source};
+use bind::metadata;
 use std::path::{Path, PathBuf};
 
 /// The command.
 pub fn run(args: &RunArgs) -> Outcome {
     let home = args.output.clone().unwrap_or_else(|| job::default_output(&args.input));
-    let (checked, source) = match job::kind_of(&args.input)? {
+    let (checked, data) = match job::kind_of(&args.input)? {
         Yaml::Model => {
-            ensure_run(&args.input, &home, args.fresh)?;
+            source::ensure_run(&args.input, &home, args.fresh)?;
             job::metadata_of_run(&home)?
         }
         Yaml::Metadata => {
             let checked = metadata::read(&args.input)?;
             // Everything that can be checked before hours of work is checked first.
-            job::check_shaders(&checked, &crate::library::files(&checked.folder()))?;
-            let source = data_of(&checked, &home, args.fresh)?;
-            (checked, source)
+            job::check_library(&checked, &crate::library::files(&checked.folder()))?;
+            let data = source::data_of(&checked, &home, args.fresh)?;
+            (checked, data)
         }
     };
-    let pictures = Pictures::resolve(checked, source, home.join("images"), &args.pictures)?;
+    let pictures = Pictures::resolve(checked, data, home.join("images"), &args.pictures)?;
     render::pictures_of(&pictures, args.pictures.missing, false)?;
     println!("images: {} in {}", pictures.frames.len(), pictures.folder.display());
     encode(&pictures, &home.join(job::stem(&args.input)))?;
@@ -43,59 +39,4 @@ fn encode(pictures: &Pictures, goal: &Path) -> Outcome {
     let movie = movie::encode(&images, goal, pictures.checked.metadata.movie.frame_rate)?;
     println!("movie: {}", movie.display());
     Ok(())
-}
-
-/// Simulate a model into `folder`, unless the finished run of just this model is there.
-fn ensure_run(model: &Path, folder: &Path, fresh: bool) -> Outcome {
-    let (file, built, state) = model_file::read(model)?;
-    if !fresh && simulate::is_done(&file, folder) {
-        eprintln!("simulation: {} holds the run of this model already", folder.display());
-        return Ok(());
-    }
-    simulate::simulate(&file, built, state, folder, None)
-}
-
-/// The data of a metadata file: what it names, or the run of its model, simulated if it is not there.
-fn data_of(checked: &Checked, home: &Path, fresh: bool) -> Outcome<Source> {
-    match (&checked.metadata.data, &checked.metadata.model) {
-        (Some(_), _) => Ok(checked.open_data()?),
-        (None, Some(model)) => {
-            let path = checked.folder().join(model);
-            if !path.is_file() {
-                return Err(checked.doc.fault("model", format!("the model {} does not exist", path.display())).into());
-            }
-            ensure_run(&path, home, fresh)?;
-            Ok(Source::Run(RunReader::open(home)?))
-        }
-        (None, None) => {
-            Err(checked.doc.fault("data", "has neither `data` nor `model`: there is nothing to draw").into())
-        }
-    }
-}
-
-/// Open what `scree render` and `scree rib` are given: a run directory or a metadata file; and where its results go.
-pub fn open(input: &Path) -> Outcome<(Checked, Source, PathBuf)> {
-    if !input.exists() {
-        return Err(Fault::whole(FaultKind::Input, input, "does not exist").into());
-    }
-    if input.is_dir() {
-        if !render::is_run(input) {
-            let fault = Fault::whole(FaultKind::Data, input, "is not a run directory: it has no run.json");
-            return Err(fault.into());
-        }
-        let (checked, source) = job::metadata_of_run(input)?;
-        return Ok((checked, source, input.into()));
-    }
-    let home = job::default_output(input);
-    match job::kind_of(input)? {
-        Yaml::Model => Err(Failure::new(
-            Exit::Usage,
-            format!("{} is a model: simulate it first, or give it to `scree run`", input.display()),
-        )),
-        Yaml::Metadata => {
-            let checked = metadata::read(input)?;
-            let source = data_of(&checked, &home, false)?;
-            Ok((checked, source, home))
-        }
-    }
 }
