@@ -100,6 +100,20 @@ fn half_transparent_layers_multiply() {
 }
 
 #[test]
+fn a_camera_inside_displaced_things_comes_to_an_end() {
+    let p = render(
+        "Format 64 48 1 PixelSamples 2 2 Projection \"perspective\" \"fov\" 60",
+        "Surface \"constant\" Sphere 2 -2 2 360
+         Displacement \"rock\" \"uniform float Km\" 0.2 \"uniform float size\" 0.5 Attribute \"displacementbound\" \"sphere\" 0.2
+         TransformBegin Translate 0 0 1.2 Sphere 0.5 -0.5 0.5 360 TransformEnd
+         TransformBegin Translate 0.1 0 0.1 Sphere 0.3 -0.1 0.3 200 TransformEnd
+         Patch \"bilinear\" \"P\" [-9 -.1 -9 9 -.1 -9 -9 -.1 9 9 -.1 9]",
+    );
+    // The ball of radius 2 is all around: no pixel is open.
+    assert!(p.pixels.iter().all(|p| p[3] > 0.999));
+}
+
+#[test]
 fn given_normals_are_shaded_with() {
     let square = "Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
     let world = format!(

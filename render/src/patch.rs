@@ -50,8 +50,7 @@ fn draw_piece(
 ) {
     let p = sub_patch(&patch.p, piece).map(|p| to_camera.transform_point3(p));
     let (min, max) = p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    let (min, max) = (min - reach, max + reach);
-    if !min.is_finite() || !max.is_finite() || !job.worth(min, max) {
+    if !min.is_finite() || !max.is_finite() || !job.worth(min - reach, max + reach) {
         return;
     }
     let camera = &job.frame.camera;
@@ -68,15 +67,17 @@ fn draw_piece(
     let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
     let crosses = camera.perspective && min.z <= camera.near;
     if crosses {
-        if piece.depth < DEEPEST {
-            let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
+        // What displacement may move about is not worth looking at more closely than that.
+        let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
+        if piece.depth < DEEPEST && u.max(v) > 0.5 * reach {
             split(u >= v, stack);
         }
         return;
     }
     let step = view.attributes.shading_rate.sqrt();
     let raster = p.map(|p| {
-        let r = camera.project(p);
+        // Nearer than it may be displaced, its size on the raster says nothing.
+        let r = camera.project(Vec3::new(p.x, p.y, p.z.max(reach)));
         Vec3::new(r.x, r.y, 0.0)
     });
     // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
