@@ -115,8 +115,9 @@ impl Bvh {
         }
     }
 
-    /// Whether anything but `own` stands between two points; `bias` is how near the start a triangle does not count.
-    pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: f32) -> bool {
+    /// Whether anything stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`
+    /// for the triangles of `own` itself, whose spheres and flat patches never count.
+    pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: [f32; 2]) -> bool {
         if self.nodes.is_empty() {
             return false;
         }
@@ -147,7 +148,10 @@ impl Bvh {
                 continue;
             }
             let leaf = &self.occluders[node.at as usize..(node.at + node.count) as usize];
-            if leaf.iter().any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias)) {
+            if leaf
+                .iter()
+                .any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize]))
+            {
                 return true;
             }
         }

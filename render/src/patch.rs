@@ -98,7 +98,7 @@ fn draw_piece(
     dice(job, view, patch, piece, nu, nv, apron);
     let keep =
         [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
-    finish(job, item, view, &Diced { apron, keep });
+    finish(job, item, view, &Diced { apron, keep }, reach);
 }
 
 /// Length of a control polygon's leg.

@@ -34,7 +34,7 @@ struct View<'a> {
     object_to_world: Mat4,
     shader_to_world: Mat4,
     lights: &'a [Arc<BoundShader>],
-    bias: f32,
+    bias: [f32; 2],
 }
 
 impl sl::machine::Scene for View<'_> {
@@ -88,8 +88,8 @@ pub fn displacement_reach(view: &ItemView<'_>, size: f32) -> f32 {
     view.attributes.displacement_bound.map_or(0.1 * size, |b| b * scale)
 }
 
-/// Displace, project, shade and sample the grid that a dicer has left in `job.grid`.
-pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced) {
+/// Displace, project, shade and sample the grid that a dicer has left in `job.grid`; `reach` is how far it may be displaced.
+pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced, reach: f32) {
     let a = view.attributes;
     let frame = job.frame;
     job.grid.points.inputs.clear();
@@ -102,7 +102,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced)
         object_to_world: view.object_to_world,
         shader_to_world: a.displacement_space,
         lights: &a.light_list,
-        bias: 0.0,
+        bias: [0.0; 2],
     };
     if let Some(displacement) = &a.displacement {
         fill_incident(&mut job.grid.points, &frame.camera);
@@ -124,7 +124,9 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced)
     }
     let n = job.grid.points.n();
     scene.shader_to_world = a.surface_space;
-    scene.bias = 2.0 / frame.camera.pixels_at(z);
+    // A displaced surface does not shadow itself with what it was before.
+    let bias = 2.0 / frame.camera.pixels_at(z);
+    scene.bias = [bias, bias + 2.0 * reach];
     fill_incident(&mut job.grid.points, &frame.camera);
     let varies = |name: &str| job.grid.points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
     let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));

@@ -166,7 +166,7 @@ fn draw_tile(
     }
     let apron = view.attributes.displacement.is_some();
     dice(job, view, ball, face, i, j, apron);
-    finish(job, item, view, &Diced { apron, keep: [1; 4] });
+    finish(job, item, view, &Diced { apron, keep: [1; 4] }, ball.reach);
 }
 
 fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [usize; 2], j: [usize; 2], apron: bool) {
