@@ -54,7 +54,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             }
         },
         Some("rib") => {
-            let text = crate::render::read_text(path)?;
+            let text = frame::read_text(FaultKind::Input, path)?;
             let files = library::files(folder);
             let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
             context.dry = true;
@@ -62,7 +62,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             Ok("scene")
         }
         Some("sl") => {
-            let text = crate::render::read_text(path)?;
+            let text = frame::read_text(FaultKind::Input, path)?;
             match render::sl::compile(path, &text) {
                 Ok(_) => Ok("shader"),
                 Err(d) => Err(d.into()),

@@ -165,7 +165,6 @@ fn animated_png(images: &[PathBuf], frame_rate: f64) -> Outcome<Vec<u8>> {
     encoder.set_color(first.color);
     encoder.set_depth(first.depth);
     encoder.set_animated(images.len() as u32, 0).map_err(fault)?;
-    encoder.set_frame_delay(1000, (frame_rate * 1000.0).round().min(65_535.0) as u16).map_err(fault)?;
     let delay = (1000.0 / frame_rate).round().clamp(1.0, 65_535.0) as u16;
     encoder.set_frame_delay(delay, 1000).map_err(fault)?;
     let mut writer = encoder.write_header().map_err(fault)?;

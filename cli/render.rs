@@ -7,6 +7,7 @@ use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
 use bind::emit;
+use frame::FaultKind;
 use render::bucket::Stats;
 use render::ri::reader;
 use render::{Context, Finished};
@@ -66,7 +67,7 @@ fn scene(args: &RenderArgs) -> Outcome {
         ));
     }
     let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
-    let text = read_text(&args.input)?;
+    let text = frame::read_text(FaultKind::Input, &args.input)?;
     let mut context = context(&files)?;
     let progress = std::sync::Arc::new(Progress::start("rendering", 100));
     let bar = progress.clone();
@@ -97,16 +98,6 @@ fn scene(args: &RenderArgs) -> Outcome {
         }
     }
     Ok(())
-}
-
-/// A text file of the user's.
-pub fn read_text(path: &Path) -> Outcome<String> {
-    use frame::{Fault, FaultKind};
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Input, path, &e))?;
-    String::from_utf8(bytes).map_err(|e| {
-        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        Fault::at(FaultKind::Input, path, "", line, 1, "is not UTF-8 text").into()
-    })
 }
 
 /// Write every finished picture to its displays, and say what was odd.

@@ -3,7 +3,7 @@
 //! A header cell may carry its unit in square brackets, `speed [m/s]`. Lines that start with `#` are remarks. A column
 //! whose every cell is a number is a number column, any other is a column of words.
 
-use crate::{Column, Fault, FaultKind, Field, Frame};
+use crate::{Column, Fault, FaultKind, Field, Frame, read_text};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -21,13 +21,7 @@ pub struct Layout {
 
 /// Read a CSV file as the frame of a number.
 pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-        let line = 1 + good.iter().filter(|b| **b == b'\n').count();
-        let column = 1 + good.iter().rev().take_while(|b| **b != b'\n').count();
-        Fault::at(FaultKind::Data, path, "", line, column, "is not UTF-8 text")
-    })?;
+    let text = read_text(FaultKind::Data, path)?;
     parse(path, &text, number, layout)
 }
 

@@ -94,6 +94,17 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
+/// Read a text file whole; one that is not UTF-8 is a fault with the place of the first byte that is not.
+pub fn read_text(kind: FaultKind, path: &Path) -> Result<String, Fault> {
+    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(kind, path, &e))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + good.iter().filter(|b| **b == b'\n').count();
+        let column = 1 + good.iter().rev().take_while(|b| **b != b'\n').count();
+        Fault::at(kind, path, "", line, column, "is not UTF-8 text")
+    })
+}
+
 /// The part of a line around a column (from 1) that fits a terminal, and how many characters of it are before the column.
 fn window(line: &str, column: usize) -> (String, usize) {
     const WIDTH: usize = 110;

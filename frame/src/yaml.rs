@@ -3,7 +3,7 @@
 //! Structure (types, unknown and missing keys) is checked while reading; meaning is checked later by the reader's owner,
 //! who asks the [`Document`] where a value stands: `doc.fault("materials.stone.density", "must be positive")`.
 
-use crate::{Fault, FaultKind, nearest};
+use crate::{Fault, FaultKind, nearest, read_text};
 use saphyr_parser::{Event, Parser};
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
@@ -24,11 +24,7 @@ pub struct Document {
 
 /// Read a YAML file into `T`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Input, path, &e))?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        Fault::at(FaultKind::Input, path, "", line, 1, "is not UTF-8 text")
-    })?;
+    let text = read_text(FaultKind::Input, path)?;
     parse(path, text)
 }
 

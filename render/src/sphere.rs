@@ -19,7 +19,7 @@ const FINEST: usize = 512;
 /// How much a displaced normal may lean away from the sphere's, radians, before its grid could be culled wrongly.
 const LEAN: f32 = 0.5;
 
-/// A direction on face `f` (see `FACES` in the tests for their order), before normalisation.
+/// A direction on a face (0 to 5: +x, −x, +y, −y, +z, −z), before normalisation.
 #[inline]
 fn on_cube(face: usize, s: f32, t: f32) -> Vec3 {
     match face {
