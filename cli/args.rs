@@ -33,6 +33,10 @@ pub enum Command {
     Check(CheckArgs),
     /// Show columns, ranges and frames of any data, and write a metadata file to start from.
     Inspect(InspectArgs),
+    /// Plot the probes of a run: PNG and SVG.
+    Plot(PlotArgs),
+    /// Solve a friction problem from a file and print how well.
+    Solve(SolveArgs),
     /// Measure this machine.
     Bench(BenchArgs),
     /// Say what of the machine scree can use.
@@ -63,12 +67,32 @@ pub struct SimulateArgs {
     /// Stop at this time, s.
     #[arg(long, value_name = "T")]
     pub until: Option<f64>,
+    /// Go on from the run's last checkpoint.
+    #[arg(long)]
+    pub resume: bool,
+    /// Put a value in place of the model's: solver.iterations=80, bodies.block.mass=3; may be given several times.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, String)>,
+    /// Of a model with a `sweep`: simulate only this combination, from 0.
+    #[arg(long, value_name = "I")]
+    pub sweep_index: Option<usize>,
+    /// Of a model with a `sweep`: print the combinations and write a Slurm job array for them, but simulate nothing.
+    #[arg(long)]
+    pub plan: bool,
     /// What computes.
     #[arg(long, default_value = "auto")]
     pub backend: Backend,
     /// Write frames as CSV rather than Arrow.
     #[arg(long)]
     pub csv: bool,
+}
+
+/// `path=value`
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() => Ok((path.trim().into(), value.trim().into())),
+        _ => Err(format!("`{text}` is not an assignment: expected PATH=VALUE")),
+    }
 }
 
 /// What computes.
@@ -167,6 +191,42 @@ pub struct InspectArgs {
 }
 
 #[derive(Parser, Debug)]
+pub struct PlotArgs {
+    /// A run directory.
+    pub run: PathBuf,
+    /// Columns of probes.csv or report.csv, `*` standing for any characters; everything if none is given.
+    #[arg(value_name = "COLUMN")]
+    pub columns: Vec<String>,
+    /// The folder for the plots [default: plots/ in the run directory].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Times to plot, as 0.5-2 (s).
+    #[arg(long, value_name = "FROM-TO")]
+    pub times: Option<String>,
+}
+
+#[derive(Parser, Debug)]
+pub struct SolveArgs {
+    /// The problem: number of dimensions and contacts, W as blocks or dense, q, friction.
+    pub file: PathBuf,
+    /// The law of friction: relaxed or exact.
+    #[arg(long, default_value = "exact")]
+    pub friction: String,
+    /// Stop when the error is below this.
+    #[arg(long, default_value_t = 1e-4)]
+    pub tolerance: f64,
+    /// The most iterations.
+    #[arg(long, default_value_t = 1_000_000)]
+    pub iterations: u32,
+    /// apgd, barzilai_borwein, gauss_seidel, jacobi; the best for the problem if not given.
+    #[arg(long)]
+    pub method: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Parser, Debug)]
 pub struct BenchArgs {
     #[command(subcommand)]
     pub what: BenchCommand,
@@ -188,14 +248,17 @@ pub enum BenchCommand {
         #[arg(long)]
         steps: Option<u64>,
         /// Step size, s.
-        #[arg(long, default_value_t = 1e-3)]
+        #[arg(long, default_value_t = 1.5e-3)]
         step: f64,
         /// Solver iterations a step.
-        #[arg(long, default_value_t = 50)]
+        #[arg(long, default_value_t = 8)]
         iterations: u32,
-        /// apgd or jacobi.
-        #[arg(long, default_value = "apgd")]
+        /// apgd, barzilai_borwein, gauss_seidel or jacobi.
+        #[arg(long, default_value = "gauss_seidel")]
         method: String,
+        /// Greatest speed at which overlaps are pushed apart, m/s.
+        #[arg(long, default_value_t = 0.02)]
+        recovery_speed: f64,
         /// Print JSON.
         #[arg(long)]
         json: bool,

@@ -7,7 +7,7 @@ use render::Context;
 use render::ri::{Class, Fail, InstanceShape, Instances, Param, Ri, Type};
 use serde_json::json;
 use sim::workload::{self, Workload};
-use sim::{Method, Simulation, SplitMix64};
+use sim::{Simulation, SolverSettings, SplitMix64};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -20,21 +20,18 @@ pub fn command(args: &BenchArgs) -> Outcome {
         return Err(Failure::new(Exit::Usage, "--backend gpu: there is no GPU back end yet; use cpu"));
     }
     match &args.what {
-        BenchCommand::Sim { workload, n, steps, step, iterations, method, json, .. } => {
+        BenchCommand::Sim { workload, n, steps, step, iterations, method, recovery_speed, json, .. } => {
             let workload = match workload.to_lowercase().as_str() {
                 "s" => Workload::S,
                 "a" => Workload::A,
                 other => return Err(Failure::new(Exit::Usage, format!("--workload {other}: expected s or a"))),
             };
-            let method = match method.as_str() {
-                "apgd" => Method::Apgd,
-                "jacobi" => Method::Jacobi,
-                other => return Err(Failure::new(Exit::Usage, format!("--method {other}: expected apgd or jacobi"))),
-            };
+            let method = crate::solve::method_of(method)?;
             if *n == 0 || !(*step > 0.0) {
                 return Err(Failure::new(Exit::Usage, "--n and --step: expected numbers above 0"));
             }
-            print(bench_sim(workload, *n, *steps, *step, *iterations, method), *json);
+            let solver = SolverSettings { recovery_speed: *recovery_speed, ..workload::solver(method, *iterations) };
+            print(bench_sim(workload, *n, *steps, *step, solver), *json);
             Ok(())
         }
         BenchCommand::Render { n, image, json, .. } => {
@@ -54,36 +51,45 @@ fn print(result: serde_json::Value, as_json: bool) {
     }
 }
 
-fn bench_sim(
-    workload: Workload,
-    n: usize,
-    steps: Option<u64>,
-    step: f64,
-    iterations: u32,
-    method: Method,
-) -> serde_json::Value {
+fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver: SolverSettings) -> serde_json::Value {
     let (cpu, wall) = (cpu_seconds(), Instant::now());
-    let (model, state) = workload::build(workload, n, workload::solver(method, iterations), step);
+    let (model, state) = workload::build(workload, n, solver.clone(), step);
     let mut sim = Simulation::new(model, state);
     let steps = steps.unwrap_or((1.0 / step).round() as u64);
-    let (mut contact_iterations, mut solver_ms, mut all_ms, mut contacts) = (0.0, 0.0, 0.0, 0);
+    let (mut contact_iterations, mut contacts) = (0.0, 0);
+    let mut stage_ms = [0.0; sim::stages::STAGES.len()];
     for _ in 0..steps {
         let r = sim.step();
         contact_iterations += r.contacts as f64 * r.iterations as f64;
-        solver_ms += r.stage_ms[sim::stages::STAGES.iter().position(|s| *s == "contact_solve").unwrap_or(0)];
-        all_ms += r.stage_ms.iter().sum::<f64>();
+        stage_ms.iter_mut().zip(r.stage_ms).for_each(|(sum, ms)| *sum += ms);
         contacts = r.contacts;
     }
+    let of = |stages: &[&str]| {
+        let wanted = sim::stages::STAGES.iter().zip(stage_ms).filter(|(name, _)| stages.contains(name));
+        wanted.map(|(_, ms)| ms).sum::<f64>()
+    };
+    let all_ms: f64 = stage_ms.iter().sum();
+    let solver_ms = of(&["contact_solve"]);
+    let detection_ms = of(&["bounds", "bin_emit", "bin_sort", "bin_start", "pair_write", "contact_write"]);
+    let cores = rayon::current_num_threads() as f64;
+    let stages: serde_json::Map<String, serde_json::Value> = sim::stages::STAGES
+        .iter()
+        .zip(stage_ms)
+        .map(|(name, ms)| (name.to_string(), json!(ms / steps as f64)))
+        .collect();
     let radius = sim.model.shape_size.iter().map(|s| s.x).fold(0.0, f64::max);
     json!({
         "workload": format!("{workload:?}"), "n": n, "backend": "cpu", "threads": rayon::current_num_threads(),
-        "step": step, "steps": steps, "iterations": iterations, "method": method,
+        "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method, "recovery_speed": solver.recovery_speed,
         "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (steps as f64 * step),
         "wall_seconds": wall.elapsed().as_secs_f64(),
         "worst_penetration_over_r": sim.state.contacts.worst_penetration() / radius,
         "kinetic_energy_j": sim.model.kinetic_energy(&sim.state),
         "contacts": contacts,
-        "contact_iterations_per_second_per_core": contact_iterations / (solver_ms * 1e-3 * rayon::current_num_threads() as f64),
+        "contact_iterations_per_second_per_core": contact_iterations / (solver_ms * 1e-3 * cores),
+        "shapes_per_second_per_core": (n as u64 * steps) as f64 / (detection_ms * 1e-3 * cores),
+        "other_share_of_step": 1.0 - (solver_ms + detection_ms) / all_ms,
+        "stage_ms": stages,
         "solver_share_of_step": solver_ms / all_ms,
         "peak_bytes": peak_bytes(),
         "max_position_difference_m": serde_json::Value::Null,

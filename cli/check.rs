@@ -37,7 +37,11 @@ fn check(path: &Path) -> Outcome<&'static str> {
     let folder = path.parent().unwrap_or(Path::new("."));
     match path.extension().and_then(|e| e.to_str()) {
         Some("yaml" | "yml") => match job::kind_of(path)? {
-            Yaml::Model => model_file::read(path).map(|_| "model").map_err(Failure::from),
+            Yaml::Model => {
+                let (_, resolved) = model_file::read(path)?;
+                resolved.warnings.iter().for_each(|w| eprintln!("warning: {}: {w}", path.display()));
+                Ok("model")
+            }
             Yaml::Metadata => {
                 let checked = metadata::read(path)?;
                 job::check_library(&checked, &library::files(folder))?;

@@ -75,7 +75,7 @@ fn write(args: &InspectArgs, table: &Frame, path: &Path) -> Outcome {
     } else {
         data.csv = Some(from_there);
     }
-    let metadata = bind::suggest::metadata(data, table)
+    let metadata = bind::suggest::metadata(data, &[table])
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", args.data.display())))?;
     frame::atomic::write(path, bind::suggest::to_yaml(&metadata, table).as_bytes())?;
     println!("wrote {}: draw it with `scree render {}`", path.display(), path.display());

@@ -28,7 +28,7 @@ pub fn kind_of(path: &Path) -> Outcome<Yaml> {
     let has = |names: &[&str]| names.iter().any(|n| keys.contains_key(*n));
     if has(&["objects", "model", "data", "scene"]) {
         Ok(Yaml::Metadata)
-    } else if has(&["bodies", "fills", "materials", "gravity", "step"]) {
+    } else if has(&["bodies", "fills", "assemblies", "terrains", "base", "stages", "materials", "gravity", "step"]) {
         Ok(Yaml::Model)
     } else {
         Err(doc

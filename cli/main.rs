@@ -6,17 +6,21 @@ mod args;
 mod bench;
 mod check;
 mod doctor;
+mod geometry;
 mod inspect;
 mod job;
 mod library;
 mod movie;
+mod plot;
 mod progress;
 mod render;
 mod report;
 mod rib;
 mod run;
 mod simulate;
+mod solve;
 mod source;
+mod sweep;
 
 use args::{Args, Command};
 use clap::Parser;
@@ -38,6 +42,8 @@ fn main() -> ExitCode {
         Command::Movie(a) => movie::command(&a),
         Command::Check(a) => check::command(&a),
         Command::Inspect(a) => inspect::command(&a),
+        Command::Plot(a) => plot::command(&a),
+        Command::Solve(a) => solve::command(&a),
         Command::Bench(a) => bench::command(&a),
         Command::Doctor => doctor::command(),
     };

@@ -1,13 +1,14 @@
-//! `scree simulate`: a model → a run directory.
+//! `scree simulate`: a model → a run directory, from the start or from its last checkpoint.
 
 use crate::args::{Backend, SimulateArgs};
-use crate::job;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
+use crate::{geometry, job, sweep};
 use bind::metadata::Data;
 use frame::run::{FORMAT_VERSION, FrameFormat, Index, RunReader, RunWriter};
-use sim::model_file::{self, ModelFile};
-use sim::{Model, Simulation, State, frame_of, report_header, report_line};
+use frame::{Fault, FaultKind, atomic, csv};
+use sim::model_file::{self, ModelFile, Resolved};
+use sim::{Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line};
 use std::path::Path;
 
 /// The command.
@@ -23,14 +24,30 @@ pub fn command(args: &SimulateArgs) -> Outcome {
     {
         return Err(Failure::new(Exit::Usage, format!("--until {until}: expected a time above 0")));
     }
-    let (mut file, model, state) = model_file::read(&args.model)?;
+    let (mut file, doc) = model_file::load(&args.model, &args.set)?;
     if args.csv {
         file.format = FrameFormat::Csv;
     }
     let folder = args.output.clone().unwrap_or_else(|| job::default_output(&args.model));
-    simulate(&file, model, state, &folder, args.until)?;
+    if !file.sweep.is_empty() {
+        return sweep::command(args, &file, &folder);
+    }
+    if args.plan || args.sweep_index.is_some() {
+        return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
+    }
+    let resolved = file.resolve(&doc)?;
+    simulate(&file, resolved, &folder, &Span { until: args.until, resume: args.resume })?;
     println!("{}", folder.display());
     Ok(())
+}
+
+/// Which part of a run is to be done.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Span {
+    /// Stop at this time, s; at the model's own end if not given.
+    pub until: Option<f64>,
+    /// Go on from the last checkpoint.
+    pub resume: bool,
 }
 
 /// The identity of a resolved model.
@@ -47,16 +64,37 @@ pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     })
 }
 
-/// Run the model into `folder`, up to `until` s or its own end.
-pub fn simulate(file: &ModelFile, model: Model, state: State, folder: &Path, until: Option<f64>) -> Outcome {
-    let until = until.unwrap_or(model.duration);
-    let expected_frames = model.n_frames(until);
+/// A run on its way.
+struct Run<'a> {
+    file: &'a ModelFile,
+    resolved: &'a Resolved,
+    folder: &'a Path,
+    writer: RunWriter,
+    sim: Simulation,
+    hash: String,
+    report: String,
+    probes: String,
+    next_probe: f64,
+    next_checkpoint: f64,
+    /// Checkpoints that were written only for a restart: all but the last are removed.
+    passing: Vec<u64>,
+}
+
+/// Run the model into `folder`.
+pub fn simulate(file: &ModelFile, mut resolved: Resolved, folder: &Path, span: &Span) -> Outcome {
+    for warning in &resolved.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let duration = resolved.model.duration;
+    let until = span.until.unwrap_or(duration).min(duration);
+    let expected_frames = resolved.model.n_frames(until);
+    let hash = model_hash(file);
     let index = Index {
         format_version: FORMAT_VERSION,
         program: format!("scree {}", env!("CARGO_PKG_VERSION")),
-        model_hash: model_hash(file),
-        seed: model.seed,
-        step_size: model.step,
+        model_hash: hash.clone(),
+        seed: resolved.model.seed,
+        step_size: resolved.model.step,
         backend: "cpu".into(),
         adapter: "cpu".into(),
         units: "SI: m, kg, s, rad".into(),
@@ -65,48 +103,227 @@ pub fn simulate(file: &ModelFile, model: Model, state: State, folder: &Path, unt
         columns: vec![],
         frames: vec![],
     };
-    let mut run = RunWriter::create(folder, file.format, index)?;
-    run.write_file("model.yaml", &file.to_yaml())?;
-    let mut sim = Simulation::new(model, state);
-    let first = frame_of(&sim.model, &sim.state, 0);
-    write_metadata(&run, &first)?;
-    run.write_frame(&first)?;
-    let mut report = report_header();
+    let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
+    let mut run = match span.resume.then(|| checkpoint::latest(folder)).transpose()?.flatten() {
+        Some(path) => Run::resume(file, &resolved, folder, index, sim, hash, &path)?,
+        None => Run::start(file, &resolved, folder, index, sim, hash)?,
+    };
+    let period = 1.0 / run.sim.model.frame_rate;
     let progress = Progress::start("simulating", expected_frames);
-    let period = 1.0 / sim.model.frame_rate;
-    for number in 1..expected_frames {
+    let first = run.writer.frames() as u64;
+    for number in first..expected_frames {
         // The frame's instant is the first step's end that is not before its time.
-        while sim.state.time < number as f64 * period - 0.5 * sim.model.step {
-            report.push_str(&report_line(&sim.step()));
-            if let Some(body) = sim.broken_body() {
-                run.write_file("report.csv", &report)?;
-                return Err(blown_up(&sim, body, number));
-            }
-        }
-        run.write_frame(&frame_of(&sim.model, &sim.state, number))?;
-        run.write_file("report.csv", &report)?;
+        run.advance(number as f64 * period, number)?;
+        run.write_frame(number)?;
         progress.at(number + 1);
     }
-    run.write_file("report.csv", &report)?;
-    run.finish()?;
+    run.advance(until, expected_frames)?;
+    run.save()?;
+    run.write_series()?;
+    run.finish_metadata()?;
+    run.writer.finish()?;
     progress.finish();
     Ok(())
 }
 
-fn blown_up(sim: &Simulation, body: usize, frame: u64) -> Failure {
-    let class = &sim.model.class_names[sim.model.class[body] as usize];
+impl<'a> Run<'a> {
+    fn start(
+        file: &'a ModelFile,
+        resolved: &'a Resolved,
+        folder: &'a Path,
+        index: Index,
+        sim: Simulation,
+        hash: String,
+    ) -> Outcome<Run<'a>> {
+        let writer = RunWriter::create(folder, file.format, index)?;
+        writer.write_file("model.yaml", &file.to_yaml())?;
+        clear(&checkpoint::folder(folder), "state")?;
+        clear(&folder.join("contacts"), "csv")?;
+        geometry::write_archives(&sim.model, folder)?;
+        let metadata = metadata_for(&[&frame_of(&sim.model, &sim.state, 0)]);
+        metadata.iter().try_for_each(|text| writer.write_file("metadata.yaml", text))?;
+        let (report, probes) = (report_header(), probe_header(&sim.model, &resolved.probes));
+        let mut run = Run {
+            file,
+            resolved,
+            folder,
+            writer,
+            sim,
+            hash,
+            report,
+            probes,
+            next_probe: 0.0,
+            next_checkpoint: 0.0,
+            passing: vec![],
+        };
+        run.probe();
+        run.next_checkpoint = run.checkpoint_interval();
+        Ok(run)
+    }
+
+    fn resume(
+        file: &'a ModelFile,
+        resolved: &'a Resolved,
+        folder: &'a Path,
+        index: Index,
+        sim: Simulation,
+        hash: String,
+        path: &Path,
+    ) -> Outcome<Run<'a>> {
+        let (state, of) = checkpoint::read(path)?;
+        if of != hash {
+            let fault = Fault::whole(FaultKind::Input, path, "is a checkpoint of another model than this one")
+                .hint("simulate without --resume to begin anew, or give the model as it was");
+            return Err(fault.into());
+        }
+        if state.position.len() != sim.model.n_bodies() {
+            return Err(Fault::whole(FaultKind::Data, path, "does not have the model's bodies").into());
+        }
+        let h = sim.model.step;
+        let keep = (0..index.expected_frames)
+            .take_while(|n| *n as f64 / sim.model.frame_rate - 0.5 * h <= state.time)
+            .count() as u64;
+        let expected = index.expected_frames;
+        let writer = RunWriter::reopen(folder, file.format, index, keep)?;
+        let there = writer.frames();
+        eprintln!("resume: from {} at {:.4} s, {there} of {expected} frames are there", path.display(), state.time);
+        let time = state.time;
+        let report = series_until(folder, "report.csv", 1, time + 0.5 * h)?;
+        let probes = series_until(folder, "probes.csv", 0, time + 0.5 * h)?;
+        let sim = Simulation::new(sim.model, state);
+        let mut run = Run {
+            file,
+            resolved,
+            folder,
+            writer,
+            sim,
+            hash,
+            report,
+            probes,
+            next_probe: 0.0,
+            next_checkpoint: 0.0,
+            passing: vec![],
+        };
+        let after = |interval: f64| ((time + 0.5 * h) / interval).floor() * interval + interval;
+        run.next_probe = after(resolved.probes.interval);
+        run.next_checkpoint = after(run.checkpoint_interval());
+        Ok(run)
+    }
+
+    fn checkpoint_interval(&self) -> f64 {
+        self.file.checkpoint_interval.unwrap_or(self.sim.model.duration / 10.0)
+    }
+
+    /// Step until a time; frame `number` is the next to be written.
+    fn advance(&mut self, time: f64, number: u64) -> Outcome {
+        let h = self.sim.model.step;
+        while self.sim.state.time < time - 0.5 * h {
+            self.report.push_str(&report_line(&self.sim.step()));
+            if let Some((body, why)) = self.sim.broken_body() {
+                self.write_series()?;
+                return Err(blown_up(&self.sim, body, &why, number));
+            }
+            self.probe();
+            let now = self.sim.state.time;
+            let stage = self.resolved.stages.iter().find(|(_, end)| (end - now).abs() <= 0.5 * h);
+            if let Some((name, _)) = stage {
+                let path = checkpoint::folder(self.folder).join(format!("{name}.state"));
+                checkpoint::write(&path, &self.sim.state, &self.hash)?;
+            }
+            let due = now >= self.next_checkpoint - 0.5 * h;
+            if due || stage.is_some() {
+                self.save()?;
+                if due {
+                    self.next_checkpoint += self.checkpoint_interval();
+                }
+                if self.file.checkpoint_interval.is_none() {
+                    self.passing.push(self.sim.state.steps);
+                }
+                self.write_series()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn probe(&mut self) {
+        let h = self.sim.model.step;
+        if self.sim.state.time >= self.next_probe - 0.5 * h {
+            self.probes.push_str(&probe_line(&self.sim.model, &self.sim.state, &self.resolved.probes));
+            self.next_probe += self.resolved.probes.interval.max(h);
+        }
+    }
+
+    fn write_frame(&mut self, number: u64) -> Outcome {
+        self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, number))?;
+        if self.resolved.probes.contact_tables {
+            let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, number));
+            atomic::write(&self.folder.join(format!("contacts/{number:06}.csv")), table.as_bytes())?;
+        }
+        self.write_series()
+    }
+
+    /// Write a checkpoint, and remove the one before it that nobody asked for.
+    fn save(&mut self) -> Outcome {
+        let folder = checkpoint::folder(self.folder);
+        let path = folder.join(checkpoint::file_name(self.sim.state.steps));
+        checkpoint::write(&path, &self.sim.state, &self.hash)?;
+        for steps in self.passing.drain(..).filter(|s| *s != self.sim.state.steps) {
+            let _ = std::fs::remove_file(folder.join(checkpoint::file_name(steps)));
+        }
+        Ok(())
+    }
+
+    /// Look again at what there is to draw: bodies may have appeared, and moved out of the picture. A file that somebody has
+    /// changed meanwhile stays.
+    fn finish_metadata(&self) -> Outcome {
+        let run = RunReader::open(self.folder)?;
+        let first = run.read_frame(0)?;
+        let last = frame_of(&self.sim.model, &self.sim.state, 0);
+        let ours = std::fs::read_to_string(self.folder.join("metadata.yaml")).ok() == metadata_for(&[&first]);
+        match metadata_for(&[&first, &last]) {
+            Some(text) if ours => Ok(self.writer.write_file("metadata.yaml", &text)?),
+            _ => Ok(()),
+        }
+    }
+
+    fn write_series(&self) -> Outcome {
+        self.writer.write_file("report.csv", &self.report)?;
+        self.writer.write_file("probes.csv", &self.probes)?;
+        Ok(())
+    }
+}
+
+/// Remove files of an earlier run.
+fn clear(folder: &Path, ending: &str) -> Outcome {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    for path in entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == ending)) {
+        std::fs::remove_file(&path).map_err(|e| Fault::unwritable(&path, &e))?;
+    }
+    Ok(())
+}
+
+/// The lines of a series whose time, in the given column, is not after `time`.
+fn series_until(folder: &Path, name: &str, column: usize, time: f64) -> Outcome<String> {
+    let path = folder.join(name);
+    let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
+    let early = |line: &str| line.split(',').nth(column).and_then(|c| c.parse::<f64>().ok()).is_some_and(|t| t <= time);
+    let kept = text.lines().enumerate().filter(|(i, line)| *i == 0 || early(line));
+    Ok(kept.map(|(_, line)| format!("{line}\n")).collect())
+}
+
+fn blown_up(sim: &Simulation, body: usize, why: &str, frame: u64) -> Failure {
     let message = format!(
-        "the simulation blew up at step {} ({:.4} s): body {body} of class `{class}` has no finite state; frames before {frame} are kept; try a shorter step",
-        sim.state.steps, sim.state.time
+        "the simulation blew up at step {} ({:.4} s): body {}: {why}; frames before {frame} are kept; try a shorter step",
+        sim.state.steps,
+        sim.state.time,
+        sim.model.body_label(body)
     );
     Failure::new(Exit::Data, message)
 }
 
 /// What to draw for every class, beside the run, so that `scree render RUN` just works.
-fn write_metadata(run: &RunWriter, first: &frame::Frame) -> Outcome {
+fn metadata_for(frames: &[&frame::Frame]) -> Option<String> {
     let data = Data { run: Some(".".into()), ..Data::default() };
-    if let Ok(metadata) = bind::suggest::metadata(data, first) {
-        run.write_file("metadata.yaml", &bind::suggest::to_yaml(&metadata, first))?;
-    }
-    Ok(())
+    let metadata = bind::suggest::metadata(data, frames).ok()?;
+    Some(bind::suggest::to_yaml(&metadata, frames[0]))
 }

@@ -2,7 +2,7 @@
 
 use crate::job::{self, Yaml};
 use crate::report::{Exit, Failure, Outcome};
-use crate::simulate;
+use crate::simulate::{self, Span};
 use bind::data::Source;
 use bind::metadata::{self, Checked};
 use frame::run::RunReader;
@@ -12,12 +12,17 @@ use std::path::{Path, PathBuf};
 
 /// Simulate a model into `folder`, unless the finished run of just this model is there.
 pub fn ensure_run(model: &Path, folder: &Path, fresh: bool) -> Outcome {
-    let (file, built, state) = model_file::read(model)?;
+    let (file, resolved) = model_file::read(model)?;
+    if !file.sweep.is_empty() {
+        let message =
+            format!("{} has a `sweep`: simulate it with `scree simulate`, then render its runs", model.display());
+        return Err(Failure::new(Exit::Usage, message));
+    }
     if !fresh && simulate::is_done(&file, folder) {
         eprintln!("simulation: {} holds the run of this model already", folder.display());
         return Ok(());
     }
-    simulate::simulate(&file, built, state, folder, None)
+    simulate::simulate(&file, resolved, folder, &Span::default())
 }
 
 /// The data of a metadata file: what it names, or the run of its model, simulated if it is not there.

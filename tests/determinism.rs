@@ -33,6 +33,26 @@ fn simulation_and_pictures_do_not_depend_on_threads() {
 }
 
 #[test]
+fn a_run_goes_on_from_a_checkpoint_bit_for_bit() {
+    let work = scratch();
+    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    for (model, steps) in [("pour", 1000), ("pendulums", 800)] {
+        let path = format!("sim/models/{model}.yaml");
+        let (half, whole) = if model == "pour" { ("0.5", "1.0") } else { ("0.2", "0.4") };
+        let (one, two) = (place(&format!("{model}1")), place(&format!("{model}2")));
+        scree(&["simulate", &path, "--until", whole, "--threads", "1", "-o", &one]).ok();
+        scree(&["simulate", &path, "--until", half, "--threads", "2", "-o", &two]).ok();
+        scree(&["simulate", &path, "--until", whole, "--threads", "7", "--resume", "-o", &two]).ok();
+        let last = format!("checkpoints/{steps:09}.state");
+        for file in [last.as_str(), "probes.csv"] {
+            let read = |run: &str| std::fs::read(Path::new(run).join(file)).unwrap();
+            assert!(read(&one) == read(&two), "{model}: {file} differs");
+        }
+        assert!(bytes(&Path::new(&one).join("frames")) == bytes(&Path::new(&two).join("frames")), "{model}");
+    }
+}
+
+#[test]
 fn pictures_do_not_depend_on_the_bucket() {
     let work = scratch();
     let mut pictures = Vec::new();

@@ -91,3 +91,76 @@ fn the_rib_of_a_frame_is_standard_and_draws_the_same() {
     // Numbers go through text, so that a last bit may differ.
     assert!((off as f64) < 0.05 * by_data.as_raw().len() as f64, "{off}");
 }
+
+#[test]
+fn a_sweep_makes_a_run_of_each_combination() {
+    let work = scratch();
+    let model = work.path().join("block.yaml");
+    std::fs::write(
+        &model,
+        "step: 1e-3
+duration: 0.1
+materials: {m: {density: 1000, friction: 0.4}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.1], velocity: [1, 0, 0]}
+sweep: {materials.m.friction: [0.1, 0.3], gravity: [[0, 0, -9.81], [0, 0, -1.6]]}
+",
+    )
+    .unwrap();
+    let out = work.path().join("out");
+    let (model, goal) = (model.to_str().unwrap(), out.to_str().unwrap());
+    let plan = scree(&["simulate", model, "--plan", "-o", goal]).ok();
+    assert_eq!(plan.lines().count(), 5, "{plan}");
+    assert!(std::fs::read_to_string(out.join("sweep.sbatch")).unwrap().contains("--array=0-3"));
+    scree(&["simulate", model, "--sweep-index", "1", "-o", goal]).ok();
+    scree(&["simulate", model, "-o", goal]).ok();
+    // More friction and more weight: slower.
+    let speed = |name: &str| {
+        let text = std::fs::read_to_string(out.join(name).join("probes.csv")).unwrap();
+        let column = text.lines().next().unwrap().split(',').position(|h| h.starts_with("block.vx")).unwrap();
+        text.lines().last().unwrap().split(',').nth(column).unwrap().parse::<f64>().unwrap()
+    };
+    let names = ["gravity=0_0_-9.81_friction=0.1", "gravity=0_0_-9.81_friction=0.3", "gravity=0_0_-1.6_friction=0.3"];
+    assert!(speed(names[1]) < speed(names[0]) && speed(names[1]) < speed(names[2]));
+    let set = scree(&["simulate", model, "--set", "bodies.block.mas=3", "-o", goal]).fails(3);
+    assert!(set.contains("did you mean `mass`"), "{set}");
+}
+
+#[test]
+fn a_run_is_plotted_and_another_goes_on_from_it() {
+    let work = scratch();
+    let one = work.path().join("one");
+    let one_text = one.to_str().unwrap();
+    scree(&["simulate", "sim/models/pendulums.yaml", "--until", "0.1", "-o", one_text]).ok();
+    scree(&["plot", one_text, "hinge", "energy.*"]).ok();
+    for file in ["hinge_N.png", "hinge_N.svg", "hinge_rad.png", "energy_J.png"] {
+        assert!(std::fs::metadata(one.join("plots").join(file)).unwrap().len() > 3000, "{file}");
+    }
+    assert!(scree(&["plot", one_text, "hindge"]).fails(2).contains("did you mean"));
+    let model = work.path().join("more.yaml");
+    std::fs::write(
+        &model,
+        format!(
+            "base: {{run: {one_text}}}
+step: 5e-4
+duration: 0.05
+materials: {{m: {{density: 1000, friction: 0.4}}}}
+bodies: [{{name: extra, material: m, sphere: {{radius: 0.1}}, position: [0, 3, 1]}}]
+probes: {{bodies: [hinged, extra], joints: [hinge]}}
+"
+        ),
+    )
+    .unwrap();
+    let two = work.path().join("two");
+    scree(&["simulate", model.to_str().unwrap(), "-o", two.to_str().unwrap()]).ok();
+    let last = |run: &std::path::Path, line: usize, name: &str| {
+        let text = std::fs::read_to_string(run.join("probes.csv")).unwrap();
+        let column = text.lines().next().unwrap().split(',').position(|h| h.starts_with(name)).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        lines[if line == 0 { lines.len() - 1 } else { line }].split(',').nth(column).unwrap().parse::<f64>().unwrap()
+    };
+    // The second run begins where the first ended.
+    assert!((last(&one, 0, "hinged.z") - last(&two, 1, "hinged.z")).abs() < 1e-9);
+    assert!((last(&one, 0, "hinged.vz") - last(&two, 1, "hinged.vz")).abs() < 1e-9);
+}

@@ -117,6 +117,29 @@ impl RunWriter {
         Ok(writer)
     }
 
+    /// Go on with a run: its first `keep` frames stay if they are whole, all later ones are removed. The last of them may be
+    /// missing still: a run that was to end at just its time did not write it.
+    pub fn reopen(folder: &Path, format: FrameFormat, mut index: Index, keep: u64) -> Result<RunWriter, Fault> {
+        let before = RunReader::open(folder)?;
+        for entry in &before.index.frames {
+            if entry.number < keep {
+                before.read_frame(entry.number)?;
+                index.frames.push(entry.clone());
+            } else {
+                let path = folder.join(&entry.file);
+                std::fs::remove_file(&path).map_err(|e| Fault::unwritable(&path, &e))?;
+            }
+        }
+        if (index.frames.len() as u64) + 1 < keep {
+            let message = format!("has {} of the {keep} frames before the checkpoint", index.frames.len());
+            return Err(Fault::whole(FaultKind::Data, &folder.join("run.json"), message));
+        }
+        index.columns = before.index.columns;
+        let writer = RunWriter { folder: folder.into(), format, index };
+        writer.write_index()?;
+        Ok(writer)
+    }
+
     /// Write a frame and list it.
     pub fn write_frame(&mut self, frame: &Frame) -> Result<(), Fault> {
         let file = format!("frames/{:06}.{}", frame.number, self.format.extension());
@@ -136,6 +159,11 @@ impl RunWriter {
         let hash = blake3::hash(&bytes).to_hex().to_string();
         self.index.frames.push(FrameEntry { number: frame.number, time: frame.time, file, rows: frame.rows(), hash });
         self.write_index()
+    }
+
+    /// Number of frames that are there.
+    pub fn frames(&self) -> usize {
+        self.index.frames.len()
     }
 
     /// Write a file of the run's own, such as `model.yaml`, whole.

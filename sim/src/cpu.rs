@@ -9,32 +9,49 @@ pub mod bounds;
 pub mod collide;
 pub mod contact_solve;
 pub mod contact_write;
+pub mod force;
 pub mod integrate;
+pub mod joint_write;
 pub mod pair_write;
 pub mod warm_start;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 /// Rows that one task handles.
 pub const PIECE: usize = 1024;
 
-/// An axis-aligned box, m, world.
+/// An axis-aligned box, m, world, rounded outwards to single precision: four numbers are compared at once.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Aabb {
     /// Least corner.
-    pub min: DVec3,
+    pub min: Vec3A,
     /// Greatest corner.
-    pub max: DVec3,
+    pub max: Vec3A,
 }
 
 impl Aabb {
+    /// The box about a centre.
+    #[inline]
+    pub fn about(centre: DVec3, half: DVec3) -> Aabb {
+        /// More than the rounding of a number to single precision.
+        const ROUNDING: f32 = 1.2e-7;
+        let (min, max) = ((centre - half).as_vec3a(), (centre + half).as_vec3a());
+        Aabb { min: min - min.abs() * ROUNDING, max: max + max.abs() * ROUNDING }
+    }
+
+    /// A box that overlaps none.
+    pub const EMPTY: Aabb = Aabb { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
     /// Whether two boxes share a point.
     #[inline]
     pub fn overlaps(&self, other: &Aabb) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
     }
 }
+
+/// Rows below which one thread does the work: handing it out would cost more.
+const ALONE: usize = 10 * PIECE;
 
 /// Fill `out[i] = f(i)` in parallel.
 pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
@@ -43,11 +60,110 @@ pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
             *row = f(piece * PIECE + i);
         }
     };
-    if out.len() <= 2 * PIECE {
+    if out.len() <= ALONE {
         out.chunks_mut(PIECE).enumerate().for_each(body);
     } else {
         out.par_chunks_mut(PIECE).enumerate().for_each(body);
     }
+}
+
+/// Sum `f(i)` over the rows, piece by piece in order.
+pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+    sum_pieces(n, |rows| rows.fold([0.0; K], |sum, i| add(sum, f(i))))
+}
+
+/// Sum `f(rows)` over the pieces in order.
+pub fn sum_pieces<const K: usize>(n: usize, f: impl Fn(std::ops::Range<usize>) -> [f64; K] + Sync) -> [f64; K] {
+    let piece = |p: usize| f(p * PIECE..((p + 1) * PIECE).min(n));
+    let n_pieces = n.div_ceil(PIECE);
+    if n <= ALONE {
+        return (0..n_pieces).map(piece).fold([0.0; K], add);
+    }
+    let parts: Vec<[f64; K]> = (0..n_pieces).into_par_iter().map(piece).collect();
+    parts.into_iter().fold([0.0; K], add)
+}
+
+/// Run `f(first row, rows)` on pieces of a column and add up what they return, in order.
+pub fn sweep<T: Send, const K: usize>(out: &mut [T], f: impl Fn(usize, &mut [T]) -> [f64; K] + Sync) -> [f64; K] {
+    let alone = out.len() <= ALONE;
+    let body = |(piece, rows): (usize, &mut [T])| f(piece * PIECE, rows);
+    if alone {
+        return out.chunks_mut(PIECE).enumerate().map(body).fold([0.0; K], add);
+    }
+    let parts: Vec<[f64; K]> = out.par_chunks_mut(PIECE).enumerate().map(body).collect();
+    parts.into_iter().fold([0.0; K], add)
+}
+
+/// As [`sweep`], on two columns of one length.
+pub fn sweep_two<T: Send, U: Send, const K: usize>(
+    a: &mut [T],
+    b: &mut [U],
+    f: impl Fn(usize, &mut [T], &mut [U]) -> [f64; K] + Sync,
+) -> [f64; K] {
+    let alone = a.len() <= ALONE;
+    let body = |(piece, (a, b)): (usize, (&mut [T], &mut [U]))| f(piece * PIECE, a, b);
+    if alone {
+        return a.chunks_mut(PIECE).zip(b.chunks_mut(PIECE)).enumerate().map(body).fold([0.0; K], add);
+    }
+    let parts: Vec<[f64; K]> = a.par_chunks_mut(PIECE).zip(b.par_chunks_mut(PIECE)).enumerate().map(body).collect();
+    parts.into_iter().fold([0.0; K], add)
+}
+
+#[inline]
+fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
+    for k in 0..K {
+        a[k] += b[k];
+    }
+    a
+}
+
+/// What the pieces of a stage found, kept so that nothing is allocated step by step.
+pub struct Pieces<T> {
+    lists: Vec<Vec<T>>,
+    n: usize,
+}
+
+impl<T> Default for Pieces<T> {
+    fn default() -> Pieces<T> {
+        Pieces { lists: vec![], n: 0 }
+    }
+}
+
+impl<T> Pieces<T> {
+    /// The lists of the last call, in order.
+    pub fn filled(&self) -> &[Vec<T>] {
+        &self.lists[..self.n]
+    }
+}
+
+/// Let every row add to its piece's list.
+pub fn collect_pieces<T: Send>(n_rows: usize, pieces: &mut Pieces<T>, f: impl Fn(usize, &mut Vec<T>) + Sync) {
+    pieces.n = n_rows.div_ceil(PIECE);
+    if pieces.lists.len() < pieces.n {
+        pieces.lists.resize_with(pieces.n, Vec::new);
+    }
+    let body = |(piece, list): (usize, &mut Vec<T>)| {
+        list.clear();
+        (piece * PIECE..((piece + 1) * PIECE).min(n_rows)).for_each(|row| f(row, list));
+    };
+    let lists = &mut pieces.lists[..pieces.n];
+    if n_rows <= ALONE {
+        lists.iter_mut().enumerate().for_each(body);
+    } else {
+        lists.par_iter_mut().enumerate().for_each(body);
+    }
+}
+
+/// Let every row add to one list, in the order of the rows.
+pub fn collect_rows<T: Send + Clone>(
+    n_rows: usize,
+    pieces: &mut Pieces<T>,
+    out: &mut Vec<T>,
+    f: impl Fn(usize, &mut Vec<T>) + Sync,
+) {
+    collect_pieces(n_rows, pieces, f);
+    out.clear();
+    pieces.filled().iter().for_each(|list| out.extend_from_slice(list));
 }
 
 /// Write each row `i`'s own values to `out[start[i]..start[i+1]]` in parallel; `start` rises and ends at `out.len()`.

@@ -30,33 +30,195 @@ impl SplitMix64 {
     }
 }
 
-/// Places for `count` spheres of at most `radius` between two corners: a lattice from the bottom up, each site moved at random
-/// within what keeps the spheres apart. `Err` is the number that fits.
-pub fn lattice(
-    min: DVec3,
-    max: DVec3,
-    radius: f64,
-    count: usize,
-    random: &mut SplitMix64,
-) -> Result<Vec<DVec3>, usize> {
+/// A region: a box, or the upright cylinder of a radius about its middle.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    /// Least corner, m.
+    pub min: DVec3,
+    /// Greatest corner, m.
+    pub max: DVec3,
+    /// Radius of the cylinder, m.
+    pub within: Option<f64>,
+}
+
+impl Region {
+    /// Whether a sphere fits in at a place.
+    fn holds(&self, p: DVec3, radius: f64) -> bool {
+        let inside = (p - radius).cmpge(self.min - 1e-12).all() && (p + radius).cmple(self.max + 1e-12).all();
+        let middle = 0.5 * (self.min + self.max);
+        inside && self.within.is_none_or(|r| (p - middle).truncate().length() + radius <= r + 1e-12)
+    }
+}
+
+/// How many spheres there are to be.
+#[derive(Clone, Copy, Debug)]
+pub enum Count {
+    /// So many; `Err` of a fill is the number that fits.
+    Exactly(usize),
+    /// As many as fit.
+    AllThatFit,
+}
+
+impl Count {
+    fn take(self, sites: Vec<DVec3>) -> Result<Vec<DVec3>, usize> {
+        match self {
+            Count::AllThatFit => Ok(sites),
+            Count::Exactly(n) if n <= sites.len() => Ok(sites[..n].to_vec()),
+            Count::Exactly(_) => Err(sites.len()),
+        }
+    }
+}
+
+/// More sites than this are not laid out.
+const MOST: f64 = 5e7;
+
+/// Places for spheres of at most `radius`: a cubic lattice from the bottom up, each site moved at random within what keeps the
+/// spheres apart.
+pub fn lattice(region: &Region, radius: f64, count: Count, random: &mut SplitMix64) -> Result<Vec<DVec3>, usize> {
     const SLACK: f64 = 0.1;
     let cell = 2.0 * radius * (1.0 + SLACK);
-    let n = ((max - min) / cell).floor().max(DVec3::ZERO).as_u64vec3();
-    let fits = n.x.saturating_mul(n.y).saturating_mul(n.z) as usize;
-    if fits < count {
-        return Err(fits);
-    }
-    let free = (max - min) - n.as_dvec3() * cell;
+    let extent = region.max - region.min;
+    let n = (extent / cell + 1e-9).floor().max(DVec3::ZERO);
+    let free = extent - n * cell;
+    let most = match count {
+        Count::Exactly(most) => most,
+        Count::AllThatFit => usize::MAX,
+    };
+    let (nx, ny, nz) = (n.x as u64, n.y as u64, n.z as u64);
+    let mut sites = vec![];
     let jitter = radius * SLACK;
-    Ok((0..count as u64)
-        .map(|i| {
-            let site = glam::U64Vec3::new(i % n.x, i / n.x % n.y, i / (n.x * n.y)).as_dvec3();
-            let shift = DVec3::new(
-                random.between(-jitter, jitter),
-                random.between(-jitter, jitter),
-                random.between(-jitter, jitter),
-            );
-            min + DVec3::new(free.x, free.y, 0.0) * 0.5 + (site + 0.5) * cell + shift
-        })
-        .collect())
+    let all = if n.element_product() > MOST { MOST as u64 } else { nx * ny * nz };
+    for i in 0..all {
+        if sites.len() >= most {
+            break;
+        }
+        let site = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / (nx * ny)) as f64);
+        let centre = region.min + DVec3::new(free.x, free.y, 0.0) * 0.5 + (site + 0.5) * cell;
+        let mut shift = || random.between(-jitter, jitter);
+        let shift = DVec3::new(shift(), shift(), shift());
+        if region.within.is_none() || region.holds(centre, radius + jitter) {
+            sites.push(centre + shift);
+        }
+    }
+    if sites.len() < most && matches!(count, Count::Exactly(_)) { Err(sites.len()) } else { Ok(sites) }
+}
+
+/// Places in hexagonal layers, ABAB, from the bottom up: the closest packing of equal spheres, a hair apart.
+pub fn hexagonal(region: &Region, radius: f64, count: Count) -> Result<Vec<DVec3>, usize> {
+    let d = 2.0 * radius * (1.0 + 1e-6);
+    let (row, layer) = (d * 0.75f64.sqrt(), d * (2.0f64 / 3.0).sqrt());
+    let extent = region.max - region.min;
+    let n = DVec3::new(extent.x / d, extent.y / row, extent.z / layer).floor() + 1.0;
+    let mut sites = vec![];
+    if n.element_product() > MOST {
+        return Err(0);
+    }
+    for k in 0..n.z as u64 {
+        for j in 0..n.y as u64 {
+            for i in 0..n.x as u64 {
+                let shift = DVec3::new(
+                    if (j + k) % 2 == 1 { 0.5 * d } else { 0.0 },
+                    if k % 2 == 1 { row / 3.0 } else { 0.0 },
+                    0.0,
+                );
+                let p = region.min + radius + shift + DVec3::new(i as f64 * d, j as f64 * row, k as f64 * layer);
+                if region.holds(p, radius) {
+                    sites.push(p);
+                }
+            }
+        }
+    }
+    count.take(sites)
+}
+
+/// Places at random, no two nearer than two radii (Bridson 2007, in three dimensions: tries around places that are taken).
+pub fn poisson_disk(region: &Region, radius: f64, count: Count, random: &mut SplitMix64) -> Result<Vec<DVec3>, usize> {
+    const TRIES: usize = 30;
+    let d = 2.0 * radius * (1.0 + 1e-9);
+    let cell = d / 3f64.sqrt();
+    let extent = region.max - region.min;
+    let n = (extent / cell).ceil().max(DVec3::ONE);
+    if n.element_product() > MOST || extent.min_element() < 2.0 * radius {
+        return Err(0);
+    }
+    let n = n.as_usizevec3();
+    let mut grid = vec![u32::MAX; n.x * n.y * n.z];
+    let bin = |p: DVec3| ((p - region.min) / cell).as_usizevec3().min(n - 1);
+    let mut sites: Vec<DVec3> = vec![];
+    let mut open: Vec<u32> = vec![];
+    let try_place = |p: DVec3, sites: &mut Vec<DVec3>, grid: &mut Vec<u32>| {
+        if !region.holds(p, radius) {
+            return false;
+        }
+        let here = bin(p);
+        let (lo, hi) = (here.saturating_sub(glam::USizeVec3::splat(2)), (here + 2).min(n - 1));
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                for x in lo.x..=hi.x {
+                    let other = grid[x + n.x * (y + n.y * z)];
+                    if other != u32::MAX && (sites[other as usize] - p).length_squared() < d * d {
+                        return false;
+                    }
+                }
+            }
+        }
+        grid[here.x + n.x * (here.y + n.y * here.z)] = sites.len() as u32;
+        sites.push(p);
+        true
+    };
+    for _ in 0..10_000 {
+        let p = DVec3::new(
+            random.between(region.min.x, region.max.x),
+            random.between(region.min.y, region.max.y),
+            random.between(region.min.z, region.max.z),
+        );
+        if try_place(p, &mut sites, &mut grid) {
+            open.push(0);
+            break;
+        }
+    }
+    while let Some(&k) = open.last() {
+        let from = sites[k as usize];
+        let mut found = false;
+        for _ in 0..TRIES {
+            let way = random.rotation() * DVec3::Z;
+            let p = from + way * random.between(d, 1.6 * d);
+            if try_place(p, &mut sites, &mut grid) {
+                open.push(sites.len() as u32 - 1);
+                found = true;
+                break;
+            }
+        }
+        if !found {
+            open.pop();
+        }
+    }
+    // From the bottom up, so that fewer than fit still fill the ground.
+    sites.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
+    count.take(sites)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fills_keep_spheres_apart_and_inside() {
+        let region = Region { min: DVec3::ZERO, max: DVec3::new(1.0, 0.8, 0.6), within: Some(0.38) };
+        let radius = 0.03;
+        let fills = [
+            lattice(&region, radius, Count::AllThatFit, &mut SplitMix64(1)).unwrap(),
+            hexagonal(&region, radius, Count::AllThatFit).unwrap(),
+            poisson_disk(&region, radius, Count::AllThatFit, &mut SplitMix64(2)).unwrap(),
+        ];
+        for sites in &fills {
+            assert!(sites.len() > 400, "{}", sites.len());
+            for (i, p) in sites.iter().enumerate() {
+                assert!(region.holds(*p, radius));
+                assert!(sites[..i].iter().all(|q| (*p - *q).length() >= 2.0 * radius));
+            }
+        }
+        assert!(fills[1].len() > fills[0].len() && fills[0].len() > fills[2].len());
+        assert_eq!(hexagonal(&region, radius, Count::Exactly(1_000_000)).unwrap_err(), fills[1].len());
+    }
 }

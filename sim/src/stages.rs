@@ -3,15 +3,21 @@
 //! Each stage is a function over columns in `cpu/<stage>.rs`; the file's head names its inputs and outputs.
 
 use crate::cpu::bin_emit::BinGrid;
-use crate::cpu::collide::Point;
-use crate::cpu::contact_solve::{Outcome, Workspace};
-use crate::cpu::{Aabb, bin_emit, bin_start, bounds, contact_solve, contact_write, integrate, pair_write, warm_start};
-use crate::{Contacts, Model, State};
+use crate::cpu::contact_solve::Workspace;
+use crate::cpu::contact_write::Found;
+use crate::cpu::pair_write::Candidate;
+use crate::cpu::{
+    Aabb, Pieces, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
+    warm_start,
+};
+use crate::joint::{JointState, SpringState};
+use crate::solve::Outcome;
+use crate::{Contacts, Model, Pose, State};
 use glam::DVec3;
 use std::time::Instant;
 
 /// The stages of a step in their order; reports and timers go by these names.
-pub const STAGES: [&str; 9] = [
+pub const STAGES: [&str; 11] = [
     "bounds",
     "bin_emit",
     "bin_sort",
@@ -19,6 +25,8 @@ pub const STAGES: [&str; 9] = [
     "pair_write",
     "contact_write",
     "warm_start",
+    "force",
+    "joint_write",
     "contact_solve",
     "integrate",
 ];
@@ -54,6 +62,7 @@ pub struct Simulation {
 /// Columns that stages hand to each other within a step, and scratch that is kept from step to step.
 #[derive(Default)]
 struct Scratch {
+    place: Vec<Pose>,
     margin: Vec<f64>,
     aabb: Vec<Aabb>,
     pair_start: Vec<u32>,
@@ -61,72 +70,132 @@ struct Scratch {
     shape: Vec<u32>,
     sort: gpu::radix_sort::Scratch,
     bin_start: Vec<[u32; 2]>,
-    candidate: Vec<[u32; 2]>,
-    count: Vec<u32>,
-    points: Vec<(u32, Point)>,
+    grid: BinGrid,
+    pairs: Pieces<Candidate>,
+    candidate: Vec<Candidate>,
+    found: Pieces<Found>,
     old: Contacts,
     solver: Workspace,
-    linear: Vec<DVec3>,
-    angular: Vec<DVec3>,
+}
+
+impl Scratch {
+    /// Find the contacts: the stages from `bounds` to `contact_write`.
+    fn detect(&mut self, model: &Model, state: &State, contacts: &mut Contacts, clock: &mut Clock) {
+        bounds::run(model, state, &mut self.place, &mut self.margin, &mut self.aabb);
+        clock.lap();
+        self.grid.choose(model, &self.aabb);
+        bin_emit::run(model, &self.aabb, &self.grid, &mut self.pair_start, &mut self.bin, &mut self.shape);
+        clock.lap();
+        gpu::radix_sort::sort_cpu(&mut self.bin, &mut self.shape, self.grid.len(), &mut self.sort);
+        clock.lap();
+        bin_start::run(&self.bin, &mut self.bin_start);
+        clock.lap();
+        let Scratch { aabb, place, grid, bin, shape, bin_start, pairs, candidate, .. } = self;
+        let input = pair_write::Input { model, place, aabb, grid, bin, shape, bin_start };
+        pair_write::run(&input, pairs, candidate);
+        clock.lap();
+        contact_write::run(model, state, &self.candidate, &self.place, &self.margin, &mut self.found, contacts);
+        clock.lap();
+    }
 }
 
 impl Simulation {
     /// Start from a model and a state.
-    pub fn new(model: Model, state: State) -> Simulation {
-        Simulation { model, state, work: Scratch::default() }
+    pub fn new(model: Model, mut state: State) -> Simulation {
+        state.joints.resize(model.joints.len(), JointState::default());
+        state.springs.resize(model.springs.len(), SpringState::default());
+        let mut sim = Simulation { model, state, work: Scratch::default() };
+        sim.wake();
+        sim
     }
 
     /// Take one step of length `model.step`.
     pub fn step(&mut self) -> StepReport {
+        // Inside the pool, so that its threads need not be woken by one outside it for every stage.
+        let mut report = StepReport::default();
+        rayon::scope(|_| report = self.advance());
+        report
+    }
+
+    fn advance(&mut self) -> StepReport {
+        self.wake();
         let (model, state, w) = (&self.model, &mut self.state, &mut self.work);
         let mut clock = Clock::start();
 
-        bounds::run(model, state, &mut w.margin, &mut w.aabb);
-        clock.lap();
-        let grid = BinGrid::choose(model, &w.aabb);
-        bin_emit::run(model, &w.aabb, &grid, &mut w.pair_start, &mut w.bin, &mut w.shape);
-        clock.lap();
-        gpu::radix_sort::sort_cpu(&mut w.bin, &mut w.shape, grid.len(), &mut w.sort);
-        clock.lap();
-        bin_start::run(&w.bin, &mut w.bin_start);
-        clock.lap();
-        pair_write::run(model, &w.aabb, &grid, &w.bin, &w.shape, &w.bin_start, &mut w.count, &mut w.candidate);
-        clock.lap();
         std::mem::swap(&mut state.contacts, &mut w.old);
         let mut contacts = std::mem::take(&mut state.contacts);
-        contact_write::run(model, state, &w.candidate, &w.margin, &mut w.count, &mut w.points, &mut contacts);
+        w.detect(model, state, &mut contacts, &mut clock);
+        warm_start::run(model, &w.old, &mut contacts);
         clock.lap();
-        if model.solver.warm_start {
-            warm_start::run(&w.old, &mut contacts);
-        } else {
-            contacts.gamma = vec![DVec3::ZERO; contacts.len()];
-        }
+        force::run(model, state, &mut w.solver);
         clock.lap();
-        free_velocities(model, state, &mut w.linear, &mut w.angular);
-        let outcome = contact_solve::run(model, state, &mut contacts, &mut w.solver, &mut w.linear, &mut w.angular);
+        joint_write::run(model, state, &mut w.solver);
+        clock.lap();
+        w.solver.methods.step_length = state.step_length;
+        let outcome = contact_solve::run(model, state, &mut contacts, &mut w.solver);
+        state.step_length = w.solver.methods.step_length;
         clock.lap();
         state.contacts = contacts;
-        integrate::run(model, &w.linear, &w.angular, state);
+        joint_write::record(model, state, &w.solver);
+        integrate::run(model, &w.solver.image.twist, state);
         clock.lap();
 
         report(state, outcome, clock)
     }
 
-    /// The first body whose state is no longer a number, if any: a run that has blown up stops there.
-    pub fn broken_body(&self) -> Option<usize> {
+    /// Let bodies appear and move whose time has come.
+    fn wake(&mut self) {
+        let now = self.state.time + 0.5 * self.model.step;
+        for late in &self.model.late {
+            let b = late.body as usize;
+            self.model.absent[b] = now < late.appears;
+            let moves = now >= late.moves.max(late.appears);
+            self.model.inv_mass[b] = if moves { late.inv_mass } else { 0.0 };
+            self.model.inv_inertia[b] = if moves { late.inv_inertia } else { DVec3::ZERO };
+        }
+    }
+
+    /// The first body whose state is no longer a number, or that has left at a speed that no model of ours means, and why.
+    pub fn broken_body(&self) -> Option<(usize, String)> {
+        /// Faster than anything that scree is for, m/s.
+        const TOO_FAST: f64 = 1e5;
         let s = &self.state;
-        (0..self.model.n_bodies())
-            .find(|&b| !(s.position[b].is_finite() && s.velocity[b].is_finite() && s.angular_velocity[b].is_finite()))
+        (0..self.model.n_bodies()).find_map(|b| {
+            if !(s.position[b].is_finite() && s.velocity[b].is_finite() && s.angular_velocity[b].is_finite()) {
+                return Some((b, "its state is not finite".into()));
+            }
+            let speed = s.velocity[b].length();
+            (speed > TOO_FAST).then(|| (b, format!("it moves at {speed:.3e} m/s")))
+        })
     }
 }
 
-/// Velocities of the step without contacts: v + h M⁻¹ f, in the world frame. Gyroscopic terms are in `integrate`.
-fn free_velocities(model: &Model, state: &State, linear: &mut Vec<DVec3>, angular: &mut Vec<DVec3>) {
-    linear.clear();
-    angular.clear();
-    let gain = |b: usize| if model.inv_mass[b] > 0.0 { model.gravity * model.step } else { DVec3::ZERO };
-    linear.extend((0..model.n_bodies()).map(|b| state.velocity[b] + gain(b)));
-    angular.extend((0..model.n_bodies()).map(|b| state.orientation[b] * state.angular_velocity[b]));
+/// Two bodies that overlap.
+pub struct Overlap {
+    /// The bodies.
+    pub bodies: [u32; 2],
+    /// Their shapes.
+    pub shapes: [u32; 2],
+    /// How deep, m.
+    pub depth: f64,
+}
+
+/// The overlaps of a state, the deepest of each pair of shapes.
+pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
+    let mut w = Scratch::default();
+    let mut contacts = Contacts::default();
+    // What appears later must not overlap then; where that is nobody knows yet.
+    w.detect(model, state, &mut contacts, &mut Clock::start());
+    let mut found: Vec<Overlap> = vec![];
+    for i in 0..contacts.len() {
+        let (depth, [s, t, _]) = (-contacts.gap[i], contacts.key[i]);
+        match found.last_mut() {
+            _ if depth <= 0.0 => {}
+            Some(last) if last.shapes == [s, t] => last.depth = last.depth.max(depth),
+            _ => found.push(Overlap { bodies: contacts.bodies[i], shapes: [s, t], depth }),
+        }
+    }
+    found
 }
 
 fn report(state: &State, outcome: Outcome, clock: Clock) -> StepReport {

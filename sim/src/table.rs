@@ -1,42 +1,100 @@
 //! The state as a frame table, and the steps' report as CSV.
 
 use crate::stages::STAGES;
-use crate::{Model, State, StepReport};
+use crate::{Model, Pose, ShapeKind, State, StepReport};
 use frame::{Column, Frame};
+use glam::DVec3;
 
-/// The table of one instant: one row a shape's body, in the order of the bodies.
+/// The table of one instant: one row a shape of every body that is there, in the order of the shapes.
 ///
-/// Columns: id, class, shape, pos_x..z (m), quat_w..z, vel_x..z (m/s), speed (m/s), omega_x..z (rad/s, body frame), size_x..z
-/// (m: radius three times for a sphere, half lengths for a box, 0 for a plane, whose normal is its z axis).
+/// Columns: id (of the body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
+/// omega_x..z (rad/s, shape's frame), size_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
+/// half length for cylinder, capsule and cone; 0 for a plane, whose normal is its z axis). Hulls, meshes and height fields have a
+/// shape name of their own each, as `hull_0`.
 pub fn frame_of(model: &Model, state: &State, number: u64) -> Frame {
     let mut frame = Frame::new(number, state.time);
-    let bodies: Vec<usize> = model.shape_body.iter().map(|b| *b as usize).collect();
-    let shape_names = ["sphere", "box", "plane"].map(str::to_string).to_vec();
-    frame.push("id", "", Column::I64(bodies.iter().map(|b| *b as i64).collect()));
-    let classes = bodies.iter().map(|b| model.class[*b]).collect();
+    let rows: Vec<usize> = (0..model.n_shapes()).filter(|s| !model.absent[model.shape_body[*s] as usize]).collect();
+    let body = |s: usize| model.shape_body[s] as usize;
+    let places: Vec<Pose> = rows.iter().map(|s| model.shape_place(state, *s)).collect();
+    frame.push("id", "", Column::I64(rows.iter().map(|s| body(*s) as i64).collect()));
+    let classes = rows.iter().map(|s| model.class[body(*s)]).collect();
     frame.push("class", "", Column::Category { codes: classes, names: model.class_names.clone() });
-    let shapes = model.shape_kind.iter().map(|k| *k as u32).collect();
-    frame.push("shape", "", Column::Category { codes: shapes, names: shape_names });
+    let (names, codes) = shape_names(model, &rows);
+    frame.push("shape", "", Column::Category { codes, names });
     for (i, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
-        frame.push(name, "m", Column::F64(bodies.iter().map(|b| state.position[*b][i]).collect()));
+        frame.push(name, "m", Column::F64(places.iter().map(|p| p.position[i]).collect()));
     }
+    let spin = |s: usize| state.orientation[body(s)] * state.angular_velocity[body(s)];
+    let motion: Vec<(DVec3, DVec3)> = rows
+        .iter()
+        .zip(&places)
+        .map(|(s, place)| {
+            let arm = place.position - state.position[body(*s)];
+            let w = spin(*s);
+            (state.velocity[body(*s)] + w.cross(arm), place.orientation.inverse() * w)
+        })
+        .collect();
     let mut single = |name: &str, unit: &str, value: &dyn Fn(usize) -> f64| {
-        frame.push(name, unit, Column::F32(bodies.iter().map(|b| value(*b) as f32).collect()));
+        frame.push(name, unit, Column::F32((0..rows.len()).map(|r| value(r) as f32).collect()));
     };
-    single("quat_w", "", &|b| state.orientation[b].w);
-    single("quat_x", "", &|b| state.orientation[b].x);
-    single("quat_y", "", &|b| state.orientation[b].y);
-    single("quat_z", "", &|b| state.orientation[b].z);
+    single("quat_w", "", &|r| places[r].orientation.w);
+    single("quat_x", "", &|r| places[r].orientation.x);
+    single("quat_y", "", &|r| places[r].orientation.y);
+    single("quat_z", "", &|r| places[r].orientation.z);
     for (i, name) in ["vel_x", "vel_y", "vel_z"].into_iter().enumerate() {
-        single(name, "m/s", &|b| state.velocity[b][i]);
+        single(name, "m/s", &|r| motion[r].0[i]);
     }
-    single("speed", "m/s", &|b| state.velocity[b].length());
+    single("speed", "m/s", &|r| motion[r].0.length());
     for (i, name) in ["omega_x", "omega_y", "omega_z"].into_iter().enumerate() {
-        single(name, "rad/s", &|b| state.angular_velocity[b][i]);
+        single(name, "rad/s", &|r| motion[r].1[i]);
     }
     for (i, name) in ["size_x", "size_y", "size_z"].into_iter().enumerate() {
-        frame.push(name, "m", Column::F32(model.shape_size.iter().map(|s| s[i] as f32).collect()));
+        single(name, "m", &|r| model.shape_size[rows[r]][i]);
     }
+    frame
+}
+
+/// The names that the shapes of a model may have, and each row's among them.
+fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
+    let mut names: Vec<String> = ShapeKind::ALL.iter().map(|k| k.name().to_string()).collect();
+    let codes = rows
+        .iter()
+        .map(|&s| {
+            let kind = model.shape_kind[s];
+            if !matches!(kind, ShapeKind::Hull | ShapeKind::Mesh | ShapeKind::HeightField) {
+                return kind as u32;
+            }
+            let name = format!("{}_{}", kind.name(), model.shape_part[s]);
+            names.iter().position(|n| *n == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            }) as u32
+        })
+        .collect();
+    (names, codes)
+}
+
+/// The table of a frame's contacts: body_a, body_b, class_a, class_b, point (m), normal, gap (m), force on B (N, world).
+pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
+    let mut frame = Frame::new(number, state.time);
+    let c = &state.contacts;
+    let n = c.len();
+    for (side, name) in [(0, "body_a"), (1, "body_b")] {
+        frame.push(name, "", Column::I64((0..n).map(|i| c.bodies[i][side] as i64).collect()));
+    }
+    for (side, name) in [(0, "class_a"), (1, "class_b")] {
+        let codes = (0..n).map(|i| model.class[c.bodies[i][side] as usize]).collect();
+        frame.push(name, "", Column::Category { codes, names: model.class_names.clone() });
+    }
+    let mut triple = |names: [&str; 3], unit: &str, value: &dyn Fn(usize) -> DVec3| {
+        for (k, name) in names.into_iter().enumerate() {
+            frame.push(name, unit, Column::F64((0..n).map(|i| value(i)[k]).collect()));
+        }
+    };
+    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| state.position[c.bodies[i][0] as usize] + c.arm_a[i]);
+    triple(["normal_x", "normal_y", "normal_z"], "", &|i| c.normal[i]);
+    triple(["force_x", "force_y", "force_z"], "N", &|i| c.impulse[i] / model.step);
+    frame.push("gap", "m", Column::F64(c.gap.clone()));
     frame
 }
 

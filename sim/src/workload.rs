@@ -1,7 +1,7 @@
 //! The benchmark workloads that every engine is measured on: beds of spheres that settle in an open box.
 
 use crate::fill::SplitMix64;
-use crate::{Method, Model, ShapeKind, SolverSettings, State};
+use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
 /// Which workload.
@@ -29,14 +29,12 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
         seed: 12345,
         envelope: solver.envelope.unwrap_or(1e-3),
         solver,
-        inv_mass: vec![],
-        inv_inertia: vec![],
-        class: vec![],
         class_names: vec!["wall".into(), "grain".into()],
-        shape_body: vec![],
-        shape_kind: vec![],
-        shape_size: vec![],
-        shape_friction: vec![],
+        material_names: vec!["stone".into()],
+        laws: vec![ContactLaw { friction: 0.4, ..ContactLaw::default() }],
+        group_names: vec!["all".into()],
+        groups_pass: vec![false],
+        ..Model::default()
     };
     let mut state = State::default();
     let walls = [
@@ -90,7 +88,13 @@ fn add(
     model.shape_body.push(model.inv_mass.len() as u32);
     model.shape_kind.push(kind);
     model.shape_size.push(size);
-    model.shape_friction.push(0.4);
+    let middle = Pose { orientation: DQuat::IDENTITY, ..Pose::default() };
+    model.shape_pose.push(middle);
+    model.shape_material.push(0);
+    model.shape_group.push(0);
+    model.shape_part.push(0);
+    model.body_frame.push(middle);
+    model.absent.push(false);
     model.inv_mass.push(inv);
     model.inv_inertia.push(if mass > 0.0 { DVec3::splat(inv / (0.4 * size.x * size.x)) } else { DVec3::ZERO });
     model.class.push(class);

@@ -35,7 +35,8 @@ impl From<Fault> for EmitError {
 /// An object's instances, made before the scene is read, so that a fault in the data stops nothing half way.
 struct Prepared<'a> {
     object: &'a Object,
-    instances: Instances,
+    /// One set, but three for a capsule: its middle and its ends.
+    instances: Vec<Instances>,
     handle: Option<String>,
 }
 
@@ -217,7 +218,9 @@ fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: 
             define(&p.object.geometry, files, ri)?;
             ri.object_end()?;
         }
-        ri.instances(p.instances.clone())?;
+        for instances in &p.instances {
+            ri.instances(instances.clone())?;
+        }
         ri.attribute_end()?;
     }
     Ok(())
@@ -244,6 +247,10 @@ fn define(geometry: &Geometry, files: &Files, ri: &mut dyn Ri) -> RiResult {
     if geometry.plane.is_some() {
         return ri.polygon(polygon([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]));
     }
+    if geometry.cylinder.is_some() || geometry.capsule.is_some() || geometry.cone.is_some() {
+        let top = if geometry.cone.is_some() { 0.0 } else { 1.0 };
+        return turned(top, geometry.capsule.is_none(), ri);
+    }
     for axis in 0..3 {
         for side in [-1.0f32, 1.0] {
             // Around the face, so that its normal points outwards.
@@ -255,6 +262,31 @@ fn define(geometry: &Geometry, files: &Files, ri: &mut dyn Ri) -> RiResult {
                 p
             };
             ri.polygon(polygon([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]))?;
+        }
+    }
+    Ok(())
+}
+
+/// A cylinder (`top` 1) or a cone (`top` 0) of radius 1 from z = −1 to 1 as four bicubic patches, with flat ends if `closed`.
+fn turned(top: f32, closed: bool, ri: &mut dyn Ri) -> RiResult {
+    /// The distance of a Bézier curve's inner points from its ends that makes a quarter circle.
+    const ARC: f32 = 0.552_284_8;
+    let points = |p: Vec<f32>| {
+        vec![Param { decl: Declaration::new("P", Class::Vertex, Type::Point), values: Values::Floats(p) }]
+    };
+    for quarter in 0..4 {
+        let (s, c) = (quarter as f32 * std::f32::consts::FRAC_PI_2).sin_cos();
+        let arc = [[1.0, 0.0], [1.0, ARC], [ARC, 1.0], [0.0, 1.0]].map(|[x, y]| [c * x - s * y, s * x + c * y]);
+        let row = |z: f32, r: f32| arc.iter().flat_map(move |[x, y]| [r * x, r * y, z]);
+        // Straight along z: the inner rows divide it by three.
+        let rows = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|t: f32| (2.0 * t - 1.0, 1.0 + t * (top - 1.0)));
+        ri.patch("bicubic", points(rows.iter().flat_map(|(z, r)| row(*z, *r)).collect()))?;
+        for (z, r) in [(-1.0, 1.0), (1.0, top)] {
+            if closed && r > 0.0 {
+                // A sector of the end: the same arc drawn in to the middle, outwards up or down.
+                let rings = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|t: f32| if z > 0.0 { r * (1.0 - t) } else { r * t });
+                ri.patch("bicubic", points(rings.iter().flat_map(|r| row(z, *r)).collect()))?;
+            }
         }
     }
     Ok(())
@@ -295,6 +327,8 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
         single("geometry", &s.radius)?
     } else if let Some(s) = g.block.as_ref().or(g.ellipsoid.as_ref()) {
         three("geometry", &s.half)?
+    } else if let Some(s) = g.cylinder.as_ref().or(g.capsule.as_ref()).or(g.cone.as_ref()) {
+        three("geometry", &[s.radius.clone(), s.radius.clone(), s.half.clone()])?
     } else if let Some(s) = &g.plane {
         single("geometry", &s.half)?
     } else {
@@ -319,7 +353,25 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
         let colors = values.iter().flat_map(|x| colormap::color(&by.map, (x - lo) / width).unwrap_or([1.0; 3]));
         instances.params.push(Param::floats("Cs", Class::Uniform, Type::Color, colors.collect::<Vec<f32>>()));
     }
+    let ends = if g.capsule.is_some() { capsule_ends(&instances) } else { vec![] };
+    let instances = std::iter::once(instances).chain(ends).collect();
     Ok(Prepared { object, instances, handle })
+}
+
+/// The balls at a capsule's ends.
+fn capsule_ends(middle: &Instances) -> Vec<Instances> {
+    let along = |i: usize, side: f32| {
+        let q = middle.orientation.get(i).map_or(glam::Quat::IDENTITY, |q| glam::Quat::from_array(*q));
+        let [_, _, half] = middle.scale[i];
+        (Vec3::from(middle.position[i]) + q * Vec3::new(0.0, 0.0, side * half)).to_array()
+    };
+    let ball = |side: f32| Instances {
+        shape: InstanceShape::Sphere,
+        position: (0..middle.len()).map(|i| along(i, side)).collect(),
+        scale: middle.scale.iter().map(|[r, _, _]| [*r; 3]).collect(),
+        ..middle.clone()
+    };
+    vec![ball(-1.0), ball(1.0)]
 }
 
 fn range_of(values: &[f64]) -> (f64, f64) {

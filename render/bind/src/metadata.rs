@@ -130,6 +130,15 @@ pub struct Geometry {
     /// An ellipsoid by its half axes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ellipsoid: Option<BoxSpec>,
+    /// A cylinder about local z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cylinder: Option<RoundSpec>,
+    /// A cylinder about local z with half balls on its ends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<RoundSpec>,
+    /// A cone about local z, its tip up and its origin half way up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone: Option<RoundSpec>,
     /// A square in the local xy plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSpec>,
@@ -152,6 +161,16 @@ pub struct SphereSpec {
 pub struct BoxSpec {
     /// Along the local axes, m.
     pub half: [Quantity; 3],
+}
+
+/// The size of a cylinder, a capsule or a cone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoundSpec {
+    /// Radius, m.
+    pub radius: Quantity,
+    /// Half its length along z, m; of a capsule without its round ends.
+    pub half: Quantity,
 }
 
 /// A square.
@@ -463,12 +482,20 @@ impl Checked {
     fn check_object(&self, i: usize, object: &Object) -> Result<(), Fault> {
         let key = format!("objects.{i}");
         let g = &object.geometry;
-        let count =
-            [g.sphere.is_some(), g.block.is_some(), g.ellipsoid.is_some(), g.plane.is_some(), g.archive.is_some()];
+        let count = [
+            g.sphere.is_some(),
+            g.block.is_some(),
+            g.ellipsoid.is_some(),
+            g.cylinder.is_some(),
+            g.capsule.is_some(),
+            g.cone.is_some(),
+            g.plane.is_some(),
+            g.archive.is_some(),
+        ];
         if count.iter().filter(|x| **x).count() != 1 {
             return Err(self.doc.fault(
                 &format!("{key}.geometry"),
-                "needs exactly one of `sphere`, `box`, `ellipsoid`, `plane` and `archive`",
+                "needs exactly one of `sphere`, `box`, `ellipsoid`, `cylinder`, `capsule`, `cone`, `plane` and `archive`",
             ));
         }
         if let Color::Column(by) = &object.color {
@@ -498,6 +525,10 @@ impl Checked {
         list.extend(g.sphere.iter().map(|s| (format!("{key}.geometry.sphere.radius"), s.radius.clone())));
         list.extend(g.plane.iter().map(|s| (format!("{key}.geometry.plane.half"), s.half.clone())));
         list.extend(g.archive.iter().map(|s| (format!("{key}.geometry.archive.scale"), s.scale.clone())));
+        for (name, spec) in [("cylinder", &g.cylinder), ("capsule", &g.capsule), ("cone", &g.cone)] {
+            let parts = spec.iter().flat_map(|s| [("radius", &s.radius), ("half", &s.half)]);
+            list.extend(parts.map(|(part, q)| (format!("{key}.geometry.{name}.{part}"), q.clone())));
+        }
         for (name, spec) in [("box", &g.block), ("ellipsoid", &g.ellipsoid)] {
             let halves = spec.iter().flat_map(|s| s.half.iter().enumerate());
             list.extend(halves.map(|(k, q)| (format!("{key}.geometry.{name}.half.{k}"), q.clone())));

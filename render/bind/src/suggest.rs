@@ -1,8 +1,8 @@
 //! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
 
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity, Shader,
-    SphereSpec,
+    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
+    RoundSpec, Shader, SphereSpec,
 };
 use frame::{Column, Frame};
 use glam::Vec3;
@@ -18,8 +18,9 @@ fn column(name: &str) -> Quantity {
     Quantity::Expression(name.into())
 }
 
-/// Metadata for a frame of the data, or what is missing.
-pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
+/// Metadata for frames of the data, the first and the last, say; or what is missing.
+pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
+    let frame = *frames.first().ok_or("the data has no frames")?;
     let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
     let Some(position) = POSITIONS.iter().find(|p| p.iter().all(|c| has(c))) else {
         return Err(format!(
@@ -27,27 +28,34 @@ pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
             frame.names().join(", ")
         ));
     };
-    let place = |row: usize| {
-        Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32))
-    };
     let radius = RADII.iter().find(|c| has(c));
-    let size = |row: usize| radius.and_then(|r| frame.column(r)).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
-    let rows: Vec<usize> = (0..frame.rows()).filter(|row| !is_plane(frame, *row)).collect();
-    let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for row in &rows {
-        lo = lo.min(place(*row) - size(*row));
-        hi = hi.max(place(*row) + size(*row));
+    let mut boxes: Vec<[Vec3; 2]> = vec![];
+    // A model of nothing but ground is looked at as a whole.
+    for ground in [false, true] {
+        for frame in frames {
+            let place = |row: usize| {
+                Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32))
+            };
+            let looked_at = |row: &usize| if ground { shape(frame, *row) != "plane" } else { !is_ground(frame, *row) };
+            for row in (0..frame.rows()).filter(looked_at) {
+                let reach = reach(frame, row, radius.copied());
+                boxes.push([place(row) - reach, place(row) + reach]);
+            }
+        }
+        if !boxes.is_empty() {
+            break;
+        }
     }
-    if rows.is_empty() || !lo.is_finite() || !hi.is_finite() {
+    let n = boxes.len();
+    let [lo, hi] = extent(&boxes);
+    if n == 0 || !lo.is_finite() || !hi.is_finite() {
         return Err("the data has no finite positions".into());
     }
     let objects = if has("size_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
-        classes(frame, (hi - lo).length())
+        classes(frames, (hi - lo).length())
     } else {
-        let radius = radius.map_or_else(
-            || Quantity::Number(rounded((hi - lo).length() / (2.0 * (rows.len() as f32).cbrt()))),
-            |r| column(r),
-        );
+        let radius = radius
+            .map_or_else(|| Quantity::Number(rounded((hi - lo).length() / (2.0 * (n as f32).cbrt()))), |r| column(r));
         vec![Object {
             position: position.map(column),
             ..object(
@@ -67,9 +75,66 @@ pub fn metadata(data: Data, frame: &Frame) -> Result<Metadata, String> {
     })
 }
 
-fn is_plane(frame: &Frame, row: usize) -> bool {
-    matches!(frame.column("shape"), Some(c @ Column::Category { .. }) if c.text(row) == "plane")
+/// The box around boxes; of very many, without the few that lie farthest out, as stray grains do.
+fn extent(boxes: &[[Vec3; 2]]) -> [Vec3; 2] {
+    /// Boxes from which on one in a hundred is left out on each side.
+    const MANY: usize = 300;
+    let end = |side: usize, axis: usize| {
+        let mut x: Vec<f32> = boxes.iter().map(|b| b[side][axis]).collect();
+        x.sort_by(f32::total_cmp);
+        let skip = if x.len() >= MANY { x.len() / 100 } else { 0 };
+        let k = if side == 0 { skip } else { x.len().saturating_sub(1 + skip) };
+        x.get(k).copied().unwrap_or(f32::NAN)
+    };
+    [0, 1].map(|side| Vec3::new(end(side, 0), end(side, 1), end(side, 2)))
 }
+
+/// The shape of a row of a run of ours, or nothing.
+fn shape(frame: &Frame, row: usize) -> String {
+    match frame.column("shape") {
+        Some(c @ Column::Category { .. }) => c.text(row),
+        _ => String::new(),
+    }
+}
+
+fn is_ground(frame: &Frame, row: usize) -> bool {
+    let shape = shape(frame, row);
+    shape == "plane" || shape.starts_with("height_field")
+}
+
+/// Whether a plane's normal is level.
+fn upright(frame: &Frame, row: usize) -> bool {
+    let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
+    let (x, y) = (number("quat_x"), number("quat_y"));
+    // z of the turned z axis.
+    1.0 - 2.0 * (x * x + y * y) < 0.5
+}
+
+/// Half lengths of the box around a row's shape, as it is turned.
+fn reach(frame: &Frame, row: usize, radius: Option<&str>) -> Vec3 {
+    let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
+    let shape = shape(frame, row);
+    if shape.is_empty() || shape == "sphere" {
+        return Vec3::splat(radius.map_or(0.0, number));
+    }
+    let mut half = Vec3::new(number("size_x"), number("size_y"), number("size_z"));
+    if shape == "capsule" {
+        half.z += half.x;
+    }
+    let q = glam::Quat::from_xyzw(number("quat_x"), number("quat_y"), number("quat_z"), number("quat_w"));
+    let turn = glam::Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { glam::Quat::IDENTITY });
+    turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
+}
+
+/// Colours of what people make, one after the other.
+const PAINTS: [[f32; 3]; 6] = [
+    [0.26, 0.4, 0.56],
+    [0.66, 0.34, 0.2],
+    [0.36, 0.46, 0.28],
+    [0.6, 0.52, 0.28],
+    [0.42, 0.34, 0.48],
+    [0.3, 0.46, 0.46],
+];
 
 fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
     let position = ["pos_x", "pos_y", "pos_z"].map(column);
@@ -90,18 +155,35 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
 }
 
 /// One object for each class and shape of a run of ours.
-fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
-    let (Some(class), Some(shape)) = (frame.column("class"), frame.column("shape")) else { return vec![] };
+fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
     let mut seen: Vec<(String, String)> = Vec::new();
-    for row in 0..frame.rows() {
-        let pair = (class.text(row), shape.text(row));
-        if !seen.contains(&pair) {
-            seen.push(pair);
+    for frame in frames {
+        let (Some(class), Some(shape)) = (frame.column("class"), frame.column("shape")) else { continue };
+        for row in 0..frame.rows() {
+            let pair = (class.text(row), shape.text(row));
+            // Planes that stand upright are walls, which would hide what is behind them.
+            if pair.1 == "plane" && upright(frame, row) {
+                continue;
+            }
+            if !seen.contains(&pair) {
+                seen.push(pair);
+            }
         }
     }
+    let static_of = |class: &str| {
+        matches!(class, "ground" | "floor" | "wall" | "left" | "right" | "front" | "back" | "beam" | "table")
+    };
+    let mut names: Vec<&String> = vec![];
+    for (class, _) in seen.iter().filter(|(c, s)| !matches!(s.as_str(), "sphere" | "plane") && !static_of(c)) {
+        if !names.contains(&class) {
+            names.push(class);
+        }
+    }
+    let paint = |class: &String| names.iter().position(|n| *n == class).map(|k| PAINTS[k % PAINTS.len()]);
     seen.iter()
         .map(|(class, shape)| {
             let half = ["size_x", "size_y", "size_z"].map(column);
+            let round = || RoundSpec { radius: column("size_x"), half: column("size_z") };
             let (geometry, surface, color) = match shape.as_str() {
                 "sphere" => (
                     Geometry { sphere: Some(SphereSpec { radius: column("size_x") }), ..Geometry::default() },
@@ -115,14 +197,22 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
                     let half = Quantity::Number(rounded(40.0 * extent));
                     (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
                 }
-                other => (
-                    Geometry {
-                        archive: Some(ArchiveSpec { file: format!("{other}.rib"), scale: Quantity::Number(1.0) }),
-                        ..Geometry::default()
-                    },
-                    "matte",
-                    [0.7; 3],
-                ),
+                "ellipsoid" => {
+                    (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
+                }
+                "cylinder" => {
+                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53])
+                }
+                "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+                "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+                other => {
+                    // Hulls, meshes and height fields lie beside the frames as archives.
+                    let archive = ArchiveSpec { file: format!("geometry/{other}.rib"), scale: Quantity::Number(1.0) };
+                    let ground = other.starts_with("height_field");
+                    let (surface, color) =
+                        if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
+                    (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
+                }
             };
             let alone = seen.iter().filter(|(c, _)| c == class).count() == 1;
             let name = if alone { class.clone() } else { format!("{class}_{shape}") };
@@ -130,6 +220,10 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
                 format!("class == '{class}'")
             } else {
                 format!("class == '{class}' and shape == '{shape}'")
+            };
+            let (surface, color) = match paint(class) {
+                Some(paint) if matches!(shape.as_str(), "box" | "cylinder" | "capsule" | "cone") => ("plastic", paint),
+                _ => (surface, color),
             };
             Object { color: Color::Rgb(color), ..object(&name, Some(select), geometry, surface) }
         })
@@ -139,7 +233,7 @@ fn classes(frame: &Frame, extent: f32) -> Vec<Object> {
 /// A camera from the front, a little to the side and above, near enough that the box fills the picture.
 fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     /// How much of the picture the box may take.
-    const FILL: f32 = 0.85;
+    const FILL: f32 = 0.8;
     let center = 0.5 * (lo + hi);
     let fov = 35.0f32;
     let back = Vec3::new(-0.45, -1.0, 0.5).normalize();

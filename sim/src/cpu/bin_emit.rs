@@ -4,68 +4,152 @@
 //!      bin        [n_pairs]       bin of the pair
 //!      shape      [n_pairs]       shape of the pair
 //! Source: paper §3, stages 1–3.
+//!
+//! Bins come in levels, each four times as large as the one below; a shape goes to the level whose bins are about its size, so
+//! that a chassis among grains costs a few large bins and not a million small ones.
 
 use super::{Aabb, fill_rows, scatter_rows};
-use crate::{Model, ShapeKind};
-use glam::{DVec3, UVec3};
+use crate::Model;
+use glam::{UVec3, Vec3A};
 
-/// The grid of bins: cubes of one size over the box of all finite shapes.
-#[derive(Clone, Copy, Debug)]
-pub struct BinGrid {
-    /// Least corner, m.
-    pub origin: DVec3,
+/// How many levels there may be: sizes of up to 4⁵ times the least.
+const LEVELS: usize = 6;
+
+/// One level's bins: cubes of one size over the box of all moving shapes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Level {
     /// Edge of a bin, m.
-    pub size: f64,
+    pub size: f32,
     /// Bins along each axis.
     pub n: UVec3,
+    /// Number of the level's first bin; coarser levels come first.
+    pub first: u32,
+    /// Whether any shape is on it.
+    pub used: bool,
+}
+
+/// The grids of bins.
+#[derive(Clone, Debug, Default)]
+pub struct BinGrid {
+    /// Least corner, m.
+    pub origin: Vec3A,
+    /// Greatest corner, m.
+    end: Vec3A,
+    /// The levels, from the finest.
+    pub levels: [Level; LEVELS],
+    /// Level of each shape (n_shapes).
+    pub level: Vec<u8>,
+    /// The bin of the least corner of each shape's box, on its own level (n_shapes).
+    pub low: Vec<UVec3>,
+    /// Bins in all.
+    n_bins: u32,
 }
 
 /// More bins than this would cost more to count than they save.
-const MAX_BINS: f64 = 16_000_000.0;
+const MAX_BINS: f32 = 16_000_000.0;
 
 impl BinGrid {
-    /// Choose the grid for a set of boxes: bins a little larger than the mean moving shape, which puts three or four shapes in each.
-    pub fn choose(model: &Model, aabb: &[Aabb]) -> BinGrid {
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (mut width, mut n_moving) = (0.0, 0u32);
-        for (s, b) in aabb.iter().enumerate() {
-            if model.inv_mass[model.shape_body[s] as usize] > 0.0 {
-                min = min.min(b.min);
-                max = max.max(b.max);
-                width += (b.max - b.min).max_element();
-                n_moving += 1;
-            }
+    /// Choose the bins for a set of boxes: those of the finest level hold three or four of the usual shapes.
+    pub fn choose(&mut self, model: &Model, aabb: &[Aabb]) {
+        let moving = |s: usize| {
+            model.inv_mass[model.shape_body[s] as usize] > 0.0 && aabb[s].min.is_finite() && aabb[s].max.is_finite()
+        };
+        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        let (mut inverse, mut n_moving) = (0.0f64, 0u32);
+        for b in (0..aabb.len()).filter(|s| moving(*s)).map(|s| &aabb[s]) {
+            min = min.min(b.min);
+            max = max.max(b.max);
+            inverse += 1.0 / (b.max - b.min).max_element() as f64;
+            n_moving += 1;
         }
-        if n_moving == 0 || !min.is_finite() || !max.is_finite() {
-            return BinGrid { origin: DVec3::ZERO, size: 1.0, n: UVec3::ONE };
+        if n_moving == 0 {
+            *self = BinGrid { level: vec![0; aabb.len()], ..BinGrid::default() };
+            return;
         }
+        (self.origin, self.end) = (min, max);
         let extent = max - min;
-        let mut size = 1.2 * width / n_moving as f64;
-        while (extent / size).ceil().max(DVec3::ONE).element_product() > MAX_BINS {
+        // The harmonic mean: the many small ones count, not the few large ones.
+        let mut size = (1.7 * n_moving as f64 / inverse) as f32;
+        while (extent / size).ceil().max(Vec3A::ONE).element_product() > MAX_BINS {
             size *= 1.26;
         }
-        BinGrid { origin: min, size, n: (extent / size).ceil().max(DVec3::ONE).as_uvec3() }
+        self.level.resize(aabb.len(), 0);
+        let finest = size;
+        fill_rows(&mut self.level, |s| {
+            let width = (aabb[s].max - aabb[s].min).max_element();
+            if width <= 1.3 * finest {
+                return 0;
+            }
+            ((width / (1.3 * finest)).log2() / 2.0).ceil().min((LEVELS - 1) as f32) as u8
+        });
+        let mut used = [false; LEVELS];
+        for s in 0..aabb.len() {
+            if !used[self.level[s] as usize] {
+                used[self.level[s] as usize] = self.holds(model, aabb, s);
+            }
+        }
+        self.n_bins = 0;
+        for l in (0..LEVELS).rev() {
+            let size = finest * 4f32.powi(l as i32);
+            let n = (extent / size).ceil().max(Vec3A::ONE).as_uvec3();
+            self.levels[l] = Level { size, n, first: self.n_bins, used: used[l] };
+            if used[l] {
+                self.n_bins += n.element_product();
+            }
+        }
+        let mut low = std::mem::take(&mut self.low);
+        low.resize(aabb.len(), UVec3::ZERO);
+        fill_rows(&mut low, |s| self.bin_of(self.level[s] as usize, aabb[s].min));
+        self.low = low;
     }
 
-    /// The bin that holds a point; points outside fall into the nearest one.
+    /// Where a bin is among those of its level.
     #[inline]
-    pub fn bin_of(&self, p: DVec3) -> UVec3 {
-        ((p - self.origin) / self.size).max(DVec3::ZERO).as_uvec3().min(self.n - UVec3::ONE)
+    pub fn place(&self, level: usize, index: u32) -> UVec3 {
+        let Level { n, first, .. } = self.levels[level];
+        let k = index - first;
+        UVec3::new(k % n.x, k / n.x % n.y, k / (n.x * n.y))
+    }
+
+    /// Whether a shape goes into bins: not a surface, and within the box of what moves.
+    fn holds(&self, model: &Model, aabb: &[Aabb], shape: usize) -> bool {
+        !model.shape_kind[shape].is_surface() && aabb[shape].overlaps(&Aabb { min: self.origin, max: self.end })
+    }
+
+    /// The bin of a level that holds a point; points outside fall into the nearest one.
+    #[inline]
+    pub fn bin_of(&self, level: usize, p: Vec3A) -> UVec3 {
+        let Level { size, n, .. } = self.levels[level];
+        ((p - self.origin) / size).max(Vec3A::ZERO).as_uvec3().min(n - UVec3::ONE)
     }
 
     /// Number of a bin.
     #[inline]
-    pub fn index(&self, bin: UVec3) -> u32 {
-        bin.x + self.n.x * (bin.y + self.n.y * bin.z)
+    pub fn index(&self, level: usize, bin: UVec3) -> u32 {
+        let Level { n, first, .. } = self.levels[level];
+        first + bin.x + n.x * (bin.y + n.y * bin.z)
+    }
+
+    /// Visit the bins of a level that a box touches.
+    #[inline]
+    pub fn visit(&self, level: usize, aabb: &Aabb, mut found: impl FnMut(u32)) {
+        let (lo, hi) = (self.bin_of(level, aabb.min), self.bin_of(level, aabb.max));
+        for z in lo.z..=hi.z {
+            for y in lo.y..=hi.y {
+                for x in lo.x..=hi.x {
+                    found(self.index(level, UVec3::new(x, y, z)));
+                }
+            }
+        }
     }
 
     /// Number of bins.
     pub fn len(&self) -> u32 {
-        self.n.element_product()
+        self.n_bins
     }
 }
 
-/// The stage. Planes are everywhere and take no bins; `pair_write` meets them on their own.
+/// The stage. Planes and other surfaces take no bins; `pair_write` meets them on their own.
 pub fn run(
     model: &Model,
     aabb: &[Aabb],
@@ -78,33 +162,20 @@ pub fn run(
     pair_start.clear();
     pair_start.resize(n + 1, 0);
     fill_rows(&mut pair_start[..n], |s| {
-        if model.shape_kind[s] == ShapeKind::Plane || outside(&aabb[s], grid) {
+        if !grid.holds(model, aabb, s) {
             return 0;
         }
-        (grid.bin_of(aabb[s].max) - grid.bin_of(aabb[s].min) + UVec3::ONE).element_product()
+        let level = grid.level[s] as usize;
+        (grid.bin_of(level, aabb[s].max) - grid.bin_of(level, aabb[s].min) + UVec3::ONE).element_product()
     });
     let n_pairs = gpu::scan::exclusive_cpu(pair_start) as usize;
     bin.resize(n_pairs, 0);
     shape.resize(n_pairs, 0);
     scatter_rows(bin, pair_start, |s, row| {
-        if row.is_empty() {
-            return;
-        }
-        let (lo, hi) = (grid.bin_of(aabb[s].min), grid.bin_of(aabb[s].max));
-        let mut slot = row.iter_mut();
-        for z in lo.z..=hi.z {
-            for y in lo.y..=hi.y {
-                for x in lo.x..=hi.x {
-                    *slot.next().expect("as many slots as bins") = grid.index(UVec3::new(x, y, z));
-                }
-            }
+        if !row.is_empty() {
+            let mut slot = row.iter_mut();
+            grid.visit(grid.level[s] as usize, &aabb[s], |b| *slot.next().expect("as many slots as bins") = b);
         }
     });
     scatter_rows(shape, pair_start, |s, row| row.fill(s as u32));
-}
-
-/// Whether a box misses the grid altogether, as a static shape far from anything that moves does.
-fn outside(aabb: &Aabb, grid: &BinGrid) -> bool {
-    let max = grid.origin + grid.n.as_dvec3() * grid.size;
-    !aabb.overlaps(&Aabb { min: grid.origin, max })
 }

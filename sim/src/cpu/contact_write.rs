@@ -1,97 +1,130 @@
-//! Write the contacts of every candidate pair: count, scan, write; then list each body's contacts.
+//! Write the contacts of every candidate pair, then list each body's contacts.
 //! in   candidate  [n_candidates]  pairs of shapes
+//!      place      [n_shapes]
 //!      margin     [n_shapes]      m
-//! out  contacts   [n_contacts]    every column but gamma
+//! out  contacts   [n_contacts]    every column but the impulses
 //! Source: paper §3, stages 7–9, on the pairs that `pair_write` kept.
+//!
+//! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
+//! momentum of the pair to round-off.
 
-use super::collide::{MAX_POINTS, Placed, Point, collide};
-use super::{fill_rows, scatter_rows};
-use crate::{Contacts, Model, State};
+use super::collide::{MAX_POINTS, Placed, Point, collide, collide_triangle, surface_of};
+use super::pair_write::Candidate;
+use super::{Pieces, collect_pieces};
+use crate::{Contacts, Model, Pose, ShapeKind, State};
+use glam::DVec3;
+use rayon::prelude::*;
 
-/// The stage. `count` and `points` are scratch.
+/// A contact as it is found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    bodies: [u32; 2],
+    key: [u32; 3],
+    normal: DVec3,
+    arm_a: DVec3,
+    arm_b: DVec3,
+    gap: f64,
+    law: u32,
+}
+
+/// The stage. `pieces` is scratch.
 pub fn run(
     model: &Model,
     state: &State,
-    candidate: &[[u32; 2]],
+    candidate: &[Candidate],
+    place: &[Pose],
     margin: &[f64],
-    count: &mut Vec<u32>,
-    points: &mut Vec<(u32, Point)>,
+    pieces: &mut Pieces<Found>,
     contacts: &mut Contacts,
 ) {
-    let meet = |i: usize, out: &mut [Point; MAX_POINTS]| {
-        let [s, t] = candidate[i].map(|s| s as usize);
-        collide(&placed(model, state, s), &placed(model, state, t), margin[s] + margin[t], out)
-    };
-    count.clear();
-    count.resize(candidate.len() + 1, 0);
-    let n = candidate.len();
-    fill_rows(&mut count[..n], |i| meet(i, &mut [Point::default(); MAX_POINTS]) as u32);
-    let n_contacts = gpu::scan::exclusive_cpu(count) as usize;
-    points.resize(n_contacts, Default::default());
-    scatter_rows(points, count, |i, out| {
-        if !out.is_empty() {
-            let mut found = [Point::default(); MAX_POINTS];
-            let n = meet(i, &mut found);
-            for (slot, point) in out.iter_mut().zip(&found[..n]) {
-                *slot = (i as u32, *point);
-            }
-        }
-    });
-    write_columns(model, state, candidate, points, contacts);
+    collect_pieces(candidate.len(), pieces, |i, found| meet(model, state, candidate[i], place, margin, found));
+    write_columns(pieces, contacts);
     list_incident(model.n_bodies(), contacts);
 }
 
-fn placed(model: &Model, state: &State, shape: usize) -> Placed {
-    let body = model.shape_body[shape] as usize;
-    Placed {
-        kind: model.shape_kind[shape],
-        size: model.shape_size[shape],
-        position: state.position[body],
-        orientation: state.orientation[body],
+/// The contacts of one candidate.
+#[inline]
+fn meet(model: &Model, state: &State, candidate: Candidate, place: &[Pose], margin: &[f64], found: &mut Vec<Found>) {
+    let [s, t, triangle] = candidate;
+    let (s, t) = (s as usize, t as usize);
+    let reach = margin[s] + margin[t];
+    let both = model.shape_kind[s] == ShapeKind::Sphere && model.shape_kind[t] == ShapeKind::Sphere;
+    if both {
+        // Most candidates are balls, and most of those do not touch: out again at once.
+        let touch = model.shape_size[s].x + model.shape_size[t].x + reach;
+        if (place[s].position - place[t].position).length_squared() > touch * touch {
+            return;
+        }
+    }
+    let mut out = [Point::default(); MAX_POINTS];
+    let (a, b) = (Placed::of(model, &place[s], s), Placed::of(model, &place[t], t));
+    let mut swap = model.shape_body[s] > model.shape_body[t];
+    let n = if let Some(surface) = surface_of(model, t) {
+        let corners = surface.corners(triangle).map(|v| b.position + b.orientation * v);
+        collide_triangle(&a, corners, surface.sharp[triangle as usize], reach, &mut out)
+    } else if let Some(surface) = surface_of(model, s) {
+        let corners = surface.corners(triangle).map(|v| a.position + a.orientation * v);
+        swap = !swap;
+        collide_triangle(&b, corners, surface.sharp[triangle as usize], reach, &mut out)
+    } else {
+        collide(&a, &b, reach, &mut out)
+    };
+    let (low, high) = (model.shape_body[s].min(model.shape_body[t]), model.shape_body[s].max(model.shape_body[t]));
+    for point in &out[..n] {
+        let middle = 0.5 * (point.on_first + point.on_second);
+        found.push(Found {
+            bodies: [low, high],
+            key: [s as u32, t as u32, (triangle << 17) ^ point.feature],
+            normal: if swap { -point.normal } else { point.normal },
+            arm_a: middle - state.position[low as usize],
+            arm_b: middle - state.position[high as usize],
+            gap: point.gap,
+            law: model.law(s, t),
+        });
     }
 }
 
-/// Points between shapes become contacts between bodies, A the body with the lower index.
-fn write_columns(
-    model: &Model,
-    state: &State,
-    candidate: &[[u32; 2]],
-    points: &[(u32, Point)],
-    contacts: &mut Contacts,
-) {
-    let n = points.len();
-    let pair = |i: usize| candidate[points[i].0 as usize].map(|s| s as usize);
-    let bodies = |i: usize| pair(i).map(|s| model.shape_body[s]);
-    let swapped = |i: usize| bodies(i)[0] > bodies(i)[1];
-    let end = |i: usize, second: bool| {
-        let (_, point) = &points[i];
-        let take_second = second != swapped(i);
-        let body = bodies(i)[take_second as usize] as usize;
-        (if take_second { point.on_second } else { point.on_first }) - state.position[body]
-    };
+/// The pieces' contacts, one after the other, into columns.
+fn write_columns(pieces: &Pieces<Found>, contacts: &mut Contacts) {
+    let pieces = pieces.filled();
+    let n = pieces.iter().map(Vec::len).sum();
     contacts.bodies.resize(n, [0; 2]);
     contacts.key.resize(n, [0; 3]);
-    contacts.normal.resize(n, Default::default());
-    contacts.arm_a.resize(n, Default::default());
-    contacts.arm_b.resize(n, Default::default());
+    contacts.normal.resize(n, DVec3::ZERO);
+    contacts.arm_a.resize(n, DVec3::ZERO);
+    contacts.arm_b.resize(n, DVec3::ZERO);
     contacts.gap.resize(n, 0.0);
-    contacts.friction.resize(n, 0.0);
-    fill_rows(&mut contacts.bodies, |i| {
-        let [a, b] = bodies(i);
-        [a.min(b), a.max(b)]
-    });
-    fill_rows(&mut contacts.key, |i| {
-        let [s, t] = pair(i);
-        [s as u32, t as u32, points[i].1.feature]
-    });
-    fill_rows(&mut contacts.normal, |i| if swapped(i) { -points[i].1.normal } else { points[i].1.normal });
-    fill_rows(&mut contacts.arm_a, |i| end(i, false));
-    fill_rows(&mut contacts.arm_b, |i| end(i, true));
-    fill_rows(&mut contacts.gap, |i| points[i].1.gap);
-    fill_rows(&mut contacts.friction, |i| {
-        let [s, t] = pair(i);
-        model.shape_friction[s].min(model.shape_friction[t])
-    });
+    contacts.law.resize(n, 0);
+    (
+        pieces,
+        split(&mut contacts.bodies, pieces),
+        split(&mut contacts.key, pieces),
+        split(&mut contacts.normal, pieces),
+        split(&mut contacts.arm_a, pieces),
+        split(&mut contacts.arm_b, pieces),
+        split(&mut contacts.gap, pieces),
+        split(&mut contacts.law, pieces),
+    )
+        .into_par_iter()
+        .with_min_len(8)
+        .for_each(|(piece, bodies, key, normal, arm_a, arm_b, gap, law)| {
+            for (i, c) in piece.iter().enumerate() {
+                (bodies[i], key[i], normal[i]) = (c.bodies, c.key, c.normal);
+                (arm_a[i], arm_b[i], gap[i], law[i]) = (c.arm_a, c.arm_b, c.gap, c.law);
+            }
+        });
+}
+
+/// Cut a column as the pieces are cut.
+fn split<'a, T, U>(mut column: &'a mut [T], pieces: &[Vec<U>]) -> Vec<&'a mut [T]> {
+    pieces
+        .iter()
+        .map(|piece| {
+            let (own, rest) = std::mem::take(&mut column).split_at_mut(piece.len());
+            column = rest;
+            own
+        })
+        .collect()
 }
 
 /// List the contacts of each body, in the contacts' order.

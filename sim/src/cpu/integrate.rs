@@ -1,34 +1,75 @@
 //! Move the bodies with their new velocities.
-//! in    linear, angular             [n_bodies]  m/s and rad/s, world, after the solver
+//! in    motion                      [n_bodies]  m/s and rad/s, world, after the solver
 //! inout position, orientation       [n_bodies]
 //! out   velocity, angular_velocity  [n_bodies]  m/s world, rad/s body frame
 //! Source: PHYSICS, q⁺ = q + h L(q) v⁺; the rotation over a step is taken exactly, and the angular momentum of the world
 //! frame is carried over it, so that a free body keeps it to round-off.
 
-use super::fill_rows;
+use super::PIECE;
+use crate::solve::Twist;
+use crate::state::is_isotropic;
 use crate::{Model, State};
 use glam::{DQuat, DVec3};
+use rayon::prelude::*;
 
 /// The stage.
-pub fn run(model: &Model, linear: &[DVec3], angular: &[DVec3], state: &mut State) {
+pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
     let h = model.step;
-    let moves = |b: usize| model.inv_mass[b] > 0.0;
-    let turned = |b: usize, from: DQuat| (DQuat::from_scaled_axis(angular[b] * h) * from).normalize();
-    let (position, orientation) = (std::mem::take(&mut state.position), std::mem::take(&mut state.orientation));
-    let mut next_position = position.clone();
-    fill_rows(&mut next_position, |b| if moves(b) { position[b] + linear[b] * h } else { position[b] });
-    fill_rows(&mut state.velocity, |b| if moves(b) { linear[b] } else { DVec3::ZERO });
-    fill_rows(&mut state.angular_velocity, |b| {
-        if !moves(b) {
-            return DVec3::ZERO;
+    let columns = (
+        state.position.par_chunks_mut(PIECE),
+        state.orientation.par_chunks_mut(PIECE),
+        state.velocity.par_chunks_mut(PIECE),
+        state.angular_velocity.par_chunks_mut(PIECE),
+    );
+    columns.into_par_iter().with_min_len(8).enumerate().for_each(|(piece, (position, orientation, velocity, spin))| {
+        for k in 0..position.len() {
+            let b = piece * PIECE + k;
+            if model.inv_mass[b] == 0.0 {
+                (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
+                continue;
+            }
+            let Twist { v, w } = motion[b];
+            let before = orientation[k];
+            let after = (turn(w * h) * before).normalize();
+            position[k] += v * h;
+            velocity[k] = v;
+            orientation[k] = after;
+            let inverse = model.inv_inertia[b];
+            spin[k] = if is_isotropic(inverse) {
+                after.inverse() * w
+            } else {
+                let momentum = before * ((before.inverse() * w) / inverse);
+                (after.inverse() * momentum) * inverse
+            };
         }
-        let momentum = orientation[b] * ((orientation[b].inverse() * angular[b]) / model.inv_inertia[b]);
-        (turned(b, orientation[b]).inverse() * momentum) * model.inv_inertia[b]
     });
-    let mut next_orientation = orientation.clone();
-    fill_rows(&mut next_orientation, |b| if moves(b) { turned(b, orientation[b]) } else { orientation[b] });
-    state.position = next_position;
-    state.orientation = next_orientation;
     state.steps += 1;
     state.time = state.steps as f64 * h;
+}
+
+/// The rotation by a vector: its direction is the axis, its length the angle, rad.
+#[inline]
+fn turn(angle: DVec3) -> DQuat {
+    let q = 0.25 * angle.length_squared();
+    if q > 1e-3 {
+        return DQuat::from_scaled_axis(angle);
+    }
+    // Series in the square of the half angle, to round-off.
+    let sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0)));
+    let cosine = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0)));
+    let v = angle * (0.5 * sine);
+    DQuat::from_xyzw(v.x, v.y, v.z, cosine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_series_is_the_rotation() {
+        for length in [0.0, 1e-9, 1e-4, 0.03, 0.0632] {
+            let angle = DVec3::new(2.0, -1.0, 0.5).normalize() * length;
+            assert!((turn(angle) - DQuat::from_scaled_axis(angle)).length() < 1e-16 * 4.0, "{length}");
+        }
+    }
 }

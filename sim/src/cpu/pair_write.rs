@@ -1,84 +1,188 @@
-//! Write every pair of shapes whose boxes overlap, once: the bin that holds the midpoint of the overlap claims it.
-//! in   bin, shape [n_pairs]     sorted by bin
-//!      bin_start  [n_active]    first and last-but-one pair of each active bin
-//!      aabb       [n_shapes]    m, world
-//! out  candidate  [n_candidates]  pairs of shapes, the lower index first, in the order of the bins
-//! Source: paper §3, stages 7–9, count, scan and write.
+//! Write every pair of shapes whose boxes overlap, once: the bin that holds the least corner of the overlap claims it. (The
+//! paper takes the overlap's midpoint; the least corner's bin follows from the shapes' own without arithmetic.)
+//! in   bin, shape [n_pairs]       sorted by bin
+//!      bin_start  [n_active]      first and last-but-one pair of each active bin
+//!      aabb       [n_shapes]      m, world
+//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a surface; in the order of the bins
+//! Source: paper §3, stages 7–9.
+//!
+//! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
+//! meshes, height fields) are few and are asked shape by shape.
 
 use super::bin_emit::BinGrid;
-use super::{Aabb, fill_rows, scatter_rows};
-use crate::{Model, ShapeKind};
+use super::collide::surface_of;
+use super::{Aabb, Pieces, collect_rows};
+use crate::{Model, Pose, ShapeKind};
+use glam::{DMat3, DVec3, Vec3A};
 
-/// The stage. `count` is scratch.
-#[allow(clippy::too_many_arguments)]
-pub fn run(
-    model: &Model,
-    aabb: &[Aabb],
-    grid: &BinGrid,
-    bin: &[u32],
-    shape: &[u32],
-    bin_start: &[[u32; 2]],
-    count: &mut Vec<u32>,
-    candidate: &mut Vec<[u32; 2]>,
-) {
-    let planes: Vec<u32> =
-        (0..model.n_shapes() as u32).filter(|s| model.shape_kind[*s as usize] == ShapeKind::Plane).collect();
-    // Rows: the active bins, then one row a shape for the planes that it meets.
-    let n_bins = bin_start.len();
-    let n_rows = n_bins + if planes.is_empty() { 0 } else { model.n_shapes() };
-    let visit = |row: usize, found: &mut dyn FnMut([u32; 2])| match row.checked_sub(n_bins) {
-        None => in_bin(model, aabb, grid, bin, shape, bin_start[row], found),
-        Some(s) => planes.iter().filter(|p| may_meet(model, s as u32, **p)).for_each(|&p| found(ordered(s as u32, p))),
-    };
-    count.clear();
-    count.resize(n_rows + 1, 0);
-    fill_rows(&mut count[..n_rows], |row| {
-        let mut n = 0;
-        visit(row, &mut |_| n += 1);
-        n
-    });
-    let n = gpu::scan::exclusive_cpu(count) as usize;
-    candidate.resize(n, [0; 2]);
-    scatter_rows(candidate, count, |row, out| {
-        let mut slot = out.iter_mut();
-        visit(row, &mut |pair| *slot.next().expect("counted before") = pair);
+/// Two shapes and a triangle.
+pub type Candidate = [u32; 3];
+
+/// Members of a bin whose bits are kept at hand.
+const MEMBERS: usize = 64;
+
+/// What the stage reads.
+pub struct Input<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Where the shapes are (n_shapes).
+    pub place: &'a [Pose],
+    /// Boxes (n_shapes).
+    pub aabb: &'a [Aabb],
+    /// The bins.
+    pub grid: &'a BinGrid,
+    /// Sorted bins of the pairs.
+    pub bin: &'a [u32],
+    /// Their shapes.
+    pub shape: &'a [u32],
+    /// Active bins.
+    pub bin_start: &'a [[u32; 2]],
+}
+
+/// The stage. `pieces` is scratch.
+pub fn run(input: &Input, pieces: &mut Pieces<Candidate>, candidate: &mut Vec<Candidate>) {
+    let model = input.model;
+    let surfaces: Vec<SurfaceAt> = (0..model.n_shapes() as u32)
+        .filter(|s| model.shape_kind[*s as usize].is_surface())
+        .map(|s| SurfaceAt::of(input, s))
+        .collect();
+    let mixed = input.grid.levels.iter().filter(|l| l.used).count() > 1;
+    // Rows: the active bins, then one row a shape for the coarser levels and the surfaces that it meets.
+    let n_bins = input.bin_start.len();
+    let alone = if mixed || !surfaces.is_empty() { model.n_shapes() } else { 0 };
+    collect_rows(n_bins + alone, pieces, candidate, |row, found| match row.checked_sub(n_bins) {
+        None => in_bin(input, input.bin_start[row], found),
+        Some(s) => {
+            if mixed {
+                in_coarser_levels(input, s as u32, found);
+            }
+            surfaces.iter().for_each(|t| on_surface(input, s as u32, t, found));
+        }
     });
 }
 
 /// The pairs that a bin claims.
 #[inline]
-fn in_bin(
-    model: &Model,
-    aabb: &[Aabb],
-    grid: &BinGrid,
-    bin: &[u32],
-    shape: &[u32],
-    [first, end]: [u32; 2],
-    found: &mut dyn FnMut([u32; 2]),
-) {
-    let here = bin[first as usize];
-    let members = &shape[first as usize..end as usize];
+fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Vec<Candidate>) {
+    let Input { model, aabb, grid, .. } = input;
+    let members = &input.shape[first as usize..end as usize];
+    let here = grid.place(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
+    // The overlap of two boxes begins in this bin along an axis if one of them does: with a bit an axis, the bin claims a pair
+    // whose bits together are all set.
+    let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as u8;
+    let mut bits = [0u8; MEMBERS];
+    let few = members.len() <= MEMBERS;
+    bits.iter_mut().zip(members).for_each(|(bits, s)| *bits = begins(*s));
     for (i, &s) in members.iter().enumerate() {
         let a = &aabb[s as usize];
-        for &t in &members[i + 1..] {
-            let b = &aabb[t as usize];
-            if a.overlaps(b) && may_meet(model, s, t) {
-                let midpoint = 0.5 * (a.min.max(b.min) + a.max.min(b.max));
-                if grid.index(grid.bin_of(midpoint)) == here {
-                    found(ordered(s, t));
-                }
+        let own = if few { bits[i] } else { begins(s) };
+        for (k, &t) in members[i + 1..].iter().enumerate() {
+            let other = if few { bits[i + 1 + k] } else { begins(t) };
+            if own | other == 7 && a.overlaps(&aabb[t as usize]) && may_meet(model, s, t) {
+                found.push(ordered(s, t));
             }
         }
     }
 }
 
-/// Whether two shapes may touch at all: not of one body, and not both held in place.
+/// The pairs of a shape with shapes of coarser levels.
+fn in_coarser_levels(input: &Input, s: u32, found: &mut Vec<Candidate>) {
+    let Input { model, aabb, grid, .. } = input;
+    if model.shape_kind[s as usize].is_surface() {
+        return;
+    }
+    let a = &aabb[s as usize];
+    for level in grid.level[s as usize] as usize + 1..grid.levels.len() {
+        if !grid.levels[level].used {
+            continue;
+        }
+        let low = grid.bin_of(level, a.min);
+        grid.visit(level, a, |here| {
+            let start = input.bin.partition_point(|b| *b < here);
+            let members = input.bin[start..].iter().zip(&input.shape[start..]).take_while(|(b, _)| **b == here);
+            for (_, &t) in members {
+                let b = &aabb[t as usize];
+                if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && may_meet(model, s, t) {
+                    found.push(ordered(s, t));
+                }
+            }
+        });
+    }
+}
+
+/// A surface in its place.
+struct SurfaceAt {
+    shape: u32,
+    kind: ShapeKind,
+    position: DVec3,
+    /// World to local.
+    turn: DMat3,
+    /// Of a plane: its normal, and its height along it with all slack of the boxes added.
+    up: Vec3A,
+    height: f32,
+}
+
+impl SurfaceAt {
+    fn of(input: &Input, shape: u32) -> SurfaceAt {
+        let place = &input.place[shape as usize];
+        let up = place.orientation * DVec3::Z;
+        let reach = place.position.dot(up);
+        SurfaceAt {
+            shape,
+            kind: input.model.shape_kind[shape as usize],
+            position: place.position,
+            turn: DMat3::from_quat(place.orientation.inverse()),
+            up: up.as_vec3a(),
+            height: (reach + 1e-6 * reach.abs() + input.model.envelope) as f32,
+        }
+    }
+}
+
+/// The pairs of a shape with a plane, or with the triangles of a mesh or a height field.
+#[inline]
+fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Vec<Candidate>) {
+    let a = &input.aabb[s as usize];
+    if t.kind == ShapeKind::Plane {
+        // The box's corner that is deepest; an empty box has none.
+        let deepest = Vec3A::select(t.up.cmpgt(Vec3A::ZERO), a.min, a.max);
+        if deepest.dot(t.up) <= t.height
+            && !input.model.shape_kind[s as usize].is_surface()
+            && may_meet(input.model, s, t.shape)
+        {
+            found.push(ordered(s, t.shape));
+        }
+        return;
+    }
+    if input.model.shape_kind[s as usize].is_surface() || !a.min.is_finite() || !may_meet(input.model, s, t.shape) {
+        return;
+    }
+    let (min, max) = (a.min.as_dvec3(), a.max.as_dvec3());
+    let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
+    let Some(surface) = surface_of(input.model, t.shape as usize) else { return };
+    // The box of the shape's box, in the surface's frame.
+    let local = t.turn * (centre - t.position);
+    let reach = t.turn.x_axis.abs() * half.x + t.turn.y_axis.abs() * half.y + t.turn.z_axis.abs() * half.z;
+    surface.visit(local - reach, local + reach, &mut |triangle| {
+        let [a, b, _] = ordered(s, t.shape);
+        found.push([a, b, triangle]);
+    });
+}
+
+/// Whether two shapes may touch at all: not of one body, not both held in place, not of bodies or groups that pass through
+/// each other.
 #[inline]
 fn may_meet(model: &Model, s: u32, t: u32) -> bool {
     let (a, b) = (model.shape_body[s as usize], model.shape_body[t as usize]);
-    a != b && (model.inv_mass[a as usize] > 0.0 || model.inv_mass[b as usize] > 0.0)
+    if a == b || (model.inv_mass[a as usize] == 0.0 && model.inv_mass[b as usize] == 0.0) {
+        return false;
+    }
+    let (ga, gb) = (model.shape_group[s as usize] as usize, model.shape_group[t as usize] as usize);
+    !(model.groups_pass[ga * model.group_names.len() + gb]
+        || model.absent[a as usize]
+        || model.absent[b as usize]
+        || (!model.apart.is_empty() && model.apart.binary_search(&[a.min(b), a.max(b)]).is_ok()))
 }
 
-fn ordered(s: u32, t: u32) -> [u32; 2] {
-    [s.min(t), s.max(t)]
+fn ordered(s: u32, t: u32) -> Candidate {
+    [s.min(t), s.max(t), 0]
 }

@@ -1,26 +1,31 @@
 //! Start each contact from the impulse that the same contact had in the last step.
-//! in   old      contacts of the last step, with gamma
-//!      contacts [n_contacts]  all but gamma
-//! out  gamma    [n_contacts]  N s; zero for a new contact
+//! in   old      contacts of the last step, with their impulses
+//!      contacts [n_contacts]  all but the impulses
+//! out  impulse  [n_contacts]  N s, world; zero for a new contact
+//!      twist    [n_contacts]  N m s, world, where the model has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 
 use super::fill_rows;
-use crate::Contacts;
-use crate::state::tangents;
+use crate::{Contacts, Model};
 use glam::DVec3;
 
-/// The stage. An impulse is carried over as a vector of the world, since the contact frame may have turned.
-pub fn run(old: &Contacts, contacts: &mut Contacts) {
-    let mut gamma = std::mem::take(&mut contacts.gamma);
-    gamma.resize(contacts.len(), DVec3::ZERO);
-    fill_rows(&mut gamma, |i| {
-        let Some(j) = same_contact(old, contacts.bodies[i], contacts.key[i]) else { return DVec3::ZERO };
-        let (u, w) = tangents(old.normal[j]);
-        let impulse = old.normal[j] * old.gamma[j].x + u * old.gamma[j].y + w * old.gamma[j].z;
-        let (u, w) = tangents(contacts.normal[i]);
-        DVec3::new(impulse.dot(contacts.normal[i]), impulse.dot(u), impulse.dot(w))
-    });
-    contacts.gamma = gamma;
+/// The stage.
+pub fn run(model: &Model, old: &Contacts, contacts: &mut Contacts) {
+    let mut impulse = std::mem::take(&mut contacts.impulse);
+    let mut twist = std::mem::take(&mut contacts.twist);
+    let rolls = model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0);
+    impulse.resize(contacts.len(), DVec3::ZERO);
+    twist.resize(if rolls { contacts.len() } else { 0 }, DVec3::ZERO);
+    if model.solver.warm_start {
+        let same = |i: usize| same_contact(old, contacts.bodies[i], contacts.key[i]);
+        fill_rows(&mut impulse, |i| same(i).map_or(DVec3::ZERO, |j| old.impulse[j]));
+        fill_rows(&mut twist, |i| same(i).and_then(|j| old.twist.get(j).copied()).unwrap_or_default());
+    } else {
+        impulse.fill(DVec3::ZERO);
+        twist.fill(DVec3::ZERO);
+    }
+    contacts.impulse = impulse;
+    contacts.twist = twist;
 }
 
 /// The old contact of the same key, looked for in the shorter list of the two bodies.

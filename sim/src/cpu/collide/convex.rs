@@ -1,0 +1,373 @@
+//! The distance of two convex shapes (Gilbert, Johnson, Keerthi 1988) and, where they overlap, the least way out (the
+//! expanding polytope algorithm, van den Bergen 2001). Both see a shape only through its support function.
+//!
+//! A ball is a point and a capsule a segment, with a radius around them: their roundness is exact.
+
+use super::Placed;
+use crate::ShapeKind;
+use glam::{DVec2, DVec3};
+
+/// Nearest points of two shapes.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    /// Unit normal from the first to the second.
+    pub normal: DVec3,
+    /// On the first.
+    pub on_first: DVec3,
+    /// On the second.
+    pub on_second: DVec3,
+    /// Gap, negative in overlap.
+    pub gap: f64,
+}
+
+/// A set that is known by its farthest point in a direction, with a radius around it.
+pub trait Convex {
+    /// The farthest point of the core in a direction, world.
+    fn support(&self, direction: DVec3) -> DVec3;
+    /// A point inside.
+    fn centre(&self) -> DVec3;
+    /// Radius around the core.
+    fn radius(&self) -> f64;
+}
+
+impl Convex for Placed<'_> {
+    fn support(&self, direction: DVec3) -> DVec3 {
+        self.position + self.orientation * support_local(self, self.orientation.inverse() * direction)
+    }
+
+    fn centre(&self) -> DVec3 {
+        self.position
+    }
+
+    fn radius(&self) -> f64 {
+        if matches!(self.kind, ShapeKind::Sphere | ShapeKind::Capsule) { self.size.x } else { 0.0 }
+    }
+}
+
+/// A triangle as a convex set.
+impl Convex for [DVec3; 3] {
+    fn support(&self, direction: DVec3) -> DVec3 {
+        let [a, b, c] = self.map(|v| v.dot(direction));
+        if a >= b && a >= c {
+            self[0]
+        } else if b >= c {
+            self[1]
+        } else {
+            self[2]
+        }
+    }
+
+    fn centre(&self) -> DVec3 {
+        (self[0] + self[1] + self[2]) / 3.0
+    }
+
+    fn radius(&self) -> f64 {
+        0.0
+    }
+}
+
+/// The farthest point of a shape's core, local.
+pub fn support_local(shape: &Placed, d: DVec3) -> DVec3 {
+    let size = shape.size;
+    let rim = |radius: f64, z: f64| {
+        let across = d.truncate().length();
+        if across > 0.0 { (d.truncate() * (radius / across)).extend(z) } else { DVec2::new(radius, 0.0).extend(z) }
+    };
+    match shape.kind {
+        ShapeKind::Sphere => DVec3::ZERO,
+        ShapeKind::Ellipsoid => {
+            let scaled = size * d;
+            let length = scaled.length();
+            if length > 0.0 { size * scaled / length } else { DVec3::new(0.0, 0.0, size.z) }
+        }
+        ShapeKind::Box => DVec3::new(size.x.copysign(d.x), size.y.copysign(d.y), size.z.copysign(d.z)),
+        ShapeKind::Cylinder => rim(size.x, size.z.copysign(d.z)),
+        ShapeKind::Capsule => DVec3::new(0.0, 0.0, size.z.copysign(d.z)),
+        ShapeKind::Cone => {
+            let base = rim(size.x, -size.z);
+            if d.z * size.z > base.dot(d) { DVec3::new(0.0, 0.0, size.z) } else { base }
+        }
+        ShapeKind::Hull => shape.hull.map_or(DVec3::ZERO, |hull| {
+            let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+            for v in &hull.vertices {
+                let far = v.dot(d);
+                if far > best.0 {
+                    best = (far, *v);
+                }
+            }
+            best.1
+        }),
+        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => DVec3::ZERO,
+    }
+}
+
+/// A point of the Minkowski difference, with the points that it comes from.
+#[derive(Clone, Copy, Debug, Default)]
+struct Vertex {
+    w: DVec3,
+    a: DVec3,
+    b: DVec3,
+}
+
+fn vertex(a: &impl Convex, b: &impl Convex, direction: DVec3) -> Vertex {
+    let (pa, pb) = (a.support(direction), b.support(-direction));
+    Vertex { w: pa - pb, a: pa, b: pb }
+}
+
+/// Up to four vertices, with the weights of the point nearest to the origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Simplex {
+    v: [Vertex; 4],
+    weight: [f64; 4],
+    n: usize,
+}
+
+impl Simplex {
+    fn of(parts: &[(Vertex, f64)]) -> Simplex {
+        let mut s = Simplex::default();
+        for (v, weight) in parts.iter().filter(|p| p.1 > 0.0) {
+            (s.v[s.n], s.weight[s.n]) = (*v, *weight);
+            s.n += 1;
+        }
+        s
+    }
+
+    fn sum(&self, part: impl Fn(&Vertex) -> DVec3) -> DVec3 {
+        (0..self.n).map(|i| part(&self.v[i]) * self.weight[i]).sum()
+    }
+
+    fn nearest(&self) -> DVec3 {
+        self.sum(|v| v.w)
+    }
+
+    /// The smallest simplex that holds the point nearest to the origin; `None` if the origin is inside.
+    fn reduced(&self) -> Option<Simplex> {
+        let v = &self.v;
+        match self.n {
+            1 => Some(Simplex::of(&[(v[0], 1.0)])),
+            2 => Some(on_segment(v[0], v[1])),
+            3 => Some(on_triangle(v[0], v[1], v[2])),
+            _ => on_tetrahedron(v),
+        }
+    }
+}
+
+fn on_segment(a: Vertex, b: Vertex) -> Simplex {
+    let along = b.w - a.w;
+    let length2 = along.length_squared();
+    let t = if length2 > 0.0 { (-a.w.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    Simplex::of(&[(a, 1.0 - t), (b, t)])
+}
+
+fn on_triangle(a: Vertex, b: Vertex, c: Vertex) -> Simplex {
+    let (u, v, w) = nearest_in_triangle(DVec3::ZERO, [a.w, b.w, c.w]);
+    Simplex::of(&[(a, u), (b, v), (c, w)])
+}
+
+/// Weights of the point of a triangle nearest to `p` (Ericson 2005, §5.1.5).
+pub fn nearest_in_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, f64, f64) {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return (1.0, 0.0, 0.0);
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return (0.0, 1.0, 0.0);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        return (1.0 - t, t, 0.0);
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return (0.0, 0.0, 1.0);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        return (1.0 - t, 0.0, t);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return (0.0, 1.0 - t, t);
+    }
+    let sum = va + vb + vc;
+    if !(sum > 0.0) {
+        return (1.0, 0.0, 0.0);
+    }
+    (va / sum, vb / sum, vc / sum)
+}
+
+fn on_tetrahedron(v: &[Vertex; 4]) -> Option<Simplex> {
+    let mut best: Option<(f64, Simplex)> = None;
+    let mut inside = true;
+    for [i, j, k, other] in [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]] {
+        let normal = (v[j].w - v[i].w).cross(v[k].w - v[i].w);
+        let (here, there) = (-v[i].w.dot(normal), (v[other].w - v[i].w).dot(normal));
+        // The origin is beyond this face, or the tetrahedron is flat.
+        if here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[other].w.length() {
+            inside = false;
+            let s = on_triangle(v[i], v[j], v[k]);
+            let distance = s.nearest().length_squared();
+            if best.as_ref().is_none_or(|b| distance < b.0) {
+                best = Some((distance, s));
+            }
+        }
+    }
+    if inside { None } else { best.map(|b| b.1) }
+}
+
+/// The nearest points of two shapes with a gap of at most `reach`.
+pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64) -> Option<Nearest> {
+    const ROUNDS: usize = 80;
+    let round = a.radius() + b.radius();
+    let mut simplex = Simplex { n: 1, ..Simplex::default() };
+    simplex.v[0] = vertex(a, b, b.centre() - a.centre() + DVec3::splat(1e-12));
+    simplex.weight[0] = 1.0;
+    let scale = simplex.v[0].a.distance(a.centre()) + simplex.v[0].b.distance(b.centre()) + round;
+    let mut v = simplex.v[0].w;
+    for _ in 0..ROUNDS {
+        let distance2 = v.length_squared();
+        if distance2 <= 1e-20 * scale * scale {
+            return Some(expand(a, b, &simplex, round));
+        }
+        let next = vertex(a, b, -v);
+        // v·w bounds the distance from below.
+        let lower = v.dot(next.w);
+        if lower > 0.0 && lower * lower > distance2 * (round + reach).powi(2) {
+            return None;
+        }
+        let known = (0..simplex.n).any(|i| simplex.v[i].w == next.w);
+        if known || distance2 - lower <= 1e-12 * distance2 {
+            break;
+        }
+        let mut grown = simplex;
+        grown.v[grown.n] = next;
+        grown.n += 1;
+        match grown.reduced() {
+            None => return Some(expand(a, b, &grown, round)),
+            Some(reduced) => {
+                let nearer = reduced.nearest();
+                if nearer.length_squared() >= distance2 {
+                    break;
+                }
+                (simplex, v) = (reduced, nearer);
+            }
+        }
+    }
+    let distance = v.length();
+    let normal = -v / distance;
+    let gap = distance - round;
+    (gap <= reach).then(|| Nearest {
+        normal,
+        on_first: simplex.sum(|v| v.a) + normal * a.radius(),
+        on_second: simplex.sum(|v| v.b) - normal * b.radius(),
+        gap,
+    })
+}
+
+/// A face of the expanding polytope.
+#[derive(Clone, Copy)]
+struct Face {
+    v: [usize; 3],
+    normal: DVec3,
+    distance: f64,
+}
+
+/// The least translation that parts two overlapping shapes.
+fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Nearest {
+    const ROUNDS: usize = 96;
+    let mut points: Vec<Vertex> = simplex.v[..simplex.n].to_vec();
+    blow_up(a, b, &mut points);
+    let finish = |normal: DVec3, distance: f64, pa: DVec3, pb: DVec3| Nearest {
+        normal,
+        on_first: pa + normal * a.radius(),
+        on_second: pb - normal * b.radius(),
+        gap: -distance - round,
+    };
+    if points.len() < 4 {
+        // A flat difference (two segments, say): out along the line between the centres, or up.
+        let away = (b.centre() - a.centre()).try_normalize().unwrap_or(DVec3::Z);
+        return finish(away, 0.0, points[0].a, points[0].b);
+    }
+    let face = |points: &[Vertex], v: [usize; 3]| {
+        let [p, q, r] = v.map(|i| points[i].w);
+        let normal = (q - p).cross(r - p).normalize_or_zero();
+        Face { v, normal, distance: normal.dot(p) }
+    };
+    let mut faces: Vec<Face> = Vec::with_capacity(64);
+    for [i, j, k, other] in [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]] {
+        let mut f = face(&points, [i, j, k]);
+        if (points[other].w - points[i].w).dot(f.normal) > 0.0 {
+            f = face(&points, [i, k, j]);
+        }
+        faces.push(f);
+    }
+    let mut best = faces[0];
+    for _ in 0..ROUNDS {
+        let Some(nearest) =
+            faces.iter().filter(|f| f.normal != DVec3::ZERO).min_by(|p, q| p.distance.total_cmp(&q.distance))
+        else {
+            break;
+        };
+        best = *nearest;
+        let next = vertex(a, b, best.normal);
+        let far = next.w.dot(best.normal);
+        let scale = next.a.distance(a.centre()) + next.b.distance(b.centre()) + round;
+        if far - best.distance <= 1e-9 * scale || points.iter().any(|p| p.w == next.w) {
+            break;
+        }
+        let sees = |f: &Face| (next.w - points[f.v[0]].w).dot(f.normal) > 1e-14 * scale;
+        let edges: Vec<[usize; 2]> = faces
+            .iter()
+            .filter(|f| sees(f))
+            .flat_map(|f| [[f.v[0], f.v[1]], [f.v[1], f.v[2]], [f.v[2], f.v[0]]])
+            .collect();
+        let rim: Vec<[usize; 2]> = edges.iter().copied().filter(|[i, j]| !edges.contains(&[*j, *i])).collect();
+        if rim.len() < 3 {
+            break;
+        }
+        faces.retain(|f| !sees(f));
+        points.push(next);
+        let last = points.len() - 1;
+        faces.extend(rim.iter().map(|[i, j]| face(&points, [*i, *j, last])));
+    }
+    let on = best.normal * best.distance;
+    let (u, v, w) = nearest_in_triangle(on, best.v.map(|i| points[i].w));
+    let sum = |part: &dyn Fn(&Vertex) -> DVec3| {
+        part(&points[best.v[0]]) * u + part(&points[best.v[1]]) * v + part(&points[best.v[2]]) * w
+    };
+    // The difference is A − B: pushing B along the normal by the distance parts them.
+    finish(best.normal, best.distance, sum(&|p| p.a), sum(&|p| p.b))
+}
+
+/// Make a tetrahedron of a simplex that holds the origin.
+fn blow_up(a: &impl Convex, b: &impl Convex, points: &mut Vec<Vertex>) {
+    let tries = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
+    let volume = |p: &[Vertex], w: DVec3| match p.len() {
+        0 => 1.0,
+        1 => (w - p[0].w).length(),
+        2 => (p[1].w - p[0].w).normalize_or_zero().cross(w - p[0].w).length(),
+        _ => (p[1].w - p[0].w).cross(p[2].w - p[0].w).normalize_or_zero().dot(w - p[0].w).abs(),
+    };
+    let size = a.support(DVec3::X).distance(a.centre()) + b.support(DVec3::X).distance(b.centre()) + 1e-300;
+    while points.len() < 4 {
+        let mut directions: Vec<DVec3> = tries.to_vec();
+        if points.len() == 3 {
+            let n = (points[1].w - points[0].w).cross(points[2].w - points[0].w).normalize_or_zero();
+            directions.splice(0..0, [n, -n]);
+        }
+        let grown = directions
+            .into_iter()
+            .map(|d| vertex(a, b, d))
+            .map(|v| (volume(points, v.w), v))
+            .max_by(|p, q| p.0.total_cmp(&q.0));
+        match grown {
+            Some((far, v)) if far > 1e-10 * size => points.push(v),
+            _ => return,
+        }
+    }
+}

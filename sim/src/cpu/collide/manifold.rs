@@ -1,0 +1,210 @@
+//! Several points for flat contacts: the faces, edges or corners by which two convex shapes meet are clipped to each other.
+
+use super::convex::{self, Nearest, support_local};
+use super::{MAX_POINTS, Placed, Point, Points, turn};
+use crate::ShapeKind;
+use glam::DVec3;
+
+/// Corners that a feature may have.
+pub const MAX_CORNERS: usize = 16;
+
+/// Corners of the circle that stand for the flat end of a cylinder or a cone.
+const RIM: usize = 8;
+
+/// Marks the names of points whose reference was the second shape's.
+pub const OF_SECOND: u32 = 1 << 15;
+
+/// A face (three corners and more, in order), an edge (two) or a corner (one) in the world, each corner with its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Feature {
+    corner: [(DVec3, u32); MAX_CORNERS],
+    n: usize,
+}
+
+impl Feature {
+    fn new() -> Feature {
+        Feature { corner: [(DVec3::ZERO, 0); MAX_CORNERS], n: 0 }
+    }
+
+    fn push(&mut self, p: DVec3, name: u32) {
+        if self.n < MAX_CORNERS {
+            self.corner[self.n] = (p, name);
+            self.n += 1;
+        }
+    }
+
+    /// The corners with their names.
+    pub fn corners(&self) -> &[(DVec3, u32)] {
+        &self.corner[..self.n]
+    }
+
+    /// A triangle.
+    pub fn triangle(corners: [DVec3; 3]) -> Feature {
+        let mut f = Feature::new();
+        corners.into_iter().enumerate().for_each(|(k, p)| f.push(p, k as u32 + 1));
+        f
+    }
+
+    /// Unit normal of a face.
+    fn normal(&self) -> DVec3 {
+        let c = self.corners();
+        let around = (1..c.len() - 1).map(|k| (c[k].0 - c[0].0).cross(c[k + 1].0 - c[0].0));
+        around.sum::<DVec3>().normalize_or_zero()
+    }
+}
+
+/// The feature of a shape that looks in a direction, world; its roundness is added.
+pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
+    let d = shape.orientation.inverse() * direction;
+    let size = shape.size;
+    let mut f = Feature::new();
+    let mut local = |p: DVec3, name: u32| f.push(shape.position + shape.orientation * p, name);
+    let rim = |k: usize, z: f64| {
+        let (s, c) = (k as f64 * std::f64::consts::TAU / RIM as f64).sin_cos();
+        DVec3::new(size.x * c, size.x * s, z)
+    };
+    match shape.kind {
+        ShapeKind::Box => {
+            let axis = (0..3).max_by(|i, j| d[*i].abs().total_cmp(&d[*j].abs())).unwrap_or(0);
+            for (k, (s, t)) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate() {
+                let mut p = DVec3::ZERO;
+                p[axis] = size[axis].copysign(d[axis]);
+                p[(axis + 1) % 3] = s * size[(axis + 1) % 3];
+                p[(axis + 2) % 3] = t * size[(axis + 2) % 3];
+                let side = if d[axis] < 0.0 { 4 } else { 0 };
+                local(p, (8 * axis + side + k + 1) as u32);
+            }
+        }
+        ShapeKind::Hull => {
+            if let Some(hull) = shape.hull {
+                let faces = 0..hull.faces.len();
+                let face =
+                    faces.max_by(|i, j| hull.normals[*i].dot(d).total_cmp(&hull.normals[*j].dot(d))).unwrap_or(0);
+                hull.faces[face].iter().for_each(|v| local(hull.vertices[*v as usize], *v + 1));
+            }
+        }
+        ShapeKind::Cylinder if d.z.abs() > 0.7 * d.length() => {
+            let side = if d.z < 0.0 { RIM } else { 0 };
+            (0..RIM).for_each(|k| local(rim(k, size.z.copysign(d.z)), (side + k + 1) as u32));
+        }
+        ShapeKind::Cylinder => {
+            let out = d.truncate().normalize_or_zero() * size.x;
+            local(out.extend(size.z), 41);
+            local(out.extend(-size.z), 42);
+        }
+        ShapeKind::Cone if d.z < -0.7 * d.length() => (0..RIM).for_each(|k| local(rim(k, -size.z), k as u32 + 1)),
+        ShapeKind::Cone => {
+            let across = d.truncate().normalize_or_zero();
+            let side = (across * 2.0 * size.z).extend(size.x).normalize();
+            if side.dot(d) > 0.95 * d.length() {
+                local(DVec3::new(0.0, 0.0, size.z), 41);
+                local((across * size.x).extend(-size.z), 42);
+            } else {
+                local(support_local(shape, d), 43);
+            }
+        }
+        ShapeKind::Capsule if d.z.abs() < 0.7 * d.length() => {
+            let out = d * (size.x / d.length());
+            local(DVec3::new(0.0, 0.0, size.z) + out, 41);
+            local(DVec3::new(0.0, 0.0, -size.z) + out, 42);
+        }
+        _ => {
+            let round = if matches!(shape.kind, ShapeKind::Sphere | ShapeKind::Capsule) { size.x } else { 0.0 };
+            local(support_local(shape, d) + d.normalize_or_zero() * round, 43);
+        }
+    }
+    f
+}
+
+/// Two convex shapes, neither a plane nor a mesh.
+pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
+    match convex::nearest(a, b, reach) {
+        Some(nearest) => {
+            let (fa, fb) = (feature(a, nearest.normal), feature(b, -nearest.normal));
+            points(&fa, &fb, &nearest, reach, a.size.min_element().min(b.size.min_element()), out)
+        }
+        None => 0,
+    }
+}
+
+/// The points where two features meet, given the nearest points: those of the clipped features within reach, and the nearest
+/// one where none of them is as near.
+pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f64, out: &mut Points) -> usize {
+    let n = nearest.normal;
+    // The reference is a face, the one that looks most along the normal.
+    let facing = |f: &Feature| if f.n >= 3 { f.normal().dot(n).abs() } else { 0.0 };
+    let (of_a, of_b) = (facing(fa), facing(fb));
+    let mut kept = 0;
+    if of_a.max(of_b) > 0.5 {
+        if of_a >= of_b - 1e-6 {
+            kept = clip(fa, fb, n, reach, out);
+        } else {
+            kept = clip(fb, fa, -n, reach, out);
+            turn(out, kept);
+            out[..kept].iter_mut().for_each(|p| p.feature |= OF_SECOND);
+        }
+    } else if fa.n == 2 && fb.n == 2 {
+        kept = clip(fa, fb, n, reach, out);
+    }
+    let least = out[..kept].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+    if least > nearest.gap + 1e-3 * size {
+        let place = if kept < MAX_POINTS { kept } else { MAX_POINTS - 1 };
+        let Nearest { normal, on_first, on_second, gap } = *nearest;
+        out[place] = Point { normal, on_first, on_second, gap, feature: 1 << 16 };
+        kept = place + 1;
+    }
+    kept
+}
+
+/// Clip `other` to the sides of `reference` (a face, or an edge by its two ends) and keep the corners that are within reach of
+/// it along the normal, which points from the reference to the other.
+pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out: &mut Points) -> usize {
+    let (r, mut f) = (reference.corners(), *other);
+    let face = if r.len() >= 3 { reference.normal() } else { normal };
+    let face = if face.dot(normal) < 0.0 { -face } else { face };
+    let middle = r.iter().map(|c| c.0).sum::<DVec3>() / r.len() as f64;
+    for k in 0..r.len() {
+        let (p, q) = (r[k].0, r[(k + 1) % r.len()].0);
+        let outward = if r.len() == 2 {
+            p - q
+        } else {
+            let side = (q - p).cross(normal);
+            if side.dot(middle - p) > 0.0 { -side } else { side }
+        };
+        // Two points of a segment are an open path, a face's are closed.
+        let closed = f.n > 2;
+        let mut clipped = Feature::new();
+        for i in 0..f.n {
+            let (u, u_name) = f.corner[i];
+            let du = (u - p).dot(outward);
+            if du <= 0.0 {
+                clipped.push(u, u_name);
+            }
+            if i + 1 == f.n && !closed {
+                break;
+            }
+            let (v, v_name) = f.corner[(i + 1) % f.n];
+            let dv = (v - p).dot(outward);
+            if (du <= 0.0) != (dv <= 0.0) {
+                clipped.push(u + (v - u) * (du / (du - dv)), (u_name * 53 + v_name) * 17 + k as u32 + 1);
+            }
+        }
+        f = clipped;
+    }
+    let tilt = face.dot(normal);
+    let gap = |p: DVec3| (p - r[0].0).dot(face) / tilt;
+    let mut near = [0usize; MAX_CORNERS];
+    let mut n = 0;
+    for i in (0..f.n).filter(|i| gap(f.corner[*i].0) <= reach) {
+        near[n] = i;
+        n += 1;
+    }
+    let kept = n.min(MAX_POINTS);
+    for k in 0..kept {
+        let (p, name) = f.corner[near[k * n / kept]];
+        let gap = gap(p);
+        let feature = name.wrapping_mul(2_654_435_761) >> 18;
+        out[k] = Point { normal, on_first: p - normal * gap, on_second: p, gap, feature };
+    }
+    kept
+}

@@ -1,0 +1,150 @@
+//! Convex shapes against planes and against the triangles of meshes and height fields. All of these are solid behind their
+//! faces: what has got through is pushed out in front again.
+
+use super::convex::{self, Convex, Nearest, nearest_in_triangle, support_local};
+use super::manifold::{self, Feature, feature};
+use super::{MAX_POINTS, Placed, Point, Points, turn};
+use crate::ShapeKind;
+use glam::DVec3;
+
+/// A convex shape on a plane: its corners, or the deepest points of its round parts.
+pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
+    let up = b.orientation * DVec3::Z;
+    let mut found: [(f64, DVec3, u32); 3 * MAX_POINTS] = [(0.0, DVec3::ZERO, 0); 3 * MAX_POINTS];
+    let mut n = 0;
+    let mut take = |p: DVec3, name: u32| {
+        let gap = (p - b.position).dot(up);
+        if gap <= reach && n < found.len() {
+            found[n] = (gap, p, name);
+            n += 1;
+        }
+    };
+    let world = |p: DVec3| a.position + a.orientation * p;
+    let down = a.orientation.inverse() * -up;
+    match a.kind {
+        ShapeKind::Box => {
+            for corner in 0..8u32 {
+                let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                take(world(a.size * DVec3::new(sign(0), sign(1), sign(2))), corner);
+            }
+        }
+        ShapeKind::Hull => {
+            let vertices = a.hull.map_or(&[][..], |h| &h.vertices);
+            vertices.iter().enumerate().for_each(|(k, v)| take(world(*v), k as u32));
+        }
+        ShapeKind::Cylinder | ShapeKind::Cone => {
+            // The deepest point of each rim; the end's own corners carry it when it stands.
+            let ends: &[f64] = if a.kind == ShapeKind::Cone { &[-a.size.z] } else { &[a.size.z, -a.size.z] };
+            let lowest = down.truncate().try_normalize().map(|d| d * a.size.x);
+            for (k, z) in ends.iter().enumerate() {
+                lowest.iter().for_each(|p| take(world(p.extend(*z)), 60 + k as u32));
+            }
+            if a.kind == ShapeKind::Cone {
+                take(world(DVec3::new(0.0, 0.0, a.size.z)), 62);
+            }
+            let end = feature(a, -up);
+            if end.corners().len() > 2 {
+                let apart = |p: DVec3| {
+                    let local = a.orientation.inverse() * (p - a.position);
+                    lowest.is_none_or(|q| (local.truncate() - q).length() > 0.2 * a.size.x)
+                };
+                end.corners().iter().filter(|(p, _)| apart(*p)).for_each(|(p, name)| take(*p, *name));
+            }
+        }
+        ShapeKind::Capsule => {
+            for (k, z) in [a.size.z, -a.size.z].into_iter().enumerate() {
+                take(world(DVec3::new(0.0, 0.0, z)) - up * a.size.x, k as u32);
+            }
+        }
+        _ => take(world(support_local(a, down)) - up * Convex::radius(a), 0),
+    }
+    // Of more points than there is room for, the deepest.
+    let found = &mut found[..n];
+    if n > MAX_POINTS {
+        found.sort_by(|p, q| p.0.total_cmp(&q.0));
+    }
+    let kept = n.min(MAX_POINTS);
+    for (slot, (gap, p, feature)) in out.iter_mut().zip(&found[..kept]) {
+        *slot = Point { normal: -up, on_first: *p, on_second: *p - up * *gap, gap: *gap, feature: *feature };
+    }
+    kept
+}
+
+/// A convex shape against a triangle of a surface; `sharp` has the bits of its edges and corners that stand out.
+pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mut Points) -> usize {
+    let Some(face) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { return 0 };
+    let Some(nearest) = nearest_to_face(a, corners, face, reach) else { return 0 };
+    let lift = |weights: (f64, f64, f64)| [weights.0, weights.1, weights.2].map(|w| w > 1e-9);
+    let on = lift(nearest_in_triangle(nearest.on_second, corners));
+    let stands_out = match on {
+        [true, true, true] => true,
+        [true, true, false] => sharp & 1 != 0,
+        [false, true, true] => sharp & 2 != 0,
+        [true, false, true] => sharp & 4 != 0,
+        [true, false, false] => sharp & 8 != 0,
+        [false, true, false] => sharp & 16 != 0,
+        _ => sharp & 32 != 0,
+    };
+    let tilt = -nearest.normal.dot(face);
+    if a.kind == ShapeKind::Sphere || a.kind == ShapeKind::Ellipsoid {
+        if !stands_out && tilt < 1.0 - 1e-9 {
+            return 0;
+        }
+        let Nearest { normal, on_first, on_second, gap } = nearest;
+        out[0] = Point { normal, on_first, on_second, gap, feature: 0 };
+        return 1;
+    }
+    // Seams inside the surface have no edge of their own: what leans on one leans on the face.
+    let normal = if stands_out || tilt > 0.99 { nearest.normal } else { -face };
+    let nearest = if normal == nearest.normal {
+        nearest
+    } else {
+        let deepest = a.support(normal) + normal * Convex::radius(a);
+        let gap = (deepest - corners[0]).dot(face);
+        if gap > reach {
+            return 0;
+        }
+        let (u, v, w) = nearest_in_triangle(deepest, corners);
+        let on_second = corners[0] * u + corners[1] * v + corners[2] * w;
+        if (on_second - (deepest + normal * gap)).length() > 1e-9 + 1e-6 * a.size.max_element() {
+            // The deepest point is over another triangle.
+            let n = manifold::clip(&Feature::triangle(corners), &feature(a, normal), -normal, reach, out);
+            return turn(out, n);
+        }
+        Nearest { normal, on_first: deepest, on_second, gap }
+    };
+    let (fa, fb) = (feature(a, nearest.normal), Feature::triangle(corners));
+    manifold::points(&fa, &fb, &nearest, reach, a.size.min_element(), out)
+}
+
+/// The nearest points of a shape and a triangle; of a shape that has come through, those of the way back out of the face.
+fn nearest_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> Option<Nearest> {
+    if a.kind == ShapeKind::Sphere {
+        return sphere_to_face(a, corners, face, reach);
+    }
+    let nearest = convex::nearest(a, &corners, reach)?;
+    if nearest.gap > 0.0 && nearest.normal.dot(face) < 0.0 {
+        return Some(nearest);
+    }
+    let deepest = a.support(-face) - face * Convex::radius(a);
+    let gap = (deepest - corners[0]).dot(face);
+    (gap <= reach).then_some(Nearest { normal: -face, on_first: deepest, on_second: deepest - face * gap, gap })
+}
+
+fn sphere_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> Option<Nearest> {
+    let (u, v, w) = nearest_in_triangle(a.position, corners);
+    let on_second = corners[0] * u + corners[1] * v + corners[2] * w;
+    let away = a.position - on_second;
+    let distance = away.length();
+    let height = (a.position - corners[0]).dot(face);
+    let (normal, distance) = if height > 0.0 && distance > 1e-12 * a.size.x {
+        (-away / distance, distance)
+    } else if (away - face * height).length() <= 1e-9 * a.size.x {
+        // The centre is behind the face, right under it.
+        (-face, height)
+    } else {
+        return None;
+    };
+    let gap = distance - a.size.x;
+    (gap <= reach).then(|| Nearest { normal, on_first: a.position + normal * a.size.x, on_second, gap })
+}

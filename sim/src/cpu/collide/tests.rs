@@ -1,0 +1,206 @@
+//! Contacts whose points are known on paper.
+
+use super::*;
+use crate::geometry::{Hull, Surface};
+use glam::{DQuat, DVec3};
+
+fn cube(position: DVec3, orientation: DQuat) -> Placed<'static> {
+    Placed { kind: ShapeKind::Box, size: DVec3::splat(0.5), position, orientation, hull: None }
+}
+
+#[test]
+fn a_cube_on_a_cube_rests_on_four_corners() {
+    let mut out = [Point::default(); MAX_POINTS];
+    let n = collide(
+        &cube(DVec3::ZERO, DQuat::IDENTITY),
+        &cube(DVec3::new(0.2, 0.1, 0.99), DQuat::IDENTITY),
+        0.01,
+        &mut out,
+    );
+    assert_eq!(n, 4);
+    for p in &out[..n] {
+        assert!((p.normal - DVec3::Z).length() < 1e-12 && (p.gap + 0.01).abs() < 1e-12);
+    }
+    let features: std::collections::HashSet<u32> = out[..n].iter().map(|p| p.feature).collect();
+    assert_eq!(features.len(), 4);
+}
+
+#[test]
+fn crossed_edges_touch_in_one_point() {
+    let lower = cube(DVec3::ZERO, DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4));
+    let upper = cube(DVec3::new(0.0, 0.0, 2f64.sqrt() - 0.01), DQuat::from_rotation_y(std::f64::consts::FRAC_PI_4));
+    let mut out = [Point::default(); MAX_POINTS];
+    assert_eq!(collide(&lower, &upper, 0.01, &mut out), 1);
+    assert!((out[0].normal - DVec3::Z).length() < 1e-12 && (out[0].gap + 0.01).abs() < 1e-12);
+    assert!(out[0].on_first.truncate().length() < 1e-9);
+}
+
+#[test]
+fn a_ball_meets_the_face_the_edge_and_the_inside_of_a_box() {
+    let ball = |p| Placed {
+        kind: ShapeKind::Sphere,
+        size: DVec3::splat(0.1),
+        position: p,
+        orientation: DQuat::IDENTITY,
+        hull: None,
+    };
+    let block = cube(DVec3::ZERO, DQuat::IDENTITY);
+    let mut out = [Point::default(); MAX_POINTS];
+    assert_eq!(collide(&ball(DVec3::new(0.0, 0.0, 0.59)), &block, 0.0, &mut out), 1);
+    assert!((out[0].gap + 0.01).abs() < 1e-12 && (out[0].normal + DVec3::Z).length() < 1e-12);
+    assert_eq!(collide(&block, &ball(DVec3::new(0.55, 0.0, 0.55)), 0.0, &mut out), 1);
+    assert!((out[0].normal - DVec3::new(1.0, 0.0, 1.0).normalize()).length() < 1e-12);
+    assert_eq!(collide(&ball(DVec3::new(0.0, 0.4, 0.0)), &block, 0.0, &mut out), 1);
+    assert!((out[0].gap + 0.2).abs() < 1e-12 && (out[0].normal + DVec3::Y).length() < 1e-12);
+    assert_eq!(collide(&ball(DVec3::new(0.0, 0.0, 0.7)), &block, 0.05, &mut out), 0);
+}
+
+fn placed(kind: ShapeKind, size: [f64; 3], position: DVec3, orientation: DQuat) -> Placed<'static> {
+    Placed { kind, size: size.into(), position, orientation, hull: None }
+}
+
+fn points(a: &Placed, b: &Placed, reach: f64) -> Vec<Point> {
+    let mut out = [Point::default(); MAX_POINTS];
+    let n = collide(a, b, reach, &mut out);
+    out[..n].to_vec()
+}
+
+const UP: DQuat = DQuat::IDENTITY;
+
+#[test]
+fn the_general_distance_agrees_with_closed_forms() {
+    // A ball as an ellipsoid of equal axes meets every shape as the ball does.
+    let mut random = crate::SplitMix64(9);
+    let mut met = 0;
+    for k in 0..4000 {
+        let (kind, size) = [
+            (ShapeKind::Box, [0.3, 0.2, 0.4]),
+            (ShapeKind::Cylinder, [0.3, 0.3, 0.4]),
+            (ShapeKind::Capsule, [0.2, 0.2, 0.3]),
+            (ShapeKind::Cone, [0.3, 0.3, 0.4]),
+        ][k % 4];
+        let turn = random.rotation();
+        let b = placed(kind, size, DVec3::ZERO, turn);
+        let way = random.rotation() * DVec3::Z;
+        let at = way * random.between(0.25, 0.8);
+        let ball = placed(ShapeKind::Sphere, [0.1; 3], at, UP);
+        let round = placed(ShapeKind::Ellipsoid, [0.1; 3], at, turn);
+        let (exact, general) = (points(&ball, &b, 0.1), points(&round, &b, 0.1));
+        assert_eq!(exact.is_empty(), general.is_empty(), "{kind:?} {at}");
+        if let (Some(e), Some(g)) = (exact.first(), general.first()) {
+            // Deep inside, the nearest way out may be found through another face.
+            if e.gap > -0.1 {
+                // Smooth shapes are approached by planes: the deeper, the coarser.
+                let allowed = 5e-6 + 2e-3 * -e.gap.min(0.0);
+                assert!((e.gap - g.gap).abs() < allowed, "{kind:?}: {} {}", e.gap, g.gap);
+                assert!((e.normal - g.normal).length() < 0.05, "{kind:?}: {} {}", e.normal, g.normal);
+                met += 1;
+            }
+        }
+    }
+    assert!(met > 1000, "{met}");
+}
+
+#[test]
+fn flat_contacts_have_several_points_that_stay() {
+    let plate = placed(ShapeKind::Box, [1.0, 1.0, 0.1], DVec3::ZERO, UP);
+    let lying = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let hull = Hull::of_points(&[
+        DVec3::new(-0.2, -0.2, -0.2),
+        DVec3::new(0.2, -0.2, -0.2),
+        DVec3::new(0.0, 0.3, -0.2),
+        DVec3::new(0.0, 0.0, 0.4),
+    ])
+    .unwrap()
+    .0;
+    let bottom = -hull.vertices.iter().map(|v| v.z).fold(0.0, f64::min);
+    let cases = [
+        (placed(ShapeKind::Cylinder, [0.2, 0.2, 0.3], DVec3::new(0.1, 0.0, 0.399), UP), 8),
+        (placed(ShapeKind::Cylinder, [0.2, 0.2, 0.3], DVec3::new(0.1, 0.0, 0.299), lying), 2),
+        (placed(ShapeKind::Capsule, [0.2, 0.2, 0.3], DVec3::new(0.1, 0.0, 0.299), lying), 2),
+        (placed(ShapeKind::Cone, [0.2, 0.2, 0.3], DVec3::new(0.1, 0.0, 0.399), UP), 8),
+        (placed(ShapeKind::Ellipsoid, [0.3, 0.2, 0.1], DVec3::new(0.1, 0.0, 0.199), UP), 1),
+        (
+            Placed {
+                hull: Some(&hull),
+                ..placed(ShapeKind::Hull, [0.3; 3], DVec3::new(0.1, 0.0, 0.1 + bottom - 0.001), UP)
+            },
+            3,
+        ),
+    ];
+    let ground = placed(ShapeKind::Plane, [0.0; 3], DVec3::new(0.0, 0.0, 0.1), UP);
+    let square = [DVec3::new(-9.0, -9.0, 0.1), DVec3::new(9.0, -9.0, 0.1), DVec3::new(0.0, 18.0, 0.1)];
+    for (shape, n) in cases {
+        for (what, found) in [
+            ("plate", points(&plate, &shape, 0.005)),
+            ("plane", points(&ground, &shape, 0.005)),
+            ("triangle", {
+                let mut out = [Point::default(); MAX_POINTS];
+                let n = collide_triangle(&shape, square, 63, 0.005, &mut out);
+                turn(&mut out, n);
+                out[..n].to_vec()
+            }),
+        ] {
+            assert_eq!(found.len(), n, "{:?} on a {what}", shape.kind);
+            for p in &found {
+                assert!((p.normal - DVec3::Z).length() < 1e-5, "{:?} on a {what}: {}", shape.kind, p.normal);
+                assert!((p.gap + 0.001).abs() < 1e-5, "{:?} on a {what}: {}", shape.kind, p.gap);
+            }
+            let features: std::collections::HashSet<u32> = found.iter().map(|p| p.feature).collect();
+            assert_eq!(features.len(), n, "{:?} on a {what}: names differ", shape.kind);
+        }
+        // A little later the same points go by the same names.
+        let moved = Placed { position: shape.position + DVec3::new(1e-4, -1e-4, 1e-5), ..shape };
+        let names = |s: &Placed| points(&plate, s, 0.005).iter().map(|p| p.feature).collect::<Vec<_>>();
+        assert_eq!(names(&shape), names(&moved), "{:?}", shape.kind);
+    }
+}
+
+#[test]
+fn overlaps_are_left_by_the_nearest_way() {
+    let mut random = crate::SplitMix64(4);
+    let kinds = [ShapeKind::Box, ShapeKind::Cylinder, ShapeKind::Capsule, ShapeKind::Cone, ShapeKind::Ellipsoid];
+    let mut met = 0;
+    for k in 0..3000 {
+        let (p, q) = (kinds[k % 5], kinds[k / 5 % 5]);
+        let a = placed(p, [0.2, 0.2, 0.3], DVec3::ZERO, random.rotation());
+        let away = random.rotation() * DVec3::Z * random.between(0.3, 0.6);
+        let b = placed(q, [0.15, 0.15, 0.25], away, random.rotation());
+        for point in points(&a, &b, 0.02) {
+            assert!((point.normal.length() - 1.0).abs() < 1e-9, "{p:?} {q:?}");
+            let along = (point.on_second - point.on_first).dot(point.normal);
+            assert!((along - point.gap).abs() < 1e-6, "{p:?} {q:?}: {along} {}", point.gap);
+            met += 1;
+        }
+        // Moved apart by the depth, they no longer overlap by more than a trace.
+        let deepest = points(&a, &b, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
+        if let Some(first) = points(&a, &b, 0.0).first() {
+            let apart = Placed { position: b.position - first.normal * deepest, ..b };
+            let left = points(&a, &apart, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
+            assert!(left > -2e-3, "{p:?} {q:?}: {left} of {deepest}");
+        }
+    }
+    assert!(met > 1000, "{met}");
+}
+
+#[test]
+fn seams_of_a_flat_surface_are_not_felt() {
+    let n = 9;
+    let surface = Surface::height_field(&vec![0.0; n * n], [n, n], [-1.0, -1.0], [0.25, 0.25]);
+    for x in [-0.3, -0.26, -0.25, -0.125, 0.0, 0.1] {
+        let ball = placed(ShapeKind::Sphere, [0.2; 3], DVec3::new(x, 0.05, 0.195), UP);
+        let block = placed(ShapeKind::Box, [0.2, 0.3, 0.1], DVec3::new(x, 0.05, 0.099), UP);
+        for shape in [ball, block] {
+            let mut found = vec![];
+            surface.visit(shape.position - 0.5, shape.position + 0.5, &mut |t| {
+                let mut out = [Point::default(); MAX_POINTS];
+                let n = collide_triangle(&shape, surface.corners(t), surface.sharp[t as usize], 0.02, &mut out);
+                found.extend_from_slice(&out[..n]);
+            });
+            assert!(!found.is_empty(), "{:?} at {x}", shape.kind);
+            assert!(found.iter().all(|p| (p.normal + DVec3::Z).length() < 1e-6), "{:?} at {x}", shape.kind);
+            let least = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+            assert!((least - (shape.position.z - shape.size.z)).abs() < 1e-9, "{least}");
+        }
+    }
+}

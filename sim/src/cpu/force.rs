@@ -1,0 +1,57 @@
+//! Velocities at the end of the step if there were no contacts and no joints: v + h M⁻¹ f.
+//! in   velocity, angular_velocity  [n_bodies]
+//!      loads, motors that give an effort
+//! out  masses                      [n_bodies]  in the world frame
+//!      free                        [n_bodies]  m/s and rad/s, world
+//! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
+
+use super::contact_solve::{Masses, Workspace};
+use super::fill_rows;
+use crate::joint::frames;
+use crate::solve::Twist;
+use crate::{Model, State};
+use glam::DVec3;
+
+/// The stage.
+pub fn run(model: &Model, state: &State, work: &mut Workspace) {
+    work.masses.prepare(model, state);
+    let (masses, free, h) = (&work.masses, &mut work.free, model.step);
+    free.resize(model.n_bodies(), Twist::default());
+    fill_rows(free, |b| {
+        if masses.inv_mass[b] == 0.0 {
+            return Twist::default();
+        }
+        Twist { v: state.velocity[b] + model.gravity * h, w: state.orientation[b] * state.angular_velocity[b] }
+    });
+    // A load acts with its mean over the step, taken in the middle.
+    let middle = state.time + 0.5 * h;
+    for load in &model.loads {
+        let b = load.body as usize;
+        if model.absent[b] {
+            continue;
+        }
+        let vector = load.vector(middle, state.orientation[b] * model.body_frame[b].orientation);
+        let (force, torque) = if load.torque {
+            (DVec3::ZERO, vector)
+        } else {
+            (vector, (state.orientation[b] * load.point).cross(vector))
+        };
+        push(masses, free, load.body, force * h, torque * h);
+    }
+    for (i, joint) in model.joints.iter().enumerate() {
+        let effort = joint.effort(middle);
+        let Some(coordinate) = joint.kind.coordinate() else { continue };
+        if effort == 0.0 || !joint.holds(state.time) || joint.bodies.iter().any(|b| model.absent[*b as usize]) {
+            continue;
+        }
+        let row = joint.free_row(&frames(model, state, i), coordinate);
+        push(masses, free, joint.bodies[0], row.linear * (-effort * h), row.angular_a * (-effort * h));
+        push(masses, free, joint.bodies[1], row.linear * (effort * h), row.angular_b * (effort * h));
+    }
+}
+
+fn push(masses: &Masses, free: &mut [Twist], body: u32, impulse: DVec3, angular: DVec3) {
+    let b = body as usize;
+    free[b].v += impulse * masses.inv_mass[b];
+    free[b].w += masses.turn(b, angular);
+}

@@ -1,0 +1,479 @@
+//! Geometry that is more than three numbers: convex hulls, triangle meshes and height fields; and mass properties of solids.
+
+use crate::ShapeKind;
+use glam::{DMat3, DQuat, DVec3};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// A convex polyhedron.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hull {
+    /// Corners, m, about the centre of volume.
+    pub vertices: Vec<DVec3>,
+    /// Faces: corners in order, anticlockwise seen from outside.
+    pub faces: Vec<Vec<u32>>,
+    /// Outward unit normals of the faces.
+    pub normals: Vec<DVec3>,
+}
+
+impl Hull {
+    /// The convex hull of points, moved so that its centre of volume is the origin; also returns where that was.
+    /// `None` if the points lie in a plane.
+    pub fn of_points(points: &[DVec3]) -> Option<(Hull, DVec3)> {
+        let triangles = hull_triangles(points)?;
+        let mut hull = merge_coplanar(points, &triangles);
+        let centre = solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>()).centre;
+        hull.vertices.iter_mut().for_each(|v| *v -= centre);
+        Some((hull, centre))
+    }
+
+    /// The faces cut into triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.faces.iter().flat_map(|f| (1..f.len() - 1).map(move |k| [f[0], f[k], f[k + 1]]))
+    }
+
+    /// Half lengths of the box about the origin that holds all corners.
+    pub fn half_extent(&self) -> DVec3 {
+        self.vertices.iter().fold(DVec3::ZERO, |h, v| h.max(v.abs()))
+    }
+}
+
+/// The triangles of the convex hull of points, outward: start with a tetrahedron, add the farthest point beyond a face.
+fn hull_triangles(points: &[DVec3]) -> Option<Vec<[u32; 3]>> {
+    let extent = points.iter().fold(DVec3::ZERO, |h, p| h.max((*p - points[0]).abs())).length();
+    let tiny = 1e-10 * extent;
+    let farthest = |f: &dyn Fn(DVec3) -> f64| {
+        (0..points.len()).max_by(|a, b| f(points[*a]).total_cmp(&f(points[*b]))).filter(|i| f(points[*i]) > tiny)
+    };
+    let a = 0;
+    let b = farthest(&|p| (p - points[a]).length())?;
+    let along = (points[b] - points[a]).normalize();
+    let c = farthest(&|p| (p - points[a]).reject_from(along).length())?;
+    let normal = (points[b] - points[a]).cross(points[c] - points[a]).normalize();
+    let d = farthest(&|p| (p - points[a]).dot(normal).abs())?;
+    let (b, c) = if (points[d] - points[a]).dot(normal) > 0.0 { (c, b) } else { (b, c) };
+    let mut faces: Vec<[u32; 3]> = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(|f| f.map(|v| v as u32)).into();
+    let plane = |f: &[u32; 3]| {
+        let [p, q, r] = f.map(|v| points[v as usize]);
+        ((q - p).cross(r - p).normalize_or_zero(), p)
+    };
+    for (i, point) in points.iter().enumerate() {
+        let seen: Vec<bool> = faces
+            .iter()
+            .map(|f| {
+                let (n, p) = plane(f);
+                (*point - p).dot(n) > tiny
+            })
+            .collect();
+        if !seen.contains(&true) {
+            continue;
+        }
+        // The rim of what the point sees: edges of seen faces whose twins are not seen.
+        let edges: Vec<[u32; 2]> = faces
+            .iter()
+            .zip(&seen)
+            .filter(|(_, seen)| **seen)
+            .flat_map(|(f, _)| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]])
+            .collect();
+        let rim: Vec<[u32; 2]> = edges.iter().copied().filter(|[u, v]| !edges.contains(&[*v, *u])).collect();
+        let mut keep = seen.iter().map(|s| !s);
+        faces.retain(|_| keep.next().unwrap_or(true));
+        faces.extend(rim.iter().map(|[u, v]| [*u, *v, i as u32]));
+    }
+    Some(faces)
+}
+
+/// Join triangles of one plane to polygons, and number the corners that are used anew.
+fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
+    let normal = |t: &[u32; 3]| {
+        let [p, q, r] = t.map(|v| points[v as usize]);
+        (q - p).cross(r - p).normalize_or_zero()
+    };
+    let extent = points.iter().fold(0f64, |h, p| h.max((*p - points[0]).length()));
+    let mut groups: Vec<(DVec3, f64, Vec<[u32; 3]>)> = Vec::new();
+    for t in triangles {
+        let (n, d) = (normal(t), normal(t).dot(points[t[0] as usize]));
+        match groups.iter_mut().find(|(m, e, _)| m.dot(n) > 1.0 - 1e-8 && (e - d).abs() < 1e-6 * extent) {
+            Some(group) => group.2.push(*t),
+            None => groups.push((n, d, vec![*t])),
+        }
+    }
+    let mut number: HashMap<u32, u32> = HashMap::new();
+    let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![] };
+    for (n, _, members) in groups {
+        let edges: Vec<[u32; 2]> = members.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
+        let rim: HashMap<u32, u32> =
+            edges.iter().filter(|[u, v]| !edges.contains(&[*v, *u])).map(|[u, v]| (*u, *v)).collect();
+        let first = *rim.keys().min().expect("a face has a rim");
+        let (mut at, mut face) = (first, vec![]);
+        loop {
+            let next_number = number.len() as u32;
+            face.push(*number.entry(at).or_insert_with(|| {
+                hull.vertices.push(points[at as usize]);
+                next_number
+            }));
+            at = rim[&at];
+            if at == first || face.len() > rim.len() {
+                break;
+            }
+        }
+        hull.faces.push(face);
+        hull.normals.push(n);
+    }
+    hull
+}
+
+/// A static surface of triangles, solid below (behind) them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Corners, m, local.
+    pub vertices: Vec<DVec3>,
+    /// Triangles, anticlockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Bit e of a triangle: its edge from corner e to e+1 stands out (or is a border) and is this triangle's to report; bit
+    /// 3+k: the same of its corner k.
+    pub sharp: Vec<u8>,
+    /// How triangles are found.
+    index: Index,
+}
+
+/// How triangles are found by place.
+#[derive(Clone, Debug, PartialEq)]
+enum Index {
+    /// A tree of boxes: node i has the triangles `order[first..first+n]` if n > 0, else the nodes first and first+1.
+    Tree { nodes: Vec<TreeNode>, order: Vec<u32> },
+    /// A grid of cells in x and y, two triangles each.
+    Cells { origin: [f64; 2], spacing: [f64; 2], n: [usize; 2] },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TreeNode {
+    min: DVec3,
+    max: DVec3,
+    first: u32,
+    n: u32,
+}
+
+impl Surface {
+    /// A triangle mesh.
+    pub fn mesh(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
+        let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+        let mut nodes = vec![];
+        let bounds = |t: u32| {
+            let corners = triangles[t as usize].map(|v| vertices[v as usize]);
+            (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]))
+        };
+        nodes.push(TreeNode { min: DVec3::ZERO, max: DVec3::ZERO, first: 0, n: order.len() as u32 });
+        let mut open = vec![0usize];
+        while let Some(i) = open.pop() {
+            let TreeNode { first, n, .. } = nodes[i];
+            let range = first as usize..(first + n) as usize;
+            let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for t in &order[range.clone()] {
+                let (lo, hi) = bounds(*t);
+                (min, max) = (min.min(lo), max.max(hi));
+            }
+            (nodes[i].min, nodes[i].max) = (min, max);
+            if n <= 4 {
+                continue;
+            }
+            let extent = max - min;
+            let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
+            let middle = |t: u32| bounds(t).0[axis] + bounds(t).1[axis];
+            order[range].sort_by(|a, b| middle(*a).total_cmp(&middle(*b)));
+            let half = n / 2;
+            let child = nodes.len() as u32;
+            for (first, n) in [(first, half), (first + half, n - half)] {
+                open.push(nodes.len());
+                nodes.push(TreeNode { min, max, first, n });
+            }
+            (nodes[i].first, nodes[i].n) = (child, 0);
+        }
+        let sharp = sharp_edges(&vertices, &triangles);
+        Surface { vertices, triangles, sharp, index: Index::Tree { nodes, order } }
+    }
+
+    /// A height field: `heights[j n_x + i]` at x = origin_x + i spacing_x, y = origin_y + j spacing_y, n_x, n_y ≥ 2.
+    pub fn height_field(heights: &[f64], n: [usize; 2], origin: [f64; 2], spacing: [f64; 2]) -> Surface {
+        let vertices: Vec<DVec3> = (0..n[0] * n[1])
+            .map(|k| {
+                let (i, j) = ((k % n[0]) as f64, (k / n[0]) as f64);
+                DVec3::new(origin[0] + i * spacing[0], origin[1] + j * spacing[1], heights[k])
+            })
+            .collect();
+        let mut triangles = Vec::with_capacity(2 * (n[0] - 1) * (n[1] - 1));
+        for j in 0..n[1] - 1 {
+            for i in 0..n[0] - 1 {
+                let v = |di: usize, dj: usize| ((j + dj) * n[0] + i + di) as u32;
+                triangles.push([v(0, 0), v(1, 0), v(1, 1)]);
+                triangles.push([v(0, 0), v(1, 1), v(0, 1)]);
+            }
+        }
+        let sharp = sharp_edges(&vertices, &triangles);
+        Surface { vertices, triangles, sharp, index: Index::Cells { origin, spacing, n: [n[0] - 1, n[1] - 1] } }
+    }
+
+    /// The corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.vertices[v as usize])
+    }
+
+    /// Visit the triangles whose boxes meet a box, or that lie at most `depth` above one, in a fixed order.
+    pub fn visit(&self, min: DVec3, max: DVec3, found: &mut dyn FnMut(u32)) {
+        match &self.index {
+            Index::Tree { nodes, order } => {
+                let mut open = vec![0u32];
+                while let Some(i) = open.pop() {
+                    let node = &nodes[i as usize];
+                    if !(node.min.cmple(max).all() && min.cmple(node.max).all()) {
+                        continue;
+                    }
+                    if node.n == 0 {
+                        open.extend([node.first + 1, node.first]);
+                    } else {
+                        order[node.first as usize..(node.first + node.n) as usize].iter().for_each(|t| found(*t));
+                    }
+                }
+            }
+            Index::Cells { origin, spacing, n } => {
+                let cell = |x: f64, axis: usize| ((x - origin[axis]) / spacing[axis]).floor();
+                let range = |axis: usize| {
+                    let (lo, hi) = (cell(min[axis], axis), cell(max[axis], axis));
+                    (hi >= 0.0 && lo < n[axis] as f64)
+                        .then(|| (lo.max(0.0) as usize, (hi.max(0.0) as usize).min(n[axis] - 1)))
+                };
+                let (Some((i0, i1)), Some((j0, j1))) = (range(0), range(1)) else { return };
+                for j in j0..=j1 {
+                    for i in i0..=i1 {
+                        for t in [0, 1] {
+                            let triangle = (2 * (j * n[0] + i) + t) as u32;
+                            // What is below the ground is still to be pushed out of it.
+                            if self.corners(triangle).iter().any(|c| c.z >= min.z) {
+                                found(triangle);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The box around all corners.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.vertices.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
+    }
+}
+
+/// Which edges and corners stand out, each given to one triangle.
+fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
+    let at = |v: u32| vertices[v as usize];
+    let normal = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalize_or_zero();
+    let mut across: HashMap<[u32; 2], usize> = HashMap::with_capacity(3 * triangles.len());
+    for (i, t) in triangles.iter().enumerate() {
+        for e in 0..3 {
+            across.insert([t[e], t[(e + 1) % 3]], i);
+        }
+    }
+    let mut sharp = vec![0u8; triangles.len()];
+    let mut corner_taken = vec![false; vertices.len()];
+    for (i, t) in triangles.iter().enumerate() {
+        for e in 0..3 {
+            let stands_out = match across.get(&[t[(e + 1) % 3], t[e]]) {
+                None => true,
+                Some(&j) => {
+                    let other = triangles[j].iter().find(|v| **v != t[e] && **v != t[(e + 1) % 3]);
+                    let beyond = other.map_or(DVec3::ZERO, |v| at(*v) - at(t[e]));
+                    i < j && beyond.dot(normal(t)) < -1e-6 * beyond.length()
+                }
+            };
+            if stands_out {
+                sharp[i] |= 1 << e;
+                for k in [e, (e + 1) % 3] {
+                    if !std::mem::replace(&mut corner_taken[t[k] as usize], true) {
+                        sharp[i] |= 8 << k;
+                    }
+                }
+            }
+        }
+    }
+    sharp
+}
+
+/// Volume, centre and second moments of a solid of uniform density.
+#[derive(Clone, Copy, Debug)]
+pub struct Solid {
+    /// Volume, m³.
+    pub volume: f64,
+    /// Centre, m.
+    pub centre: DVec3,
+    /// Inertia tensor about the centre, for unit density, m⁵.
+    pub inertia: DMat3,
+}
+
+/// The solid inside closed outward triangles, by signed tetrahedra from the origin.
+pub fn solid(triangles: &[[DVec3; 3]]) -> Solid {
+    let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+    let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
+    for [a, b, c] in triangles {
+        let v = a.dot(b.cross(*c)) / 6.0;
+        let sum = *a + *b + *c;
+        volume += v;
+        first += sum * (v / 4.0);
+        second += (outer(*a, *a) + outer(*b, *b) + outer(*c, *c) + outer(sum, sum)) * (v / 20.0);
+    }
+    let centre = if volume != 0.0 { first / volume } else { DVec3::ZERO };
+    let about = second - outer(centre, centre) * volume;
+    let trace = about.x_axis.x + about.y_axis.y + about.z_axis.z;
+    Solid { volume, centre, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - about }
+}
+
+/// The solid of a shape about its own origin.
+pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
+    let (r, h) = (size.x, size.z);
+    let diagonal = |volume: f64, per_volume: DVec3| Solid {
+        volume,
+        centre: DVec3::ZERO,
+        inertia: DMat3::from_diagonal(per_volume * volume),
+    };
+    match kind {
+        ShapeKind::Sphere | ShapeKind::Ellipsoid => {
+            let s = size * size;
+            let volume = 4.0 / 3.0 * PI * size.element_product();
+            diagonal(volume, DVec3::new(s.y + s.z, s.x + s.z, s.x + s.y) / 5.0)
+        }
+        ShapeKind::Box => {
+            let s = size * size;
+            diagonal(8.0 * size.element_product(), DVec3::new(s.y + s.z, s.x + s.z, s.x + s.y) / 3.0)
+        }
+        ShapeKind::Cylinder => {
+            let across = r * r / 4.0 + h * h / 3.0;
+            diagonal(2.0 * PI * r * r * h, DVec3::new(across, across, r * r / 2.0))
+        }
+        ShapeKind::Capsule => {
+            let (cylinder, ball) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
+            let across = cylinder * (r * r / 4.0 + h * h / 3.0) + ball * (0.4 * r * r + h * h + 0.75 * h * r);
+            let about = cylinder * r * r / 2.0 + ball * 0.4 * r * r;
+            Solid {
+                volume: cylinder + ball,
+                centre: DVec3::ZERO,
+                inertia: DMat3::from_diagonal(DVec3::new(across, across, about)),
+            }
+        }
+        ShapeKind::Cone => {
+            // The full height is 2h; the centre is a quarter of it above the base.
+            let volume = 2.0 / 3.0 * PI * r * r * h;
+            let across = 0.15 * r * r + 0.0375 * 4.0 * h * h;
+            Solid {
+                centre: DVec3::new(0.0, 0.0, -0.5 * h),
+                ..diagonal(volume, DVec3::new(across, across, 0.3 * r * r))
+            }
+        }
+        ShapeKind::Hull => {
+            let hull = hull.expect("a hull shape has its hull");
+            solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>())
+        }
+        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => diagonal(0.0, DVec3::ZERO),
+    }
+}
+
+/// The principal moments and the turn from the principal frame to the one that the tensor is given in, by Jacobi's rotations.
+pub fn principal(tensor: DMat3) -> (DVec3, DQuat) {
+    let largest = tensor.to_cols_array().iter().fold(0f64, |m, x| m.max(x.abs()));
+    let (mut a, mut v) = (tensor, DMat3::IDENTITY);
+    let off = |a: &DMat3| [(0, 1), (0, 2), (1, 2)].map(|(i, j)| (i, j, a.col(j)[i]));
+    for _ in 0..60 {
+        let (i, j, x) = off(&a).into_iter().max_by(|p, q| p.2.abs().total_cmp(&q.2.abs())).unwrap_or((0, 1, 0.0));
+        if x.abs() <= 1e-14 * largest {
+            break;
+        }
+        let angle = 0.5 * (2.0 * x).atan2(a.col(j)[j] - a.col(i)[i]);
+        let (s, c) = angle.sin_cos();
+        let mut turn = DMat3::IDENTITY;
+        turn.col_mut(i)[i] = c;
+        turn.col_mut(j)[j] = c;
+        turn.col_mut(j)[i] = s;
+        turn.col_mut(i)[j] = -s;
+        a = turn.transpose() * a * turn;
+        v *= turn;
+    }
+    if v.determinant() < 0.0 {
+        v.z_axis = -v.z_axis;
+    }
+    (DVec3::new(a.x_axis.x, a.y_axis.y, a.z_axis.z), DQuat::from_mat3(&v).normalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube_corners(half: f64, at: DVec3) -> Vec<DVec3> {
+        (0..8)
+            .map(|k| at + half * DVec3::new([-1.0, 1.0][k & 1], [-1.0, 1.0][k >> 1 & 1], [-1.0, 1.0][k >> 2]))
+            .collect()
+    }
+
+    #[test]
+    fn the_hull_of_a_cube_has_six_faces_and_its_mass() {
+        let mut points = cube_corners(0.5, DVec3::new(1.0, 2.0, 3.0));
+        points.push(DVec3::new(1.1, 2.1, 3.1));
+        let (hull, centre) = Hull::of_points(&points).unwrap();
+        assert_eq!((hull.vertices.len(), hull.faces.len()), (8, 6));
+        assert!((centre - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
+        let s = solid_of(ShapeKind::Hull, DVec3::ZERO, Some(&hull));
+        assert!((s.volume - 1.0).abs() < 1e-12 && (s.inertia.x_axis.x - 1.0 / 6.0).abs() < 1e-12);
+        assert!(Hull::of_points(&points[..2]).is_none());
+        assert!(Hull::of_points(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y]).is_none());
+    }
+
+    /// A solid of revolution about z as many thin triangles.
+    fn turned(profile: &[[f64; 2]]) -> Solid {
+        let n = 720;
+        let at = |k: usize, [r, z]: [f64; 2]| {
+            let (s, c) = (k as f64 * std::f64::consts::TAU / n as f64).sin_cos();
+            DVec3::new(r * c, r * s, z)
+        };
+        let mut triangles = vec![];
+        for k in 0..n {
+            for pair in profile.windows(2) {
+                let (a, b, c, d) = (at(k, pair[0]), at(k + 1, pair[0]), at(k + 1, pair[1]), at(k, pair[1]));
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        solid(&triangles)
+    }
+
+    #[test]
+    fn solids_of_revolution_agree_with_their_triangles() {
+        let (r, h) = (0.3, 0.7);
+        let arc: Vec<[f64; 2]> =
+            (0..=180).map(|k| (k as f64 - 90.0).to_radians()).map(|a| [r * a.cos(), r * a.sin()]).collect();
+        let capsule: Vec<[f64; 2]> = arc.iter().map(|[x, z]| [*x, z + if *z < 0.0 { -h } else { h }]).collect();
+        let cases = [
+            (ShapeKind::Sphere, DVec3::splat(r), arc.clone()),
+            (ShapeKind::Cylinder, DVec3::new(r, r, h), vec![[0.0, -h], [r, -h], [r, h], [0.0, h]]),
+            (ShapeKind::Cone, DVec3::new(r, r, h), vec![[0.0, -h], [r, -h], [0.0, h]]),
+            (ShapeKind::Capsule, DVec3::new(r, r, h), capsule),
+        ];
+        for (kind, size, profile) in cases {
+            let (exact, measured) = (solid_of(kind, size, None), turned(&profile));
+            assert!((exact.volume / measured.volume - 1.0).abs() < 1e-3, "{kind:?}");
+            assert!((exact.centre - measured.centre).length() < 1e-3, "{kind:?}");
+            for axis in 0..3 {
+                let (a, b) = (exact.inertia.col(axis)[axis], measured.inertia.col(axis)[axis]);
+                assert!((a / b - 1.0).abs() < 2e-3, "{kind:?} {axis}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn principal_axes_rebuild_the_tensor() {
+        let q = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        let r = DMat3::from_quat(q);
+        let tensor = r * DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0)) * r.transpose();
+        let (moments, turn) = principal(tensor);
+        let m = DMat3::from_quat(turn);
+        let again = m * DMat3::from_diagonal(moments) * m.transpose();
+        assert!((again - tensor).to_cols_array().iter().all(|x| x.abs() < 1e-12));
+    }
+}

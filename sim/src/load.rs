@@ -1,0 +1,116 @@
+//! Loads and the functions of time that drive loads, motors and actuators.
+
+use glam::DVec3;
+
+/// A function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Function {
+    /// The same always.
+    Constant(f64),
+    /// `before` until time `at`, then `after`.
+    Step {
+        /// Value before.
+        before: f64,
+        /// Value from then on.
+        after: f64,
+        /// When, s.
+        at: f64,
+    },
+    /// From one value to another in a straight line, constant outside.
+    Ramp {
+        /// Values at the ends.
+        values: [f64; 2],
+        /// Times of the ends, s.
+        times: [f64; 2],
+    },
+    /// `mean + amplitude sin(2π frequency t + phase)`.
+    Sine {
+        /// Mean.
+        mean: f64,
+        /// Amplitude.
+        amplitude: f64,
+        /// Frequency, Hz.
+        frequency: f64,
+        /// Phase, rad.
+        phase: f64,
+    },
+    /// Points (time, value) joined by straight lines, constant outside; times rise.
+    Table(Vec<[f64; 2]>),
+}
+
+impl Function {
+    /// The value at a time.
+    pub fn at(&self, t: f64) -> f64 {
+        match self {
+            Function::Constant(x) => *x,
+            Function::Step { before, after, at } => {
+                if t < *at {
+                    *before
+                } else {
+                    *after
+                }
+            }
+            Function::Ramp { values: [a, b], times: [t0, t1] } => a + (b - a) * ((t - t0) / (t1 - t0)).clamp(0.0, 1.0),
+            Function::Sine { mean, amplitude, frequency, phase } => {
+                mean + amplitude * (std::f64::consts::TAU * frequency * t + phase).sin()
+            }
+            Function::Table(points) => {
+                let next = points.partition_point(|p| p[0] <= t);
+                match (next.checked_sub(1).and_then(|i| points.get(i)), points.get(next)) {
+                    (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (t - a[0]) / (b[0] - a[0]),
+                    (Some(end), None) | (None, Some(end)) => end[1],
+                    (None, None) => 0.0,
+                }
+            }
+        }
+    }
+}
+
+/// A force or a torque on a body: a direction times a function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// The body.
+    pub body: u32,
+    /// Whether it is a torque, N m, rather than a force, N.
+    pub torque: bool,
+    /// Unit direction, world; of the model file's body frame where `follows`.
+    pub direction: DVec3,
+    /// Whether direction turns with the body.
+    pub follows: bool,
+    /// Where a force acts, from the centre of mass, m, principal frame.
+    pub point: DVec3,
+    /// Its size over time.
+    pub value: Function,
+    /// It acts from this time on, s.
+    pub from: f64,
+    /// And until this, s.
+    pub until: f64,
+}
+
+impl Load {
+    /// The load's vector at a time, world, for a body frame turned as given; zero where it does not act.
+    pub fn vector(&self, t: f64, frame: glam::DQuat) -> DVec3 {
+        if t < self.from || t >= self.until {
+            return DVec3::ZERO;
+        }
+        let direction = if self.follows { frame * self.direction } else { self.direction };
+        direction * self.value.at(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Function::*;
+
+    #[test]
+    fn functions_have_their_values() {
+        assert_eq!(Step { before: 1.0, after: 2.0, at: 3.0 }.at(2.999), 1.0);
+        assert_eq!(Step { before: 1.0, after: 2.0, at: 3.0 }.at(3.0), 2.0);
+        let ramp = Ramp { values: [0.0, 10.0], times: [1.0, 2.0] };
+        assert_eq!([0.0, 1.25, 5.0].map(|t| ramp.at(t)), [0.0, 2.5, 10.0]);
+        let sine = Sine { mean: 1.0, amplitude: 2.0, frequency: 0.25, phase: 0.0 };
+        assert!((sine.at(1.0) - 3.0).abs() < 1e-12);
+        let table = Table(vec![[0.0, 1.0], [1.0, 3.0], [2.0, 0.0]]);
+        assert_eq!([-1.0, 0.5, 1.5, 9.0].map(|t| table.at(t)), [1.0, 2.0, 1.5, 0.0]);
+    }
+}

@@ -1,0 +1,266 @@
+//! The geometry of a shape: checked, read from its files, and turned into kind, size and parts.
+
+use super::types::*;
+use crate::ShapeKind;
+use crate::geometry::{Hull, Surface};
+use frame::Fault;
+use frame::yaml::Document;
+use glam::{DQuat, DVec3};
+use std::path::Path;
+
+/// A shape, ready for the columns.
+pub struct Shape {
+    /// What it is.
+    pub kind: ShapeKind,
+    /// Its size, as for [`ShapeKind`].
+    pub size: DVec3,
+    /// Its hull.
+    pub hull: Option<Hull>,
+    /// Its triangles.
+    pub surface: Option<Surface>,
+    /// From the origin of the file's shape to the shape's own.
+    pub shift: DVec3,
+    /// The turn of a plane to its normal.
+    pub turn: DQuat,
+}
+
+impl Shape {
+    fn simple(kind: ShapeKind, size: DVec3) -> Shape {
+        Shape { kind, size, hull: None, surface: None, shift: DVec3::ZERO, turn: DQuat::IDENTITY }
+    }
+}
+
+pub fn positive(doc: &Document, key: &str, value: f64) -> Result<(), Fault> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(doc.fault(key, format!("is {value}, expected a number above 0")))
+}
+
+pub fn not_negative(doc: &Document, key: &str, value: f64) -> Result<(), Fault> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(doc.fault(key, format!("is {value}, expected a number of at least 0")))
+}
+
+pub fn finite(doc: &Document, key: &str, values: &[f64]) -> Result<(), Fault> {
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(v) => Err(doc.fault(key, format!("has a component {v}, expected finite numbers"))),
+        None => Ok(()),
+    }
+}
+
+pub fn direction(doc: &Document, key: &str, v: [f64; 3]) -> Result<DVec3, Fault> {
+    finite(doc, key, &v)?;
+    DVec3::from_array(v).try_normalize().ok_or_else(|| doc.fault(key, "is zero, expected a direction"))
+}
+
+/// An orientation given as a turn, as a quaternion, or not at all.
+pub fn orientation(
+    doc: &Document,
+    key: &str,
+    rotate: &Option<RotateFile>,
+    quaternion: &Option<[f64; 4]>,
+) -> Result<DQuat, Fault> {
+    match (rotate, quaternion) {
+        (Some(_), Some(_)) => {
+            Err(doc.fault(&format!("{key}.orientation"), "there are both `rotate` and `orientation`: expected one"))
+        }
+        (Some(rotate), None) => {
+            let axis = direction(doc, &format!("{key}.rotate.axis"), rotate.axis)?;
+            finite(doc, &format!("{key}.rotate.angle"), &[rotate.angle])?;
+            Ok(DQuat::from_axis_angle(axis, rotate.angle.to_radians()))
+        }
+        (None, Some([w, x, y, z])) => {
+            finite(doc, &format!("{key}.orientation"), &[*w, *x, *y, *z])?;
+            let q = DQuat::from_xyzw(*x, *y, *z, *w);
+            if !(q.length() > 0.0) {
+                return Err(doc.fault(&format!("{key}.orientation"), "is zero, expected a quaternion w, x, y, z"));
+            }
+            Ok(q.normalize())
+        }
+        (None, None) => Ok(DQuat::IDENTITY),
+    }
+}
+
+/// The names of the shapes, for messages.
+const NAMES: &str =
+    "`sphere`, `ellipsoid`, `box`, `cylinder`, `capsule`, `cone`, `hull`, `plane`, `mesh` or `height_field`";
+
+/// How many geometries are given.
+pub fn count(file: &ShapeFile) -> usize {
+    [
+        file.sphere.is_some(),
+        file.ellipsoid.is_some(),
+        file.block.is_some(),
+        file.cylinder.is_some(),
+        file.capsule.is_some(),
+        file.cone.is_some(),
+        file.hull.is_some(),
+        file.plane.is_some(),
+        file.mesh.is_some(),
+        file.height_field.is_some(),
+    ]
+    .into_iter()
+    .filter(|x| *x)
+    .count()
+}
+
+/// Check and read a shape. `key` is where it stands.
+pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
+    if count(file) != 1 {
+        return Err(doc.fault(key, format!("{what} needs exactly one shape: {NAMES}")));
+    }
+    let round = |name: &str, kind: ShapeKind, c: &CylinderFile| {
+        positive(doc, &format!("{key}.{name}.radius"), c.radius)?;
+        positive(doc, &format!("{key}.{name}.length"), c.length)?;
+        Ok(Shape::simple(kind, DVec3::new(c.radius, c.radius, 0.5 * c.length)))
+    };
+    if let Some(sphere) = &file.sphere {
+        positive(doc, &format!("{key}.sphere.radius"), sphere.radius)?;
+        Ok(Shape::simple(ShapeKind::Sphere, DVec3::splat(sphere.radius)))
+    } else if let Some(e) = &file.ellipsoid {
+        e.radii.iter().try_for_each(|r| positive(doc, &format!("{key}.ellipsoid.radii"), *r))?;
+        Ok(Shape::simple(ShapeKind::Ellipsoid, e.radii.into()))
+    } else if let Some(block) = &file.block {
+        block.size.iter().try_for_each(|l| positive(doc, &format!("{key}.box.size"), *l))?;
+        Ok(Shape::simple(ShapeKind::Box, DVec3::from_array(block.size) * 0.5))
+    } else if let Some(c) = &file.cylinder {
+        round("cylinder", ShapeKind::Cylinder, c)
+    } else if let Some(c) = &file.capsule {
+        round("capsule", ShapeKind::Capsule, c)
+    } else if let Some(c) = &file.cone {
+        round("cone", ShapeKind::Cone, c)
+    } else if let Some(hull) = &file.hull {
+        hull_shape(doc, &format!("{key}.hull"), hull)
+    } else if let Some(plane) = &file.plane {
+        let normal = direction(doc, &format!("{key}.plane.normal"), plane.normal)?;
+        Ok(Shape { turn: DQuat::from_rotation_arc(DVec3::Z, normal), ..Shape::simple(ShapeKind::Plane, DVec3::ZERO) })
+    } else if let Some(mesh) = &file.mesh {
+        let key = format!("{key}.mesh");
+        positive(doc, &format!("{key}.scale"), mesh.scale)?;
+        let (vertices, triangles) = read_triangles(doc, &format!("{key}.file"), &mesh.file, mesh.scale)?;
+        if triangles.is_empty() {
+            return Err(doc.fault(&format!("{key}.file"), format!("{} has no triangles", mesh.file.display())));
+        }
+        Ok(surface_shape(ShapeKind::Mesh, Surface::mesh(vertices, triangles)))
+    } else {
+        let field = file.height_field.as_ref().expect("one of them is there");
+        height_field_shape(doc, &format!("{key}.height_field"), field)
+    }
+}
+
+/// A shape of triangles; its size bounds it about its own origin.
+pub fn surface_shape(kind: ShapeKind, surface: Surface) -> Shape {
+    let (lo, hi) = surface.bounds();
+    Shape { surface: Some(surface), ..Shape::simple(kind, lo.abs().max(hi.abs())) }
+}
+
+fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault> {
+    positive(doc, &format!("{key}.scale"), file.scale)?;
+    let points: Vec<DVec3> = match (&file.points, &file.file) {
+        (Some(points), None) => points.iter().map(|p| DVec3::from_array(*p) * file.scale).collect(),
+        (None, Some(path)) => read_triangles(doc, &format!("{key}.file"), path, file.scale)?.0,
+        _ => return Err(doc.fault(key, "needs exactly one of `points` and `file`")),
+    };
+    if points.iter().any(|p| !p.is_finite()) {
+        return Err(doc.fault(key, "has a point that is not finite"));
+    }
+    if points.len() < 4 {
+        return Err(doc.fault(key, format!("has {} points, expected at least 4", points.len())));
+    }
+    let (hull, centre) =
+        Hull::of_points(&points).ok_or_else(|| doc.fault(key, "its points lie in a plane: they enclose nothing"))?;
+    let size = hull.half_extent();
+    Ok(Shape { hull: Some(hull), shift: centre, ..Shape::simple(ShapeKind::Hull, size) })
+}
+
+/// Vertices and triangles of an OBJ or STL file.
+fn read_triangles(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<(Vec<DVec3>, Vec<[u32; 3]>), Fault> {
+    let fail = |why: String| doc.fault(key, format!("{}: {why}", path.display()));
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
+    let (vertices, triangles): (Vec<DVec3>, Vec<[u32; 3]>) = match ending.as_str() {
+        "obj" => {
+            let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+            let (models, _) = tobj::load_obj(path, &options).map_err(|e| fail(e.to_string()))?;
+            let (mut vertices, mut triangles) = (vec![], vec![]);
+            for m in models {
+                let first = vertices.len() as u32;
+                vertices.extend(
+                    m.mesh.positions.chunks_exact(3).map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into())),
+                );
+                triangles.extend(m.mesh.indices.chunks_exact(3).map(|t| [t[0] + first, t[1] + first, t[2] + first]));
+            }
+            (vertices, triangles)
+        }
+        "stl" => {
+            let mut file = std::fs::File::open(path).map_err(|e| fail(e.to_string()))?;
+            let mesh = stl_io::read_stl(&mut file).map_err(|e| fail(e.to_string()))?;
+            let point = |v: &stl_io::Vertex| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+            (
+                mesh.vertices.iter().map(point).collect(),
+                mesh.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect(),
+            )
+        }
+        _ => return Err(fail("is neither an .obj nor an .stl file".into())),
+    };
+    if vertices.iter().any(|v| !v.is_finite()) {
+        return Err(fail("has a vertex that is not finite".into()));
+    }
+    Ok((vertices.into_iter().map(|v| v * scale).collect(), triangles))
+}
+
+fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Result<Shape, Fault> {
+    file.size.iter().try_for_each(|l| positive(doc, &format!("{key}.size"), *l))?;
+    finite(doc, &format!("{key}.height"), &file.height)?;
+    let (heights, n) = match (&file.image, &file.grid) {
+        (Some(path), None) => {
+            let fail = |why: String| doc.fault(&format!("{key}.image"), format!("{}: {why}", path.display()));
+            let image = image::open(path).map_err(|e| fail(e.to_string()))?.into_luma16();
+            let [black, white] = file.height;
+            let (nx, ny) = (image.width() as usize, image.height() as usize);
+            // The image's first row is the far side, +y.
+            let heights = (0..nx * ny)
+                .map(|k| {
+                    let pixel = image.get_pixel((k % nx) as u32, (ny - 1 - k / nx) as u32);
+                    black + (white - black) * pixel.0[0] as f64 / 65_535.0
+                })
+                .collect::<Vec<f64>>();
+            (heights, [nx, ny])
+        }
+        (None, Some(path)) => read_grid(doc, &format!("{key}.grid"), path)?,
+        _ => return Err(doc.fault(key, "needs exactly one of `image` and `grid`")),
+    };
+    if n[0] < 2 || n[1] < 2 {
+        return Err(doc.fault(key, format!("has {}×{} heights, expected at least 2×2", n[0], n[1])));
+    }
+    let spacing = [0, 1].map(|k| file.size[k] / (n[k] - 1) as f64);
+    let origin = file.size.map(|l| -0.5 * l);
+    Ok(surface_shape(ShapeKind::HeightField, Surface::height_field(&heights, n, origin, spacing)))
+}
+
+/// Heights of a text file, row by row.
+fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize; 2]), Fault> {
+    let text = std::fs::read_to_string(path).map_err(|e| doc.fault(key, format!("{}: {e}", path.display())))?;
+    let (mut heights, mut nx, mut ny) = (vec![], 0, 0);
+    for (line, row) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#')) {
+        let before = heights.len();
+        for cell in row.split([',', ';', ' ', '\t']).filter(|c| !c.is_empty()) {
+            match cell.parse::<f64>() {
+                Ok(z) if z.is_finite() => heights.push(z),
+                _ => {
+                    let message = format!("{}, line {}: `{cell}` is not a height", path.display(), line + 1);
+                    return Err(doc.fault(key, message));
+                }
+            }
+        }
+        let n = heights.len() - before;
+        if ny > 0 && n != nx {
+            let message = format!("{}, line {}: {n} heights, the lines before have {nx}", path.display(), line + 1);
+            return Err(doc.fault(key, message));
+        }
+        (nx, ny) = (n, ny + 1);
+    }
+    Ok((heights, [nx, ny]))
+}

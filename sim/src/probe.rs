@@ -1,0 +1,156 @@
+//! Probes: what is written to `probes.csv` while a run goes, one line an instant, with units in the header.
+//!
+//! Per body `b`: position and orientation of its frame in the model file, velocity of its centre of mass, angular velocity in the
+//! body's frame. Per joint `j`: the force and torque that body B puts on body A, at the joint's frame on A and in that frame
+//! (x, y, z; its z axis is the joint's), the coordinate and its rate, and by how much the locked motions are off. Per spring: its
+//! force and length, or torque and angle. Per pair of classes: number of contacts that carry, and total force on the second.
+//! Energies: kinetic, potential in gravity; the worst penetration, and the mean slip speed of contacts that carry.
+
+use crate::joint::Coordinate;
+use crate::model_file::Probes;
+use crate::{Model, Pose, State};
+use glam::DVec3;
+use std::fmt::Write;
+
+/// The head of `probes.csv`.
+pub fn probe_header(model: &Model, probes: &Probes) -> String {
+    let mut h = String::from("time [s]");
+    let mut add = |name: &str, parts: &[(&str, &str)]| {
+        for (part, unit) in parts {
+            let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+            let _ = write!(h, ",{name}.{part}{unit}");
+        }
+    };
+    let name_of = |b: u32| {
+        model.body_names.iter().find(|(_, x)| **x == b).map_or_else(|| format!("body_{b}"), |(n, _)| n.clone())
+    };
+    for b in &probes.bodies {
+        add(
+            &name_of(*b),
+            &[
+                ("x", "m"),
+                ("y", "m"),
+                ("z", "m"),
+                ("qw", ""),
+                ("qx", ""),
+                ("qy", ""),
+                ("qz", ""),
+                ("vx", "m/s"),
+                ("vy", "m/s"),
+                ("vz", "m/s"),
+                ("wx", "rad/s"),
+                ("wy", "rad/s"),
+                ("wz", "rad/s"),
+            ],
+        );
+    }
+    for j in &probes.joints {
+        let joint = &model.joints[*j as usize];
+        let units = match joint.kind.coordinate() {
+            Some(Coordinate::Angle) => Some(("angle", "rad", "rad/s")),
+            Some(_) => Some(("length", "m", "m/s")),
+            None => None,
+        };
+        let force = [("fx", "N"), ("fy", "N"), ("fz", "N"), ("tx", "N m"), ("ty", "N m"), ("tz", "N m")];
+        add(&joint.name, &force);
+        if let Some((what, unit, rate)) = units {
+            add(&joint.name, &[(what, unit), ("rate", rate)]);
+        }
+        add(&joint.name, &[("violation", "m")]);
+    }
+    for s in &probes.springs {
+        let spring = &model.springs[*s as usize];
+        let parts =
+            if spring.rotational { [("torque", "N m"), ("angle", "rad")] } else { [("force", "N"), ("length", "m")] };
+        add(&spring.name, &parts);
+    }
+    for (name, _) in &probes.contacts {
+        add(name, &[("n", ""), ("fx", "N"), ("fy", "N"), ("fz", "N")]);
+    }
+    if probes.energies {
+        add("energy", &[("kinetic", "J"), ("potential", "J")]);
+        add("contacts", &[("worst_penetration", "m"), ("mean_slip", "m/s")]);
+    }
+    h.push('\n');
+    h
+}
+
+/// A line of `probes.csv`.
+pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
+    let mut line = format!("{:.9}", state.time);
+    let mut add = |values: &[f64]| {
+        for x in values {
+            let _ = write!(line, ",{x:.9e}");
+        }
+    };
+    for b in &probes.bodies {
+        let b = *b as usize;
+        let principal = Pose { position: state.position[b], orientation: state.orientation[b] };
+        let frame = principal.place(&model.body_frame[b]);
+        let q = frame.orientation;
+        let w = model.body_frame[b].orientation.inverse() * state.angular_velocity[b];
+        add(&frame.position.to_array());
+        add(&[q.w, q.x, q.y, q.z]);
+        add(&state.velocity[b].to_array());
+        add(&w.to_array());
+    }
+    for j in &probes.joints {
+        let (joint, s) = (&model.joints[*j as usize], &state.joints[*j as usize]);
+        add(&s.force.to_array());
+        add(&s.torque.to_array());
+        if joint.kind.coordinate().is_some() {
+            add(&[s.coordinate, s.rate]);
+        }
+        add(&[s.violation]);
+    }
+    for s in &probes.springs {
+        let s = &state.springs[*s as usize];
+        add(&[s.force, s.coordinate]);
+    }
+    for (_, pair) in &probes.contacts {
+        let (n, force) = between(model, state, *pair);
+        add(&[n as f64]);
+        add(&force.to_array());
+    }
+    if probes.energies {
+        add(&[model.kinetic_energy(state), model.potential_energy(state)]);
+        add(&[state.contacts.worst_penetration(), mean_slip(state)]);
+    }
+    line.push('\n');
+    line
+}
+
+/// Contacts between two classes that carry, and their force on bodies of the second, N.
+fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, DVec3) {
+    let c = &state.contacts;
+    let (mut n, mut force) = (0, DVec3::ZERO);
+    for i in 0..c.len() {
+        let classes = c.bodies[i].map(|b| model.class[b as usize]);
+        let sign = if classes == [first, second] {
+            1.0
+        } else if classes == [second, first] {
+            -1.0
+        } else {
+            continue;
+        };
+        if c.impulse[i] != DVec3::ZERO {
+            n += 1;
+            force += c.impulse[i] * (sign / model.step);
+        }
+    }
+    (n, force)
+}
+
+/// Mean speed at which contacts that carry slip, m/s.
+fn mean_slip(state: &State) -> f64 {
+    let c = &state.contacts;
+    let spin = |b: usize| state.orientation[b] * state.angular_velocity[b];
+    let (mut n, mut sum) = (0usize, 0.0);
+    for i in (0..c.len()).filter(|i| c.impulse[*i] != DVec3::ZERO) {
+        let [a, b] = c.bodies[i].map(|b| b as usize);
+        let v = state.velocity[b] + spin(b).cross(c.arm_b[i]) - state.velocity[a] - spin(a).cross(c.arm_a[i]);
+        sum += v.reject_from_normalized(c.normal[i]).length();
+        n += 1;
+    }
+    if n == 0 { 0.0 } else { sum / n as f64 }
+}

@@ -1,0 +1,327 @@
+//! Cone complementarity problems and the methods that solve them.
+//!
+//! A problem is a symmetric operator N, an offset r and a product of cones: minimise `½ γᵀNγ + rᵀγ` over γ in the cones
+//! (Negrut et al. 2012, §2). A method ([`Method`]) sees N only as an [`Operator`]: `bodies` applies it matrix-free to contacts
+//! between bodies, with the joints eliminated; `matrix` holds one as sparse blocks.
+//!
+//! Multipliers are three numbers a block. Those of contacts are vectors of the world, so that no tangent frame is needed.
+
+mod apgd;
+mod balls;
+mod barzilai_borwein;
+pub mod bodies;
+mod descend;
+mod exact;
+mod gauss_seidel;
+mod jacobi;
+pub mod joints;
+mod lanes;
+mod ldl;
+pub mod matrix;
+pub mod problem;
+mod visit;
+
+use crate::FrictionLaw;
+use crate::cpu::{fill_rows, sum_rows, sweep};
+use glam::{DMat3, DVec3};
+
+/// The iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// The paper's Algorithm 1.
+    Jacobi,
+    /// Block after block, coloured.
+    GaussSeidel,
+    /// Accelerated projected gradient descent with adaptive restart.
+    Apgd,
+    /// Spectral projected gradients.
+    BarzilaiBorwein,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Method; 4] = [Method::Jacobi, Method::GaussSeidel, Method::Apgd, Method::BarzilaiBorwein];
+
+    /// The name, as model files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Jacobi => "jacobi",
+            Method::GaussSeidel => "gauss_seidel",
+            Method::Apgd => "apgd",
+            Method::BarzilaiBorwein => "barzilai_borwein",
+        }
+    }
+}
+
+/// How contacts are solved; also the `solver` section of a model file.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSettings {
+    /// `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.
+    pub method: Method,
+    /// The law of friction: `relaxed` (the paper's convex form) or `exact`.
+    pub friction: FrictionLaw,
+    /// The most iterations a step.
+    pub iterations: u32,
+    /// Stop when the residual (as in `report.csv`) is below this, m/s; 0 does all iterations.
+    pub tolerance: f64,
+    /// Relaxation ω of Jacobi and Gauss–Seidel; 0.3 and 1 if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub omega: Option<f64>,
+    /// Jacobi's smoothing λ.
+    pub lambda: f64,
+    /// Whether impulses of the last step are the starting point.
+    pub warm_start: bool,
+    /// Greatest speed at which an overlap is pushed apart, m/s.
+    pub recovery_speed: f64,
+    /// Contacts are made at gaps up to this, and farther for fast bodies, m; a fiftieth of the least moving shape if not given.
+    pub envelope: Option<f64>,
+}
+
+impl Default for SolverSettings {
+    fn default() -> SolverSettings {
+        SolverSettings {
+            method: Method::Apgd,
+            friction: FrictionLaw::Relaxed,
+            iterations: 50,
+            tolerance: 1e-7,
+            omega: None,
+            lambda: 1.0,
+            warm_start: true,
+            recovery_speed: 1.0,
+            envelope: None,
+        }
+    }
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    /// Iterations done.
+    pub iterations: u32,
+    /// `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks` with g = 10⁻³ η: the velocity, m/s, by which contacts still miss their cones.
+    pub residual: f64,
+}
+
+/// A motion: of a body, its linear and angular velocity in the world frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// Linear, m/s.
+    pub v: DVec3,
+    /// Angular, rad/s.
+    pub w: DVec3,
+}
+
+/// What an operator makes of multipliers, in the space where it is cheap to combine: all motions, and the joints' multipliers.
+#[derive(Clone, Debug, Default)]
+pub struct Image {
+    /// Motions of the bodies.
+    pub twist: Vec<Twist>,
+    /// Multipliers of the eliminated joint rows.
+    pub lambda: Vec<f64>,
+}
+
+impl Image {
+    /// `self = a + β (a − b)`.
+    fn extrapolate(&mut self, a: &Image, b: &Image, beta: f64) {
+        self.twist.resize(a.twist.len(), Twist::default());
+        fill_rows(&mut self.twist, |i| {
+            let (p, q) = (&a.twist[i], &b.twist[i]);
+            Twist { v: p.v + (p.v - q.v) * beta, w: p.w + (p.w - q.w) * beta }
+        });
+        self.lambda.clear();
+        self.lambda.extend(a.lambda.iter().zip(&b.lambda).map(|(p, q)| p + (p - q) * beta));
+    }
+
+    fn copy_from(&mut self, other: &Image) {
+        self.twist.clone_from(&other.twist);
+        self.lambda.clone_from(&other.lambda);
+    }
+}
+
+/// The point y = x + β (x − previous), with its image.
+#[derive(Clone, Copy)]
+pub struct Extrapolated<'a> {
+    /// x.
+    pub x: &'a [DVec3],
+    /// The point before x.
+    pub previous: &'a [DVec3],
+    /// β.
+    pub beta: f64,
+    /// The image of y.
+    pub image: &'a Image,
+}
+
+/// A symmetric operator N with its cones: `gradient = pull(image(γ))` is Nγ + r.
+pub trait Operator: Sync {
+    /// Number of blocks of three multipliers.
+    fn n_blocks(&self) -> usize;
+    /// The image of γ; it is affine in γ.
+    fn image(&mut self, gamma: &[DVec3], out: &mut Image);
+    /// Block i of Nγ + r, from γ's image.
+    fn pull(&self, image: &Image, block: usize) -> DVec3;
+    /// dᵀNd for the difference of two multipliers, given by their images.
+    fn curvature(&self, a: &Image, b: &Image) -> f64;
+    /// A projected step from y = x + β (x − previous) for the blocks `first..`: `next = Π(y − t η (N y + r))`. Returns
+    /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed.
+    fn descend(&self, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
+        descend::any(self, first, next, from, step)
+    }
+    /// The image of `next`, the image of the point extrapolated from `x` and it, and the curvature along `next` − y.
+    fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
+        self.image(next, to);
+        to_y.extrapolate(to, x, beta);
+        self.curvature(to, y)
+    }
+    /// Project block i onto its cone; `gamma` has the multipliers that the cone's width may hang on.
+    fn project(&self, block: usize, value: DVec3, gamma: &[DVec3]) -> DVec3;
+    /// The same, with the multipliers in cells.
+    fn project_cells(&self, block: usize, value: DVec3, gamma: &Cells<DVec3>) -> DVec3;
+    /// η of a block: 3/trace(N_ii).
+    fn eta(&self, block: usize) -> f64;
+    /// N_ii.
+    fn diagonal(&self, block: usize) -> DMat3;
+    /// Change block i of γ by `d` and the image with it, but for what the joints do.
+    fn kick(&self, image: &Cells<Twist>, block: usize, d: DVec3);
+    /// Block i of Nγ + r from an image that others may be changing elsewhere.
+    fn pull_cells(&self, image: &Cells<Twist>, block: usize) -> DVec3;
+    /// Let the joints answer to kicks.
+    fn settle(&mut self, image: &mut Image);
+    /// Blocks in groups whose members have no image entry in common: `order[start[c]..start[c+1]]` is group c.
+    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>);
+    /// Lay the blocks out for a faster visit, colour by colour; false if there is none for blocks of this kind.
+    fn pack(&self, _start: &[u32], _order: &[u32], _gamma: &[DVec3], _packed: &mut balls::Packed) -> bool {
+        false
+    }
+    /// The coefficient of friction of a block, and its normal; (0, 0) where it has none.
+    fn friction(&self, block: usize) -> (f64, DVec3);
+    /// Feed the gap's rate of every block with `μ |v_t|` (exact friction); replaces what was fed before.
+    fn feed(&mut self, slip: &[f64]);
+}
+
+/// A column whose entries are changed by several threads that never share an entry.
+pub struct Cells<'a, T> {
+    entry: &'a [std::cell::UnsafeCell<T>],
+}
+
+// SAFETY: entries are only reached through `get` and `set`, whose callers hold that no two threads touch the same entry.
+unsafe impl<T: Send> Sync for Cells<'_, T> {}
+
+impl<'a, T: Copy> Cells<'a, T> {
+    /// Share a column.
+    fn new(column: &'a mut [T]) -> Cells<'a, T> {
+        let entry: *const [T] = column;
+        // SAFETY: UnsafeCell<T> has the layout of T, and the column is borrowed for as long as the cells live.
+        Cells { entry: unsafe { &*(entry as *const [std::cell::UnsafeCell<T>]) } }
+    }
+
+    /// Read an entry.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> T {
+        // SAFETY: blocks of one colour share no moving body (`Operator::colors`) and stand in it once, and entries of bodies
+        // held in place are never written; so nobody writes this entry meanwhile.
+        unsafe { *self.entry[i].get() }
+    }
+
+    /// Write an entry.
+    #[inline(always)]
+    pub fn set(&self, i: usize, value: T) {
+        // SAFETY: as for `get`; of bodies, only moving ones are written.
+        unsafe { *self.entry[i].get() = value }
+    }
+}
+
+/// The methods' own columns, kept from step to step.
+#[derive(Default)]
+pub struct Workspace {
+    previous: Vec<DVec3>,
+    next: Vec<DVec3>,
+    best: Vec<DVec3>,
+    image_next: Image,
+    image_y: Image,
+    image_y_next: Image,
+    image_best: Image,
+    slip: Vec<f64>,
+    color_start: Vec<u32>,
+    color_order: Vec<u32>,
+    packed: balls::Packed,
+    /// The step length that was right for the last APGD; the next begins with it.
+    pub step_length: f64,
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    /// Iterations.
+    pub iterations: u32,
+    /// Residual, m/s.
+    pub tolerance: f64,
+}
+
+/// Solve: γ comes in as the starting point and goes out as the solution, `image` as its image.
+pub fn solve(
+    op: &mut impl Operator,
+    settings: &SolverSettings,
+    gamma: &mut Vec<DVec3>,
+    image: &mut Image,
+    work: &mut Workspace,
+) -> Outcome {
+    let limit = Limit { iterations: settings.iterations, tolerance: settings.tolerance };
+    if op.n_blocks() == 0 {
+        op.image(gamma, image);
+        return Outcome::default();
+    }
+    for i in 0..gamma.len() {
+        gamma[i] = op.project(i, gamma[i], gamma);
+    }
+    op.image(gamma, image);
+    match settings.friction {
+        FrictionLaw::Relaxed => run(op, settings, limit, gamma, image, work),
+        FrictionLaw::Exact => exact::run(op, settings, limit, gamma, image, work),
+    }
+}
+
+/// Solve with the offset as it is.
+fn run(
+    op: &mut impl Operator,
+    settings: &SolverSettings,
+    limit: Limit,
+    gamma: &mut Vec<DVec3>,
+    image: &mut Image,
+    work: &mut Workspace,
+) -> Outcome {
+    match settings.method {
+        Method::Jacobi => jacobi::run(op, settings, limit, gamma, image, work),
+        Method::GaussSeidel => gauss_seidel::run(op, settings, limit, gamma, image, work),
+        Method::Apgd => apgd::run(op, limit, gamma, image, work),
+        Method::BarzilaiBorwein => barzilai_borwein::run(op, limit, gamma, image, work),
+    }
+}
+
+/// Project onto the cone |γ_t| ≤ μ γ_n about the axis n.
+#[inline]
+pub fn project_cone(y: DVec3, n: DVec3, mu: f64) -> DVec3 {
+    let normal = y.dot(n);
+    let tangent = y - n * normal;
+    let t2 = tangent.length_squared();
+    if normal >= 0.0 && t2 <= mu * mu * normal * normal {
+        return y;
+    }
+    let t = t2.sqrt();
+    if t * mu <= -normal {
+        return DVec3::ZERO;
+    }
+    let kept = (t * mu + normal) / (mu * mu + 1.0);
+    n * kept + tangent * (mu * kept / t)
+}
+
+/// The residual of γ: see [`Outcome::residual`].
+pub fn residual(op: &impl Operator, gamma: &[DVec3], image: &Image) -> f64 {
+    let [sum] = sum_rows(gamma.len(), |i| {
+        let g = 1e-3 * op.eta(i);
+        let gradient = op.pull(image, i);
+        [((gamma[i] - op.project(i, gamma[i] - gradient * g, gamma)) / g).length_squared()]
+    });
+    sum.sqrt() / gamma.len() as f64
+}

@@ -1,0 +1,364 @@
+//! N = Dᵀ M̃⁻¹ D, matrix-free: the impulses of the contacts are summed body by body over each body's contacts in a fixed
+//! order, the joints answer, and the relative velocities are read contact by contact.
+//!
+//! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
+//! then the limits of joints, one number each.
+
+use super::balls::Packed;
+use super::joints::Joints;
+use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
+use crate::Contacts;
+use crate::cpu::contact_solve::Masses;
+use crate::cpu::{fill_rows, sum_rows, sweep_two};
+use crate::joint::Row;
+use crate::state::ContactLaw;
+use glam::{DMat3, DVec3};
+
+/// The operator of a step.
+pub struct BodyOperator<'a> {
+    /// The contacts.
+    pub contacts: &'a Contacts,
+    /// The laws that their `law` points to.
+    pub laws: &'a [ContactLaw],
+    /// Masses in the world frame.
+    pub masses: &'a Masses,
+    /// Velocities without contacts and joints (n_bodies).
+    pub free: &'a [Twist],
+    /// The joints.
+    pub joints: &'a mut Joints,
+    /// Limits of joints that may be met: dΨ/dt ≥ 0 once Ψ is 0.
+    pub limits: &'a [Row],
+    /// Normal part of b: Φ/h and what restitution asks (n_contacts + n_limits).
+    pub offset: &'a mut [f64],
+    /// The same without what exact friction feeds.
+    pub offset_unfed: &'a [f64],
+    /// η (n_blocks).
+    pub eta: &'a [f64],
+    /// Whether there are rolling blocks.
+    pub rolls: bool,
+    /// Whether contacts have friction alone: no cohesion.
+    pub plain: bool,
+    /// Whether all moving bodies are balls about their own centres.
+    pub balls: bool,
+    /// μ of each contact (n_contacts).
+    pub friction: &'a [f64],
+    /// h, s.
+    pub step: f64,
+    /// δ, m: cohesion reaches this far.
+    pub envelope: f64,
+}
+
+/// What a block is.
+enum Block {
+    Contact(usize),
+    Roll(usize),
+    Limit(usize),
+}
+
+impl BodyOperator<'_> {
+    #[inline]
+    fn block(&self, i: usize) -> Block {
+        let n = self.contacts.len();
+        if i < n {
+            Block::Contact(i)
+        } else if self.rolls && i < 2 * n {
+            Block::Roll(i - n)
+        } else {
+            Block::Limit(i - if self.rolls { 2 * n } else { n })
+        }
+    }
+
+    #[inline]
+    fn law(&self, contact: usize) -> &ContactLaw {
+        &self.laws[self.contacts.law[contact] as usize]
+    }
+
+    /// Relative velocity at a block, from motions.
+    #[inline]
+    fn relative(&self, i: usize, of: impl Fn(usize) -> Twist) -> DVec3 {
+        match self.block(i) {
+            Block::Contact(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                let (a, b) = (of(a as usize), of(b as usize));
+                let v = b.v + b.w.cross(self.contacts.arm_b[i]) - a.v - a.w.cross(self.contacts.arm_a[i]);
+                v + self.contacts.normal[i] * self.offset[i]
+            }
+            Block::Roll(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                of(b as usize).w - of(a as usize).w
+            }
+            Block::Limit(i) => {
+                let row = &self.limits[i];
+                let [a, b] = row.bodies.map(|b| of(b as usize));
+                DVec3::new(row.speed([a.v, a.w], [b.v, b.w]) + self.offset[self.contacts.len() + i], 0.0, 0.0)
+            }
+        }
+    }
+
+    /// Project a block; `gamma` reads a contact's impulse, on which the width of its rolling cone hangs.
+    #[inline(always)]
+    fn project_with(&self, i: usize, y: DVec3, gamma: impl Fn(usize) -> DVec3) -> DVec3 {
+        match self.block(i) {
+            Block::Contact(i) => {
+                let (n, law) = (self.contacts.normal[i], self.law(i));
+                if law.cohesion > 0.0 {
+                    let tip = n * self.adhesion(i);
+                    return project_cone(y + tip, n, law.friction) - tip;
+                }
+                project_cone(y, n, law.friction)
+            }
+            Block::Roll(i) => {
+                let (n, law) = (self.contacts.normal[i], self.law(i));
+                let normal = (gamma(i).dot(n) + self.adhesion(i)).max(0.0);
+                let spin = y.dot(n);
+                let roll = y - n * spin;
+                let length = roll.length();
+                let most = law.rolling * normal;
+                let roll = if length > most { roll * (most / length) } else { roll };
+                n * spin.clamp(-law.spinning * normal, law.spinning * normal) + roll
+            }
+            Block::Limit(_) => DVec3::new(y.x.max(0.0), 0.0, 0.0),
+        }
+    }
+
+    /// What adhesion adds to the normal multiplier: the cone's tip is so far below zero.
+    #[inline]
+    fn adhesion(&self, contact: usize) -> f64 {
+        let cohesion = self.law(contact).cohesion;
+        if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.step } else { 0.0 }
+    }
+
+    /// The velocity of a body with the impulses γ, before the joints answer.
+    #[inline(always)]
+    fn push_body(&self, body: usize, gamma: &[DVec3]) -> Twist {
+        let (contacts, masses) = (self.contacts, self.masses);
+        let free = self.free[body];
+        if masses.inv_mass[body] == 0.0 {
+            return free;
+        }
+        let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+        for incident in contacts.of_body(body) {
+            let i = *incident as usize / 2;
+            let (arm, j) =
+                if incident & 1 == 1 { (&contacts.arm_b[i], gamma[i]) } else { (&contacts.arm_a[i], -gamma[i]) };
+            linear += j;
+            angular += arm.cross(j);
+            if self.rolls {
+                let roll = gamma[contacts.len() + i];
+                angular += if incident & 1 == 1 { roll } else { -roll };
+            }
+        }
+        Twist { v: free.v + linear * masses.inv_mass[body], w: free.w + masses.turn(body, angular) }
+    }
+
+    /// Velocities with the impulses γ, before the joints answer.
+    fn spread(&self, gamma: &[DVec3], out: &mut Vec<Twist>) {
+        let masses = self.masses;
+        out.resize(self.free.len(), Twist::default());
+        fill_rows(out, |body| self.push_body(body, gamma));
+        let first = gamma.len() - self.limits.len();
+        for (row, gamma) in self.limits.iter().zip(&gamma[first..]) {
+            for (body, sign, angular) in [(row.bodies[0], -1.0, row.angular_a), (row.bodies[1], 1.0, row.angular_b)] {
+                let b = body as usize;
+                out[b].v += row.linear * (sign * gamma.x * masses.inv_mass[b]);
+                out[b].w += masses.turn(b, angular * (sign * gamma.x));
+            }
+        }
+    }
+}
+
+impl Operator for BodyOperator<'_> {
+    fn n_blocks(&self) -> usize {
+        self.contacts.len() * if self.rolls { 2 } else { 1 } + self.limits.len()
+    }
+
+    fn image(&mut self, gamma: &[DVec3], out: &mut Image) {
+        let mut twist = std::mem::take(&mut out.twist);
+        self.spread(gamma, &mut twist);
+        out.twist = twist;
+        out.lambda.clear();
+        self.joints.answer(self.masses, out);
+    }
+
+    #[inline]
+    fn pull(&self, image: &Image, i: usize) -> DVec3 {
+        self.relative(i, |b| image.twist[b])
+    }
+
+    fn curvature(&self, a: &Image, b: &Image) -> f64 {
+        let masses = self.masses;
+        let [sum] = sum_rows(self.free.len(), |i| {
+            if masses.inv_mass[i] == 0.0 {
+                return [0.0];
+            }
+            let (v, w) = (a.twist[i].v - b.twist[i].v, a.twist[i].w - b.twist[i].w);
+            [v.length_squared() / masses.inv_mass[i] + w.dot(masses.momentum(i, w))]
+        });
+        sum + self.joints.compliance(&a.lambda, &b.lambda)
+    }
+
+    fn descend(&self, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
+        if !self.plain || first + next.len() > self.contacts.len() {
+            return descend::any(self, first, next, from, step);
+        }
+        descend::run(self, first, next, from, step)
+    }
+
+    fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
+        if !self.joints.rows.is_empty() || !self.limits.is_empty() {
+            self.image(next, to);
+            to_y.extrapolate(to, x, beta);
+            return self.curvature(to, y);
+        }
+        // Without joints one pass over the bodies does it all.
+        let n = self.free.len();
+        to.twist.resize(n, Twist::default());
+        to_y.twist.resize(n, Twist::default());
+        let this = &*self;
+        let [curvature] = sweep_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
+            let mut sum = 0.0;
+            for (k, (to, to_y)) in to.iter_mut().zip(to_y).enumerate() {
+                let b = first + k;
+                let (new, x, y) = (this.push_body(b, next), &x.twist[b], &y.twist[b]);
+                *to = new;
+                *to_y = Twist { v: new.v + (new.v - x.v) * beta, w: new.w + (new.w - x.w) * beta };
+                if this.masses.inv_mass[b] > 0.0 {
+                    let (v, w) = (new.v - y.v, new.w - y.w);
+                    sum += v.length_squared() / this.masses.inv_mass[b] + w.dot(this.masses.momentum(b, w));
+                }
+            }
+            [sum]
+        });
+        curvature
+    }
+
+    #[inline]
+    fn project(&self, i: usize, y: DVec3, gamma: &[DVec3]) -> DVec3 {
+        self.project_with(i, y, |i| gamma[i])
+    }
+
+    fn project_cells(&self, i: usize, y: DVec3, gamma: &Cells<DVec3>) -> DVec3 {
+        self.project_with(i, y, |i| gamma.get(i))
+    }
+
+    #[inline]
+    fn eta(&self, i: usize) -> f64 {
+        self.eta[i]
+    }
+
+    fn diagonal(&self, i: usize) -> DMat3 {
+        let masses = self.masses;
+        match self.block(i) {
+            Block::Contact(i) => {
+                let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
+                let cross =
+                    |arm: DVec3| DMat3::from_cols(arm.cross(DVec3::X), arm.cross(DVec3::Y), arm.cross(DVec3::Z));
+                let turned = |b: usize, arm: DVec3| {
+                    let c = cross(arm);
+                    c.transpose() * masses.inertia(b) * c
+                };
+                DMat3::from_diagonal(DVec3::splat(masses.inv_mass[a] + masses.inv_mass[b]))
+                    + turned(a, self.contacts.arm_a[i])
+                    + turned(b, self.contacts.arm_b[i])
+            }
+            Block::Roll(i) => {
+                let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
+                masses.inertia(a) + masses.inertia(b)
+            }
+            Block::Limit(_) => DMat3::from_diagonal(DVec3::splat(1.0 / self.eta[i])),
+        }
+    }
+
+    fn kick(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
+        let masses = self.masses;
+        let push = |body: u32, linear: DVec3, angular: DVec3| {
+            let b = body as usize;
+            if masses.inv_mass[b] > 0.0 {
+                let t = cells.get(b);
+                cells.set(b, Twist { v: t.v + linear * masses.inv_mass[b], w: t.w + masses.turn(b, angular) });
+            }
+        };
+        match self.block(i) {
+            Block::Contact(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                push(a, -d, -self.contacts.arm_a[i].cross(d));
+                push(b, d, self.contacts.arm_b[i].cross(d));
+            }
+            Block::Roll(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                push(a, DVec3::ZERO, -d);
+                push(b, DVec3::ZERO, d);
+            }
+            Block::Limit(i) => {
+                let row = &self.limits[i];
+                push(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
+                push(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
+            }
+        }
+    }
+
+    fn pull_cells(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {
+        self.relative(i, |b| cells.get(b))
+    }
+
+    fn settle(&mut self, image: &mut Image) {
+        self.joints.answer(self.masses, image);
+    }
+
+    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>) {
+        let bodies = |i: usize| match self.block(i) {
+            Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i],
+            Block::Limit(i) => self.limits[i].bodies,
+        };
+        let moves = |b: u32| self.masses.inv_mass[b as usize] > 0.0;
+        let n = self.n_blocks();
+        // The colours that a body's blocks have, as bits; the first that is free of both bodies is taken.
+        let mut taken = vec![0u64; self.free.len()];
+        let mut color = vec![0u32; n];
+        // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
+        let mut n_colors = 64;
+        for (i, color) in color.iter_mut().enumerate() {
+            let [a, b] = bodies(i);
+            let used = (if moves(a) { taken[a as usize] } else { 0 }) | (if moves(b) { taken[b as usize] } else { 0 });
+            *color = (!used).trailing_zeros();
+            if *color == 64 {
+                *color = n_colors;
+                n_colors += 1;
+            } else {
+                taken[a as usize] |= 1 << *color;
+                taken[b as usize] |= 1 << *color;
+            }
+        }
+        start.clear();
+        start.resize(n_colors as usize + 1, 0);
+        color.iter().for_each(|c| start[*c as usize + 1] += 1);
+        (1..start.len()).for_each(|c| start[c] += start[c - 1]);
+        let mut slot = start.clone();
+        order.resize(n, 0);
+        for (i, c) in color.iter().enumerate() {
+            order[slot[*c as usize] as usize] = i as u32;
+            slot[*c as usize] += 1;
+        }
+    }
+
+    fn pack(&self, start: &[u32], order: &[u32], gamma: &[DVec3], packed: &mut Packed) -> bool {
+        let fits = self.plain && self.balls && self.n_blocks() == self.contacts.len();
+        if fits {
+            packed.fill(self, start, order, gamma);
+        }
+        fits
+    }
+
+    fn friction(&self, i: usize) -> (f64, DVec3) {
+        match self.block(i) {
+            Block::Contact(i) => (self.law(i).friction, self.contacts.normal[i]),
+            _ => (0.0, DVec3::ZERO),
+        }
+    }
+
+    fn feed(&mut self, slip: &[f64]) {
+        for i in 0..self.contacts.len() {
+            self.offset[i] = self.offset_unfed[i] + slip[i];
+        }
+    }
+}

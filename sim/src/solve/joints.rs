@@ -1,0 +1,160 @@
+//! The joints, eliminated: a set of impulses changes the velocities by `M⁻¹f`, and the joints answer at once with the
+//! multipliers λ that keep `Bᵀv + Ψ/h + ∂Ψ/∂t + Cλ = 0`, found by a sparse factorisation of `S = BᵀM⁻¹B + C`.
+//!
+//! The projected iteration over contacts then works with `M̃⁻¹ = M⁻¹ − M⁻¹B S⁻¹ BᵀM⁻¹` in place of M⁻¹: a chain of stiff joints
+//! with light links and a heavy load costs it no iterations. (The paper iterates over joints and contacts alike, and names
+//! the slow convergence as its open problem, §6.)
+//!
+//! C has the compliance of springs, and for rigid rows a trace of the diagonal, so that redundant rows share their load
+//! rather than break the factorisation.
+
+use super::ldl::Ldl;
+use super::{Image, Twist};
+use crate::cpu::contact_solve::Masses;
+use crate::joint::Row;
+
+/// Compliance of a rigid row, relative to its own diagonal. Redundant rows (two pins a hinge, a closed ring of hinges) share
+/// their load by it; a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
+const TRACE: f64 = 1e-6;
+
+/// The rows of a step and their factorisation.
+#[derive(Default)]
+pub struct Joints {
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// `Ψ/h + ∂Ψ/∂t` and what springs add, m/s (n_rows).
+    pub bias: Vec<f64>,
+    /// Bodies of the rows when the pattern was analysed.
+    pattern: Vec<[u32; 2]>,
+    /// For each moving body that rows share, its rows.
+    of_body: Vec<(u32, Vec<u32>)>,
+    /// Slots of the pairs (k, l ≥ k) of each body's rows, in order.
+    slot: Vec<u32>,
+    ldl: Ldl,
+    rhs: Vec<f64>,
+    softness: Vec<f64>,
+}
+
+/// M⁻¹ of a row's Jacobian on A or on B.
+fn inverse(row: &Row, body: u32, masses: &Masses) -> Twist {
+    let b = body as usize;
+    let (sign, angular) = if row.bodies[1] == body { (1.0, row.angular_b) } else { (-1.0, row.angular_a) };
+    Twist { v: row.linear * (sign * masses.inv_mass[b]), w: masses.turn(b, angular * sign) }
+}
+
+impl Joints {
+    /// Take the rows of a step and factorise.
+    pub fn prepare(&mut self, masses: &Masses) {
+        let n = self.rows.len();
+        if n == 0 {
+            return;
+        }
+        if self.pattern.len() != n || self.rows.iter().zip(&self.pattern).any(|(r, p)| r.bodies != *p) || masses.changed
+        {
+            self.analyse(masses);
+        }
+        self.ldl.clear();
+        let mut slot = self.slot.iter();
+        let mut next = || *slot.next().expect("as many slots as pairs");
+        self.softness.clear();
+        self.softness.extend(self.rows.iter().map(|r| r.softness));
+        let mut diagonal = vec![0.0; n];
+        for (body, rows) in &self.of_body {
+            for (i, &k) in rows.iter().enumerate() {
+                let m = inverse(&self.rows[k as usize], *body, masses);
+                for &l in &rows[i..] {
+                    let row = &self.rows[l as usize];
+                    let (sign, angular) =
+                        if row.bodies[1] == *body { (1.0, row.angular_b) } else { (-1.0, row.angular_a) };
+                    let value = sign * (row.linear.dot(m.v) + angular.dot(m.w));
+                    self.ldl.add(next(), value);
+                    if k == l {
+                        diagonal[k as usize] += value;
+                    }
+                }
+            }
+        }
+        for k in 0..n {
+            let trace = TRACE * diagonal[k].max(f64::MIN_POSITIVE);
+            self.softness[k] = self.softness[k].max(trace);
+            self.ldl.add(next(), self.softness[k]);
+        }
+        let largest = diagonal.iter().fold(0f64, |m, d| m.max(*d)).max(f64::MIN_POSITIVE);
+        self.ldl.factorise(1e-14 * largest);
+    }
+
+    fn analyse(&mut self, masses: &Masses) {
+        let n = self.rows.len();
+        self.pattern = self.rows.iter().map(|r| r.bodies).collect();
+        let mut of_body: std::collections::BTreeMap<u32, Vec<u32>> = Default::default();
+        for (k, row) in self.rows.iter().enumerate() {
+            for body in row.bodies {
+                if masses.inv_mass[body as usize] > 0.0 {
+                    of_body.entry(body).or_default().push(k as u32);
+                }
+            }
+        }
+        self.of_body = of_body.into_iter().collect();
+        let mut number: std::collections::HashMap<[u32; 2], u32> = Default::default();
+        let mut entries: Vec<[u32; 2]> = vec![];
+        let mut all: Vec<u32> = vec![];
+        let mut take = |pair: [u32; 2]| {
+            let next = entries.len() as u32;
+            all.push(*number.entry(pair).or_insert_with(|| {
+                entries.push(pair);
+                next
+            }));
+        };
+        for (_, rows) in &self.of_body {
+            for (i, &k) in rows.iter().enumerate() {
+                rows[i..].iter().for_each(|&l| take([k, l]));
+            }
+        }
+        (0..n as u32).for_each(|k| take([k, k]));
+        // Rows between the same two bodies are eliminated together.
+        let mut groups: std::collections::BTreeMap<[u32; 2], u32> = Default::default();
+        let group: Vec<u32> = self
+            .rows
+            .iter()
+            .map(|r| {
+                let next = groups.len() as u32;
+                *groups.entry(r.bodies).or_insert(next)
+            })
+            .collect();
+        let (ldl, slots) = Ldl::analyse(n, &entries, &group);
+        self.ldl = ldl;
+        self.slot = all.iter().map(|e| slots[*e as usize]).collect();
+    }
+
+    /// Let the joints answer: `image` has velocities that hold the part of the multipliers in `lambda` (none if it is empty),
+    /// and gets all of λ and the velocities with it.
+    pub fn answer(&mut self, masses: &Masses, image: &mut Image) {
+        if self.rows.is_empty() {
+            return;
+        }
+        self.rhs.clear();
+        image.lambda.resize(self.rows.len(), 0.0);
+        let motion = |t: &[Twist], b: u32| [t[b as usize].v, t[b as usize].w];
+        for (k, row) in self.rows.iter().enumerate() {
+            let speed = row.speed(motion(&image.twist, row.bodies[0]), motion(&image.twist, row.bodies[1]));
+            self.rhs.push(-(speed + self.bias[k] + self.softness[k] * image.lambda[k]));
+        }
+        self.ldl.solve(&mut self.rhs);
+        image.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
+        for (row, lambda) in self.rows.iter().zip(&self.rhs) {
+            for body in row.bodies {
+                if masses.inv_mass[body as usize] > 0.0 {
+                    let m = inverse(row, body, masses);
+                    let t = &mut image.twist[body as usize];
+                    t.v += m.v * *lambda;
+                    t.w += m.w * *lambda;
+                }
+            }
+        }
+    }
+
+    /// λᵀCλ of a difference of multipliers.
+    pub fn compliance(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).zip(&self.softness).map(|((p, q), c)| c * (p - q) * (p - q)).sum()
+    }
+}

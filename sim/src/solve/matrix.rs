@@ -1,0 +1,130 @@
+//! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q`, with (normal, tangent, tangent) a block.
+
+use super::{Cells, Image, Operator, Twist, project_cone};
+use crate::cpu::{fill_rows, sum_rows};
+use glam::{DMat3, DVec3};
+
+/// The operator of a problem.
+#[derive(Clone, Debug)]
+pub struct MatrixOperator {
+    /// Blocks of row i: `start[i]..start[i+1]` (n_contacts + 1).
+    pub start: Vec<u32>,
+    /// Column of each block.
+    pub column: Vec<u32>,
+    /// The blocks.
+    pub block: Vec<DMat3>,
+    /// q (n_contacts).
+    pub q: Vec<DVec3>,
+    /// μ (n_contacts).
+    pub friction: Vec<f64>,
+    /// μ|u_t| that exact friction feeds (n_contacts).
+    fed: Vec<f64>,
+    /// W_ii and η (n_contacts).
+    own: Vec<DMat3>,
+    eta: Vec<f64>,
+}
+
+impl MatrixOperator {
+    /// From blocks by row; each row's columns rise.
+    pub fn new(start: Vec<u32>, column: Vec<u32>, block: Vec<DMat3>, q: Vec<DVec3>, friction: Vec<f64>) -> Self {
+        let n = q.len();
+        let row = |i: usize| start[i] as usize..start[i + 1] as usize;
+        let own: Vec<DMat3> =
+            (0..n).map(|i| row(i).find(|p| column[*p] as usize == i).map_or(DMat3::ZERO, |p| block[p])).collect();
+        let trace = |m: &DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+        let eta = own.iter().map(|m| if trace(m) > 0.0 { 3.0 / trace(m) } else { 1.0 }).collect();
+        MatrixOperator { fed: vec![0.0; n], own, eta, start, column, block, q, friction }
+    }
+
+    #[inline]
+    fn row(&self, i: usize) -> std::ops::Range<usize> {
+        self.start[i] as usize..self.start[i + 1] as usize
+    }
+
+    /// u = Wγ + q of a block.
+    pub fn velocity(&self, gamma: &[DVec3], i: usize) -> DVec3 {
+        self.row(i).map(|p| self.block[p] * gamma[self.column[p] as usize]).sum::<DVec3>() + self.q[i]
+    }
+
+    /// The error measure `‖F_nat‖/‖q‖`, F_nat = γ − Π(γ − (u + g)), with g = (μ|u_t|, 0, 0) if friction is exact.
+    pub fn error(&self, gamma: &[DVec3], exact: bool) -> f64 {
+        let [miss, scale] = sum_rows(self.q.len(), |i| {
+            let mut u = self.velocity(gamma, i);
+            if exact {
+                u.x += self.friction[i] * (u.y * u.y + u.z * u.z).sqrt();
+            }
+            let natural = gamma[i] - project_cone(gamma[i] - u, DVec3::X, self.friction[i]);
+            [natural.length_squared(), self.q[i].length_squared()]
+        });
+        (miss / scale.max(f64::MIN_POSITIVE)).sqrt()
+    }
+}
+
+/// The image of γ has u in `v`, and γ itself in `w`, so that combinations of images know both.
+impl Operator for MatrixOperator {
+    fn n_blocks(&self) -> usize {
+        self.q.len()
+    }
+
+    fn image(&mut self, gamma: &[DVec3], out: &mut Image) {
+        out.twist.resize(gamma.len(), Twist::default());
+        let this = &*self;
+        fill_rows(&mut out.twist, |i| Twist { v: this.velocity(gamma, i), w: gamma[i] });
+    }
+
+    #[inline]
+    fn pull(&self, image: &Image, i: usize) -> DVec3 {
+        image.twist[i].v + DVec3::new(self.fed[i], 0.0, 0.0)
+    }
+
+    fn curvature(&self, a: &Image, b: &Image) -> f64 {
+        sum_rows(self.q.len(), |i| [(a.twist[i].w - b.twist[i].w).dot(a.twist[i].v - b.twist[i].v)])[0]
+    }
+
+    #[inline]
+    fn project(&self, i: usize, y: DVec3, _: &[DVec3]) -> DVec3 {
+        project_cone(y, DVec3::X, self.friction[i])
+    }
+
+    fn project_cells(&self, i: usize, y: DVec3, _: &Cells<DVec3>) -> DVec3 {
+        project_cone(y, DVec3::X, self.friction[i])
+    }
+
+    #[inline]
+    fn eta(&self, i: usize) -> f64 {
+        self.eta[i]
+    }
+
+    fn diagonal(&self, i: usize) -> DMat3 {
+        self.own[i]
+    }
+
+    fn kick(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
+        // W is symmetric: column i is row i, transposed.
+        for p in self.row(i) {
+            let j = self.column[p] as usize;
+            let t = cells.get(j);
+            cells.set(j, Twist { v: t.v + self.block[p].transpose() * d, w: if i == j { t.w + d } else { t.w } });
+        }
+    }
+
+    fn pull_cells(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {
+        cells.get(i).v + DVec3::new(self.fed[i], 0.0, 0.0)
+    }
+
+    fn settle(&mut self, _: &mut Image) {}
+
+    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>) {
+        // A kick writes whole columns: one block at a time.
+        let n = self.q.len() as u32;
+        (*start, *order) = ((0..=n).collect(), (0..n).collect());
+    }
+
+    fn friction(&self, i: usize) -> (f64, DVec3) {
+        (self.friction[i], DVec3::X)
+    }
+
+    fn feed(&mut self, slip: &[f64]) {
+        self.fed.copy_from_slice(slip);
+    }
+}

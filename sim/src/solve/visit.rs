@@ -1,0 +1,44 @@
+//! The inner loop of Gauss–Seidel over blocks of one colour: pull the gradient, solve the block's own problem, kick its bodies.
+
+use super::{Cells, Operator, Twist};
+use glam::{DMat3, DVec3};
+
+/// Projected gradient steps on a block's own 3×3 problem at each visit.
+const INNER: usize = 12;
+
+/// Let blocks of one colour each minimise the objective over its own cone, the others held; returns the sum of the squares of
+/// what they were off, `|Δγ/η|²`, m²/s².
+pub fn visit(
+    op: &(impl Operator + ?Sized),
+    blocks: &mut [u32],
+    image: &Cells<Twist>,
+    gamma: &Cells<DVec3>,
+    omega: f64,
+) -> f64 {
+    let mut missed = 0.0;
+    for &mut i in blocks {
+        let i = i as usize;
+        let (gradient, own, before) = (op.pull_cells(image, i), op.diagonal(i), gamma.get(i));
+        let step = 1.0 / largest(&own);
+        let mut z = before;
+        for _ in 0..INNER {
+            let next = op.project_cells(i, z - (gradient + own * (z - before)) * step, gamma);
+            let moved = (next - z).length_squared();
+            z = next;
+            if moved <= 1e-24 * z.length_squared() {
+                break;
+            }
+        }
+        let d = (z - before) * omega;
+        gamma.set(i, before + d);
+        op.kick(image, i, d);
+        missed += (d / op.eta(i)).length_squared();
+    }
+    missed
+}
+
+/// A bound of the largest eigenvalue: the largest sum of absolute values of a row.
+fn largest(m: &DMat3) -> f64 {
+    let (x, y, z) = (m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    (x + y + z).max_element().max(f64::MIN_POSITIVE)
+}

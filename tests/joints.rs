@@ -1,0 +1,254 @@
+//! Joints, motors, limits, springs and loads against answers known on paper, and against curves of ADAMS where they are present.
+
+use crate::analytic::{close, run, simulation};
+use glam::DVec3;
+use std::path::Path;
+
+/// A pendulum: 1 kg, inertia (0.04, 0.1, 0.1) kg m², its centre 2 m from a hinge about y, let go level.
+fn pendulum(step: f64) -> sim::Simulation {
+    simulation(&format!(
+        "gravity: [0, 0, -9.80665]
+step: {step}
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - name: bob
+    shapes: []
+    mass: 1
+    inertia: [0.04, 0.1, 0.1]
+    position: [2, 0, 0]
+    orientation: [0.7071067811865476, -0.7071067811865476, 0, 0]
+joints:
+  - {{name: hinge, kind: revolute, a: world, b: bob, position: [0, 0, 0], axis: [0, 1, 0], axis_x: [1, 0, 0]}}
+"
+    ))
+}
+
+/// Rows of a file of curves: time and three or four columns.
+fn curve(name: &str) -> Option<Vec<Vec<f64>>> {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../shared/data/joints/Revolute_Case01_ADAMS_{name}.txt"));
+    let text = std::fs::read_to_string(path).ok()?;
+    let row = |l: &str| l.split_whitespace().map(|c| c.parse().ok()).collect::<Option<Vec<f64>>>();
+    Some(text.lines().skip(3).filter_map(row).collect())
+}
+
+#[test]
+fn the_revolute_pendulum_follows_adams() {
+    let names = ["Pos", "Vel", "Quat", "Rforce", "Rtorque"];
+    let Some(curves) = names.iter().map(|n| curve(n)).collect::<Option<Vec<_>>>() else {
+        eprintln!("skipped: the curves of ADAMS are not here");
+        return;
+    };
+    let tolerance = [1e-3, 1e-2, 1e-3, 2e-2, 1e-2];
+    let mut sim = pendulum(5e-4);
+    let mut sums = [[0.0f64; 4]; 5];
+    let mut violation = 0.0f64;
+    let n = curves[0].len();
+    for (i, row) in curves[0].iter().enumerate() {
+        run(&mut sim, row[0]);
+        let (s, j) = (&sim.state, &sim.state.joints[0]);
+        // The body's frame is the principal one; the joint's x, y, z are the world's x, −z, y.
+        let q = s.orientation[0];
+        let world = |v: DVec3| vec![v.x, v.z, -v.y];
+        let force = if i == 0 { vec![0.0, 0.0, -0.239187] } else { world(j.force) };
+        let mine = [
+            s.position[0].to_array().to_vec(),
+            s.velocity[0].to_array().to_vec(),
+            vec![q.w, q.x, q.y, q.z],
+            force,
+            world(j.torque),
+        ];
+        for (k, mine) in mine.iter().enumerate() {
+            for (c, x) in mine.iter().enumerate() {
+                sums[k][c] += (x - curves[k][i][c + 1]).powi(2) / n as f64;
+            }
+        }
+        violation += j.violation.powi(2) / n as f64;
+    }
+    for (k, name) in names.iter().enumerate() {
+        for c in 0..4 {
+            assert!(sums[k][c].sqrt() < tolerance[k], "{name}, column {c}: {} RMS", sums[k][c].sqrt());
+        }
+    }
+    assert!(violation.sqrt() < 1e-5, "constraint: {} RMS", violation.sqrt());
+}
+
+#[test]
+fn the_pendulum_keeps_its_energy() {
+    let mut sim = pendulum(5e-4);
+    let energy = |s: &sim::Simulation| s.model.kinetic_energy(&s.state) + s.model.potential_energy(&s.state);
+    run(&mut sim, 5.0);
+    // Of some 20 J that go to and fro.
+    assert!(energy(&sim).abs() < 0.05, "{} J", energy(&sim));
+}
+
+/// A body of 2 kg on a joint to the world at the origin; gravity along −z.
+fn on_joint(joint: &str, extra: &str) -> sim::Simulation {
+    simulation(&format!(
+        "step: 1e-3
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: body, shapes: [], mass: 2, inertia: [0.1, 0.2, 0.3], position: [0, 0, 0]}}
+joints:
+  - {{name: j, a: world, b: body, {joint}}}
+{extra}"
+    ))
+}
+
+#[test]
+fn joints_carry_weight_and_let_go_what_they_leave_free() {
+    // kind, then whether x, y, z of the body's place stay.
+    for (joint, stays) in [
+        ("kind: spherical", [true; 3]),
+        ("kind: fixed", [true; 3]),
+        ("kind: revolute", [true; 3]),
+        ("kind: universal", [true; 3]),
+        ("kind: prismatic", [true, true, false]),
+        ("kind: cylindrical", [true, true, false]),
+        ("kind: prismatic, axis: [1, 0, 0]", [true, true, true]),
+        ("kind: point_on_plane", [true; 3]),
+        ("kind: point_on_plane, axis: [1, 0, 0]", [true, true, false]),
+        ("kind: distance, position: [0, 0, 1], position_b: [0, 0, 0]", [true; 3]),
+        ("kind: revolute_spherical, position: [0, 0, 1], position_b: [0, 0, 0], axis: [1, 0, 0]", [true; 3]),
+    ] {
+        let mut sim = on_joint(joint, "");
+        run(&mut sim, 0.5);
+        let p = sim.state.position[0];
+        for k in 0..3 {
+            let fallen = 0.5 * 9.81 * 0.25;
+            if stays[k] {
+                assert!(p[k].abs() < 1e-5, "{joint}: {p}");
+            } else {
+                assert!((p[k] + fallen).abs() < 5e-3, "{joint}: {p}");
+            }
+        }
+        // The weight is carried by the joint if z stays; the reaction is on the world.
+        let j = &sim.model.joints[0];
+        let force = sim.state.joints[0].force;
+        let world = j.frame_a.orientation * force;
+        let expected = if stays[2] { -2.0 * 9.81 } else { 0.0 };
+        assert!((world.z - expected).abs() < 1e-3, "{joint}: {world}");
+    }
+}
+
+#[test]
+fn motors_springs_and_limits_do_what_they_say() {
+    // A speed of 3 rad/s about z, whatever it takes.
+    let mut sim = on_joint("kind: revolute, motor: {speed: {ramp: {times: [0, 0.2], values: [0, 3]}}}", "");
+    run(&mut sim, 1.0);
+    close(sim.state.joints[0].rate, 3.0, 1e-6, "speed");
+    close(sim.state.joints[0].coordinate, 3.0 * 0.9, 2e-3, "angle, more than half a turn");
+    // An angle over time, a torque against inertia.
+    let mut sim = on_joint("kind: revolute, motor: {motion: {sine: {amplitude: 0.5, frequency: 1}}}", "");
+    run(&mut sim, 0.25);
+    close(sim.state.joints[0].coordinate, 0.5, 1e-3, "angle");
+    let mut sim = on_joint("kind: revolute, motor: {torque: 0.6}", "");
+    run(&mut sim, 1.0);
+    close(sim.state.joints[0].rate, 2.0, 1e-4, "0.6 N m on 0.3 kg m² for 1 s");
+    // Limits: the body falls 0.1 m along its slide and stays there.
+    let mut sim = on_joint("kind: prismatic, limits: [-0.1, 0.1]", "");
+    run(&mut sim, 1.0);
+    close(sim.state.position[0].z, -0.1, 1e-3, "the lower end");
+    let mut sim = on_joint("kind: revolute, limits: [-30, 45], motor: {torque: 0.6}", "");
+    run(&mut sim, 2.0);
+    close(sim.state.joints[0].coordinate.to_degrees(), 45.0, 1e-3, "the upper stop");
+    // A linear actuator.
+    let mut sim = on_joint(
+        "kind: distance, position: [0, 0, 1], position_b: [0, 0, 0], length: {ramp: {times: [0, 1], values: [1, 0.6]}}",
+        "",
+    );
+    run(&mut sim, 1.0);
+    close(sim.state.position[0].z, 0.4, 1e-3, "lifted by 0.4 m");
+}
+
+#[test]
+fn springs_swing_with_their_frequency_and_hold_their_load() {
+    let spring = |more: &str| {
+        simulation(&format!(
+            "step: 5e-4
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: body, shapes: [], mass: 2, inertia: [0.1, 0.2, 0.3], position: [0, 0, 0]}}
+springs:
+  - {{name: s, a: world, b: body, position: [0, 0, 1], position_b: [0, 0, 0], {more}}}
+"
+        ))
+    };
+    // Free: swings about its equilibrium m g/k below, with amplitude m g/k.
+    let mut sim = spring("stiffness: 200");
+    let period = std::f64::consts::TAU * (2.0f64 / 200.0).sqrt();
+    run(&mut sim, 4.5 * period);
+    close(sim.state.position[0].z, -2.0 * 2.0 * 9.81 / 200.0, 5e-3, "lowest after nine half periods");
+    // Damped: comes to rest there; preloaded: is lifted by preload/k.
+    let mut sim = spring("stiffness: 200, damping: 30");
+    run(&mut sim, 5.0);
+    close(sim.state.position[0].z, -2.0 * 9.81 / 200.0, 1e-3, "at rest");
+    close(sim.state.springs[0].force, 2.0 * 9.81, 1e-3, "the spring carries the weight");
+    let mut sim = spring("stiffness: 200, damping: 30, preload: 19.62");
+    run(&mut sim, 5.0);
+    assert!(sim.state.position[0].z.abs() < 1e-4);
+    // So stiff that the step cannot follow: still at rest, not blown up.
+    let mut sim = spring("stiffness: 1.0e9, damping: 10");
+    run(&mut sim, 1.0);
+    assert!(sim.state.position[0].z.abs() < 1e-5 && sim.state.velocity[0].length() < 1e-3);
+}
+
+#[test]
+fn loads_push_in_the_world_or_with_the_body() {
+    let pushed = |load: &str| {
+        let mut sim = simulation(&format!(
+            "gravity: [0, 0, 0]
+step: 1e-3
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: b, shapes: [], mass: 2, inertia: [0.5, 0.5, 0.5], orientation: [0.7071067811865476, 0, 0, 0.7071067811865476]}}
+loads:
+  - {{body: b, {load}}}
+"
+        ));
+        run(&mut sim, 1.0);
+        (sim.state.velocity[0], sim.state.orientation[0] * sim.state.angular_velocity[0])
+    };
+    let near = |a: DVec3, b: [f64; 3]| assert!((a - DVec3::from(b)).length() < 2e-3, "{a}");
+    near(pushed("force: [1, 0, 0], value: 4").0, [2.0, 0.0, 0.0]);
+    near(pushed("force: [1, 0, 0], value: 4, frame: body").0, [0.0, 2.0, 0.0]);
+    near(pushed("force: [1, 0, 0], value: 4, from: 0.5").0, [1.0, 0.0, 0.0]);
+    near(pushed("force: [1, 0, 0], value: {ramp: {times: [0, 1], values: [0, 4]}}").0, [1.0, 0.0, 0.0]);
+    near(pushed("force: [1, 0, 0], value: {table: [[0, 0], [0.5, 4], [1, 0]]}").0, [1.0, 0.0, 0.0]);
+    near(pushed("torque: [0, 0, 1], value: 1").1, [0.0, 0.0, 2.0]);
+    // At a point of the body's frame, which lies along the world's y: a force along x turns it back about z.
+    near(pushed("force: [0, 0, 1], value: 0.1, point: [1, 0, 0]").1, [0.2, 0.0, 0.0]);
+}
+
+#[test]
+fn a_heavy_load_on_a_light_chain_costs_no_iterations() {
+    // 60 links of 0.1 kg carry 500 kg: eliminated, the joints hold it to a hair in one pass.
+    let mut yaml = String::from(
+        "step: 1e-3
+solver: {iterations: 5}
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+",
+    );
+    let mut joints = String::from("joints:\n");
+    for k in 0..60 {
+        let x = 0.05 + 0.1 * k as f64;
+        yaml += &format!(
+            "  - {{name: link{k}, shapes: [], mass: 0.1, inertia: [1e-4, 1e-4, 1e-4], position: [0, 0, {}]}}\n",
+            -x
+        );
+        let before = if k == 0 { "world".to_string() } else { format!("link{}", k - 1) };
+        joints += &format!(
+            "  - {{name: pin{k}, kind: revolute, a: {before}, b: link{k}, position: [0, 0, {}], axis: [0, 1, 0]}}\n",
+            -0.1 * k as f64
+        );
+    }
+    yaml += "  - {name: load, shapes: [], mass: 500, inertia: [1, 1, 1], position: [0, 0, -6.2]}\n";
+    joints += "  - {name: hook, kind: spherical, a: link59, b: load, position: [0, 0, -6]}\n";
+    let mut sim = simulation(&(yaml + &joints));
+    run(&mut sim, 1.0);
+    let z = sim.state.position[60].z;
+    assert!((z + 6.2).abs() < 1e-4, "the load hangs at {z}");
+    let force = sim.model.joints[0].frame_a.orientation * sim.state.joints[0].force;
+    close(force.z, -506.0 * 9.81, 1e-3, "the first pin carries all");
+}
