@@ -1,10 +1,11 @@
 //! The hulls, meshes and height fields of a model as RIB archives in its run directory, one for each shape name of the frames.
 
-use crate::report::Outcome;
+use crate::report::{Exit, Failure, Outcome};
 use frame::atomic;
 use glam::DVec3;
+use render::ri::writer::Writer;
+use render::ri::{Class, Param, Ri, Type};
 use sim::{Model, ShapeKind};
-use std::fmt::Write;
 use std::path::Path;
 
 /// Write `geometry/hull_0.rib` and its like.
@@ -27,35 +28,23 @@ pub fn write_archives(model: &Model, folder: &Path) -> Outcome {
             _ => continue,
         };
         let path = folder.join(format!("geometry/{}_{part}.rib", kind.name()));
-        atomic::write(&path, rib.as_bytes())?;
+        atomic::write(&path, &rib?)?;
     }
     Ok(())
 }
 
 /// A `PointsPolygons` request.
-fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> String {
-    let mut rib = String::from("PointsPolygons [");
-    faces.iter().for_each(|f| {
-        let _ = write!(rib, "{} ", f.len());
-    });
-    rib.push_str("] [");
-    faces.iter().flatten().for_each(|v| {
-        let _ = write!(rib, "{v} ");
-    });
-    rib.push_str("] \"P\" [");
-    vertices.iter().for_each(|p| {
-        let _ = write!(rib, "{} {} {} ", p.x as f32, p.y as f32, p.z as f32);
-    });
-    rib.push(']');
+fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Outcome<Vec<u8>> {
+    let numbers = |v: &[DVec3]| v.iter().flat_map(|p| p.as_vec3().to_array()).collect::<Vec<f32>>();
+    let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, numbers(vertices))];
     if !normals.is_empty() {
-        rib.push_str(" \"N\" [");
-        normals.iter().for_each(|p| {
-            let _ = write!(rib, "{} {} {} ", p.x as f32, p.y as f32, p.z as f32);
-        });
-        rib.push(']');
+        params.push(Param::floats("N", Class::Varying, Type::Normal, numbers(normals)));
     }
-    rib.push('\n');
-    rib
+    let counts = faces.iter().map(|f| f.len() as i32).collect();
+    let corners = faces.iter().flatten().map(|v| *v as i32).collect();
+    let mut writer = Writer::archive(Vec::new());
+    writer.points_polygons(counts, corners, params).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    Ok(writer.into_inner())
 }
 
 /// The mean normal of the triangles around each vertex, by their areas.

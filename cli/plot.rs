@@ -2,7 +2,8 @@
 
 use crate::args::PlotArgs;
 use crate::report::{Exit, Failure, Outcome};
-use frame::{Fault, FaultKind};
+use frame::sequence::matches;
+use frame::{Column, Fault, FaultKind, csv};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::collections::BTreeMap;
@@ -68,46 +69,21 @@ fn interval(text: &str) -> Outcome<[f64; 2]> {
         .ok_or_else(|| Failure::new(Exit::Usage, format!("--times {text}: expected FROM-TO, as 0.5-2")))
 }
 
-/// Whether a name fits a pattern with `*`.
+/// Whether a column's name fits a pattern with `*`, or is of the thing that the pattern names: `hinge` has `hinge.fx`.
 fn fits(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name || name.strip_prefix(pattern).is_some_and(|rest| rest.starts_with('.')),
-        Some((head, rest)) => name
-            .strip_prefix(head)
-            .is_some_and(|tail| (0..=tail.len()).filter(|k| tail.is_char_boundary(*k)).any(|k| fits(rest, &tail[k..]))),
-    }
+    matches(pattern, name) || matches(&format!("{pattern}.*"), name)
 }
 
 /// The columns of a CSV of ours against its `time` column.
 fn read(path: &Path) -> Outcome<Vec<Series>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-    let mut lines = text.lines();
-    let heads: Vec<(String, String)> = lines
-        .next()
-        .unwrap_or("")
-        .split(',')
-        .map(|h| match h.trim().strip_suffix(']').and_then(|h| h.split_once(" [")) {
-            Some((name, unit)) => (name.to_string(), unit.to_string()),
-            None => (h.trim().to_string(), String::new()),
-        })
-        .collect();
-    let Some(time) = heads.iter().position(|(n, _)| n == "time") else {
+    let table = csv::read(path, 0, &csv::Layout::default())?;
+    let Some(time) = table.column("time") else {
         return Err(Fault::whole(FaultKind::Data, path, "has no column `time`").into());
     };
-    let mut series: Vec<Series> =
-        heads.iter().map(|(n, u)| Series { name: n.clone(), unit: u.clone(), points: vec![] }).collect();
-    for (i, line) in lines.enumerate() {
-        let cells: Vec<f64> = line.split(',').map(|c| c.trim().parse().unwrap_or(f64::NAN)).collect();
-        if cells.len() != heads.len() {
-            let message = format!("has {} cells, the header {}", cells.len(), heads.len());
-            return Err(Fault::at(FaultKind::Data, path, &text, i + 2, 1, message).into());
-        }
-        for (s, x) in series.iter_mut().zip(&cells).filter(|(_, x)| x.is_finite()) {
-            s.points.push((cells[time], *x));
-        }
-    }
-    series.remove(time);
-    Ok(series)
+    let at = |c: &Column, row: usize| c.number(row).filter(|x| x.is_finite());
+    let points = |c: &Column| (0..table.rows()).filter_map(|r| Some((at(time, r)?, at(c, r)?))).collect();
+    let columns = table.columns.iter().filter(|(f, _)| f.name != "time");
+    Ok(columns.map(|(f, c)| Series { name: f.name.clone(), unit: f.unit.clone(), points: points(c) }).collect())
 }
 
 /// Draw series over time with axes, grid and legend.

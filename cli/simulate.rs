@@ -6,7 +6,7 @@ use crate::report::{Exit, Failure, Outcome};
 use crate::{geometry, job, sweep};
 use bind::metadata::Data;
 use frame::run::{FORMAT_VERSION, FrameFormat, Index, RunReader, RunWriter};
-use frame::{Fault, FaultKind, atomic, csv};
+use frame::{Fault, FaultKind, atomic, csv, read_text};
 use sim::model_file::{self, ModelFile, Resolved};
 use sim::{Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line};
 use std::path::Path;
@@ -127,6 +127,21 @@ pub fn simulate(file: &ModelFile, mut resolved: Resolved, folder: &Path, span: &
 }
 
 impl<'a> Run<'a> {
+    /// A run with empty series.
+    fn new(
+        file: &'a ModelFile,
+        resolved: &'a Resolved,
+        folder: &'a Path,
+        writer: RunWriter,
+        sim: Simulation,
+        hash: String,
+    ) -> Run<'a> {
+        let (report, probes) = (String::new(), String::new());
+        let (next_probe, next_checkpoint) = (0.0, 0.0);
+        let passing = vec![];
+        Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, passing }
+    }
+
     fn start(
         file: &'a ModelFile,
         resolved: &'a Resolved,
@@ -142,20 +157,8 @@ impl<'a> Run<'a> {
         geometry::write_archives(&sim.model, folder)?;
         let metadata = metadata_for(&[&frame_of(&sim.model, &sim.state, 0)]);
         metadata.iter().try_for_each(|text| writer.write_file("metadata.yaml", text))?;
-        let (report, probes) = (report_header(), probe_header(&sim.model, &resolved.probes));
-        let mut run = Run {
-            file,
-            resolved,
-            folder,
-            writer,
-            sim,
-            hash,
-            report,
-            probes,
-            next_probe: 0.0,
-            next_checkpoint: 0.0,
-            passing: vec![],
-        };
+        let mut run = Run::new(file, resolved, folder, writer, sim, hash);
+        (run.report, run.probes) = (report_header(), probe_header(&run.sim.model, &resolved.probes));
         run.probe();
         run.next_checkpoint = run.checkpoint_interval();
         Ok(run)
@@ -188,22 +191,10 @@ impl<'a> Run<'a> {
         let there = writer.frames();
         eprintln!("resume: from {} at {:.4} s, {there} of {expected} frames are there", path.display(), state.time);
         let time = state.time;
-        let report = series_until(folder, "report.csv", 1, time + 0.5 * h)?;
-        let probes = series_until(folder, "probes.csv", 0, time + 0.5 * h)?;
         let sim = Simulation::new(sim.model, state);
-        let mut run = Run {
-            file,
-            resolved,
-            folder,
-            writer,
-            sim,
-            hash,
-            report,
-            probes,
-            next_probe: 0.0,
-            next_checkpoint: 0.0,
-            passing: vec![],
-        };
+        let mut run = Run::new(file, resolved, folder, writer, sim, hash);
+        run.report = series_until(folder, "report.csv", 1, time + 0.5 * h)?;
+        run.probes = series_until(folder, "probes.csv", 0, time + 0.5 * h)?;
         let after = |interval: f64| ((time + 0.5 * h) / interval).floor() * interval + interval;
         run.next_probe = after(resolved.probes.interval);
         run.next_checkpoint = after(run.checkpoint_interval());
@@ -305,7 +296,7 @@ fn clear(folder: &Path, ending: &str) -> Outcome {
 /// The lines of a series whose time, in the given column, is not after `time`.
 fn series_until(folder: &Path, name: &str, column: usize, time: f64) -> Outcome<String> {
     let path = folder.join(name);
-    let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
+    let text = read_text(FaultKind::Data, &path)?;
     let early = |line: &str| line.split(',').nth(column).and_then(|c| c.parse::<f64>().ok()).is_some_and(|t| t <= time);
     let kept = text.lines().enumerate().filter(|(i, line)| *i == 0 || early(line));
     Ok(kept.map(|(_, line)| format!("{line}\n")).collect())

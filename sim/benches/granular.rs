@@ -113,7 +113,7 @@ fn drop_ball(model: &Model, state: &State, top: f64, density: f64, diameter: f64
     let (mut model, mut state) = (model.clone(), state.clone());
     let r = 0.5 * diameter;
     let mass = density * 4.0 / 3.0 * std::f64::consts::PI * r * r * r;
-    let pose = sim::Pose { orientation: glam::DQuat::IDENTITY, ..Default::default() };
+    let pose = sim::Pose::default();
     model.shape_body.push(model.n_bodies() as u32);
     model.shape_kind.push(sim::ShapeKind::Sphere);
     model.shape_size.push(glam::DVec3::splat(r));

@@ -69,12 +69,7 @@ pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
 
 /// Sum `f(i)` over the rows, piece by piece in order.
 pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    sum_pieces(n, |rows| rows.fold([0.0; K], |sum, i| add(sum, f(i))))
-}
-
-/// Sum `f(rows)` over the pieces in order.
-pub fn sum_pieces<const K: usize>(n: usize, f: impl Fn(std::ops::Range<usize>) -> [f64; K] + Sync) -> [f64; K] {
-    let piece = |p: usize| f(p * PIECE..((p + 1) * PIECE).min(n));
+    let piece = |p: usize| (p * PIECE..((p + 1) * PIECE).min(n)).fold([0.0; K], |sum, i| add(sum, f(i)));
     let n_pieces = n.div_ceil(PIECE);
     if n <= ALONE {
         return (0..n_pieces).map(piece).fold([0.0; K], add);

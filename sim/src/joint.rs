@@ -18,6 +18,7 @@
 //! Computer Aided Kinematics and Dynamics, ch. 9 for the forms of Ψ.
 
 use crate::load::Function;
+use crate::solve::Twist;
 use crate::{Model, Pose, State};
 use glam::DVec3;
 
@@ -154,8 +155,15 @@ pub struct Row {
 impl Row {
     /// dΨ/dt for the velocities of A and B.
     #[inline]
-    pub fn speed(&self, [va, wa]: [DVec3; 2], [vb, wb]: [DVec3; 2]) -> f64 {
-        self.linear.dot(vb - va) + self.angular_b.dot(wb) - self.angular_a.dot(wa)
+    pub fn speed(&self, a: Twist, b: Twist) -> f64 {
+        self.linear.dot(b.v - a.v) + self.angular_b.dot(b.w) - self.angular_a.dot(a.w)
+    }
+
+    /// dΨ/dt for the velocities of all bodies.
+    #[inline]
+    pub fn speed_in(&self, motion: &[Twist]) -> f64 {
+        let [a, b] = self.bodies.map(|b| motion[b as usize]);
+        self.speed(a, b)
     }
 }
 

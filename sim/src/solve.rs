@@ -170,9 +170,7 @@ pub trait Operator: Sync {
     }
     /// The image of `next`, the image of the point extrapolated from `x` and it, and the curvature along `next` − y.
     fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
-        self.image(next, to);
-        to_y.extrapolate(to, x, beta);
-        self.curvature(to, y)
+        descend::advance(self, next, beta, [x, y], [to, to_y])
     }
     /// Project block i onto its cone; `gamma` has the multipliers that the cone's width may hang on.
     fn project(&self, block: usize, value: DVec3, gamma: &[DVec3]) -> DVec3;
@@ -242,7 +240,6 @@ pub struct Workspace {
     image_y: Image,
     image_y_next: Image,
     image_best: Image,
-    slip: Vec<f64>,
     color_start: Vec<u32>,
     color_order: Vec<u32>,
     packed: balls::Packed,
@@ -250,13 +247,59 @@ pub struct Workspace {
     pub step_length: f64,
 }
 
-/// When to stop.
-#[derive(Clone, Copy, Debug)]
-pub struct Limit {
-    /// Iterations.
-    pub iterations: u32,
-    /// Residual, m/s.
-    pub tolerance: f64,
+/// The best iterate of a method whose residual does not fall at every step. The residual is looked at now and then, and at the
+/// end.
+struct Best {
+    outcome: Outcome,
+    /// Whether the iterate that was looked at last is the best.
+    is_current: bool,
+}
+
+impl Best {
+    /// Iterations between looks at the residual.
+    const LOOK: u32 = 10;
+
+    fn new() -> Best {
+        Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: false }
+    }
+
+    /// Look at the iterate after `done` iterations, if it is time; whether it is good enough.
+    fn look(
+        &mut self,
+        op: &impl Operator,
+        settings: &SolverSettings,
+        done: u32,
+        (gamma, image): (&[DVec3], &Image),
+        (kept, kept_image): (&mut Vec<DVec3>, &mut Image),
+    ) -> bool {
+        let last = done >= settings.iterations;
+        if !done.is_multiple_of(Self::LOOK) && !last {
+            return false;
+        }
+        let residual = residual(op, gamma, image);
+        self.is_current = residual <= self.outcome.residual;
+        if self.is_current {
+            self.outcome = Outcome { iterations: done, residual };
+            if residual <= settings.tolerance {
+                return true;
+            }
+            if !last {
+                kept.clear();
+                kept.extend_from_slice(gamma);
+                kept_image.copy_from(image);
+            }
+        }
+        false
+    }
+
+    /// Put the best iterate back where it is not the last one.
+    fn finish(self, done: u32, gamma: &mut [DVec3], image: &mut Image, work: &Workspace) -> Outcome {
+        if !self.is_current {
+            gamma.copy_from_slice(&work.best);
+            image.copy_from(&work.image_best);
+        }
+        Outcome { iterations: done, residual: self.outcome.residual }
+    }
 }
 
 /// Solve: γ comes in as the starting point and goes out as the solution, `image` as its image.
@@ -267,7 +310,6 @@ pub fn solve(
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
-    let limit = Limit { iterations: settings.iterations, tolerance: settings.tolerance };
     if op.n_blocks() == 0 {
         op.image(gamma, image);
         return Outcome::default();
@@ -277,8 +319,8 @@ pub fn solve(
     }
     op.image(gamma, image);
     match settings.friction {
-        FrictionLaw::Relaxed => run(op, settings, limit, gamma, image, work),
-        FrictionLaw::Exact => exact::run(op, settings, limit, gamma, image, work),
+        FrictionLaw::Relaxed => run(op, settings, gamma, image, work),
+        FrictionLaw::Exact => exact::run(op, settings, gamma, image, work),
     }
 }
 
@@ -286,16 +328,15 @@ pub fn solve(
 fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
-    limit: Limit,
     gamma: &mut Vec<DVec3>,
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
     match settings.method {
-        Method::Jacobi => jacobi::run(op, settings, limit, gamma, image, work),
-        Method::GaussSeidel => gauss_seidel::run(op, settings, limit, gamma, image, work),
-        Method::Apgd => apgd::run(op, limit, gamma, image, work),
-        Method::BarzilaiBorwein => barzilai_borwein::run(op, limit, gamma, image, work),
+        Method::Jacobi => jacobi::run(op, settings, gamma, image, work),
+        Method::GaussSeidel => gauss_seidel::run(op, settings, gamma, image, work),
+        Method::Apgd => apgd::run(op, settings, gamma, image, work),
+        Method::BarzilaiBorwein => barzilai_borwein::run(op, settings, gamma, image, work),
     }
 }
 

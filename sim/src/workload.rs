@@ -88,7 +88,7 @@ fn add(
     model.shape_body.push(model.inv_mass.len() as u32);
     model.shape_kind.push(kind);
     model.shape_size.push(size);
-    let middle = Pose { orientation: DQuat::IDENTITY, ..Pose::default() };
+    let middle = Pose::default();
     model.shape_pose.push(middle);
     model.shape_material.push(0);
     model.shape_group.push(0);

@@ -15,10 +15,15 @@ pub struct Writer<W: Write> {
 impl<W: Write> Writer<W> {
     /// A writer onto `out`; starts with the structure comment and the version.
     pub fn new(out: W) -> Result<Writer<W>, Fail> {
-        let mut writer = Writer { out, indent: 0, line: String::new(), handles: vec![] };
+        let mut writer = Writer::archive(out);
         writer.put("##RenderMan RIB-Structure 1.1")?;
         writer.put("version 3.04")?;
         Ok(writer)
+    }
+
+    /// A writer of an archive, which is read into other RIB and has no head of its own.
+    pub fn archive(out: W) -> Writer<W> {
+        Writer { out, indent: 0, line: String::new(), handles: vec![] }
     }
 
     /// What it wrote onto.

@@ -65,6 +65,29 @@ impl Masses {
         if round.is_nan() { self.tensor[self.slot[body] as usize][1] * w } else { w / round }
     }
 
+    /// Give a body an impulse, N s, and an angular impulse, N m s.
+    #[inline]
+    pub fn push(&self, motion: &mut [Twist], body: u32, linear: DVec3, angular: DVec3) {
+        let b = body as usize;
+        motion[b].v += linear * self.inv_mass[b];
+        motion[b].w += self.turn(b, angular);
+    }
+
+    /// Give the two bodies of a row an impulse along it.
+    pub fn push_row(&self, motion: &mut [Twist], row: &Row, impulse: f64) {
+        self.push(motion, row.bodies[0], row.linear * -impulse, row.angular_a * -impulse);
+        self.push(motion, row.bodies[1], row.linear * impulse, row.angular_b * impulse);
+    }
+
+    /// The change of a row's speed by a unit impulse along it, 1/kg.
+    pub fn response(&self, row: &Row) -> f64 {
+        let own = |b: u32, angular: DVec3| {
+            let b = b as usize;
+            row.linear.length_squared() * self.inv_mass[b] + self.turn(b, angular).dot(angular)
+        };
+        own(row.bodies[0], row.angular_a) + own(row.bodies[1], row.angular_b)
+    }
+
     /// Reciprocal inertia.
     pub fn inertia(&self, body: usize) -> DMat3 {
         let round = self.round[body];
@@ -200,12 +223,7 @@ impl Workspace {
                 let m = a + b;
                 3.0 / (m.x_axis.x + m.y_axis.y + m.z_axis.z)
             } else {
-                let row = &limits[i - n - rolls];
-                let own = |b: u32, angular: DVec3| {
-                    row.linear.length_squared() * masses.inv_mass[b as usize]
-                        + angular.dot(masses.turn(b as usize, angular))
-                };
-                1.0 / (own(row.bodies[0], row.angular_a) + own(row.bodies[1], row.angular_b))
+                1.0 / masses.response(&limits[i - n - rolls])
             }
         });
     }

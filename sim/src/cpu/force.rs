@@ -5,7 +5,7 @@
 //!      free                        [n_bodies]  m/s and rad/s, world
 //! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
 
-use super::contact_solve::{Masses, Workspace};
+use super::contact_solve::Workspace;
 use super::fill_rows;
 use crate::joint::frames;
 use crate::solve::Twist;
@@ -36,7 +36,7 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
         } else {
             (vector, (state.orientation[b] * load.point).cross(vector))
         };
-        push(masses, free, load.body, force * h, torque * h);
+        masses.push(free, load.body, force * h, torque * h);
     }
     for (i, joint) in model.joints.iter().enumerate() {
         let effort = joint.effort(middle);
@@ -45,13 +45,6 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
             continue;
         }
         let row = joint.free_row(&frames(model, state, i), coordinate);
-        push(masses, free, joint.bodies[0], row.linear * (-effort * h), row.angular_a * (-effort * h));
-        push(masses, free, joint.bodies[1], row.linear * (effort * h), row.angular_b * (effort * h));
+        masses.push_row(free, &row, effort * h);
     }
-}
-
-fn push(masses: &Masses, free: &mut [Twist], body: u32, impulse: DVec3, angular: DVec3) {
-    let b = body as usize;
-    free[b].v += impulse * masses.inv_mass[b];
-    free[b].w += masses.turn(b, angular);
 }

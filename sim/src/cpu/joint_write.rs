@@ -6,9 +6,8 @@
 //!      limits                     [n_limits]
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use crate::cpu::contact_solve::{Masses, Workspace};
+use crate::cpu::contact_solve::Workspace;
 use crate::joint::{Coordinate, Frames, JointState, Row, frames};
-use crate::solve::Twist;
 use crate::{Model, State};
 
 /// A limit is looked at when the coordinate may come to it within this many steps.
@@ -63,7 +62,7 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
         let row = spring.row(&f, &state.springs[i]);
         let (k, c) = (spring.stiffness, spring.damping);
         // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
-        let response = own_response(&row, masses);
+        let response = masses.response(&row);
         let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
         let pull = k * (row.psi - spring.rest) + spring.preload.at(end);
         let damping = c + theta * h * k;
@@ -72,32 +71,15 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
             joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
             joints.bias.push(pull / damping);
         } else {
-            apply(&row, -h * pull, masses, &mut work.free);
+            masses.push_row(&mut work.free, &row, -h * pull);
         }
-    }
-}
-
-/// The change of a row's speed by a unit impulse along it, 1/kg.
-fn own_response(row: &Row, masses: &Masses) -> f64 {
-    let own = |b: u32, angular| {
-        row.linear.length_squared() * masses.inv_mass[b as usize] + masses.turn(b as usize, angular).dot(angular)
-    };
-    own(row.bodies[0], row.angular_a) + own(row.bodies[1], row.angular_b)
-}
-
-/// Give two bodies an impulse along a row.
-fn apply(row: &Row, impulse: f64, masses: &Masses, free: &mut [Twist]) {
-    for (body, sign, angular) in [(row.bodies[0], -1.0, row.angular_a), (row.bodies[1], 1.0, row.angular_b)] {
-        let b = body as usize;
-        free[b].v += row.linear * (sign * impulse * masses.inv_mass[b]);
-        free[b].w += masses.turn(b, angular * (sign * impulse));
     }
 }
 
 /// Write what the joints and springs did: reactions, coordinates, violations. Runs before the bodies are moved.
 pub fn record(model: &Model, state: &mut State, work: &Workspace) {
     let h = model.step;
-    let motion = |b: u32| [work.image.twist[b as usize].v, work.image.twist[b as usize].w];
+    let motion = &work.image.twist;
     for (i, joint) in model.joints.iter().enumerate() {
         let f = frames(model, state, i);
         let range = work.joint_rows[i].clone();
@@ -105,8 +87,7 @@ pub fn record(model: &Model, state: &mut State, work: &Workspace) {
         let known = state.joints[i];
         let mut now = JointState { coordinate: joint.coordinate(&f, &known), ..JointState::default() };
         if let Some(c) = joint.kind.coordinate() {
-            let [a, b] = joint.bodies.map(motion);
-            now.rate = joint.free_row(&f, c).speed(a, b);
+            now.rate = joint.free_row(&f, c).speed_in(motion);
             now.coordinate += h * now.rate;
         }
         now.violation = rows.iter().fold(0.0, |m, r| r.psi.abs().max(m));
@@ -117,7 +98,7 @@ pub fn record(model: &Model, state: &mut State, work: &Workspace) {
         let f = Frames::of(spring.bodies, &spring.frame_a, &spring.frame_b, state);
         let row = spring.row(&f, &state.springs[i]);
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| model.absent[*b as usize]);
-        let speed = row.speed(motion(spring.bodies[0]), motion(spring.bodies[1]));
+        let speed = row.speed_in(motion);
         state.springs[i].coordinate = row.psi + h * speed;
         state.springs[i].force = if acts {
             spring.stiffness * (row.psi - spring.rest) + spring.damping * speed + spring.preload.at(state.time + h)

@@ -10,6 +10,7 @@ use crate::load::{Function, Load};
 use crate::terrain::Ground;
 use crate::{ContactLaw, Late, Model, Pose, ShapeKind, SplitMix64, State, fill};
 use frame::Fault;
+use frame::sequence::matches;
 use frame::yaml::Document;
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -30,7 +31,6 @@ impl ModelFile {
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
         self.check_numbers(doc)?;
         let mut build = Builder::new(self, doc);
-        build.materials()?;
         if let Some(base) = &self.base {
             build.base(base)?;
         }
@@ -149,6 +149,7 @@ impl<'a> Builder<'a> {
             frame_rate: file.frame_rate,
             seed: file.seed,
             solver: file.solver.clone(),
+            material_names: file.materials.keys().cloned().collect(),
             group_names: vec!["all".into()],
             ..Model::default()
         };
@@ -168,11 +169,6 @@ impl<'a> Builder<'a> {
             probe_springs: vec![],
             warnings: vec![],
         }
-    }
-
-    fn materials(&mut self) -> Result<(), Fault> {
-        self.model.material_names = self.materials.keys().cloned().collect();
-        Ok(())
     }
 
     /// The laws of all pairs of materials.
@@ -312,7 +308,7 @@ impl<'a> Builder<'a> {
                     Ok((key, part.shape(), part.material.as_ref(), pose))
                 })
                 .collect::<Result<_, Fault>>()?,
-            None => vec![(key.to_string(), own, None, Pose { orientation: DQuat::IDENTITY, ..Pose::default() })],
+            None => vec![(key.to_string(), own, None, Pose::default())],
         };
         for (key, file, material, pose) in parts {
             let name = material
@@ -555,15 +551,8 @@ impl<'a> Builder<'a> {
         for position in places {
             let radius = radii.draw(&mut self.random);
             let orientation = self.random.rotation();
-            let shape = Shape {
-                kind: ShapeKind::Sphere,
-                size: DVec3::splat(radius),
-                hull: None,
-                surface: None,
-                shift: DVec3::ZERO,
-                turn: DQuat::IDENTITY,
-            };
-            let pose = Pose { orientation: DQuat::IDENTITY, ..Pose::default() };
+            let shape = Shape::simple(ShapeKind::Sphere, DVec3::splat(radius));
+            let pose = Pose::default();
             let body = NewBody {
                 class,
                 place: Pose { position, orientation },
@@ -618,7 +607,7 @@ impl<'a> Builder<'a> {
             appears: begins,
             moves: begins,
         };
-        let pose = Pose { orientation: DQuat::IDENTITY, ..Pose::default() };
+        let pose = Pose::default();
         let shape = shape::surface_shape(ShapeKind::HeightField, surface);
         let id = self
             .add(still(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
@@ -637,14 +626,7 @@ impl<'a> Builder<'a> {
             for (position, radius) in ground.boulders(&mut self.random) {
                 let stretch = [0; 3].map(|_| self.random.between(0.75, 1.0));
                 let turn = self.random.rotation();
-                let shape = Shape {
-                    kind: ShapeKind::Ellipsoid,
-                    size: DVec3::from(stretch) * radius,
-                    hull: None,
-                    surface: None,
-                    shift: DVec3::ZERO,
-                    turn: DQuat::IDENTITY,
-                };
+                let shape = Shape::simple(ShapeKind::Ellipsoid, DVec3::from(stretch) * radius);
                 let place = Pose { position: place.position + position, orientation: turn };
                 self.add(still(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
                     .map_err(|m| doc.fault(key, m))?;
@@ -690,7 +672,7 @@ impl<'a> Builder<'a> {
             let class = self.class("world");
             let body = NewBody {
                 class,
-                place: Pose { orientation: DQuat::IDENTITY, ..Pose::default() },
+                place: Pose::default(),
                 velocity: DVec3::ZERO,
                 angular_velocity: DVec3::ZERO,
                 fixed: true,
@@ -1064,13 +1046,10 @@ impl<'a> Builder<'a> {
             let group =
                 self.group(Some(&other_model.group_names[other_model.shape_group[s] as usize]).map(|s| s.as_str()));
             let shape = Shape {
-                kind,
-                size: other_model.shape_size[s],
                 hull: (kind == ShapeKind::Hull).then(|| other_model.hulls[part].clone()),
                 surface: matches!(kind, ShapeKind::Mesh | ShapeKind::HeightField)
                     .then(|| other_model.surfaces[part].clone()),
-                shift: DVec3::ZERO,
-                turn: DQuat::IDENTITY,
+                ..Shape::simple(kind, other_model.shape_size[s])
             };
             let (material, density) = self.material("base", &material.clone())?;
             let new = NewShape { shape, pose: other_model.shape_pose[s], material, density, group };
@@ -1158,7 +1137,6 @@ impl<'a> Builder<'a> {
 
     fn probes(&self) -> Result<Probes, Fault> {
         let (file, model, doc) = (&self.file.probes, &self.model, self.doc);
-        let matches = |pattern: &str, name: &str| wildcard(pattern, name);
         let bodies = match &file.bodies {
             None => self.probe_bodies.clone(),
             Some(patterns) => {
@@ -1274,16 +1252,6 @@ fn number_of(names: &mut Vec<String>, name: &str) -> u32 {
         names.push(name.into());
         names.len() - 1
     }) as u32
-}
-
-/// Whether a name fits a pattern in which `*` stands for any characters.
-fn wildcard(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((head, rest)) => name.strip_prefix(head).is_some_and(|tail| {
-            (0..=tail.len()).filter(|k| tail.is_char_boundary(*k)).any(|k| wildcard(rest, &tail[k..]))
-        }),
-    }
 }
 
 /// Bodies that overlap at the start: deeper than a radius is an error, deeper than a tenth of it is told.

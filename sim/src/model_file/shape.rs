@@ -25,7 +25,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    fn simple(kind: ShapeKind, size: DVec3) -> Shape {
+    /// A shape that is known by its size alone.
+    pub fn simple(kind: ShapeKind, size: DVec3) -> Shape {
         Shape { kind, size, hull: None, surface: None, shift: DVec3::ZERO, turn: DQuat::IDENTITY }
     }
 }

@@ -4,26 +4,21 @@
 
 use super::*;
 
-/// Iterations between looks at the residual.
-const LOOK: u32 = 10;
-
 pub fn run(
     op: &mut impl Operator,
-    limit: Limit,
+    settings: &SolverSettings,
     gamma: &mut Vec<DVec3>,
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
-    let n = gamma.len();
     work.previous.clone_from(gamma);
-    work.next.resize(n, DVec3::ZERO);
+    work.next.resize(gamma.len(), DVec3::ZERO);
     work.image_y.copy_from(image);
-    let mut best = Outcome { iterations: 0, residual: f64::INFINITY };
-    let mut best_is_current = false;
+    let mut best = Best::new();
     let (mut theta, mut beta) = (1.0f64, 0.0);
     let mut step = if work.step_length > 0.0 { work.step_length } else { 1.0 };
     let mut done = 0;
-    while done < limit.iterations {
+    while done < settings.iterations {
         loop {
             done += 1;
             let from = Extrapolated { x: gamma, previous: &work.previous, beta, image: &work.image_y };
@@ -36,7 +31,7 @@ pub fn run(
             let images = [&mut work.image_next, &mut work.image_y_next];
             let curvature = op.advance(&work.next, next_beta, [image, &work.image_y], images);
             // The step is short enough if ½ dᵀNd ≤ |d|²/(2 t) in the metric of η; d is from y.
-            if curvature * step <= moved * (1.0 + 1e-9) || done >= limit.iterations {
+            if curvature * step <= moved * (1.0 + 1e-9) || done >= settings.iterations {
                 beta = next_beta;
                 theta = if uphill { 1.0 } else { next_theta };
                 break;
@@ -50,24 +45,9 @@ pub fn run(
         std::mem::swap(&mut work.image_y, &mut work.image_y_next);
         work.step_length = step;
         step *= 1.1;
-        if done.is_multiple_of(LOOK) || done >= limit.iterations {
-            let residual = residual(op, gamma, image);
-            best_is_current = residual <= best.residual;
-            if best_is_current {
-                best = Outcome { iterations: done, residual };
-                if residual <= limit.tolerance {
-                    break;
-                }
-                if done < limit.iterations {
-                    work.best.clone_from(gamma);
-                    work.image_best.copy_from(image);
-                }
-            }
+        if best.look(op, settings, done, (gamma, image), (&mut work.best, &mut work.image_best)) {
+            break;
         }
     }
-    if !best_is_current {
-        gamma.copy_from_slice(&work.best);
-        image.copy_from(&work.image_best);
-    }
-    Outcome { iterations: done, residual: best.residual }
+    best.finish(done, gamma, image, work)
 }

@@ -6,14 +6,12 @@
 //! colour by colour, in groups of four contacts that share no body; a visit streams through it.
 
 use super::bodies::BodyOperator;
-use super::lanes::{LANES, Lane, Lane3, each, project};
+use super::lanes::{LANES, Lane, Lane3, angular, each, linear, project};
 use super::{Cells, Twist};
 use glam::DVec3;
 
-const NONE: Lane = [0.0; LANES];
-
 /// Four contacts of one colour.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Group {
     bodies: [[u32; 2]; LANES],
     normal: Lane3,
@@ -33,24 +31,6 @@ pub struct Group {
     trace: Lane,
 }
 
-const ZERO: Lane3 = Lane3 { x: NONE, y: NONE, z: NONE };
-
-/// A group that does nothing: what is left of a colour's last group.
-const EMPTY: Group = Group {
-    bodies: [[0; 2]; LANES],
-    normal: ZERO,
-    gamma: ZERO,
-    radius: [NONE; 2],
-    inv_mass: [NONE; 2],
-    lever: [NONE; 2],
-    offset: NONE,
-    along: NONE,
-    across: NONE,
-    stretch: [1.0; LANES],
-    friction: NONE,
-    trace: NONE,
-};
-
 /// All contacts by colours.
 #[derive(Default)]
 pub struct Packed {
@@ -67,7 +47,8 @@ impl Packed {
         for ends in start.windows(2) {
             self.start.push(self.groups.len());
             for some in order[ends[0] as usize..ends[1] as usize].chunks(LANES) {
-                let mut group = EMPTY;
+                // What a colour's last group has no contact for does nothing.
+                let mut group = Group { stretch: [1.0; LANES], ..Group::default() };
                 some.iter().enumerate().for_each(|(l, i)| group.put(l, op, *i as usize, gamma[*i as usize]));
                 self.groups.push(group);
             }
@@ -141,17 +122,16 @@ unsafe fn visit_avx2(groups: &mut [Group], image: &Cells<Twist>, omega: f64) -> 
 
 #[inline(always)]
 fn visit_lanes(groups: &mut [Group], image: &Cells<Twist>, omega: f64) -> f64 {
-    let mut missed = NONE;
+    let mut missed = [0.0; LANES];
     for g in groups {
         let side = |s: usize| {
             let b = |l: usize| image.get(g.bodies[l][s] as usize);
             [b(0), b(1), b(2), b(3)]
         };
         let (ta, tb) = (side(0), side(1));
-        let linear = |t: &[Twist; LANES]| Lane3::load([&t[0].v, &t[1].v, &t[2].v, &t[3].v]);
-        let angular = |t: &[Twist; LANES]| Lane3::load([&t[0].w, &t[1].w, &t[2].w, &t[3].w]);
+        let (ta, tb) = ([&ta[0], &ta[1], &ta[2], &ta[3]], [&tb[0], &tb[1], &tb[2], &tb[3]]);
         let n = g.normal;
-        let (va, wa, vb, wb) = (linear(&ta), angular(&ta), linear(&tb), angular(&tb));
+        let (va, wa, vb, wb) = (linear(ta), angular(ta), linear(tb), angular(tb));
         let rolling = wa.times(g.radius[0]).plus(wb.times(g.radius[1])).cross(n);
         let v = vb.minus(va).minus(rolling);
         let v_n = v.dot(n);

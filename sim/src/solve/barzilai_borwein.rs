@@ -6,38 +6,23 @@ use super::*;
 
 pub fn run(
     op: &mut impl Operator,
-    limit: Limit,
+    settings: &SolverSettings,
     gamma: &mut [DVec3],
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
-    const LOOK: u32 = 10;
-    let n = gamma.len();
-    work.next.resize(n, DVec3::ZERO);
+    work.next.resize(gamma.len(), DVec3::ZERO);
     let mut alpha = 1.0;
-    let mut best = Outcome { iterations: 0, residual: f64::INFINITY };
-    let mut best_is_current = false;
+    let mut best = Best::new();
     let mut done = 0;
-    while done < limit.iterations {
+    while done < settings.iterations {
         done += 1;
-        let (now, x, im) = (&*op, &*gamma, &*image);
         // next = the projected point; d = next − γ.
-        let [slope, length2] = sweep(&mut work.next, |first, rows| {
-            let mut sums = [0.0; 2];
-            for (k, z) in rows.iter_mut().enumerate() {
-                let i = first + k;
-                let (gradient, eta) = (now.pull(im, i), now.eta(i));
-                *z = now.project(i, x[i] - gradient * (alpha * eta), x);
-                let d = *z - x[i];
-                sums[0] += gradient.dot(d);
-                sums[1] += d.length_squared() / eta;
-            }
-            sums
-        });
+        let from = Extrapolated { x: gamma, previous: gamma, beta: 0.0, image };
+        let now = &*op;
+        let [length2, slope] = sweep(&mut work.next, |first, rows| now.descend(first, rows, &from, alpha));
         if !(length2 > 0.0) {
-            best = Outcome { iterations: done, residual: residual(op, gamma, image) };
-            best_is_current = true;
-            break;
+            return Outcome { iterations: done, residual: residual(op, gamma, image) };
         }
         op.image(&work.next, &mut work.image_next);
         let curvature = op.curvature(&work.image_next, image);
@@ -52,25 +37,9 @@ pub fn run(
             gamma.copy_from_slice(&work.next);
             std::mem::swap(image, &mut work.image_next);
         }
-        if done.is_multiple_of(LOOK) || done >= limit.iterations {
-            let residual = residual(op, gamma, image);
-            best_is_current = residual <= best.residual;
-            if best_is_current {
-                best = Outcome { iterations: done, residual };
-                if residual <= limit.tolerance {
-                    break;
-                }
-                if done < limit.iterations {
-                    work.best.clear();
-                    work.best.extend_from_slice(gamma);
-                    work.image_best.copy_from(image);
-                }
-            }
+        if best.look(op, settings, done, (gamma, image), (&mut work.best, &mut work.image_best)) {
+            break;
         }
     }
-    if !best_is_current {
-        gamma.copy_from_slice(&work.best);
-        image.copy_from(&work.image_best);
-    }
-    Outcome { iterations: done, residual: best.residual }
+    best.finish(done, gamma, image, work)
 }

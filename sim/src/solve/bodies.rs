@@ -90,7 +90,7 @@ impl BodyOperator<'_> {
             Block::Limit(i) => {
                 let row = &self.limits[i];
                 let [a, b] = row.bodies.map(|b| of(b as usize));
-                DVec3::new(row.speed([a.v, a.w], [b.v, b.w]) + self.offset[self.contacts.len() + i], 0.0, 0.0)
+                DVec3::new(row.speed(a, b) + self.offset[self.contacts.len() + i], 0.0, 0.0)
             }
         }
     }
@@ -153,16 +153,11 @@ impl BodyOperator<'_> {
 
     /// Velocities with the impulses γ, before the joints answer.
     fn spread(&self, gamma: &[DVec3], out: &mut Vec<Twist>) {
-        let masses = self.masses;
         out.resize(self.free.len(), Twist::default());
         fill_rows(out, |body| self.push_body(body, gamma));
         let first = gamma.len() - self.limits.len();
         for (row, gamma) in self.limits.iter().zip(&gamma[first..]) {
-            for (body, sign, angular) in [(row.bodies[0], -1.0, row.angular_a), (row.bodies[1], 1.0, row.angular_b)] {
-                let b = body as usize;
-                out[b].v += row.linear * (sign * gamma.x * masses.inv_mass[b]);
-                out[b].w += masses.turn(b, angular * (sign * gamma.x));
-            }
+            self.masses.push_row(out, row, gamma.x);
         }
     }
 }
@@ -206,9 +201,7 @@ impl Operator for BodyOperator<'_> {
 
     fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
         if !self.joints.rows.is_empty() || !self.limits.is_empty() {
-            self.image(next, to);
-            to_y.extrapolate(to, x, beta);
-            return self.curvature(to, y);
+            return descend::advance(self, next, beta, [x, y], [to, to_y]);
         }
         // Without joints one pass over the bodies does it all.
         let n = self.free.len();

@@ -4,8 +4,8 @@
 //! made in one order whatever the machine, so that all machines agree.
 
 use super::bodies::BodyOperator;
-use super::lanes::{LANES, Lane3, each, project};
-use super::{Extrapolated, Operator, Twist};
+use super::lanes::{LANES, Lane3, angular, each, linear, project};
+use super::{Extrapolated, Image, Operator};
 use glam::DVec3;
 
 /// For any blocks of any operator.
@@ -27,6 +27,19 @@ pub fn any(
         sums[1] += gradient.dot(*z - from.x[i]);
     }
     sums
+}
+
+/// The image of `next`, of the point extrapolated from it, and the curvature, one after the other.
+pub fn advance(
+    op: &mut (impl Operator + ?Sized),
+    next: &[DVec3],
+    beta: f64,
+    [x, y]: [&Image; 2],
+    [to, to_y]: [&mut Image; 2],
+) -> f64 {
+    op.image(next, to);
+    to_y.extrapolate(to, x, beta);
+    op.curvature(to, y)
 }
 
 /// For contacts with friction alone.
@@ -64,11 +77,9 @@ fn run_lanes(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapo
         let body = |l: usize, side: usize| &twist[bodies[k + l][side] as usize];
         let (a, b) =
             ([body(0, 0), body(1, 0), body(2, 0), body(3, 0)], [body(0, 1), body(1, 1), body(2, 1), body(3, 1)]);
-        let linear = |t: &[&Twist; LANES]| Lane3::load([&t[0].v, &t[1].v, &t[2].v, &t[3].v]);
-        let angular = |t: &[&Twist; LANES]| Lane3::load([&t[0].w, &t[1].w, &t[2].w, &t[3].w]);
         let nrm = at(normal);
-        let va = linear(&a).plus(angular(&a).cross(at(arm_a)));
-        let vb = linear(&b).plus(angular(&b).cross(at(arm_b)));
+        let va = linear(a).plus(angular(a).cross(at(arm_a)));
+        let vb = linear(b).plus(angular(b).cross(at(arm_b)));
         let gradient = vb.minus(va).plus(nrm.times(number(offset)));
         let (x_now, eta) = (at(x), number(eta));
         let y = x_now.plus(x_now.minus(at(previous)).times([from.beta; LANES]));

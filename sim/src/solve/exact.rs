@@ -6,43 +6,41 @@ use super::*;
 pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
-    limit: Limit,
     gamma: &mut Vec<DVec3>,
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
     const ROUNDS: u32 = 40;
-    let mut slip = std::mem::take(&mut work.slip);
-    slip.resize(gamma.len(), 0.0);
     let mut total = Outcome::default();
-    let share = (limit.iterations / 4).max(1);
+    let share = (settings.iterations / 4).max(1);
     // The slip of the start is the first guess.
     let mut fed = vec![0.0; gamma.len()];
     for round in 0..ROUNDS {
-        measure(op, image, &mut slip);
+        let slip = measure(op, image, gamma.len());
         let change: f64 = slip.iter().zip(&fed).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
-        let settled = change <= 1e-9 * sum + 1e-2 * limit.tolerance * gamma.len() as f64;
-        if round > 0 && (settled || total.iterations >= limit.iterations) {
+        let settled = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
+        if round > 0 && (settled || total.iterations >= settings.iterations) {
             break;
         }
-        fed.clone_from(&slip);
-        op.feed(&fed);
+        op.feed(&slip);
+        fed = slip;
         op.image(gamma, image);
-        let budget =
-            Limit { iterations: share.min(limit.iterations - total.iterations.min(limit.iterations - 1)), ..limit };
-        let outcome = super::run(op, settings, budget, gamma, image, work);
+        let left = settings.iterations - total.iterations.min(settings.iterations - 1);
+        let budget = SolverSettings { iterations: share.min(left), ..settings.clone() };
+        let outcome = super::run(op, &budget, gamma, image, work);
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
     }
-    work.slip = slip;
     total
 }
 
-/// μ |v_t| of every block; the gradient's normal part has no share in it.
-fn measure(op: &impl Operator, image: &Image, slip: &mut [f64]) {
-    fill_rows(slip, |i| {
+/// μ |v_t| of every block, from the image of γ; what is fed to the gap's rate has no share in it.
+pub fn measure(op: &impl Operator, image: &Image, n_blocks: usize) -> Vec<f64> {
+    let mut slip = vec![0.0; n_blocks];
+    fill_rows(&mut slip, |i| {
         let (mu, normal) = op.friction(i);
         let v = op.pull(image, i);
         mu * (v - normal * v.dot(normal)).length()
     });
+    slip
 }

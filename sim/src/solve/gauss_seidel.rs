@@ -2,6 +2,7 @@
 //! side by side and the result does not hang on the number of threads. The joints are one block of their own, solved exactly
 //! at the end of each sweep.
 
+use super::lanes::LANES;
 use super::*;
 use rayon::prelude::*;
 
@@ -11,7 +12,6 @@ const TASK: usize = 1024;
 pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
-    limit: Limit,
     gamma: &mut [DVec3],
     image: &mut Image,
     work: &mut Workspace,
@@ -23,24 +23,23 @@ pub fn run(
     let (start, order) = (&work.color_start[..], &work.color_order[..]);
     let fast = op.pack(start, order, gamma, &mut packed);
     let mut outcome = Outcome::default();
-    for iteration in 1..=limit.iterations {
+    for iteration in 1..=settings.iterations {
         let twist = Cells::new(&mut image.twist);
         let missed: f64 = if fast {
-            packed.colors().map(|color| share(color, TASK / 4, |groups| balls::visit(groups, &twist, omega))).sum()
+            packed
+                .colors()
+                .map(|color| share(color.par_chunks_mut(TASK / LANES), |g| balls::visit(g, &twist, omega)))
+                .sum()
         } else {
             let (values, now) = (Cells::new(gamma), &*op);
-            let colors = start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize);
-            colors
-                .map(|color| {
-                    let mut blocks = order[color].to_vec();
-                    share(&mut blocks, TASK, |blocks| visit::visit(now, blocks, &twist, &values, omega))
-                })
-                .sum()
+            let visit = |blocks: &[u32]| visit::visit(now, blocks, &twist, &values, omega);
+            let colors = start.windows(2).map(|ends| &order[ends[0] as usize..ends[1] as usize]);
+            colors.map(|color| share(color.par_chunks(TASK), visit)).sum()
         };
         op.settle(image);
         // How far each block was off when it was visited, in the residual's units.
         outcome = Outcome { iterations: iteration, residual: missed.sqrt() / n as f64 };
-        if outcome.residual <= limit.tolerance {
+        if outcome.residual <= settings.tolerance {
             break;
         }
     }
@@ -51,11 +50,11 @@ pub fn run(
     outcome
 }
 
-/// Visit what a colour has in tasks of a fixed size, side by side if it is worth it; sums in order.
-fn share<T: Send>(color: &mut [T], task: usize, visit: impl Fn(&mut [T]) -> f64 + Send + Sync) -> f64 {
-    if color.len() <= 4 * task {
-        return color.chunks_mut(task).map(visit).sum();
-    }
-    let parts: Vec<f64> = color.par_chunks_mut(task).map(visit).collect();
+/// Visit the tasks of a colour, side by side if there are enough to be worth it; sums in order.
+fn share<T: Send>(tasks: impl IndexedParallelIterator<Item = T>, visit: impl Fn(T) -> f64 + Send + Sync) -> f64 {
+    /// Up to so many are done by one thread.
+    const FEW: usize = 4;
+    let least = if tasks.len() <= FEW { FEW } else { 1 };
+    let parts: Vec<f64> = tasks.with_min_len(least).map(visit).collect();
     parts.into_iter().sum()
 }

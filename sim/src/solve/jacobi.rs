@@ -5,7 +5,6 @@ use super::*;
 pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
-    limit: Limit,
     gamma: &mut Vec<DVec3>,
     image: &mut Image,
     work: &mut Workspace,
@@ -13,7 +12,7 @@ pub fn run(
     let (omega, lambda) = (settings.omega.unwrap_or(0.3), settings.lambda);
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut outcome = Outcome::default();
-    for iteration in 1..=limit.iterations {
+    for iteration in 1..=settings.iterations {
         let (now, x, im) = (&*op, &*gamma, &*image);
         fill_rows(&mut work.next, |i| {
             let stepped = x[i] - now.pull(im, i) * (omega * now.eta(i));
@@ -22,9 +21,9 @@ pub fn run(
         std::mem::swap(gamma, &mut work.next);
         op.image(gamma, image);
         outcome.iterations = iteration;
-        if limit.tolerance > 0.0 || iteration == limit.iterations {
+        if settings.tolerance > 0.0 || iteration == settings.iterations {
             outcome.residual = residual(op, gamma, image);
-            if outcome.residual <= limit.tolerance {
+            if outcome.residual <= settings.tolerance {
                 break;
             }
         }

@@ -35,11 +35,13 @@ pub struct Joints {
     softness: Vec<f64>,
 }
 
-/// M⁻¹ of a row's Jacobian on A or on B.
-fn inverse(row: &Row, body: u32, masses: &Masses) -> Twist {
-    let b = body as usize;
-    let (sign, angular) = if row.bodies[1] == body { (1.0, row.angular_b) } else { (-1.0, row.angular_a) };
-    Twist { v: row.linear * (sign * masses.inv_mass[b]), w: masses.turn(b, angular * sign) }
+/// A row's Jacobian on one of its bodies.
+fn on_body(row: &Row, body: u32) -> Twist {
+    if row.bodies[1] == body {
+        Twist { v: row.linear, w: row.angular_b }
+    } else {
+        Twist { v: -row.linear, w: -row.angular_a }
+    }
 }
 
 impl Joints {
@@ -61,12 +63,12 @@ impl Joints {
         let mut diagonal = vec![0.0; n];
         for (body, rows) in &self.of_body {
             for (i, &k) in rows.iter().enumerate() {
-                let m = inverse(&self.rows[k as usize], *body, masses);
+                let own = on_body(&self.rows[k as usize], *body);
+                let b = *body as usize;
+                let m = Twist { v: own.v * masses.inv_mass[b], w: masses.turn(b, own.w) };
                 for &l in &rows[i..] {
-                    let row = &self.rows[l as usize];
-                    let (sign, angular) =
-                        if row.bodies[1] == *body { (1.0, row.angular_b) } else { (-1.0, row.angular_a) };
-                    let value = sign * (row.linear.dot(m.v) + angular.dot(m.w));
+                    let other = on_body(&self.rows[l as usize], *body);
+                    let value = other.v.dot(m.v) + other.w.dot(m.w);
                     self.ldl.add(next(), value);
                     if k == l {
                         diagonal[k as usize] += value;
@@ -134,22 +136,14 @@ impl Joints {
         }
         self.rhs.clear();
         image.lambda.resize(self.rows.len(), 0.0);
-        let motion = |t: &[Twist], b: u32| [t[b as usize].v, t[b as usize].w];
         for (k, row) in self.rows.iter().enumerate() {
-            let speed = row.speed(motion(&image.twist, row.bodies[0]), motion(&image.twist, row.bodies[1]));
+            let speed = row.speed_in(&image.twist);
             self.rhs.push(-(speed + self.bias[k] + self.softness[k] * image.lambda[k]));
         }
         self.ldl.solve(&mut self.rhs);
         image.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
         for (row, lambda) in self.rows.iter().zip(&self.rhs) {
-            for body in row.bodies {
-                if masses.inv_mass[body as usize] > 0.0 {
-                    let m = inverse(row, body, masses);
-                    let t = &mut image.twist[body as usize];
-                    t.v += m.v * *lambda;
-                    t.w += m.w * *lambda;
-                }
-            }
+            masses.push_row(&mut image.twist, row, *lambda);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Numbers and vectors of several contacts side by side, as straight-line code that the compiler turns into vector instructions.
 //! No operation is fused: all machines get the same bits.
 
+use super::Twist;
 use glam::DVec3;
 
 /// Contacts that go side by side.
@@ -10,7 +11,7 @@ pub const LANES: usize = 4;
 pub type Lane = [f64; LANES];
 
 /// A vector of each.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Lane3 {
     /// x.
     pub x: Lane,
@@ -23,6 +24,18 @@ pub struct Lane3 {
 #[inline(always)]
 pub fn each(f: impl Fn(usize) -> f64) -> Lane {
     [f(0), f(1), f(2), f(3)]
+}
+
+/// The linear velocities of four bodies.
+#[inline(always)]
+pub fn linear(t: [&Twist; LANES]) -> Lane3 {
+    Lane3::load([&t[0].v, &t[1].v, &t[2].v, &t[3].v])
+}
+
+/// The angular velocities of four bodies.
+#[inline(always)]
+pub fn angular(t: [&Twist; LANES]) -> Lane3 {
+    Lane3::load([&t[0].w, &t[1].w, &t[2].w, &t[3].w])
 }
 
 impl Lane3 {

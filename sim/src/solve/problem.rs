@@ -6,7 +6,9 @@
 //! row starts, the columns, and for each block its number and nine values by columns. Then q (3 n) and μ (n).
 
 use super::matrix::MatrixOperator;
-use super::{FrictionLaw, Image, Method, Operator, SolverSettings, Workspace, project_cone, solve as solve_with};
+use super::{
+    FrictionLaw, Image, Method, Operator, SolverSettings, Workspace, exact, project_cone, solve as solve_with,
+};
 use frame::{Fault, FaultKind, read_text};
 use glam::{DMat3, DVec3};
 use std::path::Path;
@@ -285,22 +287,17 @@ fn local(w: &DMat3, q: DVec3, mu: f64, start: DVec3, exact: bool) -> DVec3 {
 
 /// A method of [`super`], with an outer loop for exact friction.
 fn descend(op: &mut MatrixOperator, law: &Law, method: Method, mut gamma: Vec<DVec3>) -> Solution {
-    let exact = law.friction == FrictionLaw::Exact;
+    let is_exact = law.friction == FrictionLaw::Exact;
     let mut best =
-        Solution { error: op.error(&gamma, exact), gamma: gamma.clone(), iterations: 0, method: method.name() };
+        Solution { error: op.error(&gamma, is_exact), gamma: gamma.clone(), iterations: 0, method: method.name() };
     let mut work = Workspace::default();
     let mut image = Image::default();
     let mut done = 0;
     // The slip that is fed changes between rounds; each round is solved a little better than the error so far.
     while done < law.iterations && best.error > law.tolerance {
-        if exact {
+        if is_exact {
             op.image(&gamma, &mut image);
-            let slip: Vec<f64> = (0..gamma.len())
-                .map(|i| {
-                    let u = op.velocity(&gamma, i);
-                    op.friction[i] * (u.y * u.y + u.z * u.z).sqrt()
-                })
-                .collect();
+            let slip = exact::measure(op, &image, gamma.len());
             op.feed(&slip);
         }
         let settings = SolverSettings {
@@ -311,7 +308,7 @@ fn descend(op: &mut MatrixOperator, law: &Law, method: Method, mut gamma: Vec<DV
             ..SolverSettings::default()
         };
         done += solve_with(op, &settings, &mut gamma, &mut image, &mut work).iterations;
-        let error = op.error(&gamma, exact);
+        let error = op.error(&gamma, is_exact);
         if error < best.error {
             best.error = error;
             best.gamma.clone_from(&gamma);

@@ -10,13 +10,13 @@ const INNER: usize = 12;
 /// what they were off, `|Δγ/η|²`, m²/s².
 pub fn visit(
     op: &(impl Operator + ?Sized),
-    blocks: &mut [u32],
+    blocks: &[u32],
     image: &Cells<Twist>,
     gamma: &Cells<DVec3>,
     omega: f64,
 ) -> f64 {
     let mut missed = 0.0;
-    for &mut i in blocks {
+    for &i in blocks {
         let i = i as usize;
         let (gradient, own, before) = (op.pull_cells(image, i), op.diagonal(i), gamma.get(i));
         let step = 1.0 / largest(&own);
