@@ -251,13 +251,13 @@ pub enum BenchCommand {
         #[arg(long, default_value_t = 1.5e-3)]
         step: f64,
         /// Solver iterations a step.
-        #[arg(long, default_value_t = 8)]
+        #[arg(long, default_value_t = 18)]
         iterations: u32,
         /// apgd, barzilai_borwein, gauss_seidel or jacobi.
         #[arg(long, default_value = "gauss_seidel")]
         method: String,
         /// Greatest speed at which overlaps are pushed apart, m/s.
-        #[arg(long, default_value_t = 0.02)]
+        #[arg(long, default_value_t = 0.01)]
         recovery_speed: f64,
         /// Print JSON.
         #[arg(long)]

@@ -43,7 +43,7 @@ fn line(points: &[[f64; 2]]) -> [f64; 2] {
     [slope, (y - slope * x) / n]
 }
 
-/// A bed of grains of 2 mm in a box, settled once.
+/// A bed of grains 2.4 mm wide and some 10 cm deep in a box, settled once.
 fn bed() -> (Model, State) {
     let mut sim = simulation(
         "step: 5e-4
@@ -58,10 +58,10 @@ bodies:
   - {name: c, material: g, plane: {normal: [0, 1, 0]}, position: [0, -0.07, 0]}
   - {name: d, material: g, plane: {normal: [0, -1, 0]}, position: [0, 0.07, 0]}
 fills:
-  - {name: grains, material: g, count: 20000, radius: [0.002, 0.0024], min: [-0.07, -0.07, 0], max: [0.07, 0.07, 0.5]}
+  - {name: grains, material: g, count: 160000, radius: [0.0011, 0.0013], min: [-0.07, -0.07, 0], max: [0.07, 0.07, 0.5]}
 ",
     );
-    run(&mut sim, 0.5);
+    run(&mut sim, 0.6);
     (sim.model, sim.state)
 }
 

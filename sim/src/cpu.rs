@@ -22,7 +22,7 @@ use rayon::prelude::*;
 pub const PIECE: usize = 1024;
 
 /// An axis-aligned box, m, world, rounded outwards to single precision: four numbers are compared at once.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Aabb {
     /// Least corner.
     pub min: Vec3A,
@@ -42,6 +42,12 @@ impl Aabb {
 
     /// A box that overlaps none.
     pub const EMPTY: Aabb = Aabb { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    /// Whether another box is inside; an empty one always is.
+    #[inline]
+    pub fn holds(&self, other: &Aabb) -> bool {
+        (self.min.cmple(other.min) & other.max.cmple(self.max)).all()
+    }
 
     /// Whether two boxes share a point.
     #[inline]
@@ -145,20 +151,9 @@ pub fn collect_pieces<T: Send>(n_rows: usize, pieces: &mut Pieces<T>, f: impl Fn
     if n_rows <= ALONE {
         lists.iter_mut().enumerate().for_each(body);
     } else {
-        lists.par_iter_mut().enumerate().for_each(body);
+        // Rows differ much in what they hold: each piece is a task of its own.
+        lists.par_iter_mut().with_max_len(1).enumerate().for_each(body);
     }
-}
-
-/// Let every row add to one list, in the order of the rows.
-pub fn collect_rows<T: Send + Clone>(
-    n_rows: usize,
-    pieces: &mut Pieces<T>,
-    out: &mut Vec<T>,
-    f: impl Fn(usize, &mut Vec<T>) + Sync,
-) {
-    collect_pieces(n_rows, pieces, f);
-    out.clear();
-    pieces.filled().iter().for_each(|list| out.extend_from_slice(list));
 }
 
 /// Write each row `i`'s own values to `out[start[i]..start[i+1]]` in parallel; `start` rises and ends at `out.len()`.

@@ -24,6 +24,7 @@ mod visit;
 use crate::FrictionLaw;
 use crate::cpu::{fill_rows, sum_rows, sweep};
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 /// The iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -188,9 +189,19 @@ pub trait Operator: Sync {
     fn settle(&mut self, image: &mut Image);
     /// Blocks in groups whose members have no image entry in common: `order[start[c]..start[c+1]]` is group c.
     fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>);
-    /// Lay the blocks out for a faster visit, colour by colour; false if there is none for blocks of this kind.
-    fn pack(&self, _start: &[u32], _order: &[u32], _gamma: &[DVec3], _packed: &mut balls::Packed) -> bool {
+    /// Whether all blocks are contacts with friction alone between balls, for which `pack` lays out a faster visit.
+    fn has_balls_only(&self) -> bool {
         false
+    }
+    /// Lay the blocks out, colour by colour.
+    fn pack<T: lanes::Real, const L: usize>(
+        &self,
+        _start: &[u32],
+        _order: &[u32],
+        _gamma: &[DVec3],
+        _image: &Image,
+        _packed: &mut balls::Packed<T, L>,
+    ) {
     }
     /// The coefficient of friction of a block, and its normal; (0, 0) where it has none.
     fn friction(&self, block: usize) -> (f64, DVec3);
@@ -218,7 +229,8 @@ impl<'a, T: Copy> Cells<'a, T> {
     #[inline(always)]
     pub fn get(&self, i: usize) -> T {
         // SAFETY: blocks of one colour share no moving body (`Operator::colors`) and stand in it once, and entries of bodies
-        // held in place are never written; so nobody writes this entry meanwhile.
+        // held in place are never written; where entries are blocks, each task has its own; so nobody writes this one
+        // meanwhile.
         unsafe { *self.entry[i].get() }
     }
 
@@ -242,9 +254,19 @@ pub struct Workspace {
     image_best: Image,
     color_start: Vec<u32>,
     color_order: Vec<u32>,
-    packed: balls::Packed,
+    coarse: balls::Packed<f32, 8>,
+    fine: balls::Packed<f64, 4>,
     /// The step length that was right for the last APGD; the next begins with it.
     pub step_length: f64,
+}
+
+/// Visit the tasks of a colour, side by side if there are enough to be worth it; sums in order.
+fn share<T: Send>(tasks: impl IndexedParallelIterator<Item = T>, visit: impl Fn(T) -> f64 + Send + Sync) -> f64 {
+    /// Up to so many are done by one thread.
+    const FEW: usize = 4;
+    let least = if tasks.len() <= FEW { FEW } else { 1 };
+    let parts: Vec<f64> = tasks.with_min_len(least).map(visit).collect();
+    parts.into_iter().sum()
 }
 
 /// The best iterate of a method whose residual does not fall at every step. The residual is looked at now and then, and at the
@@ -314,8 +336,13 @@ pub fn solve(
         op.image(gamma, image);
         return Outcome::default();
     }
-    for i in 0..gamma.len() {
-        gamma[i] = op.project(i, gamma[i], gamma);
+    if op.has_balls_only() {
+        let values = Cells::new(gamma);
+        let project = |i: usize| values.set(i, op.project_cells(i, values.get(i), &values));
+        (0..op.n_blocks()).into_par_iter().with_min_len(crate::cpu::PIECE).for_each(project);
+    } else {
+        // One after the other: what a rolling block may carry hangs on its contact's.
+        (0..gamma.len()).for_each(|i| gamma[i] = op.project(i, gamma[i], gamma));
     }
     op.image(gamma, image);
     match settings.friction {

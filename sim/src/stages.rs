@@ -4,7 +4,7 @@
 
 use crate::cpu::bin_emit::BinGrid;
 use crate::cpu::contact_solve::Workspace;
-use crate::cpu::contact_write::Found;
+use crate::cpu::contact_write::Touching;
 use crate::cpu::pair_write::Candidate;
 use crate::cpu::{
     Aabb, Pieces, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
@@ -71,30 +71,51 @@ struct Scratch {
     sort: gpu::radix_sort::Scratch,
     bin_start: Vec<[u32; 2]>,
     grid: BinGrid,
-    pairs: Pieces<Candidate>,
-    candidate: Vec<Candidate>,
-    found: Pieces<Found>,
+    candidate: Pieces<Candidate>,
+    touching: Vec<Touching>,
+    /// Whether `candidate` has the pairs of the state's roomy boxes.
+    has_pairs: bool,
     old: Contacts,
     solver: Workspace,
 }
 
 impl Scratch {
-    /// Find the contacts: the stages from `bounds` to `contact_write`.
-    fn detect(&mut self, model: &Model, state: &State, contacts: &mut Contacts, clock: &mut Clock) {
+    /// Find the contacts: the stages from `bounds` to `contact_write`; those between the two are passed over while the pairs
+    /// of the last time hold. `roomy` has the boxes that the pairs were found for.
+    fn detect(
+        &mut self,
+        model: &Model,
+        state: &State,
+        roomy: &mut Vec<Aabb>,
+        contacts: &mut Contacts,
+        clock: &mut Clock,
+    ) {
         bounds::run(model, state, &mut self.place, &mut self.margin, &mut self.aabb);
+        let left = bounds::renew(model, state, &self.place, &self.aabb, roomy);
         clock.lap();
-        self.grid.choose(model, &self.aabb);
-        bin_emit::run(model, &self.aabb, &self.grid, &mut self.pair_start, &mut self.bin, &mut self.shape);
+        if left || !self.has_pairs {
+            self.find_pairs(model, roomy, clock);
+            self.has_pairs = true;
+        } else {
+            clock.pass_to("contact_write");
+        }
+        let Scratch { place, margin, aabb, candidate, touching, .. } = self;
+        let at = contact_write::Input { model, state, place, margin, aabb };
+        contact_write::run(&at, candidate.filled(), touching, contacts);
+        clock.lap();
+    }
+
+    /// The stages from `bin_emit` to `pair_write`.
+    fn find_pairs(&mut self, model: &Model, roomy: &[Aabb], clock: &mut Clock) {
+        self.grid.choose(model, roomy);
+        bin_emit::run(model, roomy, &self.grid, &mut self.pair_start, &mut self.bin, &mut self.shape);
         clock.lap();
         gpu::radix_sort::sort_cpu(&mut self.bin, &mut self.shape, self.grid.len(), &mut self.sort);
         clock.lap();
         bin_start::run(&self.bin, &mut self.bin_start);
         clock.lap();
-        let Scratch { aabb, place, grid, bin, shape, bin_start, pairs, candidate, .. } = self;
-        let input = pair_write::Input { model, place, aabb, grid, bin, shape, bin_start };
-        pair_write::run(&input, pairs, candidate);
-        clock.lap();
-        contact_write::run(model, state, &self.candidate, &self.place, &self.margin, &mut self.found, contacts);
+        let Scratch { place, grid, bin, shape, bin_start, candidate, .. } = self;
+        pair_write::run(&pair_write::Input { model, place, aabb: roomy, grid, bin, shape, bin_start }, candidate);
         clock.lap();
     }
 }
@@ -122,9 +143,10 @@ impl Simulation {
         let (model, state, w) = (&self.model, &mut self.state, &mut self.work);
         let mut clock = Clock::start();
 
-        std::mem::swap(&mut state.contacts, &mut w.old);
-        let mut contacts = std::mem::take(&mut state.contacts);
-        w.detect(model, state, &mut contacts, &mut clock);
+        let (mut contacts, mut roomy) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.roomy));
+        contacts.hand_over(&mut w.old);
+        w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
+        state.roomy = roomy;
         warm_start::run(model, &w.old, &mut contacts);
         clock.lap();
         force::run(model, state, &mut w.solver);
@@ -147,6 +169,11 @@ impl Simulation {
     fn wake(&mut self) {
         let now = self.state.time + 0.5 * self.model.step;
         for late in &self.model.late {
+            let passed = |t: f64| t <= now && now - self.model.step < t;
+            if passed(late.appears) || passed(late.moves) {
+                // Pairs of what was held in place were not looked for.
+                self.state.roomy.clear();
+            }
             let b = late.body as usize;
             self.model.absent[b] = now < late.appears;
             let moves = now >= late.moves.max(late.appears);
@@ -185,7 +212,7 @@ pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
     let mut w = Scratch::default();
     let mut contacts = Contacts::default();
     // What appears later must not overlap then; where that is nobody knows yet.
-    w.detect(model, state, &mut contacts, &mut Clock::start());
+    w.detect(model, state, &mut vec![], &mut contacts, &mut Clock::start());
     let mut found: Vec<Overlap> = vec![];
     for i in 0..contacts.len() {
         let (depth, [s, t, _]) = (-contacts.gap[i], contacts.key[i]);
@@ -220,6 +247,11 @@ struct Clock {
 impl Clock {
     fn start() -> Clock {
         Clock { last: Instant::now(), stage: 0, ms: [0.0; STAGES.len()] }
+    }
+
+    /// Leave out the stages before this one.
+    fn pass_to(&mut self, stage: &str) {
+        self.stage = STAGES.iter().position(|s| *s == stage).expect("a stage's name");
     }
 
     fn lap(&mut self) {

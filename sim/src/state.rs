@@ -285,6 +285,8 @@ pub struct State {
     pub angular_velocity: Vec<DVec3>,
     /// The contacts of the last step, with their impulses.
     pub contacts: Contacts,
+    /// Boxes with room to move, for which the pairs that may touch were found last (n_shapes).
+    pub roomy: Vec<crate::cpu::Aabb>,
     /// What each joint did in the last step (n_joints).
     pub joints: Vec<crate::joint::JointState>,
     /// What each spring did in the last step (n_springs).
@@ -324,6 +326,15 @@ impl Contacts {
     /// Number of contacts.
     pub fn len(&self) -> usize {
         self.bodies.len()
+    }
+
+    /// Hand to `old` what the next contacts are warm-started from, and take its memory for them.
+    pub(crate) fn hand_over(&mut self, old: &mut Contacts) {
+        std::mem::swap(&mut self.key, &mut old.key);
+        std::mem::swap(&mut self.impulse, &mut old.impulse);
+        std::mem::swap(&mut self.twist, &mut old.twist);
+        std::mem::swap(&mut self.incident_start, &mut old.incident_start);
+        std::mem::swap(&mut self.incident, &mut old.incident);
     }
 
     /// Whether nothing touches.

@@ -14,6 +14,7 @@ use crate::geometry::{Hull, Surface};
 use crate::{Model, Pose, ShapeKind};
 use glam::{DQuat, DVec3};
 
+pub use round::balls as collide_balls;
 pub use surface::triangle as collide_triangle;
 
 /// The most points that two shapes touch in.

@@ -8,86 +8,53 @@
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
 //! momentum of the pair to round-off.
 
-use super::collide::{MAX_POINTS, Placed, Point, collide, collide_triangle, surface_of};
+use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
 use super::pair_write::Candidate;
-use super::{Pieces, collect_pieces};
+use super::{Aabb, PIECE};
 use crate::{Contacts, Model, Pose, ShapeKind, State};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A contact as it is found.
-#[derive(Clone, Copy, Debug)]
-pub struct Found {
-    bodies: [u32; 2],
-    key: [u32; 3],
-    normal: DVec3,
-    arm_a: DVec3,
-    arm_b: DVec3,
-    gap: f64,
-    law: u32,
+/// What the stage reads.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The state.
+    pub state: &'a State,
+    /// Where the shapes are (n_shapes).
+    pub place: &'a [Pose],
+    /// How far from their surfaces contacts are looked for, m (n_shapes).
+    pub margin: &'a [f64],
+    /// Boxes (n_shapes).
+    pub aabb: &'a [Aabb],
 }
 
-/// The stage. `pieces` is scratch.
-pub fn run(
-    model: &Model,
-    state: &State,
-    candidate: &[Candidate],
-    place: &[Pose],
-    margin: &[f64],
-    pieces: &mut Pieces<Found>,
-    contacts: &mut Contacts,
-) {
-    collect_pieces(candidate.len(), pieces, |i, found| meet(model, state, candidate[i], place, margin, found));
-    write_columns(pieces, contacts);
-    list_incident(model.n_bodies(), contacts);
+/// What touches, of a piece of the candidates.
+#[derive(Default)]
+pub struct Touching {
+    /// Candidates that touch, in order: two balls by their place in the piece, others by [`POINTS`] plus their place in `some`.
+    who: Vec<u32>,
+    /// Candidates that touch, not two balls: their place in the piece and their range in `point`.
+    some: Vec<[u32; 3]>,
+    /// Points of those.
+    point: Vec<Point>,
+    /// Contacts of the piece.
+    n: usize,
 }
 
-/// The contacts of one candidate.
-#[inline]
-fn meet(model: &Model, state: &State, candidate: Candidate, place: &[Pose], margin: &[f64], found: &mut Vec<Found>) {
-    let [s, t, triangle] = candidate;
-    let (s, t) = (s as usize, t as usize);
-    let reach = margin[s] + margin[t];
-    let both = model.shape_kind[s] == ShapeKind::Sphere && model.shape_kind[t] == ShapeKind::Sphere;
-    if both {
-        // Most candidates are balls, and most of those do not touch: out again at once.
-        let touch = model.shape_size[s].x + model.shape_size[t].x + reach;
-        if (place[s].position - place[t].position).length_squared() > touch * touch {
-            return;
-        }
-    }
-    let mut out = [Point::default(); MAX_POINTS];
-    let (a, b) = (Placed::of(model, &place[s], s), Placed::of(model, &place[t], t));
-    let mut swap = model.shape_body[s] > model.shape_body[t];
-    let n = if let Some(surface) = surface_of(model, t) {
-        let corners = surface.corners(triangle).map(|v| b.position + b.orientation * v);
-        collide_triangle(&a, corners, surface.sharp[triangle as usize], reach, &mut out)
-    } else if let Some(surface) = surface_of(model, s) {
-        let corners = surface.corners(triangle).map(|v| a.position + a.orientation * v);
-        swap = !swap;
-        collide_triangle(&b, corners, surface.sharp[triangle as usize], reach, &mut out)
-    } else {
-        collide(&a, &b, reach, &mut out)
-    };
-    let (low, high) = (model.shape_body[s].min(model.shape_body[t]), model.shape_body[s].max(model.shape_body[t]));
-    for point in &out[..n] {
-        let middle = 0.5 * (point.on_first + point.on_second);
-        found.push(Found {
-            bodies: [low, high],
-            key: [s as u32, t as u32, (triangle << 17) ^ point.feature],
-            normal: if swap { -point.normal } else { point.normal },
-            arm_a: middle - state.position[low as usize],
-            arm_b: middle - state.position[high as usize],
-            gap: point.gap,
-            law: model.law(s, t),
-        });
-    }
-}
+/// Set for candidates whose points are kept; those of two balls are cheaper to find again than to keep.
+const POINTS: u32 = 1 << 31;
 
-/// The pieces' contacts, one after the other, into columns.
-fn write_columns(pieces: &Pieces<Found>, contacts: &mut Contacts) {
-    let pieces = pieces.filled();
-    let n = pieces.iter().map(Vec::len).sum();
+/// The stage. `touching` is scratch.
+pub fn run(at: &Input, candidate: &[Vec<Candidate>], touching: &mut Vec<Touching>, contacts: &mut Contacts) {
+    touching.resize_with(candidate.len(), Touching::default);
+    let few = candidate.iter().map(Vec::len).sum::<usize>() < 4 * PIECE;
+    let least = if few { candidate.len().max(1) } else { 1 };
+    let pieces = touching.par_iter_mut().zip(candidate).with_min_len(least).with_max_len(least);
+    pieces.for_each(|(touching, candidate)| touching.find(at, candidate));
+
+    let n = touching.iter().map(|t| t.n).sum();
     contacts.bodies.resize(n, [0; 2]);
     contacts.key.resize(n, [0; 3]);
     contacts.normal.resize(n, DVec3::ZERO);
@@ -96,31 +63,109 @@ fn write_columns(pieces: &Pieces<Found>, contacts: &mut Contacts) {
     contacts.gap.resize(n, 0.0);
     contacts.law.resize(n, 0);
     (
-        pieces,
-        split(&mut contacts.bodies, pieces),
-        split(&mut contacts.key, pieces),
-        split(&mut contacts.normal, pieces),
-        split(&mut contacts.arm_a, pieces),
-        split(&mut contacts.arm_b, pieces),
-        split(&mut contacts.gap, pieces),
-        split(&mut contacts.law, pieces),
+        touching.par_iter().zip(candidate),
+        split(&mut contacts.bodies, touching),
+        split(&mut contacts.key, touching),
+        split(&mut contacts.normal, touching),
+        split(&mut contacts.arm_a, touching),
+        split(&mut contacts.arm_b, touching),
+        split(&mut contacts.gap, touching),
+        split(&mut contacts.law, touching),
     )
         .into_par_iter()
-        .with_min_len(8)
-        .for_each(|(piece, bodies, key, normal, arm_a, arm_b, gap, law)| {
-            for (i, c) in piece.iter().enumerate() {
-                (bodies[i], key[i], normal[i]) = (c.bodies, c.key, c.normal);
-                (arm_a[i], arm_b[i], gap[i], law[i]) = (c.arm_a, c.arm_b, c.gap, c.law);
-            }
+        .with_min_len(least)
+        .with_max_len(least)
+        .for_each(|((touching, candidate), bodies, key, normal, arm_a, arm_b, gap, law)| {
+            let mut i = 0;
+            touching.each(at, candidate, |[s, t, triangle], point| {
+                let (a, b) = (at.model.shape_body[s as usize], at.model.shape_body[t as usize]);
+                let (low, high) = (a.min(b), a.max(b));
+                let middle = 0.5 * (point.on_first + point.on_second);
+                bodies[i] = [low, high];
+                key[i] = [s, t, (triangle << 17) ^ point.feature];
+                normal[i] = if a > b { -point.normal } else { point.normal };
+                arm_a[i] = middle - at.state.position[low as usize];
+                arm_b[i] = middle - at.state.position[high as usize];
+                gap[i] = point.gap;
+                law[i] = at.model.law(s as usize, t as usize);
+                i += 1;
+            });
         });
+    list_incident(at.model.n_bodies(), contacts);
+}
+
+impl Touching {
+    /// Find which candidates touch, and where.
+    fn find(&mut self, at: &Input, candidate: &[Candidate]) {
+        self.who.clear();
+        self.some.clear();
+        self.point.clear();
+        let mut out = [Point::default(); MAX_POINTS];
+        for (k, pair) in candidate.iter().enumerate() {
+            let [s, t] = [pair[0] as usize, pair[1] as usize];
+            if are_balls(at.model, s, t) {
+                let touch = at.model.shape_size[s].x + at.model.shape_size[t].x + at.margin[s] + at.margin[t];
+                if (at.place[s].position - at.place[t].position).length_squared() <= touch * touch {
+                    self.who.push(k as u32);
+                }
+            } else if at.aabb[s].overlaps(&at.aabb[t]) {
+                let n = points(at, *pair, &mut out);
+                if n > 0 {
+                    self.who.push(POINTS | self.some.len() as u32);
+                    let first = self.point.len() as u32;
+                    self.some.push([k as u32, first, first + n as u32]);
+                    self.point.extend_from_slice(&out[..n]);
+                }
+            }
+        }
+        self.n = self.who.len() - self.some.len() + self.point.len();
+    }
+
+    /// Visit the contacts of the piece in order; normals point from the first shape to the second.
+    #[inline]
+    fn each(&self, at: &Input, candidate: &[Candidate], mut visit: impl FnMut(Candidate, &Point)) {
+        for who in &self.who {
+            if who & POINTS == 0 {
+                let pair = candidate[*who as usize];
+                let ball = |s: u32| (&at.place[s as usize].position, at.model.shape_size[s as usize].x);
+                visit(pair, &collide_balls(ball(pair[0]), ball(pair[1])));
+            } else {
+                let [k, first, end] = self.some[(who ^ POINTS) as usize];
+                self.point[first as usize..end as usize].iter().for_each(|p| visit(candidate[k as usize], p));
+            }
+        }
+    }
+}
+
+#[inline]
+fn are_balls(model: &Model, s: usize, t: usize) -> bool {
+    model.shape_kind[s] == ShapeKind::Sphere && model.shape_kind[t] == ShapeKind::Sphere
+}
+
+/// The points of a candidate.
+fn points(at: &Input, [s, t, triangle]: Candidate, out: &mut Points) -> usize {
+    let (model, s, t) = (at.model, s as usize, t as usize);
+    let reach = at.margin[s] + at.margin[t];
+    let [a, b] = [s, t].map(|s| Placed::of(model, &at.place[s], s));
+    if let Some(surface) = surface_of(model, t) {
+        let corners = surface.corners(triangle).map(|v| b.position + b.orientation * v);
+        collide_triangle(&a, corners, surface.sharp[triangle as usize], reach, out)
+    } else if let Some(surface) = surface_of(model, s) {
+        let corners = surface.corners(triangle).map(|v| a.position + a.orientation * v);
+        let n = collide_triangle(&b, corners, surface.sharp[triangle as usize], reach, out);
+        out[..n].iter_mut().for_each(|p| p.normal = -p.normal);
+        n
+    } else {
+        collide(&a, &b, reach, out)
+    }
 }
 
 /// Cut a column as the pieces are cut.
-fn split<'a, T, U>(mut column: &'a mut [T], pieces: &[Vec<U>]) -> Vec<&'a mut [T]> {
+fn split<'a, T>(mut column: &'a mut [T], pieces: &[Touching]) -> Vec<&'a mut [T]> {
     pieces
         .iter()
         .map(|piece| {
-            let (own, rest) = std::mem::take(&mut column).split_at_mut(piece.len());
+            let (own, rest) = std::mem::take(&mut column).split_at_mut(piece.n);
             column = rest;
             own
         })

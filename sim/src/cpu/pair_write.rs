@@ -3,7 +3,8 @@
 //! in   bin, shape [n_pairs]       sorted by bin
 //!      bin_start  [n_active]      first and last-but-one pair of each active bin
 //!      aabb       [n_shapes]      m, world
-//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a surface; in the order of the bins
+//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a surface; in pieces, in the order
+//!                                 of the bins
 //! Source: paper §3, stages 7–9.
 //!
 //! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
@@ -11,7 +12,7 @@
 
 use super::bin_emit::BinGrid;
 use super::collide::surface_of;
-use super::{Aabb, Pieces, collect_rows};
+use super::{Aabb, Pieces, collect_pieces};
 use crate::{Model, Pose, ShapeKind};
 use glam::{DMat3, DVec3, Vec3A};
 
@@ -39,8 +40,8 @@ pub struct Input<'a> {
     pub bin_start: &'a [[u32; 2]],
 }
 
-/// The stage. `pieces` is scratch.
-pub fn run(input: &Input, pieces: &mut Pieces<Candidate>, candidate: &mut Vec<Candidate>) {
+/// The stage.
+pub fn run(input: &Input, candidate: &mut Pieces<Candidate>) {
     let model = input.model;
     let surfaces: Vec<SurfaceAt> = (0..model.n_shapes() as u32)
         .filter(|s| model.shape_kind[*s as usize].is_surface())
@@ -50,7 +51,7 @@ pub fn run(input: &Input, pieces: &mut Pieces<Candidate>, candidate: &mut Vec<Ca
     // Rows: the active bins, then one row a shape for the coarser levels and the surfaces that it meets.
     let n_bins = input.bin_start.len();
     let alone = if mixed || !surfaces.is_empty() { model.n_shapes() } else { 0 };
-    collect_rows(n_bins + alone, pieces, candidate, |row, found| match row.checked_sub(n_bins) {
+    collect_pieces(n_bins + alone, candidate, |row, found| match row.checked_sub(n_bins) {
         None => in_bin(input, input.bin_start[row], found),
         Some(s) => {
             if mixed {

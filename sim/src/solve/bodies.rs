@@ -6,6 +6,7 @@
 
 use super::balls::Packed;
 use super::joints::Joints;
+use super::lanes::Real;
 use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
 use crate::Contacts;
 use crate::cpu::contact_solve::Masses;
@@ -334,12 +335,19 @@ impl Operator for BodyOperator<'_> {
         }
     }
 
-    fn pack(&self, start: &[u32], order: &[u32], gamma: &[DVec3], packed: &mut Packed) -> bool {
-        let fits = self.plain && self.balls && self.n_blocks() == self.contacts.len();
-        if fits {
-            packed.fill(self, start, order, gamma);
-        }
-        fits
+    fn has_balls_only(&self) -> bool {
+        self.plain && self.balls && self.n_blocks() == self.contacts.len()
+    }
+
+    fn pack<T: Real, const L: usize>(
+        &self,
+        start: &[u32],
+        order: &[u32],
+        gamma: &[DVec3],
+        image: &Image,
+        packed: &mut Packed<T, L>,
+    ) {
+        packed.fill(self, start, order, gamma, image);
     }
 
     fn friction(&self, i: usize) -> (f64, DVec3) {

@@ -4,9 +4,12 @@
 //! made in one order whatever the machine, so that all machines agree.
 
 use super::bodies::BodyOperator;
-use super::lanes::{LANES, Lane3, angular, each, linear, project};
+use super::lanes::{Lane3, each, project};
 use super::{Extrapolated, Image, Operator};
 use glam::DVec3;
+
+/// Contacts that go side by side.
+const LANES: usize = 4;
 
 /// For any blocks of any operator.
 pub fn any(
@@ -78,8 +81,8 @@ fn run_lanes(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapo
         let (a, b) =
             ([body(0, 0), body(1, 0), body(2, 0), body(3, 0)], [body(0, 1), body(1, 1), body(2, 1), body(3, 1)]);
         let nrm = at(normal);
-        let va = linear(a).plus(angular(a).cross(at(arm_a)));
-        let vb = linear(b).plus(angular(b).cross(at(arm_b)));
+        let va = Lane3::linear(a).plus(Lane3::angular(a).cross(at(arm_a)));
+        let vb = Lane3::linear(b).plus(Lane3::angular(b).cross(at(arm_b)));
         let gradient = vb.minus(va).plus(nrm.times(number(offset)));
         let (x_now, eta) = (at(x), number(eta));
         let y = x_now.plus(x_now.minus(at(previous)).times([from.beta; LANES]));

@@ -6,22 +6,27 @@ use glam::{DVec2, DVec3};
 
 #[inline]
 pub fn sphere_sphere(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let apart = b.position - a.position;
-    let touch = a.size.x + b.size.x;
-    let distance2 = apart.length_squared();
-    if distance2 > (touch + reach) * (touch + reach) {
+    let touch = a.size.x + b.size.x + reach;
+    if (b.position - a.position).length_squared() > touch * touch {
         return 0;
     }
-    let distance = distance2.sqrt();
-    let normal = if distance > 0.0 { apart / distance } else { DVec3::Z };
-    out[0] = Point {
-        normal,
-        on_first: a.position + normal * a.size.x,
-        on_second: b.position - normal * b.size.x,
-        gap: distance - touch,
-        feature: 0,
-    };
+    out[0] = balls((&a.position, a.size.x), (&b.position, b.size.x));
     1
+}
+
+/// Where two balls are nearest, by their centres and radii, however far they are apart.
+#[inline(always)]
+pub fn balls((a, radius_a): (&DVec3, f64), (b, radius_b): (&DVec3, f64)) -> Point {
+    let apart = *b - *a;
+    let distance = apart.length();
+    let normal = if distance > 0.0 { apart / distance } else { DVec3::Z };
+    Point {
+        normal,
+        on_first: *a + normal * radius_a,
+        on_second: *b - normal * radius_b,
+        gap: distance - (radius_a + radius_b),
+        feature: 0,
+    }
 }
 
 #[inline]
