@@ -67,7 +67,8 @@ fn check(path: &Path) -> Outcome<&'static str> {
         }
         Some("sl") => {
             let text = frame::read_text(FaultKind::Input, path)?;
-            match render::sl::compile(path, &text) {
+            let files = library::files(folder);
+            match render::sl::compile_with(path, &text, &|name, from| files.include(name, from)) {
                 Ok(_) => Ok("shader"),
                 Err(d) => Err(d.into()),
             }

@@ -160,7 +160,8 @@ impl Context {
                 let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
                 let (path, source) =
                     self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
-                let program = sl::compile(&path, &source).map_err(|d| Fail::new(format!("in shader {d}")))?;
+                let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
+                    .map_err(|d| Fail::new(format!("in shader {d}")))?;
                 self.programs.entry(file).or_insert(Arc::new(program)).clone()
             }
         };
@@ -177,7 +178,8 @@ impl Context {
             match param.values {
                 Values::Strings(v) if wanted == Kind::Text => texts.push((i, v[0].clone())),
                 Values::Floats(v) if wanted != Kind::Text => {
-                    numbers.push((i, self.to_current(wanted, &v, &param.decl.name)?))
+                    let array = program.params[i].array;
+                    numbers.push((i, self.to_current(wanted, array, &v, &param.decl.name)?))
                 }
                 _ => {
                     return Err(Fail::new(format!(
@@ -191,19 +193,25 @@ impl Context {
     }
 
     /// A parameter's numbers in world space; points and directions are given in the current one.
-    fn to_current(&self, kind: Kind, v: &[f32], name: &str) -> Result<Vec<f32>, Fail> {
-        let width = if kind == Kind::Float { 1 } else { 3 };
-        if v.len() != width {
+    fn to_current(&self, kind: Kind, array: Option<u16>, v: &[f32], name: &str) -> Result<Vec<f32>, Fail> {
+        let width = kind.width() * array.unwrap_or(1) as usize;
+        // An array may be given in part.
+        if v.len() != width && (array.is_none() || v.len() > width || v.len() % kind.width() != 0) {
             return Err(Fail::new(format!("parameter `{name}` has {} numbers, expected {width}", v.len())));
         }
         let m = self.to_world();
-        let p = || Vec3::new(v[0], v[1], v[2]);
-        Ok(match kind {
-            Kind::Point => m.transform_point3(p()).to_array().to_vec(),
-            Kind::Vector => m.transform_vector3(p()).to_array().to_vec(),
-            Kind::Normal => (glam::Mat3::from_mat4(m).inverse().transpose() * p()).to_array().to_vec(),
-            _ => v.to_vec(),
-        })
+        let normals = glam::Mat3::from_mat4(m).inverse().transpose();
+        let mut out = Vec::with_capacity(width);
+        for v in v.chunks_exact(kind.width()) {
+            match kind {
+                Kind::Point => out.extend(m.transform_point3(Vec3::new(v[0], v[1], v[2])).to_array()),
+                Kind::Vector => out.extend(m.transform_vector3(Vec3::new(v[0], v[1], v[2])).to_array()),
+                Kind::Normal => out.extend((normals * Vec3::new(v[0], v[1], v[2])).to_array()),
+                _ => out.extend(v),
+            }
+        }
+        out.resize(width, 0.0);
+        Ok(out)
     }
 
     fn in_world(&self, call: &str) -> RiResult {

@@ -72,7 +72,11 @@ pub fn keeps_opacity(program: &Program) -> bool {
             Op::Assign(dst, src) => *dst != oi || Some(*src) == os,
             Op::If(_, a, b) => plain(a, oi, os) && plain(b, oi, os),
             Op::Loop(a, _, b, c) => plain(a, oi, os) && plain(b, oi, os) && plain(c, oi, os),
-            Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } => plain(body, oi, os),
+            Op::Illuminance { body, .. }
+            | Op::Solar { body, .. }
+            | Op::Illuminate { body, .. }
+            | Op::Inline(body) => plain(body, oi, os),
+            Op::Gather { hit, miss, .. } => plain(hit, oi, os) && plain(miss, oi, os),
             _ => true,
         })
     }

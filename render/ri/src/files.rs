@@ -35,6 +35,18 @@ impl Files {
         }
     }
 
+    /// A file that a shader includes: from the folder of the file that asks, or as [`Files::read`] finds it.
+    pub fn include(&self, name: &str, from: &Path) -> Result<(PathBuf, String), String> {
+        let beside = from.parent().map(|folder| folder.join(name)).filter(|p| p.is_file());
+        match beside {
+            Some(path) => {
+                let text = std::fs::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
+                Ok((path, text))
+            }
+            None => self.read(name, &["shaders/include", "shaders"]),
+        }
+    }
+
     fn not_found(&self, name: &str, rooms: &[&str]) -> String {
         let known =
             self.built_in.iter().filter(|(p, _)| rooms.first().is_some_and(|room| p.starts_with(&format!("{room}/"))));

@@ -9,6 +9,7 @@ pub enum Ty {
     Point,
     Vector,
     Normal,
+    Matrix,
     Text,
 }
 
@@ -21,12 +22,13 @@ impl Ty {
             Ty::Point => "point",
             Ty::Vector => "vector",
             Ty::Normal => "normal",
+            Ty::Matrix => "matrix",
             Ty::Text => "string",
         }
     }
 
     pub fn of_name(name: &str) -> Option<Ty> {
-        [Ty::Void, Ty::Float, Ty::Color, Ty::Point, Ty::Vector, Ty::Normal, Ty::Text]
+        [Ty::Void, Ty::Float, Ty::Color, Ty::Point, Ty::Vector, Ty::Normal, Ty::Matrix, Ty::Text]
             .into_iter()
             .find(|t| t.name() == name)
     }
@@ -55,6 +57,12 @@ pub enum ExprKind {
     /// `type ["space"] expression`
     Cast(Ty, Option<String>, Box<Expr>),
     Triple(Box<[Expr; 3]>),
+    /// Sixteen numbers, row after row.
+    Matrix(Vec<Expr>),
+    /// `array[index]`
+    Index(Box<Expr>, Box<Expr>),
+    /// `{a, b, …}`, what an array starts with.
+    Array(Vec<Expr>),
 }
 
 /// A statement.
@@ -67,18 +75,23 @@ pub struct Stmt {
 #[derive(Clone, Debug)]
 pub enum StmtKind {
     Declare(Vec<Variable>),
-    /// Target, operator (`=`, `+=` …), value.
-    Assign(String, &'static str, Expr),
+    /// Target (a name or an element), operator (`=`, `+=` …), value.
+    Assign(Expr, &'static str, Expr),
     Call(Expr),
     Block(Vec<Stmt>),
     If(Expr, Box<Stmt>, Option<Box<Stmt>>),
     While(Expr, Box<Stmt>),
     For(Box<Stmt>, Expr, Box<Stmt>, Box<Stmt>),
-    Break,
-    Continue,
+    /// Out of so many loops.
+    Break(usize),
+    Continue(usize),
     Return(Option<Expr>),
     /// `illuminance`, `illuminate` or `solar`, its arguments and its body.
     Light(&'static str, Vec<Expr>, Box<Stmt>),
+    /// `gather`, its arguments, what is done for a hit and for a miss.
+    Gather(Vec<Expr>, Box<Stmt>, Option<Box<Stmt>>),
+    /// `extern type name, …`
+    Extern(Vec<(String, usize)>),
 }
 
 /// A variable or a parameter.
@@ -87,6 +100,8 @@ pub struct Variable {
     pub at: usize,
     pub name: String,
     pub ty: Ty,
+    /// Elements of an array.
+    pub array: Option<usize>,
     pub varying: bool,
     pub output: bool,
     pub value: Option<Expr>,

@@ -7,7 +7,11 @@ use crate::ir::{Binary, Builtin, Unary};
 pub const PRELUDE: &str = "
 color diffuse(normal axis) {
     color sum = 0;
-    illuminance (P, axis, 1.5707963) { sum += Cl * max(0, normalize(L) . axis); }
+    illuminance (P, axis, 1.5707963) {
+        uniform float off = 0;
+        lightsource(\"__nondiffuse\", off);
+        if (off == 0) sum += Cl * max(0, normalize(L) . axis);
+    }
     return sum;
 }
 color specularbrdf(vector light, normal axis, vector view, float roughness) {
@@ -16,7 +20,11 @@ color specularbrdf(vector light, normal axis, vector view, float roughness) {
 }
 color specular(normal axis, vector view, float roughness) {
     color sum = 0;
-    illuminance (P, axis, 1.5707963) { sum += Cl * specularbrdf(normalize(L), axis, view, roughness); }
+    illuminance (P, axis, 1.5707963) {
+        uniform float off = 0;
+        lightsource(\"__nonspecular\", off);
+        if (off == 0) sum += Cl * specularbrdf(normalize(L), axis, view, roughness);
+    }
     return sum;
 }
 color phong(normal axis, vector view, float size) {
@@ -25,8 +33,51 @@ color phong(normal axis, vector view, float size) {
     illuminance (P, axis, 1.5707963) { sum += Cl * pow(max(0, mirrored . normalize(L)), size); }
     return sum;
 }
-float depth(point p) { return length(p - E); }
+float depth(point p) {
+    uniform float clip[2] = {0, 1};
+    option(\"Clipping\", clip);
+    return (zcomp(transform(\"camera\", p)) - clip[0]) / (clip[1] - clip[0]);
+}
 float distance(point a, point b) { return length(a - b); }
+float ptlined(point a, point b, point q) {
+    vector way = b - a;
+    float length2 = way . way;
+    float t = length2 > 0 ? clamp(((q - a) . way) / length2, 0, 1) : 0;
+    return length(q - (a + way * t));
+}
+point rotate_(point q; float angle; point a, b) {
+    vector axis = normalize(b - a);
+    vector arm = q - a;
+    float c = cos(angle);
+    return a + arm * c + (axis ^ arm) * sin(angle) + axis * ((axis . arm) * (1 - c));
+}
+void fresnel5_(vector i; normal n; float eta; output float kr; output float kt) {
+    float c = abs(i . n) / max(length(i) * length(n), 1e-8);
+    float g2 = 1 / (eta * eta) - 1 + c * c;
+    if (g2 < 0) {
+        kr = 1;
+    } else {
+        float g = sqrt(g2);
+        float a = (g - c) / (g + c);
+        float b = (c * (g + c) - 1) / (c * (g - c) + 1);
+        kr = min(1, 0.5 * a * a * (1 + b * b));
+    }
+    kt = (1 - kr) * (1 / eta) * (1 / eta);
+}
+void fresnel7_(vector i; normal n; float eta; output float kr; output float kt; output vector r; output vector t) {
+    fresnel5_(i, n, eta, kr, kt);
+    r = reflect(i, n);
+    t = refract(i, n, eta);
+}
+float filterstep2_(float edge, float x) {
+    float w = max(filterwidth_(x), 1e-6);
+    return clamp((x + 0.5 * w - edge) / w, 0, 1);
+}
+float filterstep3_(float edge, float a, float b) {
+    float lo = min(a, b);
+    float w = max(abs(b - a), 1e-6);
+    return clamp((lo + w - edge) / w, 0, 1);
+}
 ";
 
 /// How a built-in is lowered.
@@ -54,9 +105,11 @@ pub enum Arg {
     Triple,
     /// A number or a triple.
     Any,
+    /// A matrix.
+    Matrix,
 }
 
-use Arg::{Any, Float as F, Triple as T};
+use Arg::{Any, Float as F, Matrix as M, Triple as T};
 
 /// The table of built-ins with plain argument lists; `lower` knows the few others.
 pub const SIGNATURES: &[Signature] = &[
@@ -95,6 +148,15 @@ pub const SIGNATURES: &[Signature] = &[
     ("transmission", Some(Ty::Color), &[T, T], How::Call(Builtin::Transmission)),
     ("area", Some(Ty::Float), &[T], How::Call(Builtin::Area)),
     ("calculatenormal", Some(Ty::Normal), &[T], How::Call(Builtin::CalculateNormal)),
+    ("filterwidth_", Some(Ty::Float), &[F], How::Call(Builtin::Width)),
+    ("determinant", Some(Ty::Float), &[M], How::Call(Builtin::Determinant)),
+    ("translate", Some(Ty::Matrix), &[M, T], How::Call(Builtin::Translate)),
+    ("rotate", Some(Ty::Matrix), &[M, F, T], How::Call(Builtin::Rotate)),
+    ("scale", Some(Ty::Matrix), &[M, T], How::Call(Builtin::Scale)),
+    ("trace", Some(Ty::Color), &[T, T], How::Call(Builtin::Trace)),
+    ("occlusion", Some(Ty::Float), &[T, T, F], How::Call(Builtin::Occlusion)),
+    ("indirectdiffuse", Some(Ty::Color), &[T, T, F], How::Call(Builtin::IndirectDiffuse)),
+    ("log", Some(Ty::Float), &[F, F], How::Call(Builtin::LogBase)),
 ];
 
 /// Built-ins that `lower` treats on its own.
@@ -111,49 +173,16 @@ pub const SPECIAL: &[&str] = &[
     "vtransform",
     "ntransform",
     "comp",
-];
-
-/// Functions of the specification that are not built yet.
-pub const NOT_YET: &[&str] = &[
-    "pnoise",
     "snoise",
-    "spline",
-    "texture",
-    "environment",
-    "shadow",
-    "textureinfo",
-    "trace",
-    "occlusion",
-    "indirectdiffuse",
-    "fresnel",
-    "rotate",
-    "ptlined",
-    "mtransform",
-    "translate",
-    "scale",
-    "determinant",
-    "printf",
-    "format",
-    "concat",
-    "match",
-    "surface",
-    "displacement",
-    "lightsource",
-    "incident",
-    "opposite",
-    "attribute",
-    "option",
-    "rendererinfo",
-    "filterstep",
+    "pnoise",
     "random",
+    "spline",
     "ctransform",
-    "setcomp",
-    "setxcomp",
-    "setycomp",
-    "setzcomp",
-    "rayinfo",
-    "bake3d",
-    "texture3d",
+    "mtransform",
+    "concat",
+    "format",
+    "printf",
+    "match",
 ];
 
 /// Global variables: name and type. The grid supplies those that a shader uses.
@@ -176,4 +205,8 @@ pub const GLOBALS: &[(&str, Ty)] = &[
     ("Ol", Ty::Color),
     ("Ps", Ty::Point),
     ("time", Ty::Float),
+    ("dtime", Ty::Float),
+    ("dPdtime", Ty::Vector),
+    ("alpha", Ty::Float),
+    ("ncomps", Ty::Float),
 ];

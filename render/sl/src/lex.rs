@@ -1,4 +1,4 @@
-//! Shader text as tokens with their places.
+//! Shader text, free of comments, as tokens with their places.
 
 use crate::{Error, error};
 
@@ -33,13 +33,6 @@ pub fn lex(source: &str) -> Result<Vec<(Tok, usize)>, Error> {
         let rest = &source[i..];
         if b.is_ascii_whitespace() {
             i += 1;
-        } else if rest.starts_with("//") {
-            i += rest.find('\n').unwrap_or(rest.len());
-        } else if rest.starts_with("/*") {
-            match rest.find("*/") {
-                Some(n) => i += n + 2,
-                None => return error(i, "a comment is not closed before the file ends"),
-            }
         } else if b.is_ascii_alphabetic() || b == b'_' {
             let n = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
             tokens.push((Tok::Name(rest[..n].into()), i));
@@ -59,8 +52,6 @@ pub fn lex(source: &str) -> Result<Vec<(Tok, usize)>, Error> {
         } else if let Some(op) = OPS.iter().find(|op| rest.starts_with(**op)) {
             tokens.push((Tok::Op(op), i));
             i += op.len();
-        } else if b == b'#' {
-            return error(i, "the preprocessor is not supported yet");
         } else {
             return error(i, format!("unexpected character `{}`", rest.chars().next().unwrap_or('?')));
         }

@@ -6,13 +6,21 @@
 
 mod ast;
 mod builtins;
+pub mod color;
 pub mod ir;
 mod lanes;
 mod lex;
 mod lower;
 pub mod machine;
 pub mod noise;
+mod optimise;
 mod parse;
+mod preprocess;
+mod source;
+mod spline;
+mod text;
+
+pub use preprocess::Include;
 
 use std::path::Path;
 
@@ -50,24 +58,36 @@ pub(crate) fn error<T>(at: usize, message: impl Into<String>) -> Result<T, Error
     Err(Error { at, message: message.into() })
 }
 
-/// Compile the shader in `source`, which came from `path`.
+/// Compile the shader in `source`, which came from `path` and includes nothing.
 pub fn compile(path: &Path, source: &str) -> Result<ir::Program, Diagnostic> {
-    let place = |e: Error| {
-        let at = e.at.min(source.len());
-        let before = &source.as_bytes()[..at];
-        let line_start = before.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
-        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
-        let text = source.lines().nth(line - 1).unwrap_or("").to_string();
-        Diagnostic { file: path.into(), line, column: 1 + at - line_start, text, message: e.message }
-    };
+    compile_with(path, source, &|name, _| Err(format!("`{name}` was not found: nothing is looked up here")))
+}
+
+/// Compile the shader in `source`, which came from `path`; `include` finds what `#include` names.
+pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<ir::Program, Diagnostic> {
+    let mut sources = source::Sources::default();
+    let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
+    ir::validate(&program)
+        .map_err(|m| sources.place(Error { at: 0, message: format!("internal: {m}") }))?;
+    Ok(program)
+}
+
+fn front(
+    path: &Path,
+    source: &str,
+    include: &Include<'_>,
+    sources: &mut source::Sources,
+) -> Result<ir::Program, Error> {
+    static PRELUDE: std::sync::OnceLock<ast::File> = std::sync::OnceLock::new();
+    let prelude = PRELUDE.get_or_init(|| {
+        parse::parse(&lex::lex(builtins::PRELUDE).expect("the prelude is sound")).expect("the prelude is sound")
+    });
+    let tokens = preprocess::preprocess(path, source, sources, include)?;
     if source.trim().is_empty() {
-        return Err(place(Error { at: 0, message: "is empty, expected a shader".into() }));
+        return error(0, "is empty, expected a shader");
     }
-    let tokens = lex::lex(source).map_err(place)?;
-    let prelude =
-        parse::parse(&lex::lex(builtins::PRELUDE).expect("the prelude is sound")).expect("the prelude is sound");
-    let file = parse::parse(&tokens).map_err(place)?;
-    let program = lower::lower(&file, &prelude.functions).map_err(place)?;
-    ir::validate(&program).map_err(|m| place(Error { at: 0, message: format!("internal: {m}") }))?;
+    let file = parse::parse(&tokens)?;
+    let mut program = lower::lower(&file, &prelude.functions)?;
+    optimise::optimise(&mut program);
     Ok(program)
 }

@@ -1,7 +1,7 @@
 //! Syntax tree → IR: names are resolved, types checked, user functions inlined.
 
 use crate::ast::*;
-use crate::builtins::{Arg, GLOBALS, How, NOT_YET, SIGNATURES, SPECIAL};
+use crate::builtins::{Arg, GLOBALS, How, SIGNATURES, SPECIAL};
 use crate::ir::*;
 use crate::{Error, error};
 use std::collections::HashMap;
@@ -15,6 +15,20 @@ struct Value {
     ty: Ty,
     reg: u16,
     varying: bool,
+    /// Elements of an array, whose registers follow each other; 0 of a single value.
+    array: u16,
+    /// Declared uniform.
+    fixed: bool,
+}
+
+impl Value {
+    fn of(ty: Ty, reg: u16, varying: bool) -> Value {
+        Value { ty, reg, varying, array: 0, fixed: false }
+    }
+
+    fn operand(self) -> Operand {
+        if self.ty == Ty::Text { Operand::Text(self.reg) } else { Operand::Number(self.reg) }
+    }
 }
 
 #[derive(Default)]
@@ -22,6 +36,10 @@ struct Lower<'a> {
     functions: HashMap<&'a str, &'a Function>,
     calling: Vec<&'a str>,
     scopes: Vec<HashMap<String, Value>>,
+    /// The scopes around the functions that are being inlined.
+    outer: Vec<Vec<HashMap<String, Value>>>,
+    /// Where the result of each of them goes; none while `return` stands at the end alone.
+    results: Vec<Option<Value>>,
     globals: Vec<(String, Reg)>,
     widths: Vec<u8>,
     n_texts: u16,
@@ -40,9 +58,6 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
     let mut l = Lower { kind: Some(shader.kind), ..Lower::default() };
     for function in prelude.iter().chain(&file.functions) {
         l.functions.insert(&function.name, function);
-    }
-    if matches!(shader.kind, ShaderKind::Volume | ShaderKind::Imager) {
-        return error(0, format!("{} shaders are not supported yet", shader.kind.name()));
     }
     l.scopes.push(HashMap::new());
     let mut params = Vec::new();
@@ -82,7 +97,7 @@ impl<'a> Lower<'a> {
             self.n_texts += 1;
             return Ok(self.n_texts - 1);
         }
-        self.widths.push(if ty.is_triple() { 3 } else { 1 });
+        self.widths.push(if ty == Ty::Matrix { 16 } else if ty.is_triple() { 3 } else { 1 });
         Ok(self.widths.len() as u16 - 1)
     }
 
@@ -90,11 +105,11 @@ impl<'a> Lower<'a> {
     fn temp(&mut self, at: usize, ty: Ty, varying: bool, op: impl FnOnce(u16) -> Op) -> Result<Value, Error> {
         let reg = self.reg(at, ty)?;
         self.push(at, op(reg))?;
-        Ok(Value { ty, reg, varying })
+        Ok(Value::of(ty, reg, varying))
     }
 
     fn constant(&mut self, at: usize, x: f32) -> Result<Value, Error> {
-        self.temp(at, Ty::Float, false, |r| Op::Const(r, [x; 3]))
+        self.temp(at, Ty::Float, false, |r| Op::Const(r, x))
     }
 
     fn text(&mut self, at: usize, text: &str) -> Result<Value, Error> {
@@ -110,16 +125,11 @@ impl<'a> Lower<'a> {
     }
 
     fn parameter(&mut self, param: &Variable) -> Result<Parameter, Error> {
-        let reg = self.reg(param.at, param.ty)?;
-        let var = Value { ty: param.ty, reg, varying: param.varying };
-        let Some(value) = &param.value else {
+        if param.value.is_none() && param.array.is_none() {
             return error(param.at, format!("parameter `{}` needs a default value", param.name));
-        };
-        let (default, ()) = self.block(|l| {
-            let value = l.expr(value, Some(param.ty))?;
-            let value = l.convert(param.at, value, param.ty)?;
-            l.store(param.at, var, value)
-        })?;
+        }
+        let var = self.new_variable(param)?;
+        let (default, ()) = self.block(|l| l.start(param, var))?;
         self.declare(param.at, &param.name, var)?;
         let kind = match param.ty {
             Ty::Float | Ty::Void => Kind::Float,
@@ -127,9 +137,75 @@ impl<'a> Lower<'a> {
             Ty::Point => Kind::Point,
             Ty::Vector => Kind::Vector,
             Ty::Normal => Kind::Normal,
+            Ty::Matrix => Kind::Matrix,
             Ty::Text => Kind::Text,
         };
-        Ok(Parameter { name: param.name.clone(), kind, varying: param.varying, reg, default })
+        let array = param.array.map(|_| var.array);
+        let (name, varying, output) = (param.name.clone(), param.varying, param.output);
+        Ok(Parameter { name, kind, varying, output, array, reg: var.reg, default })
+    }
+
+    /// Registers of a variable.
+    fn new_variable(&mut self, v: &Variable) -> Result<Value, Error> {
+        let reg = self.reg(v.at, v.ty)?;
+        for _ in 1..v.array.unwrap_or(1) {
+            self.reg(v.at, v.ty)?;
+        }
+        // What a function's own variables hold hangs on what it is called with.
+        let varying = v.varying && self.calling.is_empty();
+        Ok(Value { ty: v.ty, reg, varying, array: v.array.map_or(0, |n| n.max(1) as u16), fixed: !v.varying })
+    }
+
+    /// Store what a variable starts with.
+    fn start(&mut self, v: &Variable, var: Value) -> Result<(), Error> {
+        let element = |k: u16| Value { reg: var.reg + k, array: 0, ..var };
+        let zero = |l: &mut Self| if v.ty == Ty::Text { l.text(v.at, "") } else { l.constant(v.at, 0.0) };
+        match &v.value {
+            Some(Expr { kind: ExprKind::Array(values), at }) if v.array.is_some() => {
+                if values.len() > var.array as usize {
+                    return error(*at, format!("{} values for an array of {}", values.len(), var.array));
+                }
+                for k in 0..var.array {
+                    let value = match values.get(k as usize) {
+                        Some(value) => self.expr(value, Some(v.ty))?,
+                        None => zero(self)?,
+                    };
+                    let value = self.convert(v.at, value, v.ty)?;
+                    self.store(v.at, element(k), value)?;
+                }
+                Ok(())
+            }
+            Some(value) if v.array.is_none() => {
+                let found = self.expr(value, Some(v.ty))?;
+                let value = self.convert(value.at, found, v.ty)?;
+                self.check_class(v.at, &v.name, var, value)?;
+                // A declaration inside a loop starts afresh at every turn, so it is stored and not only defined.
+                self.store(v.at, var, value)
+            }
+            Some(value) => {
+                let found = self.expr(value, Some(v.ty))?;
+                if found.array != 0 {
+                    return self.copy_array(value.at, var, found);
+                }
+                // One value fills the array.
+                let found = self.convert(value.at, found, v.ty)?;
+                (0..var.array).try_for_each(|k| self.store(v.at, element(k), found))
+            }
+            None => {
+                let value = zero(self)?;
+                let value = self.convert(v.at, value, v.ty)?;
+                (0..var.array.max(1)).try_for_each(|k| self.store(v.at, element(k), value))
+            }
+        }
+    }
+
+    fn copy_array(&mut self, at: usize, to: Value, from: Value) -> Result<(), Error> {
+        if to.array != from.array || to.ty != from.ty {
+            let show = |v: Value| format!("{}[{}]", v.ty.name(), v.array);
+            return error(at, format!("expected {}, found {}", show(to), show(from)));
+        }
+        let element = |v: Value, k: u16| Value { reg: v.reg + k, array: 0, ..v };
+        (0..to.array).try_for_each(|k| self.store(at, element(to, k), element(from, k)))
     }
 
     fn declare(&mut self, at: usize, name: &str, value: Value) -> Result<(), Error> {
@@ -143,11 +219,11 @@ impl<'a> Lower<'a> {
     fn global(&mut self, at: usize, name: &str) -> Result<Option<Value>, Error> {
         let Some((_, ty)) = GLOBALS.iter().find(|(n, _)| *n == name) else { return Ok(None) };
         if let Some((_, reg)) = self.globals.iter().find(|(n, _)| n == name) {
-            return Ok(Some(Value { ty: *ty, reg: *reg, varying: true }));
+            return Ok(Some(Value::of(*ty, *reg, true)));
         }
         let reg = self.reg(at, *ty)?;
         self.globals.push((name.into(), reg));
-        Ok(Some(Value { ty: *ty, reg, varying: true }))
+        Ok(Some(Value::of(*ty, reg, true)))
     }
 
     fn variable(&mut self, at: usize, name: &str) -> Result<Value, Error> {
@@ -160,6 +236,10 @@ impl<'a> Lower<'a> {
         if name == "dPdu" || name == "dPdv" {
             let p = self.variable(at, "P")?;
             return self.derivative(at, if name == "dPdu" { Builtin::Du } else { Builtin::Dv }, p);
+        }
+        if name == "du" || name == "dv" {
+            let x = self.variable(at, if name == "du" { "u" } else { "v" })?;
+            return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::Width, r, vec![x.reg]));
         }
         if name == "PI" {
             return self.constant(at, std::f32::consts::PI);
@@ -179,7 +259,13 @@ impl<'a> Lower<'a> {
 
     /// A value as another type: a number as any triple, a point as a vector or normal and back.
     fn convert(&mut self, at: usize, value: Value, to: Ty) -> Result<Value, Error> {
+        if value.array != 0 {
+            return error(at, format!("expected {}, found an array: which element?", to.name()));
+        }
         let spatial = |t: Ty| t.is_triple() && t != Ty::Color;
+        if value.ty == Ty::Float && to == Ty::Matrix {
+            return self.temp(at, to, value.varying, |r| Op::Call(Builtin::Diagonal, r, vec![value.reg]));
+        }
         if value.ty == to || (spatial(value.ty) && spatial(to)) {
             return Ok(Value { ty: to, ..value });
         }
@@ -193,7 +279,7 @@ impl<'a> Lower<'a> {
         let at = s.at;
         match &s.kind {
             StmtKind::Declare(variables) => variables.iter().try_for_each(|v| self.local(v)),
-            StmtKind::Assign(name, op, value) => self.assign(at, name, op, value),
+            StmtKind::Assign(target, op, value) => self.assign(at, target, op, value),
             StmtKind::Call(call) => self.expr(call, None).map(|_| ()),
             StmtKind::Block(body) => self.scoped(body),
             StmtKind::If(condition, then, otherwise) => {
@@ -208,14 +294,22 @@ impl<'a> Lower<'a> {
                 self.statement(start)?;
                 self.repeat(at, condition, body, Some(step))
             }
-            StmtKind::Break | StmtKind::Continue if self.loops == 0 => {
-                error(at, "break and continue stand inside a loop")
+            StmtKind::Break(n) | StmtKind::Continue(n) if self.loops < *n => match self.loops {
+                0 => error(at, "break and continue stand inside a loop"),
+                loops => error(at, format!("there are {loops} loops around this, not {n}")),
+            },
+            StmtKind::Break(n) => self.push(at, Op::Break(*n as u16)),
+            StmtKind::Continue(n) => self.push(at, Op::Continue(*n as u16)),
+            StmtKind::Return(value) => self.give_back(at, value.as_ref()),
+            StmtKind::Extern(names) => {
+                for (name, at) in names {
+                    let found = self.outer.iter().rev().flat_map(|s| s.iter().rev()).find_map(|s| s.get(name)).copied();
+                    let Some(found) = found else { return error(*at, format!("there is no `{name}` around this function")) };
+                    self.declare(*at, name, found)?;
+                }
+                Ok(())
             }
-            StmtKind::Break => self.push(at, Op::Break),
-            StmtKind::Continue => self.push(at, Op::Continue),
-            StmtKind::Return(_) => {
-                error(at, "`return` stands at the end of a function; elsewhere it is not supported yet")
-            }
+            StmtKind::Gather(args, hit, miss) => self.gather(at, args, hit, miss.as_deref()),
             StmtKind::Light(which, args, body) => self.light(at, which, args, body),
         }
     }
@@ -228,37 +322,131 @@ impl<'a> Lower<'a> {
     }
 
     fn local(&mut self, v: &Variable) -> Result<(), Error> {
-        let reg = self.reg(v.at, v.ty)?;
-        let var = Value { ty: v.ty, reg, varying: v.varying };
-        let value = match &v.value {
-            Some(value) => self.expr(value, Some(v.ty))?,
-            None if v.ty == Ty::Text => self.text(v.at, "")?,
-            None => self.constant(v.at, 0.0)?,
-        };
-        let value = self.convert(v.at, value, v.ty)?;
-        self.check_class(v.at, &v.name, var, value)?;
-        // A declaration inside a loop starts afresh at every turn, so it is stored and not only defined.
-        self.store(v.at, var, value)?;
+        let var = self.new_variable(v)?;
+        self.start(v, var)?;
         self.declare(v.at, &v.name, var)
     }
 
     fn check_class(&self, at: usize, name: &str, var: Value, value: Value) -> Result<(), Error> {
-        if value.varying && !var.varying {
+        if value.varying && var.fixed {
             return error(at, format!("a varying value cannot be assigned to the uniform variable `{name}`"));
         }
         Ok(())
     }
 
-    fn assign(&mut self, at: usize, name: &str, op: &str, value: &Expr) -> Result<(), Error> {
+    fn assign(&mut self, at: usize, target: &Expr, op: &str, value: &Expr) -> Result<(), Error> {
+        let (name, index) = match &target.kind {
+            ExprKind::Index(array, index) => match &array.kind {
+                ExprKind::Name(name) => (name, Some(&**index)),
+                _ => return error(at, "expected a variable"),
+            },
+            ExprKind::Name(name) => (name, None),
+            _ => return error(at, "expected a variable"),
+        };
         let var = self.variable(at, name)?;
+        if let (ExprKind::Array(values), None) = (&value.kind, index) {
+            let (ty, array) = (var.ty, Some(var.array as usize));
+            let whole = Expr { at, kind: ExprKind::Array(values.clone()) };
+            let v = Variable { at, name: name.clone(), ty, array, varying: true, output: false, value: Some(whole) };
+            return self.start(&v, var);
+        }
         let mut value = self.expr(value, Some(var.ty))?;
+        if var.array != 0 && index.is_none() {
+            return self.copy_array(at, var, value);
+        }
         if op != "=" {
             let op = ["+", "-", "*", "/"].into_iter().find(|o| op.starts_with(o)).unwrap_or("+");
-            value = self.arithmetic(at, op, var, value)?;
+            let now = match index {
+                Some(_) => self.expr(target, None)?,
+                None => var,
+            };
+            value = self.arithmetic(at, op, now, value)?;
         }
-        let value = self.convert(at, value, var.ty)?;
+        let ty = if index.is_some() && var.array == 0 { Ty::Float } else { var.ty };
+        let value = self.convert(at, value, ty)?;
         self.check_class(at, name, var, value)?;
-        self.store(at, var, value)
+        match index {
+            None => self.store(at, var, value),
+            Some(index) => self.store_element(at, var, index, value),
+        }
+    }
+
+    /// Assign to an element of an array, or to a component of a triple.
+    fn store_element(&mut self, at: usize, var: Value, index: &Expr, value: Value) -> Result<(), Error> {
+        let i = self.expr(index, Some(Ty::Float))?;
+        let i = self.convert(index.at, i, Ty::Float)?;
+        if var.array == 0 {
+            if !var.ty.is_triple() {
+                return error(at, format!("a {} has no elements", var.ty.name()));
+            }
+            let new = self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, vec![var.reg, i.reg, value.reg]))?;
+            return self.store(at, var, new);
+        }
+        match self.constant_of(i.reg) {
+            Some(k) => {
+                let k = self.in_array(index.at, var, k)?;
+                self.store(at, Value { reg: var.reg + k, array: 0, ..var }, value)
+            }
+            None if var.ty == Ty::Text => self.push(at, Op::TextStore(var.reg, var.array, i.reg, value.reg)),
+            None => self.push(at, Op::Store(var.reg, var.array, i.reg, value.reg)),
+        }
+    }
+
+    fn in_array(&self, at: usize, var: Value, k: f32) -> Result<u16, Error> {
+        if k >= 0.0 && (k as usize) < var.array as usize {
+            return Ok(k as u16);
+        }
+        error(at, format!("element {k} of an array of {}", var.array))
+    }
+
+    /// The number that a register of this block was made with, if it is a constant.
+    fn constant_of(&self, reg: u16) -> Option<f32> {
+        self.ops.iter().rev().find_map(|op| match op {
+            Op::Const(r, x) if *r == reg => Some(*x),
+            _ => None,
+        })
+    }
+
+    /// An element of an array, or a component of a triple.
+    fn element(&mut self, at: usize, of: &Expr, index: &Expr) -> Result<Value, Error> {
+        let var = self.expr(of, None)?;
+        let i = self.expr(index, Some(Ty::Float))?;
+        let i = self.convert(index.at, i, Ty::Float)?;
+        let varying = var.varying || i.varying;
+        if var.array != 0 {
+            return match self.constant_of(i.reg) {
+                Some(k) => {
+                    let k = self.in_array(index.at, var, k)?;
+                    Ok(Value { reg: var.reg + k, array: 0, ..var })
+                }
+                None if var.ty == Ty::Text => {
+                    self.temp(at, Ty::Text, false, |r| Op::TextLoad(r, var.reg, var.array, i.reg))
+                }
+                None => self.temp(at, var.ty, varying, |r| Op::Load(r, var.reg, var.array, i.reg)),
+            };
+        }
+        match (var.ty.is_triple(), self.constant_of(i.reg)) {
+            (true, Some(k)) if (0.0..3.0).contains(&k) => {
+                self.temp(at, Ty::Float, varying, |r| Op::Component(r, var.reg, k as u8))
+            }
+            (true, None) => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, vec![var.reg, i.reg])),
+            (true, Some(k)) => error(index.at, format!("a {} has no component {k}", var.ty.name())),
+            (false, _) => error(at, format!("a {} has no elements", var.ty.name())),
+        }
+    }
+
+    /// `return`.
+    fn give_back(&mut self, at: usize, value: Option<&Expr>) -> Result<(), Error> {
+        let Some(result) = self.results.last().copied() else { return error(at, "`return` stands in a function") };
+        if let (Some(value), Some(result)) = (value, result) {
+            if result.ty == Ty::Void {
+                return error(at, "a void function returns no value");
+            }
+            let found = self.expr(value, Some(result.ty))?;
+            let found = self.convert(value.at, found, result.ty)?;
+            self.store(at, result, found)?;
+        }
+        self.push(at, Op::Return)
     }
 
     fn condition(&mut self, e: &Expr) -> Result<Value, Error> {
@@ -289,6 +477,18 @@ impl<'a> Lower<'a> {
         for arg in args {
             values.push(self.expr(arg, None)?);
         }
+        let mut category = None;
+        let mut wanted = vec![];
+        if which == "illuminance" {
+            if values.first().is_some_and(|v| v.ty == Ty::Text) {
+                category = Some(values.remove(0).reg);
+            }
+            let n = args.len() - values.len();
+            if let Some(k) = values.iter().position(|v| v.ty == Ty::Text) {
+                wanted = self.wanted(&args[n + k..])?;
+                values.truncate(k);
+            }
+        }
         let l = self.global(at, "L")?.expect("L is a global").reg;
         let types: Vec<Ty> = values.iter().map(|v| v.ty).collect();
         let spatial = |i: usize| types.get(i).is_some_and(|t| t.is_triple());
@@ -318,7 +518,45 @@ impl<'a> Lower<'a> {
         }
         let cl = self.global(at, "Cl")?.expect("Cl is a global").reg;
         let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
-        self.push(at, Op::Illuminance { args, l, cl, body })
+        let wanted = wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
+        self.push(at, Op::Illuminance { args, l, cl, category, wanted, body })
+    }
+
+    /// Pairs of a name and the variable that takes it.
+    fn wanted(&mut self, args: &[Expr]) -> Result<Vec<(String, Reg)>, Error> {
+        let mut out = Vec::new();
+        for pair in args.chunks(2) {
+            let [Expr { kind: ExprKind::Text(name), .. }, to] = pair else {
+                return error(pair[0].at, "expected a name in quotes and a variable for it");
+            };
+            if !name.contains(':') {
+                continue;
+            }
+            match &to.kind {
+                ExprKind::Name(variable) => out.push((name.clone(), self.variable(to.at, variable)?.reg)),
+                _ => return error(to.at, format!("expected a variable for \"{name}\"")),
+            }
+        }
+        Ok(out)
+    }
+
+    fn gather(&mut self, at: usize, args: &'a [Expr], hit: &'a Stmt, miss: Option<&'a Stmt>) -> Result<(), Error> {
+        let mut values = Vec::new();
+        for arg in &args[..args.len().min(5)] {
+            values.push(self.expr(arg, None)?);
+        }
+        let types: Vec<Ty> = values.iter().map(|v| v.ty).collect();
+        let [Ty::Text, p, axis, Ty::Float, Ty::Float] = types[..] else {
+            return error(at, "expected gather(category, P, axis, angle, samples, …)");
+        };
+        if !p.is_triple() || !axis.is_triple() {
+            return error(at, "expected gather(category, P, axis, angle, samples, …)");
+        }
+        let out = self.wanted(&args[5..])?;
+        let (hit, ()) = self.block(|l| l.scoped(std::slice::from_ref(hit)))?;
+        let (miss, ()) = self.block(|l| miss.map_or(Ok(()), |m| l.scoped(std::slice::from_ref(m))))?;
+        let args = [values[1].reg, values[2].reg, values[3].reg, values[4].reg];
+        self.push(at, Op::Gather { args, out, hit, miss })
     }
 
     fn expr(&mut self, e: &Expr, expected: Option<Ty>) -> Result<Value, Error> {
@@ -349,8 +587,11 @@ impl<'a> Lower<'a> {
             ExprKind::Choose(condition, a, b) => {
                 let condition = self.condition(condition)?;
                 let (a, b) = (self.expr(a, expected)?, self.expr(b, expected)?);
-                if a.ty == Ty::Text || b.ty == Ty::Text {
-                    return error(at, "a choice between strings is not supported yet");
+                if a.ty == Ty::Text && b.ty == Ty::Text {
+                    let chosen = self.text(at, "")?;
+                    let pick = |v: Value| vec![Op::TextCopy(chosen.reg, v.reg)];
+                    self.push(at, Op::If(condition.reg, pick(a), pick(b)))?;
+                    return Ok(chosen);
                 }
                 let ty = if a.ty == Ty::Float { b.ty } else { a.ty };
                 let (a, b) = (self.convert(at, a, ty)?, self.convert(at, b, ty)?);
@@ -359,19 +600,27 @@ impl<'a> Lower<'a> {
                 })
             }
             ExprKind::Triple(parts) => {
-                let mut regs = [0; 3];
-                let mut varying = false;
-                for (reg, part) in regs.iter_mut().zip(parts.iter()) {
-                    let value = self.expr(part, Some(Ty::Float))?;
-                    let value = self.convert(part.at, value, Ty::Float)?;
-                    (*reg, varying) = (value.reg, varying || value.varying);
-                }
                 let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Color);
-                self.temp(at, ty, varying, |r| Op::Pack(r, regs))
+                self.pack(at, ty, &parts[..])
             }
+            ExprKind::Matrix(parts) => self.pack(at, Ty::Matrix, parts),
+            ExprKind::Array(_) => error(at, "`{…}` stands where an array starts"),
+            ExprKind::Index(of, index) => self.element(at, of, index),
             ExprKind::Cast(ty, space, operand) => self.cast(at, *ty, space.as_deref(), operand),
             ExprKind::Call(name, args) => self.call(at, name, args, expected),
         }
+    }
+
+    fn pack(&mut self, at: usize, ty: Ty, parts: &[Expr]) -> Result<Value, Error> {
+        let mut regs = Vec::with_capacity(parts.len());
+        let mut varying = false;
+        for part in parts {
+            let value = self.expr(part, Some(Ty::Float))?;
+            let value = self.convert(part.at, value, Ty::Float)?;
+            regs.push(value.reg);
+            varying |= value.varying;
+        }
+        self.temp(at, ty, varying, |r| Op::Pack(r, regs))
     }
 
     fn cast(&mut self, at: usize, ty: Ty, space: Option<&str>, operand: &Expr) -> Result<Value, Error> {
@@ -387,7 +636,15 @@ impl<'a> Lower<'a> {
             Ty::Vector => Transform::Vector,
             Ty::Normal => Transform::Normal,
             Ty::Color if space == "rgb" => return Ok(value),
-            Ty::Color => return error(at, format!("colour space `{space}` is not supported yet")),
+            Ty::Color => {
+                if !crate::color::SPACES.contains(&space) {
+                    let known = crate::color::SPACES.join(", ");
+                    return error(at, format!("unknown colour space `{space}`, expected one of {known}"));
+                }
+                let (from, to) = (self.text(at, space)?, self.text(at, "rgb")?);
+                return self.temp(at, ty, value.varying, |r| Op::ColorSpace(r, value.reg, from.reg, to.reg));
+            }
+            Ty::Matrix => Transform::Matrix,
             _ => return error(at, format!("a {} has no space", ty.name())),
         };
         let (from, to) = (self.text(at, space)?, self.text(at, "current")?);
@@ -410,6 +667,31 @@ impl<'a> Lower<'a> {
         }
         if a.ty == Ty::Void || b.ty == Ty::Void {
             return refuse("needs values");
+        }
+        if a.array != 0 || b.array != 0 {
+            return refuse("does not take arrays");
+        }
+        if a.ty == Ty::Matrix || b.ty == Ty::Matrix {
+            if a.ty.is_triple() || b.ty.is_triple() {
+                return refuse("does not mix a matrix with a triple (see transform)");
+            }
+            let (a, b) = (self.convert(at, a, Ty::Matrix)?, self.convert(at, b, Ty::Matrix)?);
+            let f = match op {
+                "*" => Builtin::MatrixMultiply,
+                "/" => Builtin::MatrixDivide,
+                "==" | "!=" => Builtin::MatrixEqual,
+                "+" | "-" => {
+                    let f = if op == "+" { Binary::Add } else { Binary::Sub };
+                    return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r, a.reg, b.reg));
+                }
+                _ => return refuse("does not take matrices"),
+            };
+            let ty = if f == Builtin::MatrixEqual { Ty::Float } else { Ty::Matrix };
+            let result = self.temp(at, ty, varying, |r| Op::Call(f, r, vec![a.reg, b.reg]))?;
+            if op == "!=" {
+                return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r, result.reg));
+            }
+            return Ok(result);
         }
         let both_triples = a.ty.is_triple() && b.ty.is_triple();
         match op {
@@ -462,14 +744,25 @@ impl<'a> Lower<'a> {
     }
 
     fn call(&mut self, at: usize, name: &str, args: &[Expr], expected: Option<Ty>) -> Result<Value, Error> {
-        if let Some(function) = self.functions.get(name).copied() {
+        // Functions of several forms, written in the language: the number of arguments tells.
+        let plain = args.iter().take_while(|a| !matches!(a.kind, ExprKind::Text(_))).count();
+        let form = match (name, plain) {
+            ("fresnel", 5) => "fresnel5_",
+            ("fresnel", 7) => "fresnel7_",
+            ("rotate", 4) => "rotate_",
+            ("filterstep", 2) => "filterstep2_",
+            ("filterstep", 3) => "filterstep3_",
+            _ => name,
+        };
+        let args = if form != name { &args[..plain] } else { args };
+        if let Some(function) = self.functions.get(form).copied() {
             return self.inline(at, function, args);
+        }
+        if let Some(value) = self.scene_call(at, name, args, expected)? {
+            return Ok(value);
         }
         let overloads: Vec<_> = SIGNATURES.iter().filter(|s| s.0 == name).collect();
         if overloads.is_empty() && !SPECIAL.contains(&name) {
-            if NOT_YET.contains(&name) {
-                return error(at, format!("`{name}` is not supported yet"));
-            }
             let known =
                 self.functions.keys().copied().chain(SIGNATURES.iter().map(|s| s.0)).chain(SPECIAL.iter().copied());
             return error(at, format!("unknown function `{name}`{}", nearest(name, known)));
@@ -479,6 +772,7 @@ impl<'a> Lower<'a> {
             let hint = match overloads.first().and_then(|s| s.2.get(i)) {
                 Some(Arg::Float) => Some(Ty::Float),
                 Some(Arg::Triple) => Some(Ty::Vector),
+                Some(Arg::Matrix) => Some(Ty::Matrix),
                 Some(Arg::Any) => expected,
                 None if matches!(name, "clamp" | "mix") && i < 2 => expected,
                 None => None,
@@ -488,11 +782,15 @@ impl<'a> Lower<'a> {
         if overloads.is_empty() {
             return self.special(at, name, &values, expected);
         }
+        // Options by name that follow the arguments ask for nothing that would be done otherwise here.
+        let options = values.iter().position(|v| v.ty == Ty::Text).unwrap_or(values.len());
+        values.truncate(options);
         let fits = |s: &&&(&str, Option<Ty>, &[Arg], How)| {
             s.2.len() == values.len()
                 && s.2.iter().zip(&values).all(|(arg, v)| match arg {
                     Arg::Float => v.ty == Ty::Float,
                     Arg::Triple => v.ty.is_triple(),
+                    Arg::Matrix => matches!(v.ty, Ty::Matrix | Ty::Float),
                     Arg::Any => v.ty == Ty::Float || v.ty.is_triple(),
                 })
         };
@@ -505,14 +803,20 @@ impl<'a> Lower<'a> {
             }
             return Ok(result);
         }
-        let Some((_, ret, _, how)) = overloads.iter().find(fits) else {
+        let Some((_, ret, takes, how)) = overloads.iter().find(fits) else {
             let found: Vec<&str> = values.iter().map(|v| v.ty.name()).collect();
             let takes: Vec<String> = overloads.iter().map(|s| signature(name, s.2)).collect();
             return error(at, format!("expected {}, found {name}({})", takes.join(" or "), found.join(", ")));
         };
         let varying =
-            matches!(name, "ambient" | "transmission" | "area" | "calculatenormal") || values.iter().any(|v| v.varying);
+            matches!(name, "ambient" | "transmission" | "area" | "calculatenormal" | "trace" | "occlusion" | "indirectdiffuse") || values.iter().any(|v| v.varying);
+        for (value, arg) in values.iter_mut().zip(*takes) {
+            if *arg == Arg::Matrix {
+                *value = self.convert(at, *value, Ty::Matrix)?;
+            }
+        }
         let ret = ret.or(values.first().map(|v| v.ty)).unwrap_or(Ty::Float);
+        let ret = if name == "trace" && expected == Some(Ty::Float) { Ty::Float } else { ret };
         match how {
             How::Unary(f) => self.temp(at, ret, varying, |r| Op::Unary(*f, r, values[0].reg)),
             How::Binary(f) => self.componentwise(at, *f, values[0], values[1]),
@@ -533,13 +837,81 @@ impl<'a> Lower<'a> {
         let types: Vec<Ty> = v.iter().map(|v| v.ty).collect();
         let usage = |text: &str| error(at, format!("expected {text}"));
         match (name, types.as_slice()) {
-            ("noise" | "cellnoise", [Ty::Float] | [Ty::Float, Ty::Float])
-            | ("noise" | "cellnoise", [Ty::Point | Ty::Vector | Ty::Normal | Ty::Color]) => {
-                let f = if name == "noise" { Builtin::Noise } else { Builtin::CellNoise };
+            ("noise" | "cellnoise" | "snoise", [Ty::Float] | [Ty::Float, Ty::Float])
+            | (
+                "noise" | "cellnoise" | "snoise",
+                [Ty::Point | Ty::Vector | Ty::Normal | Ty::Color] | [Ty::Point | Ty::Vector | Ty::Normal, Ty::Float],
+            )
+            | (
+                "pnoise",
+                [Ty::Float, Ty::Float]
+                | [Ty::Float, Ty::Float, Ty::Float, Ty::Float]
+                | [Ty::Point | Ty::Vector | Ty::Normal, Ty::Point | Ty::Vector | Ty::Normal | Ty::Color]
+                | [Ty::Point | Ty::Vector | Ty::Normal, Ty::Float, Ty::Point | Ty::Vector | Ty::Normal, Ty::Float],
+            ) => {
+                let f = match name {
+                    "cellnoise" => Builtin::CellNoise,
+                    "pnoise" => Builtin::PeriodicNoise,
+                    _ => Builtin::Noise,
+                };
                 let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Float);
-                self.temp(at, ty, varying, |r| Op::Call(f, r, regs))
+                let noise = self.temp(at, ty, varying, |r| Op::Call(f, r, regs))?;
+                if name != "snoise" {
+                    return Ok(noise);
+                }
+                let (two, one) = (self.constant(at, 2.0)?, self.constant(at, 1.0)?);
+                let twice = self.arithmetic(at, "*", noise, two)?;
+                self.arithmetic(at, "-", twice, one)
             }
-            ("noise" | "cellnoise", _) => usage(&format!("{name}(float), {name}(float, float) or {name}(point)")),
+            ("noise" | "cellnoise" | "snoise", _) => {
+                usage(&format!("{name}(float), {name}(float, float), {name}(point) or {name}(point, float)"))
+            }
+            ("pnoise", _) => usage("pnoise(float, period), pnoise(x, y, periods), pnoise(point, period) or of point and float"),
+            ("random", []) => {
+                let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Float);
+                let (p, salt) = (self.variable(at, "P")?, self.constant(at, self.n_ops as f32)?);
+                self.temp(at, ty, true, |r| Op::Call(Builtin::Random, r, vec![p.reg, salt.reg]))
+            }
+            ("random", _) => usage("random()"),
+            ("spline", _) => self.spline(at, v),
+            ("ctransform", [Ty::Text, c]) if c.is_triple() => {
+                let from = self.text(at, "rgb")?;
+                self.temp(at, Ty::Color, varying, |r| Op::ColorSpace(r, regs[1], from.reg, regs[0]))
+            }
+            ("ctransform", [Ty::Text, Ty::Text, c]) if c.is_triple() => {
+                self.temp(at, Ty::Color, varying, |r| Op::ColorSpace(r, regs[2], regs[0], regs[1]))
+            }
+            ("ctransform", _) => usage("ctransform(to, colour) or ctransform(from, to, colour)"),
+            ("comp", [Ty::Matrix, Ty::Float, Ty::Float]) => {
+                self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, regs))
+            }
+            ("mtransform", [Ty::Text, Ty::Matrix]) => {
+                let from = self.text(at, "current")?;
+                self.temp(at, Ty::Matrix, varying, |r| Op::Transform(Transform::Matrix, r, regs[1], from.reg, regs[0]))
+            }
+            ("mtransform", [Ty::Text, Ty::Text, Ty::Matrix]) => self.temp(at, Ty::Matrix, varying, |r| {
+                Op::Transform(Transform::Matrix, r, regs[2], regs[0], regs[1])
+            }),
+            ("mtransform", _) => usage("mtransform(to, matrix) or mtransform(from, to, matrix)"),
+            ("concat", list) if !list.is_empty() && list.iter().all(|t| *t == Ty::Text) => {
+                let pattern = self.text(at, &"%s".repeat(list.len()))?;
+                let args = std::iter::once(pattern).chain(v.iter().copied()).map(Value::operand).collect();
+                self.temp(at, Ty::Text, false, |r| Op::Format(r, args))
+            }
+            ("concat", _) => usage("concat of strings"),
+            ("format", [Ty::Text, ..]) => {
+                let args = v.iter().copied().map(Value::operand).collect();
+                self.temp(at, Ty::Text, false, |r| Op::Format(r, args))
+            }
+            ("printf", [Ty::Text, ..]) => {
+                self.push(at, Op::Print(v.iter().copied().map(Value::operand).collect()))?;
+                Ok(Value::of(Ty::Void, 0, false))
+            }
+            ("format" | "printf", _) => usage(&format!("{name}(pattern, values …)")),
+            ("match", [Ty::Text, Ty::Text]) => {
+                self.temp(at, Ty::Float, false, |r| Op::Match(r, regs[0], regs[1]))
+            }
+            ("match", _) => usage("match(pattern, text)"),
             ("mix", [a, b, Ty::Float]) if a == b || (a.is_triple() && b.is_triple()) => {
                 self.temp(at, *a, varying, |r| Op::Call(Builtin::Mix, r, regs))
             }
@@ -572,23 +944,40 @@ impl<'a> Lower<'a> {
             }
             ("Du" | "Dv" | "Deriv", _) => usage(&format!("{name} of numbers or triples")),
             ("comp", [t, Ty::Float]) if t.is_triple() => {
-                let Some(Op::Const(_, [i, ..])) =
-                    self.ops.iter().find(|op| matches!(op, Op::Const(r, _) if *r == regs[1]))
-                else {
-                    return error(at, "the index of `comp` must be 0, 1 or 2");
-                };
-                let i = *i;
-                if !(0.0..3.0).contains(&i) {
-                    return error(at, "the index of `comp` must be 0, 1 or 2");
+                match self.constant_of(regs[1]) {
+                    Some(i) if (0.0..3.0).contains(&i) => {
+                        self.temp(at, Ty::Float, varying, |r| Op::Component(r, regs[0], i as u8))
+                    }
+                    Some(_) => error(at, "the index of `comp` must be 0, 1 or 2"),
+                    None => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, regs)),
                 }
-                self.temp(at, Ty::Float, varying, |r| Op::Component(r, regs[0], i as u8))
             }
+            ("comp", _) => usage("comp(triple, index) or comp(matrix, row, column)"),
             ("transform" | "vtransform" | "ntransform", _) => {
                 let (how, ty) = match name {
                     "transform" => (Transform::Point, Ty::Point),
                     "vtransform" => (Transform::Vector, Ty::Vector),
                     _ => (Transform::Normal, Ty::Normal),
                 };
+                if let [Ty::Matrix, t] = types.as_slice()
+                    && t.is_triple()
+                {
+                    let f = match how {
+                        Transform::Point => Builtin::MatrixPoint,
+                        Transform::Vector => Builtin::MatrixVector,
+                        _ => Builtin::MatrixNormal,
+                    };
+                    return self.temp(at, ty, varying, |r| Op::Call(f, r, regs));
+                }
+                if let [Ty::Text, Ty::Matrix, t] = types.as_slice()
+                    && t.is_triple()
+                {
+                    // From a named space by a matrix that is given in it.
+                    let now = self.text(at, "current")?;
+                    let there = self.temp(at, ty, varying, |r| Op::Transform(how, r, regs[2], regs[0], now.reg))?;
+                    let f = if how == Transform::Point { Builtin::MatrixPoint } else { Builtin::MatrixVector };
+                    return self.temp(at, ty, varying, |r| Op::Call(f, r, vec![regs[1], there.reg]));
+                }
                 let (from, to, operand) = match types.as_slice() {
                     [Ty::Text, t] if t.is_triple() => (self.text(at, "current")?.reg, regs[0], regs[1]),
                     [Ty::Text, Ty::Text, t] if t.is_triple() => (regs[0], regs[1], regs[2]),
@@ -598,6 +987,165 @@ impl<'a> Lower<'a> {
             }
             _ => usage(&format!("other arguments of `{name}`")),
         }
+    }
+
+    /// `spline([basis,] value, knots …)` or with an array of knots.
+    fn spline(&mut self, at: usize, v: &[Value]) -> Result<Value, Error> {
+        let (basis, rest) = match v.split_first() {
+            Some((basis, rest)) if basis.ty == Ty::Text => (*basis, rest),
+            _ => (self.text(at, "catmull-rom")?, v),
+        };
+        let wrong = "expected spline(value, four or more knots) or spline(value, array)";
+        let Some((value, knots)) = rest.split_first() else { return error(at, wrong) };
+        let mut list = Vec::new();
+        let mut ty = Ty::Float;
+        for knot in knots {
+            if knot.ty == Ty::Text || knot.ty == Ty::Matrix {
+                return error(at, wrong);
+            }
+            ty = if knot.ty == Ty::Float { ty } else { knot.ty };
+            list.extend((0..knot.array.max(1)).map(|k| Value { reg: knot.reg + k, array: 0, ..*knot }));
+        }
+        if value.ty != Ty::Float || list.len() < 2 {
+            return error(at, wrong);
+        }
+        let mut args = vec![value.reg];
+        for knot in list {
+            args.push(self.convert(at, knot, ty)?.reg);
+        }
+        let varying = v.iter().any(|v| v.varying);
+        self.temp(at, ty, varying, |r| Op::Spline(r, basis.reg, args))
+    }
+
+    /// Calls that ask the scene, or that change a variable; none if `name` is not one of them.
+    fn scene_call(
+        &mut self,
+        at: usize,
+        name: &str,
+        args: &[Expr],
+        expected: Option<Ty>,
+    ) -> Result<Option<Value>, Error> {
+        let ask = match name {
+            "surface" => Ask::Surface,
+            "displacement" => Ask::Displacement,
+            "atmosphere" => Ask::Atmosphere,
+            "lightsource" => Ask::LightSource,
+            "incident" => Ask::Incident,
+            "opposite" => Ask::Opposite,
+            "attribute" => Ask::Attribute,
+            "option" => Ask::Option,
+            "rendererinfo" => Ask::RendererInfo,
+            "rayinfo" => Ask::RayInfo,
+            "textureinfo" => Ask::TextureInfo,
+            "texture" => return self.map(at, Lookup::Texture, args, expected).map(Some),
+            "environment" => return self.map(at, Lookup::Environment, args, expected).map(Some),
+            "shadow" => return self.map(at, Lookup::Shadow, args, expected.or(Some(Ty::Float))).map(Some),
+            "setcomp" | "setxcomp" | "setycomp" | "setzcomp" => return self.set_component(at, name, args).map(Some),
+            // What is baked is not kept, and so nothing is found of it.
+            "bake" | "bake3d" | "texture3d" => {
+                for arg in args {
+                    self.expr(arg, None)?;
+                }
+                return self.constant(at, 0.0).map(Some);
+            }
+            _ => return Ok(None),
+        };
+        let n_names = if ask == Ask::TextureInfo { 2 } else { 1 };
+        if args.len() != n_names + 1 {
+            return error(at, format!("expected {name}({}, variable)", if n_names == 2 { "texture, name" } else { "name" }));
+        }
+        let mut names = Vec::new();
+        for arg in &args[..n_names] {
+            let value = self.expr(arg, None)?;
+            if value.ty != Ty::Text {
+                return error(arg.at, format!("expected a string, found {}", value.ty.name()));
+            }
+            names.push(value.reg);
+        }
+        let ExprKind::Name(variable) = &args[n_names].kind else {
+            return error(args[n_names].at, "expected a variable for the answer");
+        };
+        let var = self.variable(args[n_names].at, variable)?;
+        let (out, len) = (var.operand(), var.array.max(1));
+        self.temp(at, Ty::Float, false, |dst| Op::Ask { dst, what: ask, names, out, len }).map(Some)
+    }
+
+    /// `texture`, `environment` and `shadow`.
+    fn map(&mut self, at: usize, how: Lookup, args: &[Expr], expected: Option<Ty>) -> Result<Value, Error> {
+        let Some((first, rest)) = args.split_first() else { return error(at, "expected the name of a map") };
+        let (name, channel) = match &first.kind {
+            ExprKind::Index(name, channel) => {
+                let channel = self.expr(channel, Some(Ty::Float))?;
+                (self.expr(name, None)?, self.convert(first.at, channel, Ty::Float)?)
+            }
+            _ => (self.expr(first, None)?, self.constant(at, 0.0)?),
+        };
+        if name.ty != Ty::Text {
+            return error(first.at, format!("expected the name of a map, found {}", name.ty.name()));
+        }
+        let mut values = Vec::new();
+        for arg in rest {
+            values.push(self.expr(arg, None)?);
+        }
+        let n = values.iter().position(|v| v.ty == Ty::Text).unwrap_or(values.len());
+        let (place, options) = values.split_at(n);
+        let types: Vec<Ty> = place.iter().map(|v| v.ty).collect();
+        let all = |n: usize, f: &dyn Fn(Ty) -> bool| types.len() == n && types.iter().all(|t| f(*t));
+        let fits = match how {
+            Lookup::Texture => types.is_empty() || all(2, &|t| t == Ty::Float) || all(8, &|t| t == Ty::Float),
+            Lookup::Environment | Lookup::Shadow => all(1, &Ty::is_triple) || all(4, &Ty::is_triple),
+        };
+        if !fits {
+            let usage = match how {
+                Lookup::Texture => "texture(name), texture(name, s, t) or texture(name, four pairs of s and t)",
+                Lookup::Environment => "environment(name, direction)",
+                Lookup::Shadow => "shadow(name, point)",
+            };
+            return error(at, format!("expected {usage}"));
+        }
+        let mut at_regs: Vec<Reg> = place.iter().map(|v| v.reg).collect();
+        if how == Lookup::Texture && at_regs.is_empty() {
+            at_regs = vec![self.variable(at, "s")?.reg, self.variable(at, "t")?.reg];
+        }
+        let mut named = Vec::new();
+        for pair in options.chunks(2) {
+            match pair {
+                [key, value] if key.ty == Ty::Text => named.push((key.reg, value.operand())),
+                _ => return error(at, "expected options as a name and a value each"),
+            }
+        }
+        let ty = expected.filter(|t| *t == Ty::Float || t.is_triple()).unwrap_or(Ty::Color);
+        self.temp(at, ty, true, |dst| Op::Map {
+            dst,
+            how,
+            name: name.reg,
+            channel: channel.reg,
+            at: at_regs,
+            options: named,
+        })
+    }
+
+    /// `setcomp` and its kin.
+    fn set_component(&mut self, at: usize, name: &str, args: &[Expr]) -> Result<Value, Error> {
+        let Some(ExprKind::Name(variable)) = args.first().map(|a| &a.kind) else {
+            return error(at, format!("expected a variable as the first argument of `{name}`"));
+        };
+        let var = self.variable(at, variable)?;
+        let mut regs = vec![var.reg];
+        if let Some(k) = ["setxcomp", "setycomp", "setzcomp"].iter().position(|n| *n == name) {
+            regs.push(self.constant(at, k as f32)?.reg);
+        }
+        for arg in &args[1..] {
+            let value = self.expr(arg, Some(Ty::Float))?;
+            regs.push(self.convert(arg.at, value, Ty::Float)?.reg);
+        }
+        let wanted = if var.ty == Ty::Matrix { 4 } else { 3 };
+        if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
+            return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
+        }
+        let new = self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, regs))?;
+        self.store(at, var, new)?;
+        Ok(Value::of(Ty::Void, 0, false))
     }
 
     fn derivative(&mut self, at: usize, f: Builtin, x: Value) -> Result<Value, Error> {
@@ -624,30 +1172,82 @@ impl<'a> Lower<'a> {
         let mut outputs = Vec::new();
         for (param, arg) in function.params.iter().zip(args) {
             let value = self.expr(arg, Some(param.ty))?;
-            let value = self.convert(arg.at, value, param.ty)?;
-            let var = Value { ty: param.ty, reg: self.reg(at, param.ty)?, varying: true };
-            self.store(at, var, value)?;
+            let reg = self.reg(at, param.ty)?;
+            let mut var = Value::of(param.ty, reg, value.varying);
+            if param.array.is_some() {
+                if value.array == 0 {
+                    return error(arg.at, format!("`{}` takes an array", param.name));
+                }
+                for _ in 1..value.array {
+                    self.reg(at, param.ty)?;
+                }
+                var.array = value.array;
+                self.copy_array(arg.at, var, value)?;
+            } else {
+                let value = self.convert(arg.at, value, param.ty)?;
+                self.store(at, var, value)?;
+            }
             if param.output {
-                let ExprKind::Name(target) = &arg.kind else {
+                if !matches!(arg.kind, ExprKind::Name(_) | ExprKind::Index(..)) {
                     return error(arg.at, format!("`{}` is an output: expected a variable", param.name));
-                };
-                outputs.push((self.variable(arg.at, target)?, var));
+                }
+                outputs.push((arg, var));
             }
             inner.insert(param.name.clone(), var);
         }
         let outer = std::mem::replace(&mut self.scopes, vec![inner]);
+        self.outer.push(outer);
         self.calling.push(&function.name);
         let result = self.function_body(at, function);
         self.calling.pop();
-        self.scopes = outer;
+        self.scopes = self.outer.pop().expect("pushed above");
         let result = result?;
         for (target, var) in outputs {
-            self.store(at, target, var)?;
+            match &target.kind {
+                ExprKind::Index(array, index) => {
+                    let ExprKind::Name(name) = &array.kind else { return error(target.at, "expected a variable") };
+                    let array = self.variable(target.at, name)?;
+                    self.store_element(target.at, array, index, var)?;
+                }
+                ExprKind::Name(name) => {
+                    let to = self.variable(target.at, name)?;
+                    if var.array != 0 { self.copy_array(target.at, to, var)? } else { self.store(at, to, var)? }
+                }
+                _ => {}
+            }
         }
         Ok(result)
     }
 
     fn function_body(&mut self, at: usize, function: &'a Function) -> Result<Value, Error> {
+        let early = function.body.split_last().is_some_and(|(last, before)| {
+            before.iter().any(returns) || (returns(last) && !matches!(last.kind, StmtKind::Return(_)))
+        });
+        let loops = std::mem::take(&mut self.loops);
+        let result = if early { self.body_with_returns(at, function) } else { self.plain_body(at, function) };
+        self.loops = loops;
+        result
+    }
+
+    /// A body that may be left anywhere: its result is a variable.
+    fn body_with_returns(&mut self, at: usize, function: &'a Function) -> Result<Value, Error> {
+        let result = if function.ret == Ty::Void {
+            Value::of(Ty::Void, 0, false)
+        } else {
+            let var = Value::of(function.ret, self.reg(at, function.ret)?, true);
+            let zero = if function.ret == Ty::Text { self.text(at, "")? } else { self.constant(at, 0.0)? };
+            let zero = self.convert(at, zero, function.ret)?;
+            self.store(at, var, zero)?;
+            var
+        };
+        self.results.push(Some(result));
+        let body = self.block(|l| function.body.iter().try_for_each(|s| l.statement(s)));
+        self.results.pop();
+        self.push(at, Op::Inline(body?.0))?;
+        Ok(result)
+    }
+
+    fn plain_body(&mut self, at: usize, function: &'a Function) -> Result<Value, Error> {
         let (last, before) = match function.body.split_last() {
             Some((last, before)) if matches!(last.kind, StmtKind::Return(_)) => (Some(last), before),
             _ => (None, function.body.as_slice()),
@@ -660,9 +1260,21 @@ impl<'a> Lower<'a> {
                 let value = self.expr(value, Some(function.ret))?;
                 self.convert(place, value, function.ret)
             }
-            _ if function.ret == Ty::Void => Ok(Value { ty: Ty::Void, reg: 0, varying: false }),
+            _ if function.ret == Ty::Void => Ok(Value::of(Ty::Void, 0, false)),
             _ => error(at, format!("`{}` must end with `return`", function.name)),
         }
+    }
+}
+
+/// Whether a statement may return.
+fn returns(s: &Stmt) -> bool {
+    match &s.kind {
+        StmtKind::Return(_) => true,
+        StmtKind::Block(body) => body.iter().any(returns),
+        StmtKind::If(_, a, b) => returns(a) || b.as_deref().is_some_and(returns),
+        StmtKind::While(_, a) | StmtKind::For(_, _, _, a) | StmtKind::Light(_, _, a) => returns(a),
+        StmtKind::Gather(_, a, b) => returns(a) || b.as_deref().is_some_and(returns),
+        _ => false,
     }
 }
 
@@ -673,6 +1285,7 @@ fn signature(name: &str, args: &[Arg]) -> String {
         .map(|a| match a {
             Arg::Float => "float",
             Arg::Triple => "a triple",
+            Arg::Matrix => "matrix",
             Arg::Any => "float or a triple",
         })
         .collect();

@@ -6,7 +6,7 @@
 
 use crate::ir::*;
 use crate::lanes::{at, cross, dot, power, put, refract, run_of, triple, triples2, zip};
-use crate::noise::{cell_noise, noise};
+use crate::noise::{cell_noise, noise, noise4, periodic_noise};
 use std::sync::Arc;
 
 /// A shader with its parameters given.
@@ -21,6 +21,13 @@ pub struct BoundShader {
 }
 
 impl BoundShader {
+    /// The values of a parameter, by its name: of the whole shader, not of a point.
+    pub fn parameter(&self, name: &str) -> Option<Answer> {
+        let i = self.program.params.iter().position(|p| p.name == name)?;
+        let number = self.numbers.iter().find(|(k, _)| *k == i).map(|(_, v)| Answer::Numbers(v.clone()));
+        number.or_else(|| self.texts.iter().find(|(k, _)| *k == i).map(|(_, t)| Answer::Text(t.clone())))
+    }
+
     /// Bind a program: the values given, and for every other parameter its default, computed once in `scene`.
     pub fn new(
         program: Arc<Program>,
@@ -38,11 +45,13 @@ impl BoundShader {
         machine.defaults(&bound, &points, scene);
         for (i, param) in bound.program.params.iter().enumerate() {
             if param.kind == Kind::Text {
-                if !bound.texts.iter().any(|(k, _)| *k == i) {
+                // An array of strings keeps its defaults.
+                if param.array.is_none() && !bound.texts.iter().any(|(k, _)| *k == i) {
                     bound.texts.push((i, machine.texts[param.reg as usize].clone()));
                 }
             } else if !bound.numbers.iter().any(|(k, _)| *k == i) {
-                bound.numbers.push((i, machine.regs[param.reg as usize].clone()));
+                let registers = param.reg as usize..(param.reg + param.array.unwrap_or(1)) as usize;
+                bound.numbers.push((i, machine.regs[registers].concat()));
             }
         }
         bound
@@ -57,6 +66,58 @@ pub trait Scene {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]>;
     /// How much light gets from one point to another: 1 all, 0 none.
     fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3];
+    /// What the scene knows under some names.
+    fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
+        None
+    }
+    /// Four channels of a map.
+    fn map(&self, _query: &MapQuery) -> [f32; 4] {
+        [0.0; 4]
+    }
+    /// How far along a direction (of unit length) the nearest surface is.
+    fn hit(&self, _from: [f32; 3], _direction: [f32; 3]) -> Option<f32> {
+        None
+    }
+    /// The colour that a ray brings back.
+    fn trace(&self, _from: [f32; 3], _direction: [f32; 3]) -> [f32; 3] {
+        [0.0; 3]
+    }
+    /// Take what `printf` prints.
+    fn print(&self, text: &str) {
+        eprint!("{text}");
+    }
+}
+
+/// An answer of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// Numbers, in the current space.
+    Numbers(Vec<f32>),
+    /// Text.
+    Text(String),
+}
+
+/// A question for a map.
+#[derive(Clone, Debug)]
+pub struct MapQuery<'a> {
+    /// How it is looked up.
+    pub how: Lookup,
+    /// Its name.
+    pub name: &'a str,
+    /// The first channel.
+    pub channel: usize,
+    /// s and t, a direction, or a place.
+    pub at: [f32; 3],
+    /// How that changes to the next point of the grid, along its rows and its columns.
+    pub change: [[f32; 3]; 2],
+    /// Factor of the filter's width.
+    pub width: f32,
+    /// Blur, a part of the whole map.
+    pub blur: f32,
+    /// Samples, where the map is sampled.
+    pub samples: f32,
+    /// Bias of a shadow map.
+    pub bias: f32,
 }
 
 /// The points to be shaded: `n = nu · nv`, in rows of `nu`.
@@ -113,12 +174,17 @@ struct Lit {
     on: Vec<bool>,
     l: Vec<f32>,
     cl: Vec<f32>,
+    /// Output parameters: index and values.
+    outputs: Vec<(usize, Vec<f32>)>,
 }
 
+/// A loop that is run, or a function's body.
 #[derive(Default)]
 struct LoopFrame {
     left: Vec<bool>,
     skipped: Vec<bool>,
+    /// A function's body, which `return` leaves.
+    inline: bool,
 }
 
 /// Runs programs. See the module's head.
@@ -136,6 +202,8 @@ pub struct Machine {
     /// Points that `solar` or `illuminate` reached.
     reached: Vec<bool>,
     lit: Vec<Lit>,
+    /// The light whose turn it is, and where in `lit` it is.
+    turn: Option<(usize, usize)>,
     /// A machine for light shaders, made at need.
     light_machine: Option<Box<Machine>>,
 }
@@ -208,9 +276,13 @@ impl Machine {
             let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
             match given.or(shader.numbers.iter().find(|(k, _)| *k == i).map(|(_, v)| v)) {
                 Some(values) => {
-                    let reg = &mut self.regs[param.reg as usize];
-                    reg.clear();
-                    reg.extend_from_slice(values);
+                    let len = param.array.unwrap_or(1) as usize;
+                    let each = values.len() / len;
+                    for (k, value) in values.chunks_exact(each.max(1)).take(len).enumerate() {
+                        let reg = &mut self.regs[param.reg as usize + k];
+                        reg.clear();
+                        reg.extend_from_slice(value);
+                    }
                 }
                 None => self.block(program, &param.default, scene),
             }
@@ -237,7 +309,7 @@ impl Machine {
                 let w = width(*dst);
                 let reg = &mut self.regs[*dst as usize];
                 reg.clear();
-                reg.extend_from_slice(&v[..w]);
+                reg.resize(w, *v);
             }
             Op::TextConst(dst, text) => self.texts[*dst as usize].clone_from(text),
             Op::TextCopy(dst, a) => self.texts[*dst as usize] = self.texts[*a as usize].clone(),
@@ -252,6 +324,7 @@ impl Machine {
             }
             Op::Pack(dst, parts) => {
                 let varying = parts.iter().any(|r| self.regs[*r as usize].len() != 1);
+                debug_assert_eq!(parts.len(), width(*dst));
                 let mut out = std::mem::take(&mut self.regs[*dst as usize]);
                 out.clear();
                 for r in parts {
@@ -273,14 +346,69 @@ impl Machine {
             Op::Assign(dst, a) => self.assign(*dst, *a, width(*dst), width(*a)),
             Op::Call(f, dst, args) => {
                 let first = args.first().map_or(1, |r| width(*r));
-                self.call(*f, *dst, args, first, width(*dst), scene);
+                self.call(program, *f, *dst, args, first, width(*dst), scene);
             }
-            Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to, scene),
+            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index, width(*dst)),
+            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value, width(*value)),
+            Op::TextLoad(dst, first, len, index) => {
+                let k = element(at(&self.regs[*index as usize], 0), *len);
+                self.texts[*dst as usize] = k.map_or(String::new(), |k| self.texts[*first as usize + k].clone());
+            }
+            Op::TextStore(first, len, index, value) => {
+                if let Some(k) = element(at(&self.regs[*index as usize], 0), *len) {
+                    self.texts[*first as usize + k] = self.texts[*value as usize].clone();
+                }
+            }
+            Op::ColorSpace(dst, a, from, to) => {
+                let (from, to) = (self.texts[*from as usize].clone(), self.texts[*to as usize].clone());
+                self.pointwise(program, *dst, &[*a], |v| {
+                    triple16(crate::color::convert(&from, &to, [v[0][0], v[0][1], v[0][2]]))
+                });
+            }
+            Op::Spline(dst, basis, args) => {
+                let basis = self.texts[*basis as usize].clone();
+                let w = width(*dst);
+                self.pointwise(program, *dst, args, |v| crate::spline::value(&basis, v[0][0], &v[1..], w));
+            }
+            Op::Match(dst, pattern, text) => {
+                let found = crate::text::matches(&self.texts[*pattern as usize], &self.texts[*text as usize]);
+                self.regs[*dst as usize] = vec![found as u8 as f32];
+            }
+            Op::Format(dst, args) => {
+                let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
+                self.texts[*dst as usize] = self.format(program, args, k);
+            }
+            Op::Print(args) => {
+                let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[*r as usize].len() != width(*r));
+                let lanes = if args.iter().any(varies) { self.n } else { 1 };
+                for k in (0..lanes).filter(|k| lanes == 1 || self.mask.as_ref().is_none_or(|m| m[*k])) {
+                    scene.print(&self.format(program, args, k));
+                }
+            }
+            Op::Ask { dst, what, names, out, len } => self.ask(program, *dst, *what, names, *out, *len, scene),
+            Op::Map { .. } => self.map(program, op, scene),
+            Op::Transform(how, dst, a, from, to) => self.transform(program, *how, *dst, *a, *from, *to, scene),
             Op::If(c, then, otherwise) => self.branch(program, *c, then, otherwise, scene),
             Op::Loop(head, c, body, step) => self.repeat(program, head, *c, body, step, scene),
-            Op::Break => self.leave(true),
-            Op::Continue => self.leave(false),
-            Op::Illuminance { args, l, cl, body } => self.illuminance(program, *args, *l, *cl, body, scene),
+            Op::Break(levels) => self.leave(*levels as usize, true),
+            Op::Continue(levels) => self.leave(*levels as usize, false),
+            Op::Inline(body) => {
+                let outer = self.mask.clone();
+                self.loops.push(LoopFrame {
+                    left: vec![false; self.n],
+                    skipped: vec![false; self.n],
+                    inline: true,
+                });
+                self.block(program, body, scene);
+                self.loops.pop();
+                self.mask = outer;
+            }
+            Op::Return => {
+                let inner = self.loops.iter().rev().position(|f| f.inline).map_or(self.loops.len(), |k| k + 1);
+                self.leave(inner, true);
+            }
+            Op::Gather { args, out, hit, miss } => self.gather(program, *args, out, hit, miss, scene),
+            Op::Illuminance { .. } => self.illuminance(program, op, scene),
             Op::Solar { args, l, body } => {
                 // The axis is the way that light travels.
                 let axis = self.regs[args[0] as usize].clone();
@@ -299,37 +427,16 @@ impl Machine {
         let mut out = std::mem::take(&mut self.regs[dst as usize]);
         let a = &self.regs[a as usize];
         out.clear();
+        macro_rules! run {
+            ($($f:ident)*) => {
+                match f {
+                    Unary::Copy => out.extend_from_slice(a),
+                    $(Unary::$f => out.extend(a.iter().map(|x| unary_value(Unary::$f, *x))),)*
+                }
+            };
+        }
         for _ in 0..wd / wa {
-            match f {
-                Unary::Copy => out.extend_from_slice(a),
-                Unary::Negate => out.extend(a.iter().map(|x| -x)),
-                Unary::Not => out.extend(a.iter().map(|x| (*x == 0.0) as u8 as f32)),
-                Unary::Abs => out.extend(a.iter().map(|x| x.abs())),
-                Unary::Sign => out.extend(a.iter().map(|x| {
-                    if *x > 0.0 {
-                        1.0
-                    } else if *x < 0.0 {
-                        -1.0
-                    } else {
-                        0.0
-                    }
-                })),
-                Unary::Sqrt => out.extend(a.iter().map(|x| x.max(0.0).sqrt())),
-                Unary::InverseSqrt => out.extend(a.iter().map(|x| if *x > 0.0 { 1.0 / x.sqrt() } else { 0.0 })),
-                Unary::Sin => out.extend(a.iter().map(|x| x.sin())),
-                Unary::Cos => out.extend(a.iter().map(|x| x.cos())),
-                Unary::Tan => out.extend(a.iter().map(|x| x.tan())),
-                Unary::Asin => out.extend(a.iter().map(|x| x.clamp(-1.0, 1.0).asin())),
-                Unary::Acos => out.extend(a.iter().map(|x| x.clamp(-1.0, 1.0).acos())),
-                Unary::Atan => out.extend(a.iter().map(|x| x.atan())),
-                Unary::Exp => out.extend(a.iter().map(|x| x.exp())),
-                Unary::Log => out.extend(a.iter().map(|x| x.max(f32::MIN_POSITIVE).ln())),
-                Unary::Floor => out.extend(a.iter().map(|x| x.floor())),
-                Unary::Ceil => out.extend(a.iter().map(|x| x.ceil())),
-                Unary::Round => out.extend(a.iter().map(|x| x.round())),
-                Unary::Radians => out.extend(a.iter().map(|x| x.to_radians())),
-                Unary::Degrees => out.extend(a.iter().map(|x| x.to_degrees())),
-            }
+            run!(Negate Not Abs Sign Sqrt InverseSqrt Sin Cos Tan Asin Acos Atan Exp Log Floor Ceil Round Radians Degrees);
         }
         self.regs[dst as usize] = out;
     }
@@ -339,26 +446,17 @@ impl Machine {
         let (a, b) = (&self.regs[a as usize][..], &self.regs[b as usize][..]);
         out.clear();
         let varying = a.len() != wa || b.len() != wb;
+        macro_rules! run {
+            ($n:ident, $a:ident, $b:ident, $($f:ident)*) => {
+                match f {
+                    $(Binary::$f => zip(&mut out, $a, $b, $n, |x, y| binary_value(Binary::$f, x, y)),)*
+                }
+            };
+        }
         for c in 0..wd {
             let (a, b) = (run_of(a, wa, c, self.n), run_of(b, wb, c, self.n));
             let n = if varying { self.n } else { 1 };
-            match f {
-                Binary::Add => zip(&mut out, a, b, n, |x, y| x + y),
-                Binary::Sub => zip(&mut out, a, b, n, |x, y| x - y),
-                Binary::Mul => zip(&mut out, a, b, n, |x, y| x * y),
-                Binary::Div => zip(&mut out, a, b, n, |x, y| if y != 0.0 { x / y } else { 0.0 }),
-                Binary::Min => zip(&mut out, a, b, n, |x, y| if x < y { x } else { y }),
-                Binary::Max => zip(&mut out, a, b, n, |x, y| if x > y { x } else { y }),
-                Binary::Pow => zip(&mut out, a, b, n, power),
-                Binary::Mod => zip(&mut out, a, b, n, |x, y| if y != 0.0 { x - y * (x / y).floor() } else { 0.0 }),
-                Binary::Atan2 => zip(&mut out, a, b, n, |x, y| x.atan2(y)),
-                Binary::Step => zip(&mut out, a, b, n, |x, y| (y >= x) as u8 as f32),
-                Binary::Less => zip(&mut out, a, b, n, |x, y| (x < y) as u8 as f32),
-                Binary::LessEqual => zip(&mut out, a, b, n, |x, y| (x <= y) as u8 as f32),
-                Binary::Equal => zip(&mut out, a, b, n, |x, y| (x == y) as u8 as f32),
-                Binary::And => zip(&mut out, a, b, n, |x, y| (x != 0.0 && y != 0.0) as u8 as f32),
-                Binary::Or => zip(&mut out, a, b, n, |x, y| (x != 0.0 || y != 0.0) as u8 as f32),
-            }
+            run!(n, a, b, Add Sub Mul Div Min Max Pow Mod Atan2 Step Less LessEqual Equal And Or);
         }
         self.regs[dst as usize] = out;
     }
@@ -442,12 +540,12 @@ impl Machine {
         }
     }
 
-    /// `break` or `continue`.
-    fn leave(&mut self, for_good: bool) {
+    /// `break` out of so many loops, or `continue` the last of them.
+    fn leave(&mut self, levels: usize, for_good: bool) {
         let n = self.n;
         let mask = self.mask.take().unwrap_or_else(|| vec![true; n]);
-        if let Some(frame) = self.loops.last_mut() {
-            let gone = if for_good { &mut frame.left } else { &mut frame.skipped };
+        for (k, frame) in self.loops.iter_mut().rev().take(levels).enumerate() {
+            let gone = if for_good || k + 1 < levels { &mut frame.left } else { &mut frame.skipped };
             gone.iter_mut().zip(&mask).for_each(|(g, m)| *g |= m);
         }
         self.mask = Some(vec![false; n]);
@@ -458,7 +556,7 @@ impl Machine {
         const MAX_TURNS: usize = 1_000_000;
         let n = self.n;
         let outer = self.mask.clone();
-        self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n] });
+        self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n], inline: false });
         for _ in 0..MAX_TURNS {
             self.block(program, head, scene);
             let condition = &self.regs[c as usize];
@@ -484,9 +582,378 @@ impl Machine {
         }
         self.loops.pop();
         self.mask = outer;
+        // Who left a loop further out, or the function, within this one.
+        self.drop_left();
     }
 
-    fn call(&mut self, f: Builtin, dst: Reg, args: &[Reg], first: usize, wd: usize, scene: &dyn Scene) {
+    fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: Reg, w: usize) {
+        let n = self.n;
+        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+        out.clear();
+        let index = &self.regs[index as usize];
+        if let [i] = index[..] {
+            match element(i, len) {
+                Some(k) => out.extend_from_slice(&self.regs[first as usize + k]),
+                None => out.resize(w, 0.0),
+            }
+        } else {
+            out.resize(w * n, 0.0);
+            for (k, i) in index.iter().enumerate() {
+                let Some(e) = element(*i, len) else { continue };
+                let value = &self.regs[first as usize + e];
+                (0..w).for_each(|c| out[c * n + k] = at(run_of(value, w, c, n), k));
+            }
+        }
+        self.regs[dst as usize] = out;
+    }
+
+    fn store_element(&mut self, first: Reg, len: u16, index: Reg, value: Reg, w: usize) {
+        let index = self.regs[index as usize].clone();
+        let value = self.regs[value as usize].clone();
+        if let [i] = index[..] {
+            if let Some(k) = element(i, len) {
+                self.assign_value(first + k as u16, &value, w);
+            }
+            return;
+        }
+        let outer = self.mask.take();
+        for k in 0..len as usize {
+            let here = |p: usize| outer.as_ref().is_none_or(|m| m[p]) && element(index[p], len) == Some(k);
+            let mask: Vec<bool> = (0..self.n).map(here).collect();
+            if mask.contains(&true) {
+                self.mask = Some(mask);
+                self.assign_value(first + k as u16, &value, w);
+            }
+        }
+        self.mask = outer;
+    }
+
+    /// Compute `f` of the values of some registers, point by point, or once if all are uniform.
+    fn pointwise(&mut self, program: &Program, dst: Reg, args: &[Reg], f: impl Fn(&[[f32; 16]]) -> [f32; 16]) {
+        let n = self.n;
+        let width = |r: Reg| program.widths[r as usize] as usize;
+        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+        out.clear();
+        let wd = width(dst);
+        let lanes = if args.iter().all(|r| self.regs[*r as usize].len() == width(*r)) { 1 } else { n };
+        out.resize(wd * lanes, 0.0);
+        let mut values = vec![[0.0; 16]; args.len()];
+        for k in 0..lanes {
+            if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
+                continue;
+            }
+            for (value, r) in values.iter_mut().zip(args) {
+                let w = width(*r);
+                (0..w).for_each(|c| value[c] = at(run_of(&self.regs[*r as usize], w, c, n), k));
+            }
+            let result = f(&values);
+            (0..wd).for_each(|c| out[c * lanes + k] = result[c]);
+        }
+        self.regs[dst as usize] = out;
+    }
+
+    /// The text of a format at a point.
+    fn format(&self, program: &Program, args: &[Operand], k: usize) -> String {
+        let values: Vec<crate::text::Value> = args
+            .iter()
+            .map(|o| match o {
+                Operand::Text(r) => crate::text::Value::Text(&self.texts[*r as usize]),
+                Operand::Number(r) => {
+                    let w = program.widths[*r as usize] as usize;
+                    let value = |c: usize| at(run_of(&self.regs[*r as usize], w, c, self.n), k);
+                    crate::text::Value::Numbers((0..w).map(value).collect())
+                }
+            })
+            .collect();
+        crate::text::format(&values)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn ask(
+        &mut self,
+        program: &Program,
+        dst: Reg,
+        what: Ask,
+        names: &[TextReg],
+        out: Operand,
+        len: u16,
+        scene: &dyn Scene,
+    ) {
+        let names: Vec<&str> = names.iter().map(|r| self.texts[*r as usize].as_str()).collect();
+        let answer = match (what, names[0]) {
+            (Ask::LightSource, name) => {
+                self.turn.and_then(|(light, lit)| self.light_parameter(scene.lights().get(light)?, lit, name))
+            }
+            (Ask::RendererInfo, "renderer") => Some(Answer::Text("scree".into())),
+            (Ask::RendererInfo, "versionstring") => Some(Answer::Text(env!("CARGO_PKG_VERSION").into())),
+            (Ask::RendererInfo, "version") => {
+                let parts = env!("CARGO_PKG_VERSION").split('.').map(|p| p.parse().unwrap_or(0.0));
+                Some(Answer::Numbers(parts.chain([0.0]).collect()))
+            }
+            (Ask::RayInfo, "depth") => Some(Answer::Numbers(vec![0.0])),
+            (Ask::RayInfo, "type") => Some(Answer::Text("camera".into())),
+            _ => scene.ask(what, &names),
+        };
+        let mut found = 0.0;
+        match (answer, out) {
+            (Some(Answer::Text(text)), Operand::Text(r)) => {
+                self.texts[r as usize] = text;
+                found = 1.0;
+            }
+            (Some(Answer::Numbers(v)), Operand::Number(r)) => {
+                let w = program.widths[r as usize] as usize;
+                let varying = v.len() == w * self.n && len == 1;
+                if varying || v.len() >= w * len as usize {
+                    let each = if varying { v.len() } else { w };
+                    for k in 0..len as usize {
+                        self.assign_value(r + k as u16, &v[k * each..(k + 1) * each], w);
+                    }
+                    found = 1.0;
+                }
+            }
+            _ => {}
+        }
+        self.regs[dst as usize] = vec![found];
+    }
+
+    /// A parameter of a light: what it gave to the grid if it is an output.
+    fn light_parameter(&self, light: &BoundShader, lit: usize, name: &str) -> Option<Answer> {
+        let i = light.program.params.iter().position(|p| p.name == name)?;
+        match self.lit[lit].outputs.iter().find(|(k, _)| *k == i) {
+            Some((_, v)) => Some(Answer::Numbers(v.clone())),
+            None => light.parameter(name),
+        }
+    }
+
+    fn map(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
+        let Op::Map { dst, how, name, channel, at: place, options } = op else { return };
+        let n = self.n;
+        let wd = program.widths[*dst as usize] as usize;
+        let name = self.texts[*name as usize].clone();
+        let number = |key: &str, otherwise: f32| {
+            let found = options.iter().find(|(k, _)| self.texts[*k as usize] == key);
+            match found {
+                Some((_, Operand::Number(r))) => self.regs[*r as usize].first().copied().unwrap_or(otherwise),
+                _ => otherwise,
+            }
+        };
+        let width = [number("width", 1.0), number("swidth", 1.0), number("twidth", 1.0)].into_iter().product();
+        let blur = number("blur", 0.0).max(number("sblur", 0.0)).max(number("tblur", 0.0));
+        let mut query = MapQuery {
+            how: *how,
+            name: &name,
+            channel: at(&self.regs[*channel as usize], 0).max(0.0) as usize,
+            at: [0.0; 3],
+            change: [[0.0; 3]; 2],
+            width,
+            blur,
+            samples: number("samples", 16.0),
+            bias: number("bias", 0.0),
+        };
+        // One point: s and t as two numbers, others as a triple. Four: the corners of the filter's area.
+        let each = if *how == Lookup::Texture { 2 } else { 1 };
+        let corner = |c: usize, axis: usize, k: usize| -> f32 {
+            let r = &self.regs[place[each * c + if each == 2 { axis } else { 0 }] as usize];
+            if each == 2 {
+                if axis < 2 { at(r, k) } else { 0.0 }
+            } else {
+                at(run_of(r, 3, axis, n), k)
+            }
+        };
+        let uniform =
+            place.iter().all(|r| self.regs[*r as usize].len() == program.widths[*r as usize] as usize);
+        let lanes = if uniform { 1 } else { n };
+        let mut out = vec![0.0; wd * lanes];
+        for k in 0..lanes {
+            if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
+                continue;
+            }
+            if place.len() == 4 * each {
+                let all = |axis: usize| [0, 1, 2, 3].map(|c| corner(c, axis, k));
+                for axis in 0..3 {
+                    let [a, b, c, d] = all(axis);
+                    query.at[axis] = 0.25 * (a + b + c + d);
+                    query.change[0][axis] = 0.5 * (b + d - a - c);
+                    query.change[1][axis] = 0.5 * (c + d - a - b);
+                }
+            } else {
+                query.at = [0, 1, 2].map(|axis| corner(0, axis, k));
+                for axis in 0..3 {
+                    let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }] as usize];
+                    let run = if each == 2 { &r[..] } else { run_of(r, 3, axis, n) };
+                    let d = if each == 2 && axis == 2 { [0.0; 2] } else { self.differences(run, k) };
+                    (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
+                }
+            }
+            let value = scene.map(&query);
+            (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
+        }
+        self.regs[*dst as usize] = out;
+    }
+
+    /// Rays from a place about an axis.
+    fn gather(
+        &mut self,
+        program: &Program,
+        args: [Reg; 4],
+        out: &[(String, Reg)],
+        hit: &[Op],
+        miss: &[Op],
+        scene: &dyn Scene,
+    ) {
+        let n = self.n;
+        let [p, axis, angle, samples] = args.map(|r| self.regs[r as usize].clone());
+        let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
+        let outer = self.mask.clone();
+        for i in 0..samples {
+            let mut ways = vec![0.0; 3 * n];
+            let mut lengths = vec![0.0; n];
+            let (mut hits, mut misses) = (vec![false; n], vec![false; n]);
+            for k in (0..n).filter(|k| outer.as_ref().is_none_or(|m| m[*k])) {
+                let (from, about) = (triple(&p, k, n), triple(&axis, k, n));
+                let way = crate::lanes::in_cone(about, at(&angle, k), i, samples, from);
+                put(&mut ways, k, n, way);
+                match scene.hit(from, way) {
+                    Some(distance) => (lengths[k], hits[k]) = (distance, true),
+                    None => misses[k] = true,
+                }
+            }
+            for (name, reg) in out {
+                let w = program.widths[*reg as usize] as usize;
+                match name.as_str() {
+                    "ray:direction" if w == 3 => self.assign_value(*reg, &ways, 3),
+                    "ray:origin" if w == 3 => self.assign_value(*reg, &p, 3),
+                    "ray:length" if w == 1 => self.assign_value(*reg, &lengths, 1),
+                    _ if w == 3 && name.ends_with(":Ci") => {
+                        let mut colors = vec![0.0; 3 * n];
+                        for k in (0..n).filter(|k| hits[*k]) {
+                            put(&mut colors, k, n, scene.trace(triple(&p, k, n), triple(&ways, k, n)));
+                        }
+                        self.assign_value(*reg, &colors, 3);
+                    }
+                    _ => {}
+                }
+            }
+            for (mask, ops) in [(hits, hit), (misses, miss)] {
+                if mask.contains(&true) {
+                    self.mask = Some(mask);
+                    self.block(program, ops, scene);
+                }
+            }
+            self.mask.clone_from(&outer);
+            self.drop_left();
+            if self.all_off() {
+                break;
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn call(&mut self, program: &Program, f: Builtin, dst: Reg, args: &[Reg], first: usize, wd: usize, scene: &dyn Scene) {
+        let matrix = |v: &[f32; 16]| glam::Mat4::from_cols_array(v);
+        match f {
+            Builtin::Comp if first == 16 => {
+                return self.pointwise(program, dst, args, |v| {
+                    one16(element(v[1][0], 4).zip(element(v[2][0], 4)).map_or(0.0, |(r, c)| v[0][4 * r + c]))
+                });
+            }
+            Builtin::Comp => {
+                return self.pointwise(program, dst, args, |v| one16(element(v[1][0], 3).map_or(0.0, |k| v[0][k])));
+            }
+            Builtin::SetComp => {
+                return self.pointwise(program, dst, args, |v| {
+                    let mut m = v[0];
+                    let place = if first == 16 {
+                        element(v[1][0], 4).zip(element(v[2][0], 4)).map(|(r, c)| 4 * r + c)
+                    } else {
+                        element(v[1][0], 3)
+                    };
+                    if let Some(k) = place {
+                        m[k] = v[v.len() - 1][0];
+                    }
+                    m
+                });
+            }
+            Builtin::Diagonal => {
+                return self.pointwise(program, dst, args, |v| {
+                    let mut m = [0.0; 16];
+                    [0, 5, 10].into_iter().for_each(|k| m[k] = v[0][0]);
+                    m[15] = if v[0][0] == 0.0 { 0.0 } else { v[0][0] };
+                    m
+                });
+            }
+            // Row vectors: a matrix's numbers are the columns of its transpose, and products go the other way round.
+            Builtin::MatrixMultiply => {
+                return self.pointwise(program, dst, args, |v| (matrix(&v[1]) * matrix(&v[0])).to_cols_array());
+            }
+            Builtin::MatrixDivide => {
+                return self.pointwise(program, dst, args, |v| (inverse(matrix(&v[1])) * matrix(&v[0])).to_cols_array());
+            }
+            Builtin::MatrixEqual => {
+                return self.pointwise(program, dst, args, |v| one16((v[0] == v[1]) as u8 as f32));
+            }
+            Builtin::Determinant => {
+                return self.pointwise(program, dst, args, |v| one16(matrix(&v[0]).determinant()));
+            }
+            Builtin::LogBase => {
+                return self.pointwise(program, dst, args, |v| {
+                    let base = unary_value(Unary::Log, v[1][0]);
+                    one16(if base != 0.0 { unary_value(Unary::Log, v[0][0]) / base } else { 0.0 })
+                });
+            }
+            Builtin::MatrixPoint | Builtin::MatrixVector | Builtin::MatrixNormal => {
+                return self.pointwise(program, dst, args, |v| {
+                    let (m, p) = (matrix(&v[0]), glam::Vec3::new(v[1][0], v[1][1], v[1][2]));
+                    let q = match f {
+                        Builtin::MatrixPoint => m.project_point3(p),
+                        Builtin::MatrixVector => m.transform_vector3(p),
+                        _ => inverse(m).transpose().transform_vector3(p),
+                    };
+                    triple16(q.into())
+                });
+            }
+            Builtin::Translate | Builtin::Scale => {
+                return self.pointwise(program, dst, args, |v| {
+                    let by = glam::Vec3::new(v[1][0], v[1][1], v[1][2]);
+                    let own = match f {
+                        Builtin::Translate => glam::Mat4::from_translation(by),
+                        _ => glam::Mat4::from_scale(by),
+                    };
+                    (matrix(&v[0]) * own).to_cols_array()
+                });
+            }
+            Builtin::Rotate => {
+                return self.pointwise(program, dst, args, |v| {
+                    let axis = glam::Vec3::new(v[2][0], v[2][1], v[2][2]).normalize_or(glam::Vec3::Z);
+                    (matrix(&v[0]) * glam::Mat4::from_axis_angle(axis, v[1][0])).to_cols_array()
+                });
+            }
+            Builtin::PeriodicNoise => {
+                let widths: Vec<usize> = args.iter().map(|r| program.widths[*r as usize] as usize).collect();
+                return self.pointwise(program, dst, args, |v| periodic(&widths, v));
+            }
+            Builtin::Noise | Builtin::CellNoise if first == 3 && args.len() == 2 => {
+                return self.pointwise(program, dst, args, |v| {
+                    let (p, t) = ([v[0][0], v[0][1], v[0][2]], v[1][0]);
+                    [0, 1, 2].map(|c| match f {
+                        Builtin::Noise => noise4(p, t, None, c),
+                        _ => cell_noise(p, (t.floor() as i32 as u32).wrapping_mul(0x2545_f491) ^ c),
+                    })
+                    .into_iter()
+                    .chain([0.0; 13])
+                    .collect::<Vec<f32>>()
+                    .try_into()
+                    .expect("sixteen numbers")
+                });
+            }
+            Builtin::Random => {
+                return self.pointwise(program, dst, args, |v| {
+                    let p = [0, 1, 2].map(|c| v[0][c].to_bits() as f32 * 0.618_034 + v[1][0]);
+                    triple16([0, 1, 2].map(|c| cell_noise(p, c + v[0][c as usize].to_bits())))
+                });
+            }
+            _ => {}
+        }
         let mut out = std::mem::take(&mut self.regs[dst as usize]);
         out.clear();
         let n = self.n;
@@ -570,6 +1037,39 @@ impl Machine {
                     }
                 }
             }
+            Builtin::Width => {
+                let x = arg(0);
+                let change = |k: usize| {
+                    let [a, b] = self.differences(x, k);
+                    a.abs().max(b.abs())
+                };
+                out.extend((0..if x.len() == 1 { 1 } else { n }).map(change));
+            }
+            Builtin::Trace | Builtin::Occlusion | Builtin::IndirectDiffuse => {
+                let (p, way) = (arg(0), arg(1));
+                let samples = args.get(2).map_or(1.0, |r| at(&self.regs[*r as usize], 0)).clamp(1.0, 4096.0) as usize;
+                out.resize(wd * n, 0.0);
+                for k in (0..n).filter(|k| self.mask.as_ref().is_none_or(|m| m[*k])) {
+                    let (from, about) = (triple(p, k, n), unit(triple(way, k, n)));
+                    let mut sum = [0.0f32; 3];
+                    if f == Builtin::Trace {
+                        sum = if wd == 3 {
+                            scene.trace(from, about)
+                        } else {
+                            [scene.hit(from, about).unwrap_or(f32::INFINITY).min(1e30); 3]
+                        };
+                    } else {
+                        for i in 0..samples {
+                            let to = crate::lanes::in_hemisphere(about, i, samples, from);
+                            if scene.hit(from, to).is_some() {
+                                let light = if f == Builtin::Occlusion { [1.0; 3] } else { scene.trace(from, to) };
+                                (0..3).for_each(|c| sum[c] += light[c] / samples as f32);
+                            }
+                        }
+                    }
+                    (0..wd).for_each(|c| out[c * n + k] = sum[c]);
+                }
+            }
             Builtin::Ambient => self.ambient(&mut out, scene),
             Builtin::Transmission => {
                 let (from, to) = (arg(0), arg(1));
@@ -580,6 +1080,7 @@ impl Machine {
                     }
                 }
             }
+            _ => unreachable!("done above"),
         }
         self.regs[dst as usize] = out;
     }
@@ -613,9 +1114,23 @@ impl Machine {
         }
     }
 
-    fn transform(&mut self, how: Transform, dst: Reg, a: Reg, from: TextReg, to: TextReg, scene: &dyn Scene) {
+    #[allow(clippy::too_many_arguments)]
+    fn transform(
+        &mut self,
+        program: &Program,
+        how: Transform,
+        dst: Reg,
+        a: Reg,
+        from: TextReg,
+        to: TextReg,
+        scene: &dyn Scene,
+    ) {
         let matrix = scene.matrix(&self.texts[from as usize], &self.texts[to as usize]);
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
+        if how == Transform::Matrix {
+            return self
+                .pointwise(program, dst, &[a], |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array());
+        }
         let normal = glam::Mat3::from_mat4(m).inverse().transpose();
         let mut out = std::mem::take(&mut self.regs[dst as usize]);
         out.clear();
@@ -625,7 +1140,7 @@ impl Machine {
             match how {
                 Transform::Point => m.project_point3(p),
                 Transform::Vector => m.transform_vector3(p),
-                Transform::Normal => normal * p,
+                Transform::Normal | Transform::Matrix => normal * p,
             }
             .to_array()
         });
@@ -662,11 +1177,13 @@ impl Machine {
         self.mask = outer;
     }
 
-    fn illuminance(&mut self, program: &Program, args: [Reg; 3], l: Reg, cl: Reg, body: &[Op], scene: &dyn Scene) {
+    fn illuminance(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
+        let Op::Illuminance { args, l, cl, category, wanted, body } = op else { return };
+        let (l, cl) = (*l, *cl);
         let (position, axis) = (self.regs[args[0] as usize].clone(), self.regs[args[1] as usize].clone());
         let angle = self.regs[args[2] as usize][0];
         for (i, light) in scene.lights().iter().enumerate() {
-            if light.program.is_ambient {
+            if light.program.is_ambient || !category.is_none_or(|c| in_category(light, &self.texts[c as usize])) {
                 continue;
             }
             let k = self.light(i, light, &position, &axis, angle, scene);
@@ -680,9 +1197,20 @@ impl Machine {
                 towards.extend(self.lit[k].l.iter().map(|x| -x));
                 self.regs[l as usize] = towards;
                 self.regs[cl as usize].clone_from(&self.lit[k].cl);
+                let before = self.turn.replace((i, k));
+                for (name, reg) in wanted {
+                    if let Some(Answer::Numbers(v)) = self.light_parameter(light, k, name) {
+                        let w = program.widths[*reg as usize] as usize;
+                        if v.len() == w || v.len() == w * self.n {
+                            self.assign_value(*reg, &v, w);
+                        }
+                    }
+                }
                 self.block(program, body, scene);
+                self.turn = before;
             }
             self.mask = outer;
+            self.drop_left();
         }
     }
 
@@ -720,6 +1248,8 @@ impl Machine {
         };
         let (l, cl) = (take("L"), take("Cl"));
         let on = std::mem::take(&mut machine.reached);
+        let params = light.program.params.iter().enumerate().filter(|(_, p)| p.output && p.kind != Kind::Text);
+        let outputs = params.map(|(i, p)| (i, machine.regs[p.reg as usize].clone())).collect();
         let entry = Lit {
             light: i,
             position: position.to_vec(),
@@ -729,6 +1259,7 @@ impl Machine {
             on,
             l,
             cl,
+            outputs,
         };
         self.lit.push(entry);
         self.light_machine = Some(machine);
@@ -753,5 +1284,142 @@ impl Machine {
             }
             self.light_machine = Some(machine);
         }
+    }
+}
+
+/// Numbers of one operation on one number.
+#[inline(always)]
+pub(crate) fn unary_value(f: Unary, x: f32) -> f32 {
+    match f {
+        Unary::Copy => x,
+        Unary::Negate => -x,
+        Unary::Not => (x == 0.0) as u8 as f32,
+        Unary::Abs => x.abs(),
+        Unary::Sign => (x > 0.0) as u8 as f32 - (x < 0.0) as u8 as f32,
+        Unary::Sqrt => x.max(0.0).sqrt(),
+        Unary::InverseSqrt => {
+            if x > 0.0 {
+                1.0 / x.sqrt()
+            } else {
+                0.0
+            }
+        }
+        Unary::Sin => x.sin(),
+        Unary::Cos => x.cos(),
+        Unary::Tan => x.tan(),
+        Unary::Asin => x.clamp(-1.0, 1.0).asin(),
+        Unary::Acos => x.clamp(-1.0, 1.0).acos(),
+        Unary::Atan => x.atan(),
+        Unary::Exp => x.exp(),
+        Unary::Log => x.max(f32::MIN_POSITIVE).ln(),
+        Unary::Floor => x.floor(),
+        Unary::Ceil => x.ceil(),
+        Unary::Round => x.round(),
+        Unary::Radians => x.to_radians(),
+        Unary::Degrees => x.to_degrees(),
+    }
+}
+
+/// The number of one operation on two numbers.
+#[inline(always)]
+pub(crate) fn binary_value(f: Binary, x: f32, y: f32) -> f32 {
+    let truth = |x: bool| x as u8 as f32;
+    match f {
+        Binary::Add => x + y,
+        Binary::Sub => x - y,
+        Binary::Mul => x * y,
+        Binary::Div => {
+            if y != 0.0 {
+                x / y
+            } else {
+                0.0
+            }
+        }
+        Binary::Min => {
+            if x < y {
+                x
+            } else {
+                y
+            }
+        }
+        Binary::Max => {
+            if x > y {
+                x
+            } else {
+                y
+            }
+        }
+        Binary::Pow => power(x, y),
+        Binary::Mod => {
+            if y != 0.0 {
+                x - y * (x / y).floor()
+            } else {
+                0.0
+            }
+        }
+        Binary::Atan2 => x.atan2(y),
+        Binary::Step => truth(y >= x),
+        Binary::Less => truth(x < y),
+        Binary::LessEqual => truth(x <= y),
+        Binary::Equal => truth(x == y),
+        Binary::And => truth(x != 0.0 && y != 0.0),
+        Binary::Or => truth(x != 0.0 || y != 0.0),
+    }
+}
+
+/// The element that a number names, if there is one.
+fn element(i: f32, len: u16) -> Option<usize> {
+    (i >= 0.0 && i < len as f32).then_some(i as usize)
+}
+
+fn one16(x: f32) -> [f32; 16] {
+    let mut v = [0.0; 16];
+    v[0] = x;
+    v
+}
+
+fn triple16([x, y, z]: [f32; 3]) -> [f32; 16] {
+    let mut v = [0.0; 16];
+    (v[0], v[1], v[2]) = (x, y, z);
+    v
+}
+
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let l = dot(v, v).sqrt();
+    if l > 0.0 { v.map(|x| x / l) } else { v }
+}
+
+/// The inverse; of a matrix that has none, zero.
+fn inverse(m: glam::Mat4) -> glam::Mat4 {
+    if m.determinant() != 0.0 { m.inverse() } else { glam::Mat4::ZERO }
+}
+
+/// Noise with periods: one, two, three or four numbers, then as many periods.
+fn periodic(widths: &[usize], v: &[[f32; 16]]) -> [f32; 16] {
+    let half = v.len() / 2;
+    let numbers = |args: &[[f32; 16]]| {
+        let mut all = [0.0f32; 4];
+        let mut k = 0;
+        for (value, width) in args.iter().zip(widths) {
+            all[k..k + width].copy_from_slice(&value[..*width]);
+            k += width;
+        }
+        (all, k)
+    };
+    let ((at, n), (period, _)) = (numbers(&v[..half]), numbers(&v[half..]));
+    let (p, q) = ([at[0], at[1], at[2]], [period[0], period[1], period[2]]);
+    triple16([0, 1, 2].map(|c| if n == 4 { noise4(p, at[3], Some(period), c) } else { periodic_noise(p, q, c) }))
+}
+
+/// Whether a light is of a category: its parameter `__category` names its own, separated by commas; `-` asks for all others.
+fn in_category(light: &BoundShader, asked: &str) -> bool {
+    let own = match light.parameter("__category") {
+        Some(Answer::Text(text)) => text,
+        _ => String::new(),
+    };
+    let has = |name: &str| own.split(',').any(|c| c.trim() == name);
+    match asked.strip_prefix('-') {
+        Some(not) => !has(not),
+        None => asked.is_empty() || has(asked),
     }
 }

@@ -40,12 +40,41 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
 /// Gradient noise of a place, in [0, 1]; channels are independent of each other.
 #[inline]
 pub fn noise(p: [f32; 3], channel: u32) -> f32 {
+    lattice(p, channel, |c, _| c)
+}
+
+/// The same, repeating after whole periods along each axis.
+pub fn periodic_noise(p: [f32; 3], period: [f32; 3], channel: u32) -> f32 {
+    let period = period.map(|x| (x.abs() as i32).max(1));
+    lattice(p, channel, |c, axis| c.rem_euclid(period[axis]))
+}
+
+/// Noise of four numbers: of the place, and smooth along the fourth, between two of three numbers.
+pub fn noise4(p: [f32; 3], t: f32, period: Option<[f32; 4]>, channel: u32) -> f32 {
+    let cell = t.floor();
+    let layer = |k: f32| {
+        let k = match period {
+            Some(period) => k.rem_euclid(period[3].abs().floor().max(1.0)),
+            None => k,
+        };
+        let salt = (k as i32 as u32).wrapping_mul(0x2545_f491) ^ channel;
+        match period {
+            Some([x, y, z, _]) => periodic_noise(p, [x, y, z], salt),
+            None => noise(p, salt),
+        }
+    };
+    lerp(fade(t - cell), layer(cell), layer(cell + 1.0))
+}
+
+/// Gradient noise; `wrap` brings a lattice point's coordinate along an axis into range.
+#[inline]
+fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
     let cell = p.map(f32::floor);
     let [x, y, z] = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
     let [i, j, k] = cell.map(|c| c as i32);
     let corner = |dx: i32, dy: i32, dz: i32| {
-        let h = hash(i.wrapping_add(dx), j.wrapping_add(dy), k.wrapping_add(dz), channel);
-        slope(h, x - dx as f32, y - dy as f32, z - dz as f32)
+        let [i, j, k] = [wrap(i.wrapping_add(dx), 0), wrap(j.wrapping_add(dy), 1), wrap(k.wrapping_add(dz), 2)];
+        slope(hash(i, j, k, channel), x - dx as f32, y - dy as f32, z - dz as f32)
     };
     let (u, v, w) = (fade(x), fade(y), fade(z));
     let near = lerp(v, lerp(u, corner(0, 0, 0), corner(1, 0, 0)), lerp(u, corner(0, 1, 0), corner(1, 1, 0)));
@@ -63,6 +92,16 @@ pub fn cell_noise(p: [f32; 3], channel: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn periodic_noise_repeats_and_four_numbers_are_smooth() {
+        let p = [0.3, 1.7, 2.2];
+        let moved = [p[0] + 4.0, p[1] - 3.0, p[2] + 10.0];
+        assert!((periodic_noise(p, [4.0, 3.0, 5.0], 2) - periodic_noise(moved, [4.0, 3.0, 5.0], 2)).abs() < 1e-5);
+        assert!((noise4(p, 0.9999, None, 0) - noise4(p, 1.0001, None, 0)).abs() < 1e-3);
+        let period = Some([4.0, 3.0, 5.0, 2.0]);
+        assert!((noise4(p, 0.4, period, 0) - noise4(moved, 2.4, period, 0)).abs() < 1e-5);
+    }
 
     #[test]
     fn noise_has_its_range_and_mean() {

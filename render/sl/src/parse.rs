@@ -16,11 +16,12 @@ struct Parser<'a> {
     tokens: &'a [(Tok, usize)],
     at: usize,
     depth: usize,
+    functions: Vec<Function>,
 }
 
 /// Parse a source file: functions and at most one shader.
 pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
-    let mut p = Parser { tokens, at: 0, depth: 0 };
+    let mut p = Parser { tokens, at: 0, depth: 0, functions: vec![] };
     let mut file = File::default();
     while *p.peek() != Tok::End {
         let at = p.place();
@@ -33,9 +34,8 @@ pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
             let (params, body) = (p.parameters(false)?, p.block()?);
             file.shader = Some(Shader { kind, name, params, body });
         } else if let Some(ret) = Ty::of_name(&head) {
-            let name = p.name("the function's name")?;
-            let (params, body) = (p.parameters(true)?, p.block()?);
-            file.functions.push(Function { name, ret, params, body });
+            let function = p.function(ret)?;
+            p.functions.push(function);
         } else {
             return error(
                 at,
@@ -44,6 +44,7 @@ pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
         }
     }
     file.end = p.place();
+    file.functions = p.functions;
     Ok(file)
 }
 
@@ -116,6 +117,13 @@ impl Parser<'_> {
         result
     }
 
+    /// A function, after its type.
+    fn function(&mut self, ret: Ty) -> Result<Function, Error> {
+        let name = self.name("the function's name")?;
+        let (params, body) = (self.parameters(true)?, self.block()?);
+        Ok(Function { name, ret, params, body })
+    }
+
     /// `(type name [= value], … ; …)`; functions' parameters are varying unless said otherwise, shaders' uniform.
     fn parameters(&mut self, varying: bool) -> Result<Vec<Variable>, Error> {
         self.expect("(")?;
@@ -142,11 +150,10 @@ impl Parser<'_> {
         let word = self.name("a type")?;
         let ty = match Ty::of_name(&word) {
             Some(ty) if ty != Ty::Void => ty,
-            _ if word == "matrix" => return error(at, "type `matrix` is not supported yet"),
             _ => {
                 return error(
                     at,
-                    format!("expected a type (float, color, point, vector, normal, string), found `{word}`"),
+                    format!("expected a type (float, color, point, vector, normal, matrix, string), found `{word}`"),
                 );
             }
         };
@@ -154,11 +161,12 @@ impl Parser<'_> {
         loop {
             let at = self.place();
             let name = self.name("a variable's name")?;
-            if matches!(self.peek(), Tok::Op("[")) {
-                return error(self.place(), "arrays are not supported yet");
+            let mut array = if self.eat("[") { Some(self.array_length()?) } else { None };
+            let value = if self.eat("=") { Some(self.initial()?) } else { None };
+            if let (Some(0), Some(Expr { kind: ExprKind::Array(values), .. })) = (array, &value) {
+                array = Some(values.len());
             }
-            let value = if self.eat("=") { Some(self.expression()?) } else { None };
-            list.push(Variable { at, name, ty, varying, output, value });
+            list.push(Variable { at, name, ty, array, varying, output, value });
             // In a function's parameter list a comma may also start the next declaration.
             let next_declares = matches!(self.ahead(1), Tok::Name(n) if Ty::of_name(n).is_some() || n == "uniform" || n == "varying" || n == "output");
             if next_declares || !self.eat(",") {
@@ -167,12 +175,53 @@ impl Parser<'_> {
         }
     }
 
+    /// `length]`; without a length (0 here) an array is as long as what it starts with, or as what is given for it.
+    fn array_length(&mut self) -> Result<usize, Error> {
+        /// Longer arrays are not worth their registers.
+        const LONGEST: usize = 4096;
+        if self.eat("]") {
+            return Ok(0);
+        }
+        let at = self.place();
+        let length = match self.take() {
+            Tok::Number(x) if x >= 1.0 && x.fract() == 0.0 && x <= LONGEST as f32 => x as usize,
+            _ => return error(at, format!("an array's length must be a whole number from 1 to {LONGEST}")),
+        };
+        self.expect("]")?;
+        Ok(length)
+    }
+
+    /// What a variable starts with: an expression, or the elements of an array.
+    fn initial(&mut self) -> Result<Expr, Error> {
+        let at = self.place();
+        if !self.eat("{") {
+            return self.expression();
+        }
+        let mut values = Vec::new();
+        while !self.eat("}") {
+            values.push(self.expression()?);
+            if !self.eat(",") && !matches!(self.peek(), Tok::Op("}")) {
+                return error(self.place(), format!("expected `,` or `}}`, found {}", self.describe()));
+            }
+        }
+        Ok(Expr { at, kind: ExprKind::Array(values) })
+    }
+
     fn block(&mut self) -> Result<Vec<Stmt>, Error> {
         self.expect("{")?;
         let mut body = Vec::new();
         while !self.eat("}") {
             if *self.peek() == Tok::End {
                 return error(self.place(), "expected `}`, found the end of the file");
+            }
+            let types = matches!(self.peek(), Tok::Name(n) if Ty::of_name(n).is_some());
+            if types && matches!((self.ahead(1), self.ahead(2)), (Tok::Name(_), Tok::Op("("))) {
+                // A function within a shader; `extern` lets it see what is around it.
+                let (_, ret) = (self.place(), self.name("a type")?);
+                let ret = Ty::of_name(&ret).expect("a type was seen");
+                let function = self.deeper(|p| p.function(ret))?;
+                self.functions.push(function);
+                continue;
             }
             body.push(self.statement()?);
         }
@@ -228,20 +277,45 @@ impl Parser<'_> {
             }
             "break" => {
                 self.take();
-                StmtKind::Break
+                StmtKind::Break(self.levels()?)
             }
             "continue" => {
                 self.take();
-                StmtKind::Continue
+                StmtKind::Continue(self.levels()?)
             }
             "return" => {
                 self.take();
                 StmtKind::Return(if matches!(self.peek(), Tok::Op(";")) { None } else { Some(self.expression()?) })
             }
-            "extern" => return error(at, "`extern` is not supported yet"),
-            "gather" => return error(at, "`gather` is not supported yet"),
+            "extern" => {
+                self.take();
+                if !self.eat_name("uniform") {
+                    self.eat_name("varying");
+                }
+                self.name("a type")?;
+                let mut names = Vec::new();
+                loop {
+                    let at = self.place();
+                    names.push((self.name("a variable's name")?, at));
+                    if self.eat("[") && !self.eat("]") {
+                        self.array_length()?;
+                    }
+                    if !self.eat(",") {
+                        break;
+                    }
+                }
+                StmtKind::Extern(names)
+            }
+            "gather" => {
+                self.take();
+                self.expect("(")?;
+                let args = self.arguments()?;
+                let hit = Box::new(self.statement()?);
+                let miss = if self.eat_name("else") { Some(Box::new(self.statement()?)) } else { None };
+                return Ok(StmtKind::Gather(args, hit, miss));
+            }
             "uniform" | "varying" => StmtKind::Declare(self.variables(true, false)?),
-            w if (Ty::of_name(w).is_some() || w == "matrix") && matches!(self.ahead(1), Tok::Name(_)) => {
+            w if Ty::of_name(w).is_some() && matches!(self.ahead(1), Tok::Name(_)) && !self.casts_call() => {
                 StmtKind::Declare(self.variables(true, false)?)
             }
             _ => self.simple()?.kind,
@@ -253,21 +327,46 @@ impl Parser<'_> {
     /// An assignment or a call.
     fn simple(&mut self) -> Result<Stmt, Error> {
         let at = self.place();
-        if let (Tok::Name(name), Tok::Op(op @ ("=" | "+=" | "-=" | "*=" | "/="))) =
-            (self.peek().clone(), self.ahead(1).clone())
-        {
+        let target = self.expression()?;
+        if let Tok::Op(op @ ("=" | "+=" | "-=" | "*=" | "/=")) = *self.peek() {
+            let named = |e: &Expr| matches!(e.kind, ExprKind::Name(_));
+            let whole = match &target.kind {
+                ExprKind::Index(array, _) => named(array),
+                _ => named(&target),
+            };
+            if !whole {
+                return error(at, "expected a variable or an element of an array before `=`");
+            }
             self.take();
-            self.take();
-            return Ok(Stmt { at, kind: StmtKind::Assign(name, op, self.expression()?) });
+            return Ok(Stmt { at, kind: StmtKind::Assign(target, op, self.initial()?) });
         }
-        if let (Tok::Name(_), Tok::Op("[")) = (self.peek(), self.ahead(1)) {
-            return error(at, "arrays are not supported yet");
-        }
-        let call = self.expression()?;
-        match call.kind {
-            ExprKind::Call(..) => Ok(Stmt { at, kind: StmtKind::Call(call) }),
+        match target.kind {
+            // What a cast call gives is dropped.
+            ExprKind::Cast(_, _, ref inner) if matches!(inner.kind, ExprKind::Call(..)) => {
+                Ok(Stmt { at, kind: StmtKind::Call(target) })
+            }
+            ExprKind::Call(..) => Ok(Stmt { at, kind: StmtKind::Call(target) }),
             _ => error(at, "expected a statement: an assignment or a call"),
         }
+    }
+
+    /// The number of loops after `break` or `continue`.
+    fn levels(&mut self) -> Result<usize, Error> {
+        let at = self.place();
+        match self.peek() {
+            Tok::Number(x) if *x >= 1.0 && x.fract() == 0.0 && *x < 100.0 => {
+                let n = *x as usize;
+                self.take();
+                Ok(n)
+            }
+            Tok::Number(_) => error(at, "expected the number of loops to leave"),
+            _ => Ok(1),
+        }
+    }
+
+    /// Whether a type is followed by a call, as in `float noise(P);`, and not by a variable.
+    fn casts_call(&self) -> bool {
+        matches!(self.ahead(2), Tok::Op("("))
     }
 
     fn parenthesised(&mut self) -> Result<Expr, Error> {
@@ -347,11 +446,19 @@ impl Parser<'_> {
                 self.take();
                 let first = self.expression()?;
                 if self.eat(",") {
-                    let second = self.expression()?;
-                    self.expect(",")?;
-                    let third = self.expression()?;
+                    let mut parts = vec![first, self.expression()?];
+                    while self.eat(",") {
+                        parts.push(self.expression()?);
+                    }
+                    let close = self.place();
                     self.expect(")")?;
-                    ExprKind::Triple(Box::new([first, second, third]))
+                    match parts.len() {
+                        16 => ExprKind::Matrix(parts),
+                        n => ExprKind::Triple(Box::new(parts.try_into().map_err(|_| Error {
+                            at: close,
+                            message: format!("expected 3 numbers, or 16 of a matrix, in brackets, found {n}"),
+                        })?)),
+                    }
                 } else {
                     self.expect(")")?;
                     return Ok(first);
@@ -377,6 +484,12 @@ impl Parser<'_> {
             }
             _ => return error(at, format!("expected an expression, found {}", self.describe())),
         };
-        Ok(Expr { at, kind })
+        let mut whole = Expr { at, kind };
+        while self.eat("[") {
+            let index = self.expression()?;
+            self.expect("]")?;
+            whole = Expr { at, kind: ExprKind::Index(Box::new(whole), Box::new(index)) };
+        }
+        Ok(whole)
     }
 }

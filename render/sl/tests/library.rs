@@ -22,7 +22,7 @@ impl Scene for Nothing {
 
 fn bind(source: &str) -> Arc<BoundShader> {
     let program = sl::compile(Path::new("test.sl"), source).unwrap_or_else(|e| panic!("{e}"));
-    Arc::new(BoundShader { program: Arc::new(program), numbers: vec![], texts: vec![] })
+    Arc::new(BoundShader::new(Arc::new(program), vec![], vec![], &Nothing(vec![])))
 }
 
 /// Run a surface shader over a 4×2 grid with P.x = 0, 1, 2, 3 and N = I = −z; its Ci.
@@ -71,6 +71,74 @@ fn every_library_shader_compiles() {
         }
     }
     assert!(n >= 11);
+}
+
+#[test]
+fn arrays_matrices_and_strings() {
+    let body = |b: &str| ci(&format!("surface t() {{ {b} }}"), &[]);
+    assert_eq!(body("float a[4] = {1, 2, 3, 4}; Ci = a[xcomp(P)];"), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(body("float a[4]; float i; for (i = 0; i < 4; i += 1) a[i] = i * i; Ci = a[3 - xcomp(P)];"), [9.0, 4.0, 1.0, 0.0]);
+    assert_eq!(body("float a[3]; a[xcomp(P)] = 5; Ci = a[1];"), [0.0, 5.0, 0.0, 0.0]);
+    assert_eq!(body("string a[2] = {\"x\", \"y\"}; Ci = a[1] == \"y\" ? 1 : 0;"), [1.0; 4]);
+    assert_eq!(body("matrix m = translate(1, vector(1, 0, 0)); Ci = xcomp(transform(m, P));"), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(body("matrix m = rotate(1, 1.5707963, vector(0, 0, 1)); Ci = round(ycomp(vtransform(m, vector P)));"), [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(body("matrix m = scale(1, vector(2, 3, 4)); Ci = determinant(m) + comp(m, 1, 1);"), [27.0; 4]);
+    assert_eq!(body("matrix m = 2; matrix i = m / m; Ci = i == 1 ? 7 : 0;"), [7.0; 4]);
+    assert_eq!(body("matrix m = (1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1); Ci = comp(transform(m, point(0, 0, 0)), 1);"), [6.0; 4]);
+    assert_eq!(body("color c = (1, 2, 3); setcomp(c, 1, 9); Ci = comp(c, 1) + c[2];"), [12.0; 4]);
+    assert_eq!(body("Ci = match(\"gr.*\", concat(\"gra\", \"vel\")) + (format(\"%d\", 42) == \"42\" ? 1 : 0);"), [2.0; 4]);
+    assert_eq!(body("Ci = comp(color \"hsv\" (1/3, 1, 1), 1) + comp(ctransform(\"hsv\", color(0, 0, 1)), 2);"), [2.0; 4]);
+}
+
+#[test]
+fn control_flow_and_the_preprocessor() {
+    let shader = |s: &str| ci(s, &[]);
+    let early = "float f(float x) { if (x > 1.5) return 10; float i; for (i = 0; i < 3; i += 1) { if (i >= x) return i; } return 99; }
+        surface t() { Ci = f(xcomp(P)); }";
+    assert_eq!(shader(early), [0.0, 1.0, 10.0, 10.0]);
+    let levels = "surface t() { float i, j, n = 0; for (i = 0; i < 3; i += 1) { for (j = 0; j < 3; j += 1) { if (j > xcomp(P)) break 2; n += 1; } } Ci = n; }";
+    assert_eq!(shader(levels), [1.0, 2.0, 9.0, 9.0]);
+    let macros = "#define SQUARE(x) ((x) * (x))\n#define N 3\n#if N > 2 && defined(SQUARE)\n#define M SQUARE(N)\n#else\n#define M 0\n#endif
+        /* a comment\n that runs on */ surface t() { Ci = M + SQUARE(xcomp(P)); // done\n }";
+    assert_eq!(shader(macros), [9.0, 10.0, 13.0, 18.0]);
+    let inner = "surface t(float k = 3) { float twice(float x) { extern float k; return k * x; } Ci = twice(xcomp(P)); }";
+    assert_eq!(shader(inner), [0.0, 3.0, 6.0, 9.0]);
+    let outputs = "void g(float x; output float y; output color c) { y = x + 1; c = color(x, x, x); }
+        surface t() { float y; color c; g(xcomp(P), y, c); Ci = y + c; }";
+    assert_eq!(shader(outputs), [1.0, 3.0, 5.0, 7.0]);
+}
+
+#[test]
+fn known_answers_of_functions() {
+    let body = |b: &str| ci(&format!("surface t() {{ {b} }}"), &[]);
+    let near = |a: Vec<f32>, b: [f32; 4]| assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4), "{a:?} {b:?}");
+    near(body("Ci = spline(0.25, 0, 1, 4, 9, 16);"), [2.25; 4]);
+    near(body("float k[5] = {0, 1, 4, 9, 16}; Ci = spline(\"linear\", 0.75, k);"), [6.5; 4]);
+    near(body("float kr, kt; fresnel(vector(0,0,1), normal(0,0,-1), 1/1.5, kr, kt); Ci = kr;"), [0.04; 4]);
+    near(body("Ci = ptlined(point(0,0,0), point(3,0,0), P + vector(0, 2, 0) * (1 - ycomp(P)));"), [2.0; 4]);
+    near(body("Ci = ycomp(rotate(P, 1.5707963, point(0,0,0), point(0,0,1)));"), [0.0, 1.0, 2.0, 3.0]);
+    near(body("Ci = filterstep(1.5, xcomp(P));"), [0.0, 0.0, 1.0, 1.0]);
+    near(body("Ci = pnoise(xcomp(P) * 0.3, 2) - pnoise(xcomp(P) * 0.3 + 4, 2);"), [0.0; 4]);
+    near(body("Ci = snoise(P * 0.37) - (2 * noise(P * 0.37) - 1);"), [0.0; 4]);
+    near(body("Ci = log(8, 2);"), [3.0; 4]);
+    near(body("Ci = mod(-1, 3) + clamp(5, 0, 2) + smoothstep(0, 1, 0.5) + max(1, 4, 2);"), [8.5; 4]);
+    near(body("Ci = Du(xcomp(P));"), [3.0; 4]);
+    near(body("Ci = area(P);"), [1.0; 4]);
+}
+
+#[test]
+fn lights_have_categories_and_messages() {
+    let near_light = "light a(string __category = \"key,warm\"; float __nondiffuse = 0; output float power = 5;) { illuminate(point(0, 0, -1)) { Cl = 1; power = 7; } }";
+    let far_light = "light b(string __category = \"fill\"; float __nondiffuse = 1;) { solar(vector(0, 0, 1), 0) { Cl = 3; } }";
+    let lights = &[near_light, far_light];
+    let body = |b: &str| ci(&format!("surface t() {{ {b} }}"), lights)[0];
+    assert_eq!(body("illuminance(\"key\", P) { Ci += Cl; }"), 1.0);
+    assert_eq!(body("illuminance(\"-key\", P) { Ci += Cl; }"), 3.0);
+    assert_eq!(body("illuminance(P) { Ci += Cl; }"), 4.0);
+    assert_eq!(body("illuminance(\"key\", P) { float p = 0; lightsource(\"power\", p); Ci += p; }"), 7.0);
+    assert_eq!(body("float p = 0; illuminance(\"key\", P, \"light:power\", p) { Ci += p; }"), 7.0);
+    // The fill light gives no diffuse light, and the key light stands straight above the first point.
+    assert_eq!(body("Ci = diffuse(N);"), 1.0);
 }
 
 #[test]

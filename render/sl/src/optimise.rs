@@ -1,0 +1,256 @@
+//! What the IR sheds before a back end sees it: operations on constants are done here, and those whose result nobody reads
+//! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
+//! [`crate::ir`].)
+
+use crate::ir::*;
+use std::collections::HashMap;
+
+/// Fold and drop until nothing changes.
+pub fn optimise(program: &mut Program) {
+    let variables = assigned(program);
+    for _ in 0..8 {
+        let mut known = HashMap::new();
+        let mut changed = fold(&mut program.body, &mut known, &variables);
+        let (read, text_read) = read_anywhere(program);
+        changed |= drop_dead(&mut program.body, &read, &text_read);
+        for param in &mut program.params {
+            changed |= drop_dead(&mut param.default, &read, &text_read);
+        }
+        if !changed {
+            break;
+        }
+    }
+}
+
+/// Registers that may be written more than once: they are variables, not values.
+fn assigned(program: &Program) -> Vec<bool> {
+    let mut found = vec![false; program.widths.len()];
+    let mut mark = |r: Reg| found[r as usize] = true;
+    program.globals.iter().for_each(|(_, r)| mark(*r));
+    let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
+    for block in blocks {
+        visit(block, &mut |op| match op {
+            Op::Assign(r, _) => mark(*r),
+            Op::Store(first, len, ..) => (*first..first + len).for_each(&mut mark),
+            Op::Ask { out: Operand::Number(first), len, .. } => (*first..first + len).for_each(&mut mark),
+            Op::Illuminance { l, cl, wanted, .. } => {
+                mark(*l);
+                mark(*cl);
+                wanted.iter().for_each(|(_, r)| mark(*r));
+            }
+            Op::Gather { out, .. } => out.iter().for_each(|(_, r)| mark(*r)),
+            Op::Solar { l, .. } => mark(*l),
+            Op::Illuminate { l, ps, .. } => {
+                mark(*l);
+                mark(*ps);
+            }
+            _ => {}
+        });
+    }
+    found
+}
+
+/// Do what is known: constants take the place of the operations that make them.
+fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bool {
+    let mut changed = false;
+    for op in ops.iter_mut() {
+        let value = |r: &Reg| known.get(r).copied();
+        let result = match op {
+            Op::Const(r, x) => Some((*r, *x)),
+            Op::Unary(f, dst, a) => value(a).map(|a| (*dst, unary(*f, a))),
+            Op::Binary(f, dst, a, b) => value(a).zip(value(b)).map(|(a, b)| (*dst, binary(*f, a, b))),
+            Op::Select(dst, c, a, b) => match (value(c), value(a), value(b)) {
+                (Some(c), Some(a), Some(b)) => Some((*dst, if c != 0.0 { a } else { b })),
+                _ => None,
+            },
+            // Only triples whose three numbers are the same are known by one.
+            Op::Pack(dst, parts) if parts.len() == 3 => match (value(&parts[0]), value(&parts[1]), value(&parts[2])) {
+                (Some(a), Some(b), Some(c)) if a == b && b == c => Some((*dst, a)),
+                _ => None,
+            },
+            Op::Component(dst, a, _) => value(a).map(|a| (*dst, a)),
+            _ => None,
+        };
+        if let Some((dst, x)) = result {
+            if !variables[dst as usize] {
+                known.insert(dst, x);
+            }
+            if !matches!(op, Op::Const(..)) && x.is_finite() {
+                *op = Op::Const(dst, x);
+                changed = true;
+            }
+        }
+        // A condition that is known leaves one branch.
+        if let Op::If(c, then, otherwise) = op
+            && let Some(c) = known.get(c)
+        {
+            let dead = if *c != 0.0 { otherwise } else { then };
+            changed |= !dead.is_empty();
+            dead.clear();
+        }
+        for block in blocks_mut(op) {
+            // What a block that may not run defines is known in it alone.
+            let mut inner = known.clone();
+            changed |= fold(block, &mut inner, variables);
+        }
+    }
+    changed
+}
+
+/// As the machine does it.
+fn unary(f: Unary, x: f32) -> f32 {
+    crate::machine::unary_value(f, x)
+}
+
+/// As the machine does it.
+fn binary(f: Binary, a: f32, b: f32) -> f32 {
+    crate::machine::binary_value(f, a, b)
+}
+
+/// Drop operations without effect whose results are not read.
+fn drop_dead(ops: &mut Vec<Op>, read: &[bool], text_read: &[bool]) -> bool {
+    let before = ops.len();
+    ops.retain(|op| match op {
+        Op::Const(r, _)
+        | Op::Unary(_, r, _)
+        | Op::Binary(_, r, ..)
+        | Op::Select(r, ..)
+        | Op::Pack(r, _)
+        | Op::Component(r, ..)
+        | Op::Load(r, ..)
+        | Op::ColorSpace(r, ..)
+        | Op::Spline(r, ..)
+        | Op::Match(r, ..)
+        | Op::TextEqual(r, ..)
+        | Op::Transform(_, r, ..)
+        | Op::Map { dst: r, .. }
+        | Op::Call(_, r, _) => read[*r as usize],
+        Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) => text_read[*r as usize],
+        Op::If(_, a, b) => !(a.is_empty() && b.is_empty()),
+        _ => true,
+    });
+    let mut changed = ops.len() != before;
+    for op in ops.iter_mut() {
+        for block in blocks_mut(op) {
+            changed |= drop_dead(block, read, text_read);
+        }
+    }
+    changed
+}
+
+/// Which registers are read anywhere; globals, outputs and parameters count.
+fn read_anywhere(program: &Program) -> (Vec<bool>, Vec<bool>) {
+    let mut numbers = vec![false; program.widths.len()];
+    let mut texts = vec![false; program.n_texts];
+    program.globals.iter().for_each(|(_, r)| numbers[*r as usize] = true);
+    for param in &program.params {
+        for k in 0..param.array.unwrap_or(1) {
+            match param.kind {
+                Kind::Text => texts[(param.reg + k) as usize] = true,
+                _ => numbers[(param.reg + k) as usize] = true,
+            }
+        }
+    }
+    let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
+    for block in blocks {
+        visit(block, &mut |op| {
+            reads(op, &mut |o| match o {
+                Operand::Number(r) => numbers[r as usize] = true,
+                Operand::Text(r) => texts[r as usize] = true,
+            })
+        });
+    }
+    (numbers, texts)
+}
+
+/// Visit all operations, those of inner blocks too.
+pub fn visit(ops: &[Op], f: &mut dyn FnMut(&Op)) {
+    for op in ops {
+        f(op);
+        for block in blocks(op) {
+            visit(block, f);
+        }
+    }
+}
+
+fn blocks(op: &Op) -> Vec<&[Op]> {
+    match op {
+        Op::If(_, a, b) => vec![a, b],
+        Op::Loop(a, _, b, c) => vec![a, b, c],
+        Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
+            vec![body]
+        }
+        Op::Gather { hit, miss, .. } => vec![hit, miss],
+        _ => vec![],
+    }
+}
+
+fn blocks_mut(op: &mut Op) -> Vec<&mut Vec<Op>> {
+    match op {
+        Op::If(_, a, b) => vec![a, b],
+        Op::Loop(a, _, b, c) => vec![a, b, c],
+        Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
+            vec![body]
+        }
+        Op::Gather { hit, miss, .. } => vec![hit, miss],
+        _ => vec![],
+    }
+}
+
+/// The registers that an operation reads, those of its inner blocks aside. Variables that it changes in part count.
+fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
+    use Operand::{Number, Text};
+    match op {
+        Op::Const(..) | Op::TextConst(..) | Op::Break(_) | Op::Continue(_) | Op::Return | Op::Inline(_) => {}
+        // A variable is kept with what is assigned to it.
+        Op::TextCopy(r, a) => [*r, *a].into_iter().for_each(|r| f(Text(r))),
+        Op::Assign(r, a) => [*r, *a].into_iter().for_each(|r| f(Number(r))),
+        Op::TextEqual(_, a, b) | Op::Match(_, a, b) => [*a, *b].into_iter().for_each(|r| f(Text(r))),
+        Op::Unary(_, _, a) | Op::Component(_, a, _) => f(Number(*a)),
+        Op::Binary(_, _, a, b) => [*a, *b].into_iter().for_each(|r| f(Number(r))),
+        Op::Select(_, c, a, b) => [*c, *a, *b].into_iter().for_each(|r| f(Number(r))),
+        Op::Pack(_, list) | Op::Call(_, _, list) => list.iter().for_each(|r| f(Number(*r))),
+        Op::Load(_, first, len, i) => (*first..first + len).chain([*i]).for_each(|r| f(Number(r))),
+        Op::Store(first, len, i, v) => (*first..first + len).chain([*i, *v]).for_each(|r| f(Number(r))),
+        Op::TextLoad(_, first, len, i) => {
+            (*first..first + len).for_each(|r| f(Text(r)));
+            f(Number(*i));
+        }
+        Op::TextStore(first, len, i, v) => {
+            (*first..first + len).chain([*v]).for_each(|r| f(Text(r)));
+            f(Number(*i));
+        }
+        Op::Transform(_, _, a, from, to) | Op::ColorSpace(_, a, from, to) => {
+            f(Number(*a));
+            [*from, *to].into_iter().for_each(|r| f(Text(r)));
+        }
+        Op::Spline(_, basis, list) => {
+            f(Text(*basis));
+            list.iter().for_each(|r| f(Number(*r)));
+        }
+        Op::Format(_, list) | Op::Print(list) => list.iter().for_each(|o| f(*o)),
+        Op::Ask { names, out, len, .. } => {
+            names.iter().for_each(|r| f(Text(*r)));
+            match out {
+                Number(r) => (*r..r + len).for_each(|r| f(Number(r))),
+                Text(r) => (*r..r + len).for_each(|r| f(Text(r))),
+            }
+        }
+        Op::Map { name, channel, at, options, .. } => {
+            f(Text(*name));
+            at.iter().chain([channel]).for_each(|r| f(Number(*r)));
+            options.iter().for_each(|(key, value)| {
+                f(Text(*key));
+                f(*value);
+            });
+        }
+        Op::If(c, ..) | Op::Loop(_, c, ..) => f(Number(*c)),
+        Op::Gather { args, out, .. } => args.iter().chain(out.iter().map(|(_, r)| r)).for_each(|r| f(Number(*r))),
+        Op::Illuminance { args, l, cl, category, wanted, .. } => {
+            args.iter().chain([l, cl]).chain(wanted.iter().map(|(_, r)| r)).for_each(|r| f(Number(*r)));
+            category.iter().for_each(|r| f(Text(*r)));
+        }
+        Op::Solar { args, l, .. } => args.iter().chain([l]).for_each(|r| f(Number(*r))),
+        Op::Illuminate { args, l, ps, .. } => args.iter().chain([l, ps]).for_each(|r| f(Number(*r))),
+    }
+}
