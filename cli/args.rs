@@ -31,6 +31,8 @@ pub enum Command {
     Movie(MovieArgs),
     /// Check models, metadata, RIB scenes and shaders, and say what is wrong with them and where.
     Check(CheckArgs),
+    /// Check shaders and print what they are: kind, parameters, types and defaults.
+    Shader(ShaderArgs),
     /// Show columns, ranges and frames of any data, and write a metadata file to start from.
     Inspect(InspectArgs),
     /// Plot the probes of a run: PNG and SVG.
@@ -41,6 +43,16 @@ pub enum Command {
     Bench(BenchArgs),
     /// Say what of the machine scree can use.
     Doctor,
+}
+
+#[derive(Parser, Debug)]
+pub struct ShaderArgs {
+    /// Shader files (.sl), or names of the library.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Print the intermediate representation instead.
+    #[arg(long)]
+    pub ir: bool,
 }
 
 #[derive(Parser, Debug)]

@@ -58,11 +58,12 @@ fn check(path: &Path) -> Outcome<&'static str> {
             }
         },
         Some("rib") => {
-            let text = frame::read_text(FaultKind::Input, path)?;
+            let rib = frame::read_bytes(FaultKind::Input, path)?;
             let files = library::files(folder);
             let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
             context.dry = true;
-            reader::read(path, &text, &files, &mut context, &mut |_, _| Ok(()))?;
+            reader::read(path, &rib, &files, &mut context, &mut |_, _| Ok(()))?;
+            context.warnings().iter().for_each(|w| eprintln!("warning: {w}"));
             Ok("scene")
         }
         Some("sl") => {

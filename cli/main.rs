@@ -17,6 +17,7 @@ mod render;
 mod report;
 mod rib;
 mod run;
+mod shader;
 mod simulate;
 mod solve;
 mod source;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Rib(a) => rib::command(&a),
         Command::Movie(a) => movie::command(&a),
         Command::Check(a) => check::command(&a),
+        Command::Shader(a) => shader::command(&a),
         Command::Inspect(a) => inspect::command(&a),
         Command::Plot(a) => plot::command(&a),
         Command::Solve(a) => solve::command(&a),

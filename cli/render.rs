@@ -67,7 +67,7 @@ fn scene(args: &RenderArgs) -> Outcome {
         ));
     }
     let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
-    let text = frame::read_text(FaultKind::Input, &args.input)?;
+    let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
     let mut context = context(&files)?;
     let progress = std::sync::Arc::new(Progress::start("rendering", 100));
     let bar = progress.clone();
@@ -79,7 +79,7 @@ fn scene(args: &RenderArgs) -> Outcome {
             "--res and --samples are for data: a RIB scene has its own Format and PixelSamples",
         ));
     }
-    reader::read(&args.input, &text, &files, &mut context, &mut |_, _| Ok(()))?;
+    reader::read(&args.input, &rib, &files, &mut context, &mut |_, _| Ok(()))?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("."));
     let finished = write_all(context, &folder)?;
     progress.finish();

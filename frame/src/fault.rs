@@ -1,6 +1,7 @@
 //! What is wrong with a file, and where: the one error type of everything that reads input here.
 
 use std::fmt;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Whether the fault is in a file that a person wrote or in data that a program wrote.
@@ -94,9 +95,21 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
+/// Read a file whole; `-` is the standard input.
+pub fn read_bytes(kind: FaultKind, path: &Path) -> Result<Vec<u8>, Fault> {
+    if path == Path::new("-") {
+        let mut all = Vec::new();
+        return match std::io::stdin().lock().read_to_end(&mut all) {
+            Ok(_) => Ok(all),
+            Err(e) => Err(Fault::unreadable(kind, path, &e)),
+        };
+    }
+    std::fs::read(path).map_err(|e| Fault::unreadable(kind, path, &e))
+}
+
 /// Read a text file whole; one that is not UTF-8 is a fault with the place of the first byte that is not.
 pub fn read_text(kind: FaultKind, path: &Path) -> Result<String, Fault> {
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(kind, path, &e))?;
+    let bytes = read_bytes(kind, path)?;
     String::from_utf8(bytes).map_err(|e| {
         let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + good.iter().filter(|b| **b == b'\n').count();

@@ -15,4 +15,4 @@ pub mod sequence;
 pub mod yaml;
 
 pub use column::{Column, Field, Frame};
-pub use fault::{Fault, FaultKind, nearest, read_text};
+pub use fault::{Fault, FaultKind, nearest, read_bytes, read_text};

@@ -63,6 +63,8 @@ pub struct Job<'a> {
     pub machine: Machine,
     /// Varying variables of the grid at hand.
     pub varying: Vec<(String, Vec<f32>)>,
+    /// Micropolygons of the grid at hand that are cut away; none if empty.
+    pub trimmed: Vec<bool>,
     /// What it took.
     pub stats: Stats,
     /// Raster bound of the samples: x0, y0, x1, y1.
@@ -114,6 +116,7 @@ pub fn render(
                 grid: Grid::default(),
                 machine: Machine::new(),
                 varying: Vec::new(),
+                trimmed: vec![],
                 stats: Stats::default(),
                 rect: [0.0; 4],
             },

@@ -3,7 +3,7 @@
 //! Spheres and ellipsoids are met directly, patches as triangles. A sphere does not shadow itself: it is convex, and where it
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
-use crate::scene::{Item, Scene, Shape};
+use crate::scene::{Item, Patch, Scene, Shape, lerp4};
 use glam::{Mat4, Vec3, Vec3A};
 
 /// What stops a ray.
@@ -45,8 +45,17 @@ pub struct Bvh {
 /// Occluders of a leaf.
 const LEAF: usize = 4;
 
-/// Segments along a curved patch's edge.
-const FACETS: usize = 12;
+/// The most segments along a curved patch's edge.
+const FACETS: f32 = 12.0;
+
+/// Segments along a patch's edge: as its control points leave the bilinear patch of its corners.
+fn facets(patch: &Patch) -> usize {
+    let corners = [0, 3, 12, 15].map(|k| patch.p[k]);
+    let size = (corners[3] - corners[0]).length().max((corners[2] - corners[1]).length());
+    let off = (0..16).map(|k| (patch.p[k] - lerp4(corners, (k % 4) as f32 / 3.0, (k / 4) as f32 / 3.0)).length());
+    let bend = off.fold(0.0, f32::max) / size.max(f32::MIN_POSITIVE);
+    if patch.flat { 1 } else { (1.0 + (FACETS - 1.0) * (bend / 0.07).sqrt()).min(FACETS) as usize }
+}
 
 impl Bvh {
     /// Build it over all items of a scene that cast shadows.
@@ -82,7 +91,7 @@ impl Bvh {
             }
             Shape::Patches(patches) => {
                 for patch in patches.iter() {
-                    let n = if patch.flat { 1 } else { FACETS };
+                    let n = facets(patch);
                     let at = |i: usize, j: usize| {
                         to_world.transform_point3(patch.at(i as f32 / n as f32, j as f32 / n as f32))
                     };
@@ -156,6 +165,66 @@ impl Bvh {
             }
         }
         false
+    }
+
+    /// How far along a direction of unit length the nearest thing is, from `least` on.
+    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
+        if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
+            return None;
+        }
+        let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
+        let (mut stack, mut top, mut best) = ([0u32; 64], 1, f32::INFINITY);
+        while top > 0 {
+            top -= 1;
+            let at = stack[top];
+            let node = &self.nodes[at as usize];
+            let (t0, t1) = ((node.min - origin) * inv, (node.max - origin) * inv);
+            let enter = t0.min(t1).max_element().max(0.0);
+            if enter > t0.max(t1).min_element().min(best) {
+                continue;
+            }
+            if node.count == 0 {
+                stack[top] = node.at;
+                stack[top + 1] = at + 1;
+                top += 2;
+                continue;
+            }
+            for (_, occluder) in &self.occluders[node.at as usize..(node.at + node.count) as usize] {
+                best = self.distance(occluder, from, dir, least).unwrap_or(f32::INFINITY).min(best);
+            }
+        }
+        best.is_finite().then_some(best)
+    }
+
+    fn distance(&self, occluder: &Occluder, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
+        // The nearer crossing that is far enough.
+        let root = |a: f32, b: f32, c: f32| {
+            let disc = b * b - a * c;
+            let half = disc.max(0.0).sqrt();
+            [(-b - half) / a, (-b + half) / a].into_iter().find(|t| disc > 0.0 && *t > least)
+        };
+        match *occluder {
+            Occluder::Ball { center, radius } => {
+                let o = from - center;
+                root(1.0, o.dot(dir), o.length_squared() - radius * radius)
+            }
+            Occluder::Ellipsoid { inverse } => {
+                let m = &self.inverses[inverse as usize];
+                let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
+                root(d.length_squared(), o.dot(d), o.length_squared() - 1.0)
+            }
+            Occluder::Triangle { a, ab, ac, .. } => {
+                let p = dir.cross(ac);
+                let det = ab.dot(p);
+                if det == 0.0 {
+                    return None;
+                }
+                let s = from - a;
+                let (u, q) = (s.dot(p) / det, s.cross(ab));
+                let (v, t) = (dir.dot(q) / det, ac.dot(q) / det);
+                (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > least).then_some(t)
+            }
+        }
     }
 
     #[inline]

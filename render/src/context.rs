@@ -1,18 +1,23 @@
 //! The renderer's side of the RenderMan Interface: calls become the scene; `WorldEnd` makes the picture.
 
+use crate::blobby::Field;
 use crate::bucket::{self, Stats};
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::filter::FilterKind;
-use crate::gprim::{BEZIER, patch_variables, polygon_patches, to_bezier, uniform_numbers};
+use crate::gprim::{BEZIER, dress, patch_variables, polygon_patches, positions, to_bezier, uniform_numbers};
 use crate::image::Image;
 use crate::options::{Attributes, Display, Options};
-use crate::scene::{Patch, Scene, Shape, Source, SourceShape, sphere_patches};
-use glam::{Mat4, Vec3};
+use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
+use crate::subdivision;
+use crate::surfaces::{self, Profile};
+use crate::texture::{Textures, Wrap};
+use crate::trim::Trim;
+use glam::{Mat4, Vec3, Vec4};
 use ri::files::Files;
-use ri::{Fail, InstanceShape, Instances, Params, Ri, RiResult, Type, Values};
+use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves, Type, Values};
 use sl::ir::{Kind, Program};
-use sl::machine::BoundShader;
+use sl::machine::{Answer, BoundShader};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -50,6 +55,11 @@ pub struct Context {
     transform_stack: Vec<Mat4>,
     to_camera: Option<Mat4>,
     bases: ([f32; 16], [f32; 16]),
+    steps: [usize; 2],
+    trim: Option<Arc<Trim>>,
+    /// Calls of the motion block at hand that were taken; the first is the one that counts.
+    motion: Option<usize>,
+    made: crate::texture::Made,
     scene: Scene,
     objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
@@ -102,6 +112,10 @@ impl Context {
             displacement: None,
             displacement_space: Mat4::IDENTITY,
             displacement_bound: None,
+            atmosphere: None,
+            atmosphere_space: Mat4::IDENTITY,
+            user: Arc::default(),
+            texture_corners: [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0],
             lights: vec![],
             light_list: Arc::default(),
             shading_rate: 1.0,
@@ -124,6 +138,10 @@ impl Context {
             transform_stack: vec![],
             to_camera: None,
             bases: (BEZIER, BEZIER),
+            steps: [3, 3],
+            trim: None,
+            motion: None,
+            made: HashMap::new(),
             scene: Scene::default(),
             objects: HashMap::new(),
             open_object: None,
@@ -138,6 +156,11 @@ impl Context {
     /// Be told of buckets done and in all.
     pub fn on_progress(&mut self, progress: impl Fn(usize, usize) + Sync + Send + 'static) {
         self.progress = Box::new(progress);
+    }
+
+    /// What is odd about what was read so far.
+    pub fn warnings(&self) -> Vec<String> {
+        self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()).clone()
     }
 
     /// The names of a shader's parameters.
@@ -230,8 +253,56 @@ impl Context {
         if !m.is_finite() {
             return Err(Fail::new("the transformation is not finite"));
         }
+        if self.later_in_motion() {
+            return Ok(());
+        }
         self.transform *= m;
         Ok(())
+    }
+
+    /// Whether this is not the first call of a motion block: the picture is of the moment when the shutter opens.
+    fn later_in_motion(&mut self) -> bool {
+        match &mut self.motion {
+            Some(taken) => {
+                *taken += 1;
+                *taken > 1
+            }
+            None => false,
+        }
+    }
+
+    /// Add patches, each a primitive of its own, so that each can be found hidden by itself.
+    fn add_patches(&mut self, patches: Vec<Patch>) -> RiResult {
+        if self.later_in_motion() {
+            return Ok(());
+        }
+        if patches.iter().any(|p| p.p.iter().any(|p| !p.is_finite())) {
+            return Err(Fail::new("the primitive has a point that is not a finite number"));
+        }
+        let corners = self.attributes.texture_corners;
+        for mut patch in patches {
+            patch.trim.clone_from(&self.trim);
+            if patch.st == patch.uv && corners != [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0] {
+                let at = |axis: usize, [u, v]: [f32; 2]| {
+                    let c = |k: usize| corners[2 * k + axis];
+                    (c(0) * (1.0 - u) + c(1) * u) * (1.0 - v) + (c(2) * (1.0 - u) + c(3) * u) * v
+                };
+                patch.st = patch.uv.map(|uv| [at(0, uv), at(1, uv)]);
+            }
+            self.add(Shape::Patches(Arc::new(vec![patch])), vec![])?;
+        }
+        Ok(())
+    }
+
+    /// A quadric: a profile, swept.
+    fn quadric(&mut self, profile: Vec<Profile>, sweep: f32, params: Params) -> RiResult {
+        let sound = |p: &Profile| p.0.iter().all(|q| q.is_finite());
+        if !(sweep.is_finite() && sweep != 0.0 && profile.iter().all(sound)) {
+            return Err(Fail::new("the quadric's numbers make no surface"));
+        }
+        let mut patches = surfaces::revolve(&profile, sweep.clamp(-360.0, 360.0));
+        dress(&mut patches, &params)?;
+        self.add_patches(patches)
     }
 
     fn add(&mut self, shape: Shape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
@@ -290,9 +361,14 @@ impl Ri for Context {
         self.scene = Scene {
             camera_to_world: to_camera.inverse(),
             warnings: std::mem::take(&mut self.scene.warnings),
+            spaces: std::mem::take(&mut self.scene.spaces),
+            options: std::mem::take(&mut self.scene.options),
+            clipping: self.options.clipping,
+            textures: Textures::new(self.files.folders.clone(), self.made.clone()),
             ..Scene::default()
         };
-        // Lights and spaces that were set in camera space move to world space with it.
+        // Spaces that were set before are in camera space.
+        self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         self.attribute_stack.push((self.attributes.clone(), self.transform));
         self.transform = Mat4::IDENTITY;
         Ok(())
@@ -308,7 +384,7 @@ impl Ri for Context {
         image.expose(self.options.gain, self.options.gamma);
         let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
-        self.scene = Scene::default();
+        self.scene = Scene { options: std::mem::take(&mut self.scene.options), ..Scene::default() };
         self.objects.clear();
         if let Some((attributes, transform)) = self.attribute_stack.pop() {
             self.attributes = attributes;
@@ -446,7 +522,8 @@ impl Ri for Context {
     }
     fn imager(&mut self, name: &str, params: Params) -> RiResult {
         if name != "background" {
-            return Err(Fail::new(format!("imager `{name}` is not supported yet; `background` is")));
+            self.scene.warn(format!("imager `{name}` is passed over: `background` alone is supported yet"));
+            return Ok(());
         }
         let color = params
             .iter()
@@ -472,7 +549,10 @@ impl Ri for Context {
         Ok(())
     }
     fn hider(&mut self, name: &str, _: Params) -> RiResult {
-        if name == "hidden" { Ok(()) } else { Err(Fail::new(format!("hider `{name}` is not supported yet"))) }
+        if name != "hidden" {
+            self.scene.warn(format!("hider `{name}` is not supported yet: `hidden` is taken"));
+        }
+        Ok(())
     }
     fn option(&mut self, name: &str, params: Params) -> RiResult {
         if name == "limits"
@@ -480,10 +560,42 @@ impl Ri for Context {
         {
             self.options.bucket_size = (*size as usize).clamp(8, 512);
         }
+        if name == "searchpath" {
+            // Folders, separated by colons; `&` and `@` stand for what is searched anyway.
+            for text in params.iter().filter_map(|p| p.text()) {
+                for folder in text.split(':').filter(|f| !matches!(*f, "" | "&" | "@")) {
+                    let known: Vec<_> = self.files.folders.clone();
+                    for base in &known {
+                        let place = base.join(folder);
+                        if place.is_dir() && !self.files.folders.contains(&place) {
+                            self.files.folders.push(place);
+                        }
+                    }
+                }
+            }
+        }
+        for param in params {
+            let answer = match param.values {
+                Values::Floats(v) => Answer::Numbers(v),
+                Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
+            };
+            for key in [format!("{name}:{}", param.decl.name), param.decl.name.clone()] {
+                self.scene.options.retain(|(n, _)| *n != key);
+                self.scene.options.push((key, answer.clone()));
+            }
+        }
         Ok(())
     }
     fn attribute(&mut self, name: &str, params: Params) -> RiResult {
         for param in &params {
+            let answer = match &param.values {
+                Values::Floats(v) => Answer::Numbers(v.clone()),
+                Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
+            };
+            let key = format!("{name}:{}", param.decl.name);
+            let user = Arc::make_mut(&mut self.attributes.user);
+            user.retain(|(n, _)| *n != key);
+            user.push((key, answer));
             let number = param.numbers().first().copied();
             match (name, param.decl.name.as_str(), number) {
                 ("displacementbound", "sphere", Some(bound)) => {
@@ -508,7 +620,6 @@ impl Ri for Context {
         Ok(())
     }
     fn light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.in_world("LightSource")?;
         let light = self.shader(name, "light", params)?;
         self.attributes.lights.retain(|(h, _)| h != handle);
         self.attributes.lights.push((handle.into(), light));
@@ -536,6 +647,122 @@ impl Ri for Context {
         self.attributes.displacement =
             if name == "null" { None } else { Some(self.shader(name, "displacement", params)?) };
         self.attributes.displacement_space = self.transform;
+        Ok(())
+    }
+    fn area_light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
+        self.scene.warn(format!("area light `{name}` shines from a point: area lights are not supported yet"));
+        self.light_source(name, handle, params)
+    }
+    fn atmosphere(&mut self, name: &str, params: Params) -> RiResult {
+        self.attributes.atmosphere =
+            if name == "null" || name.is_empty() { None } else { Some(self.shader(name, "volume", params)?) };
+        self.attributes.atmosphere_space = self.transform;
+        Ok(())
+    }
+    fn interior(&mut self, name: &str, _: Params) -> RiResult {
+        self.scene.warn(format!("interior shader `{name}` is passed over: no ray goes through surfaces yet"));
+        Ok(())
+    }
+    fn exterior(&mut self, name: &str, _: Params) -> RiResult {
+        self.scene.warn(format!("exterior shader `{name}` is passed over: no ray goes through surfaces yet"));
+        Ok(())
+    }
+    fn solid_begin(&mut self, operation: &str) -> RiResult {
+        if !matches!(operation, "primitive" | "union") {
+            self.scene.warn(format!("solid `{operation}` is drawn as a union"));
+        }
+        self.attribute_begin()
+    }
+    fn solid_end(&mut self) -> RiResult {
+        self.attribute_end()
+    }
+    fn motion_begin(&mut self, times: Vec<f32>) -> RiResult {
+        if self.motion.is_some() {
+            return Err(Fail::new("MotionBegin within MotionBegin"));
+        }
+        if times.windows(2).any(|t| !(t[0] < t[1])) {
+            return Err(Fail::new("the times of a motion block must rise"));
+        }
+        self.scene.warn("motion blur is not supported yet: the picture is of the moment when the shutter opens".into());
+        self.motion = Some(0);
+        Ok(())
+    }
+    fn motion_end(&mut self) -> RiResult {
+        self.motion.take().map(|_| ()).ok_or(Fail::new("MotionEnd without MotionBegin"))
+    }
+    fn crop_window(&mut self, x_min: f32, x_max: f32, y_min: f32, y_max: f32) -> RiResult {
+        positive(x_max - x_min, "the crop window's width")?;
+        positive(y_max - y_min, "the crop window's height")?;
+        if [x_min, x_max, y_min, y_max] != [0.0, 1.0, 0.0, 1.0] {
+            self.scene.warn("CropWindow is not supported yet: the whole picture is made".into());
+        }
+        Ok(())
+    }
+    fn depth_of_field(&mut self, f_stop: f32, _: f32, _: f32) -> RiResult {
+        if f_stop.is_finite() {
+            self.scene.warn("depth of field is not supported yet: all is sharp".into());
+        }
+        Ok(())
+    }
+    fn detail_bound(&mut self, _: [f32; 6]) -> RiResult {
+        self.scene.warn("levels of detail are not supported yet: all are drawn".into());
+        Ok(())
+    }
+    fn detail_range(&mut self, _: [f32; 4]) -> RiResult {
+        Ok(())
+    }
+    fn relative_detail(&mut self, factor: f32) -> RiResult {
+        positive(factor, "the relative detail")
+    }
+    fn geometric_approximation(&mut self, _: &str, _: f32) -> RiResult {
+        Ok(())
+    }
+    fn texture_coordinates(&mut self, corners: [f32; 8]) -> RiResult {
+        self.attributes.texture_corners = corners;
+        Ok(())
+    }
+    fn color_samples(&mut self, to_rgb: Vec<f32>, from_rgb: Vec<f32>) -> RiResult {
+        if to_rgb.len() != from_rgb.len() || to_rgb.is_empty() || to_rgb.len() % 3 != 0 {
+            return Err(Fail::new("ColorSamples takes two lists of three numbers a sample"));
+        }
+        if to_rgb.len() != 9 {
+            return Err(Fail::new(format!("colours of {} samples are not supported: three are", to_rgb.len() / 3)));
+        }
+        Ok(())
+    }
+    fn pixel_variance(&mut self, _: f32) -> RiResult {
+        Ok(())
+    }
+    fn deformation(&mut self, name: &str, _: Params) -> RiResult {
+        self.scene.warn(format!("deformation `{name}` is passed over"));
+        Ok(())
+    }
+    fn error_handler(&mut self, _: &str) -> RiResult {
+        Ok(())
+    }
+    fn make_texture(&mut self, from: &str, to: &str, wraps: [&str; 2], _: &str, _: [f32; 2], _: Params) -> RiResult {
+        self.made.insert(to.into(), (from.into(), wraps.map(Wrap::of_name)));
+        Ok(())
+    }
+    fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
+        self.made.insert(to.into(), (from.into(), [Wrap::Periodic, Wrap::Clamp]));
+        Ok(())
+    }
+    fn make_cube_face_environment(
+        &mut self,
+        _: Vec<String>,
+        to: &str,
+        _: f32,
+        _: &str,
+        _: [f32; 2],
+        _: Params,
+    ) -> RiResult {
+        self.scene
+            .warn(format!("environment `{to}` of cube faces is not supported yet: make it of longitude and latitude"));
+        Ok(())
+    }
+    fn make_shadow(&mut self, _: &str, _: &str, _: Params) -> RiResult {
+        // Shadows are traced, whatever map is named.
         Ok(())
     }
     fn shading_rate(&mut self, size: f32) -> RiResult {
@@ -590,6 +817,37 @@ impl Ri for Context {
     fn concat_transform(&mut self, matrix: [f32; 16]) -> RiResult {
         self.concat(Mat4::from_cols_array(&matrix))
     }
+    fn perspective(&mut self, fov: f32) -> RiResult {
+        if !(fov > 0.0 && fov < 179.9) {
+            return Err(Fail::new(format!("the angle of Perspective is {fov}, expected 0 to 179.9 degrees")));
+        }
+        let f = 1.0 / (0.5 * fov.to_radians()).tan();
+        // x and y over z; z between 0 and 1 of the near and far plane 1 and infinity (RISpec 4.1.2).
+        let m = [f, 0.0, 0.0, 0.0, 0.0, f, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0];
+        self.concat(Mat4::from_cols_array(&m))
+    }
+    fn skew(&mut self, angle: f32, from: [f32; 3], to: [f32; 3]) -> RiResult {
+        // Points move along `to`, by as much as turns `from` by the angle towards it.
+        let (a, b) = (Vec3::from(from), Vec3::from(to));
+        let (Some(a), Some(b)) = (a.try_normalize(), b.try_normalize()) else {
+            return Err(Fail::new("a direction of a skew is zero"));
+        };
+        let (along, across) = (a.dot(b), (1.0 - a.dot(b).powi(2)).max(0.0).sqrt());
+        if across < 1e-6 {
+            return Err(Fail::new("the directions of a skew are the same"));
+        }
+        let side = (b - a * along) / across;
+        // What stands straight along `a` is turned by the angle: a unit along it moves by this much towards `side`.
+        let turned = angle.to_radians().tan();
+        let shift = side * turned;
+        let m = Mat4::from_cols(
+            (Vec3::X + shift * a.x).extend(0.0),
+            (Vec3::Y + shift * a.y).extend(0.0),
+            (Vec3::Z + shift * a.z).extend(0.0),
+            glam::Vec4::W,
+        );
+        self.concat(m)
+    }
     fn translate(&mut self, by: [f32; 3]) -> RiResult {
         self.concat(Mat4::from_translation(by.into()))
     }
@@ -614,12 +872,41 @@ impl Ri for Context {
         if n < 3 {
             return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
         }
-        let patches = polygon_patches(&(0..n).collect::<Vec<_>>(), &params, 0)?;
-        self.add(Shape::Patches(Arc::new(patches)), vec![])
+        let patches = polygon_patches(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
+        self.add_patches(patches)
+    }
+    fn general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
+        let total: i32 = n_vertices.iter().map(|n| (*n).max(0)).sum();
+        self.points_general_polygons(vec![n_vertices.len() as i32], n_vertices, (0..total).collect(), params)
+    }
+    fn points_general_polygons(
+        &mut self,
+        n_loops: Vec<i32>,
+        n_vertices: Vec<i32>,
+        vertices: Vec<i32>,
+        params: Params,
+    ) -> RiResult {
+        let mut patches = Vec::new();
+        let (mut at_loop, mut at) = (0, 0);
+        for (face, n) in n_loops.iter().enumerate() {
+            let first = at;
+            let mut loops = Vec::new();
+            for _ in 0..*n {
+                let n = n_vertices.get(at_loop).copied().filter(|n| *n >= 3);
+                let n = n.ok_or(Fail::new(format!("a loop of face {face} has fewer than 3 vertices")))? as usize;
+                let own = vertices.get(at..at + n).ok_or(Fail::new(format!("the vertex list ends in face {face}")))?;
+                let own: Option<Vec<usize>> = own.iter().map(|i| usize::try_from(*i).ok()).collect();
+                loops.push(own.ok_or(Fail::new(format!("face {face} has a negative vertex")))?);
+                (at_loop, at) = (at_loop + 1, at + n);
+            }
+            patches.extend(polygon_patches(&loops, &params, face, first)?);
+        }
+        self.add_patches(patches)
     }
     fn points_polygons(&mut self, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) -> RiResult {
         let mut patches = Vec::new();
         let mut rest = vertices.as_slice();
+        let mut first = 0;
         for (face, n) in n_vertices.iter().enumerate() {
             let n = usize::try_from(*n)
                 .ok()
@@ -632,34 +919,254 @@ impl Ri for Context {
             rest = after;
             let corners: Option<Vec<usize>> = own.iter().map(|i| usize::try_from(*i).ok()).collect();
             let corners = corners.ok_or(Fail::new(format!("face {face} has a negative vertex")))?;
-            patches.extend(polygon_patches(&corners, &params, face)?);
+            patches.extend(polygon_patches(&[corners], &params, face, first)?);
+            first += n;
         }
-        // Faces are primitives of their own, so that each can be found hidden by itself.
-        patches.into_iter().try_for_each(|patch| self.add(Shape::Patches(Arc::new(vec![patch])), vec![]))
+        self.add_patches(patches)
     }
-    fn basis(&mut self, u: [f32; 16], _: i32, v: [f32; 16], _: i32) -> RiResult {
+    fn basis(&mut self, u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) -> RiResult {
+        if !(1..=4).contains(&u_step) || !(1..=4).contains(&v_step) {
+            return Err(Fail::new(format!("steps {u_step} and {v_step} of a basis, expected 1 to 4")));
+        }
         self.bases = (u, v);
+        self.steps = [u_step as usize, v_step as usize];
         Ok(())
     }
     fn patch(&mut self, kind: &str, params: Params) -> RiResult {
-        let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("a patch needs \"P\""))?.numbers();
-        let points: Vec<Vec3> = p.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
-        if points.iter().any(|p| !p.is_finite()) {
-            return Err(Fail::new("a patch has a point that is not a finite number"));
-        }
+        let points = positions(&params)?;
         let wrong = |n: usize| Fail::new(format!("a {kind} patch has {} points, expected {n}", points.len()));
         let mut patch = match kind {
             "bilinear" => Patch::bilinear(points.clone().try_into().map_err(|_| wrong(4))?),
             "bicubic" => {
-                let mut patch = Patch::bilinear([Vec3::ZERO; 4]);
-                patch.flat = false;
-                patch.p = to_bezier(points.clone().try_into().map_err(|_| wrong(16))?, &self.bases);
-                patch
+                let points: [Vec3; 16] = points.clone().try_into().map_err(|_| wrong(16))?;
+                Patch::smooth(to_bezier(points, &self.bases), [0.0, 1.0], [0.0, 1.0])
             }
             other => return Err(Fail::new(format!("unknown patch type `{other}`, expected bilinear or bicubic"))),
         };
-        patch_variables(&mut patch, &params, [0, 1, 2, 3], 0)?;
-        self.add(Shape::Patches(Arc::new(vec![patch])), vec![])
+        patch_variables(&mut patch, &params, [0, 1, 2, 3], [0, 1, 2, 3], 0)?;
+        self.add_patches(vec![patch])
+    }
+    fn patch_mesh(&mut self, kind: &str, nu: i32, u_wrap: &str, nv: i32, v_wrap: &str, params: Params) -> RiResult {
+        let periodic = |wrap: &str| match wrap {
+            "periodic" => Ok(true),
+            "nonperiodic" => Ok(false),
+            other => Err(Fail::new(format!("unknown wrap `{other}`, expected periodic or nonperiodic"))),
+        };
+        if !matches!(kind, "bilinear" | "bicubic") {
+            return Err(Fail::new(format!("unknown patch type `{kind}`, expected bilinear or bicubic")));
+        }
+        let sizes = [nu.max(0) as usize, nv.max(0) as usize];
+        let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
+        let points = positions(&params)?;
+        let mesh = surfaces::patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.bases, self.steps)?;
+        let mut patches = Vec::new();
+        for (face, (mut patch, corners)) in mesh.into_iter().enumerate() {
+            patch_variables(&mut patch, &params, corners, [4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3], face)?;
+            patches.push(patch);
+        }
+        self.add_patches(patches)
+    }
+    fn nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
+        let points: Vec<Vec4> = match params.iter().find(|p| p.decl.name == "Pw") {
+            Some(p) => p.numbers().chunks_exact(4).map(Vec4::from_slice).collect(),
+            None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
+        };
+        let mut patches = surfaces::nurbs(&points, &u, &v)?;
+        // Texture coordinates go from 0 to 1 over the patch (RISpec 5.3).
+        for patch in &mut patches {
+            let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
+            patch.st = patch.uv.map(|[s, t]| [unit(s, u.range), unit(t, v.range)]);
+        }
+        dress(&mut patches, &params)?;
+        self.add_patches(patches)
+    }
+    fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
+        self.trim = Trim::new(&curves)?.map(Arc::new);
+        Ok(())
+    }
+    fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
+        self.quadric(surfaces::line(Vec3::new(radius, 0.0, 0.0), Vec3::new(0.0, 0.0, height)), sweep, params)
+    }
+    fn cylinder(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.quadric(surfaces::line(Vec3::new(radius, 0.0, z_min), Vec3::new(radius, 0.0, z_max)), sweep, params)
+    }
+    fn hyperboloid(&mut self, from: [f32; 3], to: [f32; 3], sweep: f32, params: Params) -> RiResult {
+        self.quadric(surfaces::line(from.into(), to.into()), sweep, params)
+    }
+    fn paraboloid(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.quadric(surfaces::parabola(radius, z_min, z_max), sweep, params)
+    }
+    fn disk(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
+        self.quadric(surfaces::line(Vec3::new(radius, 0.0, height), Vec3::new(0.0, 0.0, height)), sweep, params)
+    }
+    fn torus(&mut self, major: f32, minor: f32, phi_min: f32, phi_max: f32, sweep: f32, params: Params) -> RiResult {
+        let profile = surfaces::circle([major, 0.0], minor, phi_min.to_radians(), phi_max.to_radians());
+        self.quadric(profile, sweep, params)
+    }
+    fn points(&mut self, params: Params) -> RiResult {
+        let points = positions(&params)?;
+        let n = points.len();
+        let widths = params.iter().find(|p| matches!(p.decl.name.as_str(), "width" | "constantwidth"));
+        let width = |i: usize| match widths.map(|p| p.numbers()) {
+            Some([one]) => *one,
+            Some(all) => all.get(i).copied().unwrap_or(1.0),
+            None => 1.0,
+        };
+        let columns: Vec<_> = params
+            .iter()
+            .filter(|p| !matches!(p.decl.name.as_str(), "P" | "width" | "constantwidth" | "N"))
+            .filter(|p| matches!(p.values, Values::Floats(_)))
+            .map(|p| {
+                let w = p.decl.width();
+                let v = p.numbers();
+                // What is the same for all is repeated.
+                let all = if v.len() == w { v.repeat(n) } else { v.to_vec() };
+                if all.len() != n * w {
+                    let message = format!("`{}` has {} values for {n} points", p.decl.name, v.len() / w);
+                    return Err(Fail::new(message));
+                }
+                Ok(ri::Param { decl: p.decl.clone(), values: Values::Floats(all) })
+            })
+            .collect::<Result<_, _>>()?;
+        if self.later_in_motion() || n == 0 {
+            return Ok(());
+        }
+        if self.open_object.is_some() {
+            for (i, p) in points.iter().enumerate() {
+                let outer = self.transform;
+                self.transform *= Mat4::from_translation(*p) * Mat4::from_scale(Vec3::splat(0.5 * width(i)));
+                let done = self.add(Shape::Sphere, vec![]);
+                self.transform = outer;
+                done?;
+            }
+            return Ok(());
+        }
+        let instances = Instances {
+            shape: InstanceShape::Sphere,
+            position: points.iter().map(|p| p.to_array()).collect(),
+            orientation: vec![],
+            scale: (0..n).map(|i| [0.5 * width(i); 3]).collect(),
+            params: columns,
+        };
+        self.push(SourceShape::Spheres(instances), vec![])
+    }
+    fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
+        let (cubic, periodic) = match (kind, wrap) {
+            ("linear" | "cubic", "periodic" | "nonperiodic") => (kind == "cubic", wrap == "periodic"),
+            _ => {
+                return Err(Fail::new(format!(
+                    "curves `{kind}` `{wrap}`, expected linear or cubic, periodic or nonperiodic"
+                )));
+            }
+        };
+        let points = positions(&params)?;
+        let widths = params.iter().find(|p| p.decl.name == "width").map(|p| p.numbers().to_vec());
+        let constant =
+            params.iter().find(|p| p.decl.name == "constantwidth").and_then(|p| p.numbers().first().copied());
+        let normals = params.iter().find(|p| p.decl.name == "N").map(|p| p.numbers().to_vec());
+        let to_eye = self.transform.inverse()
+            * self.to_camera.ok_or(Fail::new("`Curves` stands between WorldBegin and WorldEnd"))?.inverse();
+        let eye = to_eye.transform_point3(Vec3::ZERO);
+        let along = to_eye.transform_vector3(Vec3::Z);
+        let perspective = self.options.fov.is_some();
+        let (mut at, mut value) = (0, 0);
+        let mut patches = Vec::new();
+        for (face, n) in n_vertices.iter().enumerate() {
+            let own = points.get(at..at + (*n).max(0) as usize);
+            let own = own.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
+            at += own.len();
+            let curve = surfaces::curve(own, cubic, periodic, &self.bases.1, self.steps[1])?;
+            let count = curve.segments.len() as f32;
+            for (k, (control, ends)) in curve.segments.iter().enumerate() {
+                let width = ends.map(|e| match &widths {
+                    Some(w) if w.len() == 1 => w[0],
+                    Some(w) => w.get(value + e).copied().unwrap_or(1.0),
+                    None => constant.unwrap_or(1.0),
+                });
+                let facing = |p: Vec3| match &normals {
+                    // A ribbon lies across its normals; others face the eye.
+                    Some(n) if n.len() >= 3 => {
+                        let of =
+                            |e: usize| n.get(3 * (value + e)..3 * (value + e) + 3).map_or(Vec3::Z, Vec3::from_slice);
+                        0.5 * (of(ends[0]) + of(ends[1]))
+                    }
+                    _ if perspective => eye - p,
+                    _ => -along,
+                };
+                let range = [k as f32 / count, (k + 1) as f32 / count];
+                let mut patch = surfaces::ribbon(control, width, range, facing);
+                let own: Params = params
+                    .iter()
+                    .filter(|p| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth"))
+                    .cloned()
+                    .collect();
+                let [a, b] = ends.map(|e| value + e);
+                patch_variables(&mut patch, &own, [a, a, b, b], [a, a, b, b], face)?;
+                patches.push(patch);
+            }
+            value += curve.n_varying;
+        }
+        self.add_patches(patches)
+    }
+    fn subdivision_mesh(
+        &mut self,
+        scheme: &str,
+        n_vertices: Vec<i32>,
+        vertices: Vec<i32>,
+        tags: Tags,
+        params: Params,
+    ) -> RiResult {
+        if scheme != "catmull-clark" {
+            return Err(Fail::new(format!("unknown subdivision scheme `{scheme}`, expected catmull-clark")));
+        }
+        let points = positions(&params)?;
+        let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
+        let (columns, values, width) = crate::gprim::corner_columns(&params, &vertices, corners)?;
+        let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
+        // Fewer steps where there are many faces already.
+        let levels = match n_vertices.len() {
+            0..=200 => 4,
+            201..=3000 => 3,
+            3001..=30000 => 2,
+            _ => 1,
+        };
+        let mut patches = Vec::new();
+        for part in mesh.patches(levels) {
+            let mut patch = part.patch;
+            crate::gprim::corner_variables(&mut patch, &columns, &part.values, width);
+            let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+            patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
+            patches.push(patch);
+        }
+        self.add_patches(patches)
+    }
+    fn blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, _: Vec<String>, params: Params) -> RiResult {
+        let field = Field::new(leaves.max(0) as usize, &codes, &floats)?;
+        let mut varying = Vec::new();
+        for param in params.iter().filter(|p| !p.decl.class.is_whole() && !p.numbers().is_empty()) {
+            let width = param.decl.width();
+            if param.numbers().len() != width * leaves as usize {
+                return Err(Fail::new(format!("`{}` needs a value for each of {leaves} leaves", param.decl.name)));
+            }
+            varying.push((param.decl.name.clone(), width, param.numbers().to_vec()));
+        }
+        let mut patches = field.patches(&varying);
+        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        dress(&mut patches, &whole)?;
+        self.add_patches(patches)
+    }
+    fn geometry(&mut self, name: &str, params: Params) -> RiResult {
+        if name != "teapot" {
+            self.scene.warn(format!("geometry `{name}` is passed over: `teapot` alone is known"));
+            return Ok(());
+        }
+        let mut patches = surfaces::teapot();
+        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        dress(&mut patches, &whole)?;
+        self.add_patches(patches)
+    }
+    fn warn(&mut self, message: String) {
+        self.scene.warn(message);
     }
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
         if !(radius != 0.0 && radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
@@ -667,9 +1174,13 @@ impl Ri for Context {
                 "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
             )));
         }
-        let uniform = uniform_numbers(params)?;
         let r = radius.abs();
-        if z_min <= -r && z_max >= r && sweep.abs() >= 360.0 {
+        let varies = params.iter().any(|p| !p.decl.class.is_whole());
+        if z_min <= -r && z_max >= r && sweep.abs() >= 360.0 && !varies {
+            let uniform = uniform_numbers(params)?;
+            if self.later_in_motion() {
+                return Ok(());
+            }
             let outer = self.transform;
             self.transform *= Mat4::from_scale(Vec3::splat(r));
             let done = if self.open_object.is_some() {
@@ -689,7 +1200,8 @@ impl Ri for Context {
             self.transform = outer;
             return done;
         }
-        self.add(Shape::Patches(Arc::new(sphere_patches(r, z_min, z_max, sweep))), uniform)
+        let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
+        self.quadric(surfaces::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)
     }
     fn instances(&mut self, instances: Instances) -> RiResult {
         let shape = match &instances.shape {

@@ -6,6 +6,7 @@
 //! (`sample`); then the samples are filtered ([`filter`]). A bucket depends on no other, so that any number of threads and
 //! any order give the same bits. Spaces: shading happens in world space, which is what shaders call "current".
 
+mod blobby;
 pub mod bucket;
 mod bvh;
 mod camera;
@@ -19,6 +20,10 @@ mod sample;
 pub mod scene;
 mod shade;
 mod sphere;
+mod subdivision;
+mod surfaces;
+mod texture;
+mod trim;
 
 pub use {ri, sl};
 

@@ -93,6 +93,14 @@ pub struct Attributes {
     pub displacement_space: Mat4,
     /// Greatest displacement, in object units; if not given, a tenth of the primitive.
     pub displacement_bound: Option<f32>,
+    /// Atmosphere shader.
+    pub atmosphere: Option<Arc<BoundShader>>,
+    /// The atmosphere shader's space.
+    pub atmosphere_space: Mat4,
+    /// What `Attribute` set, by `group:name`, for shaders that ask.
+    pub user: Arc<Vec<(String, sl::machine::Answer)>>,
+    /// s and t of the corners of primitives that have no others (RISpec 5.1).
+    pub texture_corners: [f32; 8],
     /// Lights that are on, by handle.
     pub lights: Vec<(String, Arc<BoundShader>)>,
     /// The same, as shading wants them.

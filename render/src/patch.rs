@@ -178,6 +178,18 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
             points.refill(name).extend(values);
         }
     }
+    job.trimmed.clear();
+    if let Some(trim) = &patch.trim {
+        let inner = |n: usize| (0..n).map(move |k| (k as f32 + 0.5) / n as f32);
+        for v in inner(nv) {
+            let v = piece.v[0] + (piece.v[1] - piece.v[0]) * v;
+            job.trimmed.extend(inner(nu).map(|u| {
+                let u = piece.u[0] + (piece.u[1] - piece.u[0]) * u;
+                let at = |k: usize| bilinear(patch.uv.map(|c| c[k]), u, v);
+                !trim.keeps(at(0), at(1))
+            }));
+        }
+    }
     job.varying.clear();
     for (name, values) in patch.varying.iter().filter(|(name, _)| name != "N") {
         let width = values.len() / 4;

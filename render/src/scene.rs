@@ -2,6 +2,8 @@
 
 use crate::bvh::Bvh;
 use crate::options::Attributes;
+use crate::texture::Textures;
+use crate::trim::Trim;
 use glam::{Mat4, Quat, Vec3};
 use ri::{Instances, Param, Values};
 use std::collections::HashMap;
@@ -12,7 +14,7 @@ use std::sync::{Arc, Mutex};
 pub enum Shape {
     /// A whole sphere of radius 1; its size is in the transformation.
     Sphere,
-    /// A part of a sphere, as patches.
+    /// Bicubic patches.
     Patches(Arc<Vec<Patch>>),
 }
 
@@ -31,6 +33,8 @@ pub struct Patch {
     pub uniform: Vec<(String, Vec<f32>)>,
     /// Flat, so that it cannot shadow itself.
     pub flat: bool,
+    /// What of it is cut away.
+    pub trim: Option<Arc<Trim>>,
 }
 
 /// What a source repeats.
@@ -91,6 +95,12 @@ pub struct Scene {
     pub spaces: HashMap<String, Mat4>,
     /// Camera to world.
     pub camera_to_world: Mat4,
+    /// Options for shaders that ask, by `group:name` and by their own names.
+    pub options: Vec<(String, sl::machine::Answer)>,
+    /// Near and far, for shaders that ask.
+    pub clipping: [f32; 2],
+    /// Pictures that shaders look up.
+    pub textures: Textures,
     /// For shadows; made at `WorldEnd`.
     pub bvh: Bvh,
     /// What is odd about the scene, once each.
@@ -202,7 +212,7 @@ impl Patch {
         let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
         let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat }
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None }
     }
 
     /// The point at (u, v).
@@ -248,37 +258,4 @@ fn bernstein(t: f32) -> [f32; 4] {
 fn bernstein_slope(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
     [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
-}
-
-/// A part of a sphere as patches of at most 30°, which miss the sphere by less than 1e-6 of its radius.
-pub fn sphere_patches(radius: f32, z_min: f32, z_max: f32, sweep: f32) -> Vec<Patch> {
-    let lo = (z_min / radius).clamp(-1.0, 1.0).asin();
-    let hi = (z_max / radius).clamp(-1.0, 1.0).asin();
-    let turn = sweep.to_radians();
-    let step = 30f32.to_radians();
-    let (nu, nv) = ((turn.abs() / step).ceil().max(1.0) as usize, ((hi - lo).abs() / step).ceil().max(1.0) as usize);
-    let mut patches = Vec::new();
-    for j in 0..nv {
-        let profile = arc(lo + (hi - lo) * j as f32 / nv as f32, lo + (hi - lo) * (j + 1) as f32 / nv as f32);
-        for i in 0..nu {
-            let around = arc(turn * i as f32 / nu as f32, turn * (i + 1) as f32 / nu as f32);
-            let mut p = [Vec3::ZERO; 16];
-            for (k, q) in p.iter_mut().enumerate() {
-                let ([r, z], [x, y]) = (profile[k / 4], around[k % 4]);
-                *q = Vec3::new(r * x, r * y, z) * radius;
-            }
-            let u = [i as f32 / nu as f32, (i + 1) as f32 / nu as f32];
-            let v = [j as f32 / nv as f32, (j + 1) as f32 / nv as f32];
-            let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
-            patches.push(Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false });
-        }
-    }
-    patches
-}
-
-/// Bézier points of the unit circle's arc between two angles.
-fn arc(a: f32, b: f32) -> [[f32; 2]; 4] {
-    let k = 4.0 / 3.0 * ((b - a) / 4.0).tan();
-    let ((sa, ca), (sb, cb)) = (a.sin_cos(), b.sin_cos());
-    [[ca, sa], [ca - k * sa, sa + k * ca], [cb + k * sb, sb - k * cb], [cb, sb]]
 }

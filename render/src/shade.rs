@@ -2,11 +2,12 @@
 
 use crate::bucket::{Job, Stats};
 use crate::camera::Camera;
+use crate::options::Attributes;
 use crate::sample::Look;
 use crate::scene::{Item, ItemView, Scene, instance_inputs};
 use glam::{Mat4, Vec3};
-use sl::ir::{Op, Program};
-use sl::machine::{BoundShader, Points};
+use sl::ir::{Ask, Lookup, Op, Program};
+use sl::machine::{Answer, BoundShader, MapQuery, Points};
 use std::sync::Arc;
 
 /// A grid: points in rows, in world space, and where they fall on the raster.
@@ -35,6 +36,7 @@ struct View<'a> {
     shader_to_world: Mat4,
     lights: &'a [Arc<BoundShader>],
     bias: [f32; 2],
+    attributes: &'a Attributes,
 }
 
 impl sl::machine::Scene for View<'_> {
@@ -63,6 +65,59 @@ impl sl::machine::Scene for View<'_> {
         let blocked = self.scene.bvh.blocked(self.item, from.into(), to.into(), self.bias);
         if blocked { [0.0; 3] } else { [1.0; 3] }
     }
+
+    fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
+        self.scene.bvh.nearest(from.into(), direction.into(), self.bias[0].max(1e-5))
+    }
+
+    fn trace(&self, from: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
+        if self.hit(from, direction).is_some() {
+            self.scene
+                .warn("what a traced ray hits is black: reflections of shaded surfaces are not supported yet".into());
+        }
+        [0.0; 3]
+    }
+
+    fn map(&self, query: &MapQuery) -> [f32; 4] {
+        match (query.how, query.light) {
+            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
+            (Lookup::Shadow, Some(from)) => {
+                let lit = self.transmission(query.at, from)[0];
+                [1.0 - lit; 4]
+            }
+            (Lookup::Shadow, None) => {
+                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
+                [0.0; 4]
+            }
+            _ => self.scene.textures.look_up(query, self.scene),
+        }
+    }
+
+    fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        let a = self.attributes;
+        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
+        match (what, names) {
+            (Ask::Surface, [name]) => a.surface.parameter(name),
+            (Ask::Displacement, [name]) => a.displacement.as_ref()?.parameter(name),
+            (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
+            (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
+            (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
+            (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),
+            (Ask::Attribute, ["Color"]) => numbers(&a.color),
+            (Ask::Attribute, ["Opacity"]) => numbers(&a.opacity),
+            (Ask::Attribute, [name]) => a.user.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::Option, ["Clipping"]) => numbers(&self.scene.clipping),
+            (Ask::Option, [name]) => self.scene.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::TextureInfo, [texture, what]) => match *what {
+                "resolution" => numbers(&self.scene.textures.resolution(texture, self.scene)?),
+                "exists" => numbers(&[self.scene.textures.resolution(texture, self.scene).is_some() as u8 as f32]),
+                "channels" => self.scene.textures.resolution(texture, self.scene).and_then(|_| numbers(&[4.0])),
+                "type" => Some(Answer::Text("texture".into())),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
 }
 
 /// Whether a shader leaves Oi as Os, so that an opaque primitive stays opaque.
@@ -72,10 +127,9 @@ pub fn keeps_opacity(program: &Program) -> bool {
             Op::Assign(dst, src) => *dst != oi || Some(*src) == os,
             Op::If(_, a, b) => plain(a, oi, os) && plain(b, oi, os),
             Op::Loop(a, _, b, c) => plain(a, oi, os) && plain(b, oi, os) && plain(c, oi, os),
-            Op::Illuminance { body, .. }
-            | Op::Solar { body, .. }
-            | Op::Illuminate { body, .. }
-            | Op::Inline(body) => plain(body, oi, os),
+            Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
+                plain(body, oi, os)
+            }
             Op::Gather { hit, miss, .. } => plain(hit, oi, os) && plain(miss, oi, os),
             _ => true,
         })
@@ -107,6 +161,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
         shader_to_world: a.displacement_space,
         lights: &a.light_list,
         bias: [0.0; 2],
+        attributes: a,
     };
     if let Some(displacement) = &a.displacement {
         fill_incident(&mut job.grid.points, &frame.camera);
@@ -147,6 +202,10 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
         job.grid.points.refill("E").extend_from_slice(&eye);
     }
     job.machine.run(&a.surface, &mut job.grid.points, &scene);
+    if let Some(atmosphere) = &a.atmosphere {
+        scene.shader_to_world = a.atmosphere_space;
+        job.machine.run(atmosphere, &mut job.grid.points, &scene);
+    }
     job.stats.shaded_points += n as u64;
     sample(job, item, view);
 }
@@ -175,7 +234,10 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
         for i in 0..nu - 1 {
             let k = j * nu + i;
             let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| (job.grid.raster[k], k as u32));
-            if corners.iter().any(|(p, _)| !(p[2] >= near)) || (!view.attributes.two_sided && away(k)) {
+            if job.trimmed.get(j * (nu - 1) + i) == Some(&true)
+                || corners.iter().any(|(p, _)| !(p[2] >= near))
+                || (!view.attributes.two_sided && away(k))
+            {
                 continue;
             }
             stats.micropolygons += 1;

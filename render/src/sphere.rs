@@ -5,8 +5,9 @@
 
 use crate::bucket::Job;
 use crate::patch;
-use crate::scene::{Item, ItemView, Patch, sphere_patches};
+use crate::scene::{Item, ItemView, Patch};
 use crate::shade::{Diced, displacement_reach, finish, keeps_opacity};
+use crate::surfaces::{circle, revolve};
 use glam::{Mat3, Vec3};
 use std::sync::OnceLock;
 
@@ -122,7 +123,10 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
 /// The patches of the unit sphere.
 fn whole_sphere() -> &'static [Patch] {
     static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
-    PATCHES.get_or_init(|| sphere_patches(1.0, -1.0, 1.0, 360.0))
+    PATCHES.get_or_init(|| {
+        let quarter = 0.5 * std::f32::consts::PI;
+        revolve(&circle([0.0; 2], 1.0, -quarter, quarter), 360.0)
+    })
 }
 
 fn eye_in_lattice(job: &Job<'_>, center: Vec3, inverse: Mat3) -> Vec3 {
@@ -193,6 +197,7 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [us
     }
     *points.refill("P") = p;
     *points.refill("N") = normal;
+    job.trimmed.clear();
     if job.needs_parameters(view) {
         parameters(job, ball, face, &s, &t);
     }

@@ -54,7 +54,7 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
         files.read(&m.scene, &["scenes"]).map_err(|e| checked.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(checked, &text)?;
     let mut drawn = false;
-    let done = reader::read(&path, &text, files, ri, &mut |ri, directive| {
+    let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
             (Some("inject"), Some("camera")) => inject_camera(checked, files, ri),
@@ -186,7 +186,7 @@ fn inject_lights(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult 
 
 fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
     let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
-    reader::read(&path, &text, files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
+    reader::read(&path, text.as_bytes(), files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
 }
 
 fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: &mut dyn Ri) -> RiResult {

@@ -14,6 +14,13 @@ pub struct Files {
 impl Files {
     /// A file of that name (in a folder itself or below its `room`, as `scenes` or `shaders/surface`): its path and text.
     pub fn read(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, String), String> {
+        let (path, bytes) = self.read_bytes(name, rooms)?;
+        let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", path.display()))?;
+        Ok((path, text))
+    }
+
+    /// The same for a file of any kind.
+    pub fn read_bytes(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, Vec<u8>), String> {
         let path = Path::new(name);
         let mut places: Vec<PathBuf> = vec![path.into()];
         if path.is_relative() {
@@ -25,12 +32,11 @@ impl Files {
         }
         if let Some(found) = places.iter().find(|p| p.is_file()) {
             let bytes = std::fs::read(found).map_err(|e| format!("{} cannot be read: {e}", found.display()))?;
-            let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", found.display()))?;
-            return Ok((found.clone(), text));
+            return Ok((found.clone(), bytes));
         }
         let inside = |p: &str| p == name || rooms.iter().any(|room| p == format!("{room}/{name}"));
         match self.built_in.iter().find(|(p, _)| inside(p)) {
-            Some((p, text)) => Ok((PathBuf::from(p), text.to_string())),
+            Some((p, text)) => Ok((PathBuf::from(p), text.as_bytes().to_vec())),
             None => Err(self.not_found(name, rooms)),
         }
     }
@@ -40,7 +46,8 @@ impl Files {
         let beside = from.parent().map(|folder| folder.join(name)).filter(|p| p.is_file());
         match beside {
             Some(path) => {
-                let text = std::fs::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
+                let text =
+                    std::fs::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
                 Ok((path, text))
             }
             None => self.read(name, &["shaders/include", "shaders"]),

@@ -4,10 +4,13 @@
 //! make them by hand, and the [`writer`] is one more `Ri`, which turns them back into RIB. Conventions are those of the
 //! RenderMan Interface Specification 3.2 (RISpec): row vectors, left-handed camera space, angles in degrees.
 
+mod binary;
+mod conditions;
 pub mod files;
 mod instances;
 mod lexer;
 mod params;
+mod programs;
 pub mod reader;
 mod requests;
 mod ri;
@@ -16,4 +19,4 @@ pub mod writer;
 pub use instances::{InstanceShape, Instances};
 pub use params::{Class, Declaration, Declarations, Param, Params, Type, Values};
 pub use reader::{Place, RibError};
-pub use ri::{Fail, Ri, RiResult};
+pub use ri::{Fail, Knots, Ri, RiResult, Tags, TrimCurves};

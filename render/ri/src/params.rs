@@ -18,6 +18,11 @@ pub enum Class {
 }
 
 impl Class {
+    /// Whether there is one value for a face or for all.
+    pub fn is_whole(self) -> bool {
+        matches!(self, Class::Constant | Class::Uniform)
+    }
+
     /// The name in declarations.
     pub fn name(self) -> &'static str {
         match self {

@@ -1,7 +1,7 @@
 //! Each RIB request's arguments, and the call that it makes.
 
 use crate::reader::Reader;
-use crate::{Fail, Ri, RiResult};
+use crate::{Fail, Knots, Ri, RiResult, Tags, TrimCurves, Values};
 
 /// The requests that are known, for "did you mean".
 const KNOWN: &[&str] = &[
@@ -75,10 +75,6 @@ const KNOWN: &[&str] = &[
     "PatchMesh",
     "Sphere",
     "ReadArchive",
-];
-
-/// Requests of the specification that are read by name only, so that the message says what is missing.
-const NOT_YET: &[&str] = &[
     "Cone",
     "Cylinder",
     "Hyperboloid",
@@ -100,19 +96,19 @@ const NOT_YET: &[&str] = &[
     "TextureCoordinates",
     "ColorSamples",
     "PixelVariance",
+    "Deformation",
+    "ErrorHandler",
     "MakeTexture",
     "MakeLatLongEnvironment",
     "MakeCubeFaceEnvironment",
     "MakeShadow",
-    "ErrorHandler",
-    "Deformation",
     "IfBegin",
     "ElseIf",
     "Else",
     "IfEnd",
     "ArchiveBegin",
     "ArchiveEnd",
-    "PointsGeneralPolygons",
+    "ArchiveRecord",
 ];
 
 /// A failure, and whether it lies in the arguments rather than in the call.
@@ -140,11 +136,12 @@ fn read_arguments(r: &mut Reader<'_>, name: &str) -> Result<Box<dyn FnOnce(&mut 
         }
         "Declare" => {
             let (name, declaration) = (r.string()?, r.string()?);
-            r.declarations.declare(&name, &declaration).map_err(Fail::new)?;
+            r.shared.declarations.declare(&name, &declaration).map_err(Fail::new)?;
             call!(declare, &name, &declaration)
         }
         "FrameBegin" => {
             let number = r.integer()?;
+            r.remember("Frame", Values::Floats(vec![number as f32]));
             call!(frame_begin, number)
         }
         "FrameEnd" => call!(frame_end),
@@ -241,6 +238,9 @@ fn read_arguments(r: &mut Reader<'_>, name: &str) -> Result<Box<dyn FnOnce(&mut 
         }
         "Option" => {
             let (name, params) = (r.string()?, r.params()?);
+            for param in &params {
+                r.remember(&format!("{name}:{}", param.decl.name), param.values.clone());
+            }
             call!(option, &name, params)
         }
         "Attribute" => {
@@ -379,15 +379,172 @@ fn read_arguments(r: &mut Reader<'_>, name: &str) -> Result<Box<dyn FnOnce(&mut 
             let params = r.params()?;
             call!(sphere, radius, z_min, z_max, sweep, params)
         }
-        other if NOT_YET.contains(&other) => return Err(Fail::new(format!("`{other}` is not supported yet"))),
+        "PointsGeneralPolygons" => {
+            let (n_loops, n_vertices, vertices) = (r.integers()?, r.integers()?, r.integers()?);
+            let params = r.params()?;
+            call!(points_general_polygons, n_loops, n_vertices, vertices, params)
+        }
+        "Cone" => {
+            let [height, radius, sweep] = r.numbers_of("height, radius and thetamax")?;
+            let params = r.params()?;
+            call!(cone, height, radius, sweep, params)
+        }
+        "Cylinder" => {
+            let [radius, z_min, z_max, sweep] = r.numbers_of("radius, zmin, zmax and thetamax")?;
+            let params = r.params()?;
+            call!(cylinder, radius, z_min, z_max, sweep, params)
+        }
+        "Hyperboloid" => {
+            let [a, b, c, d, e, f, sweep] = r.numbers_of("two points and thetamax")?;
+            let params = r.params()?;
+            call!(hyperboloid, [a, b, c], [d, e, f], sweep, params)
+        }
+        "Paraboloid" => {
+            let [radius, z_min, z_max, sweep] = r.numbers_of("rmax, zmin, zmax and thetamax")?;
+            let params = r.params()?;
+            call!(paraboloid, radius, z_min, z_max, sweep, params)
+        }
+        "Disk" => {
+            let [height, radius, sweep] = r.numbers_of("height, radius and thetamax")?;
+            let params = r.params()?;
+            call!(disk, height, radius, sweep, params)
+        }
+        "Torus" => {
+            let [major, minor, phi_min, phi_max, sweep] = r.numbers_of("radii, phimin, phimax and thetamax")?;
+            let params = r.params()?;
+            call!(torus, major, minor, phi_min, phi_max, sweep, params)
+        }
+        "Points" => {
+            let params = r.params()?;
+            call!(points, params)
+        }
+        "Curves" => {
+            let (kind, n_vertices, wrap) = (r.string()?, r.integers()?, r.string()?);
+            let params = r.params()?;
+            call!(curves, &kind, n_vertices, &wrap, params)
+        }
+        "NuPatch" => {
+            let u = knots(r)?;
+            let v = knots(r)?;
+            let params = r.params()?;
+            call!(nu_patch, u, v, params)
+        }
+        "TrimCurve" => {
+            let curves = TrimCurves {
+                n_curves: r.integers()?,
+                order: r.integers()?,
+                knot: r.numbers()?,
+                min: r.numbers()?,
+                max: r.numbers()?,
+                n: r.integers()?,
+                u: r.numbers()?,
+                v: r.numbers()?,
+                w: r.numbers()?,
+            };
+            call!(trim_curve, curves)
+        }
+        "SubdivisionMesh" => {
+            let (scheme, n_vertices, vertices) = (r.string()?, r.integers()?, r.integers()?);
+            let mut tags = Tags::default();
+            // Without tags the four lists may be left out.
+            if r.has_list()? {
+                tags =
+                    Tags { names: r.strings()?, n_args: r.integers()?, integers: r.integers()?, floats: r.numbers()? };
+            }
+            let params = r.params()?;
+            call!(subdivision_mesh, &scheme, n_vertices, vertices, tags, params)
+        }
+        "Blobby" => {
+            let (leaves, codes, floats, strings) = (r.integer()?, r.integers()?, r.numbers()?, r.strings()?);
+            let params = r.params()?;
+            call!(blobby, leaves, codes, floats, strings, params)
+        }
+        "Geometry" => {
+            let (name, params) = (r.string()?, r.params()?);
+            call!(geometry, &name, params)
+        }
+        "Detail" => {
+            let bound = r.numbers_of("a bound")?;
+            call!(detail_bound, bound)
+        }
+        "DetailRange" => {
+            let range = r.numbers_of("four sizes")?;
+            call!(detail_range, range)
+        }
+        "RelativeDetail" => {
+            let factor = r.number()?;
+            call!(relative_detail, factor)
+        }
+        "GeometricApproximation" => {
+            let (kind, value) = (r.string()?, r.number()?);
+            call!(geometric_approximation, &kind, value)
+        }
+        "TextureCoordinates" => {
+            let corners = r.numbers_of("s and t of four corners")?;
+            call!(texture_coordinates, corners)
+        }
+        "ColorSamples" => {
+            let (to_rgb, from_rgb) = (r.numbers()?, r.numbers()?);
+            call!(color_samples, to_rgb, from_rgb)
+        }
+        "PixelVariance" => {
+            let variance = r.number()?;
+            call!(pixel_variance, variance)
+        }
+        "Deformation" => {
+            let (name, params) = (r.string()?, r.params()?);
+            call!(deformation, &name, params)
+        }
+        "ErrorHandler" => {
+            let name = r.string()?;
+            call!(error_handler, &name)
+        }
+        "MakeTexture" => {
+            let (from, to) = (r.string()?, r.string()?);
+            let (s_wrap, t_wrap, filter) = (r.string()?, r.string()?, r.string()?);
+            let widths = r.numbers_of("filter widths")?;
+            let params = r.params()?;
+            call!(make_texture, &from, &to, [&s_wrap, &t_wrap], &filter, widths, params)
+        }
+        "MakeLatLongEnvironment" => {
+            let (from, to, filter) = (r.string()?, r.string()?, r.string()?);
+            let widths = r.numbers_of("filter widths")?;
+            let params = r.params()?;
+            call!(make_lat_long_environment, &from, &to, &filter, widths, params)
+        }
+        "MakeCubeFaceEnvironment" => {
+            let from = [r.string()?, r.string()?, r.string()?, r.string()?, r.string()?, r.string()?].to_vec();
+            let (to, fov, filter) = (r.string()?, r.number()?, r.string()?);
+            let widths = r.numbers_of("filter widths")?;
+            let params = r.params()?;
+            call!(make_cube_face_environment, from, &to, fov, &filter, widths, params)
+        }
+        "MakeShadow" => {
+            let (from, to, params) = (r.string()?, r.string()?, r.params()?);
+            call!(make_shadow, &from, &to, params)
+        }
+        "ArchiveRecord" => {
+            let (kind, text) = (r.string()?, r.string()?);
+            call!(archive_record, &kind, &text)
+        }
+        "ArchiveEnd" => return Err(Fail::new("`ArchiveEnd` without `ArchiveBegin`")),
         other => {
+            // The specification asks to go on; a name near a known one is most likely a slip.
             let near = KNOWN.iter().min_by_key(|k| strsim::damerau_levenshtein(k, other));
             let near = near
                 .filter(|k| strsim::damerau_levenshtein(k, other) <= 3)
                 .map_or(String::new(), |k| format!(", did you mean `{k}`?"));
-            return Err(Fail::new(format!("unknown request `{other}`{near}")));
+            r.warn(&format!("request {other}"), &format!("unknown request `{other}`{near}; it is passed over"));
+            r.pass_arguments()?;
+            Box::new(|_: &mut dyn Ri| Ok(()))
         }
     })
+}
+
+/// Numbers of a NURBS patch along one parameter.
+fn knots(r: &mut Reader<'_>) -> Result<Knots, Fail> {
+    let (n, order, knots) = (r.integer()?, r.integer()?, r.numbers()?);
+    Ok(Knots { n, order, knots, range: [r.number()?, r.number()?] })
 }
 
 /// A basis by name or by matrix (RISpec section 5.3).

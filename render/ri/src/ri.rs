@@ -4,6 +4,55 @@
 
 use crate::{Instances, Params};
 
+/// Numbers of a NURBS patch along one parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knots {
+    /// Control points.
+    pub n: i32,
+    /// Order: degree plus one.
+    pub order: i32,
+    /// Knots (n + order).
+    pub knots: Vec<f32>,
+    /// Least and greatest parameter.
+    pub range: [f32; 2],
+}
+
+/// Loops of NURBS curves in u, v, w. Columns but the last three have a row a curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrimCurves {
+    /// Curves of each loop.
+    pub n_curves: Vec<i32>,
+    /// Orders.
+    pub order: Vec<i32>,
+    /// Knots, one curve after the other.
+    pub knot: Vec<f32>,
+    /// Least parameters.
+    pub min: Vec<f32>,
+    /// Greatest parameters.
+    pub max: Vec<f32>,
+    /// Control points.
+    pub n: Vec<i32>,
+    /// Their u.
+    pub u: Vec<f32>,
+    /// Their v.
+    pub v: Vec<f32>,
+    /// Their weights.
+    pub w: Vec<f32>,
+}
+
+/// Tags of a subdivision mesh: names, and for each its numbers of integers and of floats.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tags {
+    /// Names.
+    pub names: Vec<String>,
+    /// Two numbers for each.
+    pub n_args: Vec<i32>,
+    /// All integers.
+    pub integers: Vec<i32>,
+    /// All floats.
+    pub floats: Vec<f32>,
+}
+
 /// Why a call failed; who made it adds the place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fail {
@@ -40,6 +89,16 @@ macro_rules! calls {
                     Err(Fail::new(concat!("`", $call, "` is not supported yet")))
                 }
             )*
+
+            /// Be told of something odd that does not stop the reading.
+            fn warn(&mut self, message: String) {
+                eprintln!("warning: {message}");
+            }
+
+            /// How large a bound is on the raster, square pixels: what programs that make geometry are told.
+            fn detail(&self, bound: [f32; 6]) -> f32 {
+                1e6
+            }
 
             /// Many instances of one shape; by default as standard calls.
             fn instances(&mut self, instances: Instances) -> RiResult {
@@ -192,6 +251,61 @@ calls! {
     patch_mesh(kind: &str, nu: i32, u_wrap: &str, nv: i32, v_wrap: &str, params: Params) = "PatchMesh";
     /// `Sphere`
     sphere(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Sphere";
+
+
+    /// `Cone`
+    cone(height: f32, radius: f32, sweep: f32, params: Params) = "Cone";
+    /// `Cylinder`
+    cylinder(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Cylinder";
+    /// `Hyperboloid`: a line from one point to another, swept.
+    hyperboloid(from: [f32; 3], to: [f32; 3], sweep: f32, params: Params) = "Hyperboloid";
+    /// `Paraboloid`
+    paraboloid(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Paraboloid";
+    /// `Disk`
+    disk(height: f32, radius: f32, sweep: f32, params: Params) = "Disk";
+    /// `Torus`: radii, angles of the tube in degrees, and sweep.
+    torus(major: f32, minor: f32, phi_min: f32, phi_max: f32, sweep: f32, params: Params) = "Torus";
+    /// `Points`
+    points(params: Params) = "Points";
+    /// `Curves`: `linear` or `cubic`, vertices of each, `periodic` or `nonperiodic`.
+    curves(kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) = "Curves";
+    /// `NuPatch`: numbers, orders, knots and ranges along u and v.
+    nu_patch(u: Knots, v: Knots, params: Params) = "NuPatch";
+    /// `TrimCurve`: loops of curves in the parameters of the patches that follow.
+    trim_curve(curves: TrimCurves) = "TrimCurve";
+    /// `SubdivisionMesh`: scheme, faces, tags with their numbers of integers and floats.
+    subdivision_mesh(scheme: &str, n_vertices: Vec<i32>, vertices: Vec<i32>, tags: Tags, params: Params) = "SubdivisionMesh";
+    /// `Blobby`: number of leaves, codes, floats and strings.
+    blobby(leaves: i32, codes: Vec<i32>, floats: Vec<f32>, strings: Vec<String>, params: Params) = "Blobby";
+    /// `Geometry`
+    geometry(name: &str, params: Params) = "Geometry";
+
+    /// `Detail`: a bound whose size on the raster is the level of detail.
+    detail_bound(bound: [f32; 6]) = "Detail";
+    /// `DetailRange`
+    detail_range(range: [f32; 4]) = "DetailRange";
+    /// `RelativeDetail`
+    relative_detail(factor: f32) = "RelativeDetail";
+    /// `GeometricApproximation`
+    geometric_approximation(kind: &str, value: f32) = "GeometricApproximation";
+    /// `TextureCoordinates`: s and t of the four corners.
+    texture_coordinates(corners: [f32; 8]) = "TextureCoordinates";
+    /// `ColorSamples`: to RGB and from it.
+    color_samples(to_rgb: Vec<f32>, from_rgb: Vec<f32>) = "ColorSamples";
+    /// `PixelVariance`
+    pixel_variance(variance: f32) = "PixelVariance";
+    /// `Deformation`
+    deformation(name: &str, params: Params) = "Deformation";
+    /// `ErrorHandler`
+    error_handler(name: &str) = "ErrorHandler";
+    /// `MakeTexture`: picture, texture, wraps, filter and its widths.
+    make_texture(from: &str, to: &str, wraps: [&str; 2], filter: &str, widths: [f32; 2], params: Params) = "MakeTexture";
+    /// `MakeLatLongEnvironment`
+    make_lat_long_environment(from: &str, to: &str, filter: &str, widths: [f32; 2], params: Params) = "MakeLatLongEnvironment";
+    /// `MakeCubeFaceEnvironment`: six pictures, the texture, the faces' angle, filter and its widths.
+    make_cube_face_environment(from: Vec<String>, to: &str, fov: f32, filter: &str, widths: [f32; 2], params: Params) = "MakeCubeFaceEnvironment";
+    /// `MakeShadow`
+    make_shadow(from: &str, to: &str, params: Params) = "MakeShadow";
 
     /// A structured comment or any other record: kind `comment` or `structure`, and its text.
     archive_record(kind: &str, text: &str) = "ArchiveRecord";

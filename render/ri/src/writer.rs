@@ -1,6 +1,7 @@
 //! An [`Ri`] that writes the calls as ASCII RIB, indented; instance arrays become standard calls.
 
-use crate::{Fail, Param, Params, Ri, RiResult, Values};
+use crate::binary::Encoder;
+use crate::{Fail, Knots, Param, Params, Ri, RiResult, Tags, TrimCurves, Values};
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -10,6 +11,8 @@ pub struct Writer<W: Write> {
     indent: usize,
     line: String,
     handles: Vec<String>,
+    /// Makes the bytestream of ASCII.
+    encoder: Option<Encoder>,
 }
 
 impl<W: Write> Writer<W> {
@@ -23,7 +26,14 @@ impl<W: Write> Writer<W> {
 
     /// A writer of an archive, which is read into other RIB and has no head of its own.
     pub fn archive(out: W) -> Writer<W> {
-        Writer { out, indent: 0, line: String::new(), handles: vec![] }
+        Writer { out, indent: 0, line: String::new(), handles: vec![], encoder: None }
+    }
+
+    /// A writer of the binary bytestream.
+    pub fn binary(out: W) -> Result<Writer<W>, Fail> {
+        let mut writer = Writer { encoder: Some(Encoder::default()), ..Writer::archive(out) };
+        writer.put("version 3.04")?;
+        Ok(writer)
     }
 
     /// What it wrote onto.
@@ -32,6 +42,10 @@ impl<W: Write> Writer<W> {
     }
 
     fn put(&mut self, request: &str) -> RiResult {
+        if let Some(encoder) = &mut self.encoder {
+            let bytes = encoder.encode(request)?;
+            return self.out.write_all(&bytes).map_err(|e| Fail::new(format!("RIB cannot be written: {e}")));
+        }
         writeln!(self.out, "{:indent$}{request}", "", indent = self.indent)
             .map_err(|e| Fail::new(format!("RIB cannot be written: {e}")))
     }
@@ -77,6 +91,12 @@ impl<W: Write> Writer<W> {
         done
     }
 
+    fn put_gprim(&mut self, request: &str, numbers: &[f32], params: &[Param]) -> RiResult {
+        let mut head = format!("{request} ");
+        append_numbers(&mut head, numbers);
+        self.put_with(&head, params)
+    }
+
     fn put_numbers(&mut self, request: &str, numbers: &[f32]) -> RiResult {
         let mut line = format!("{request} ");
         append_numbers(&mut line, numbers);
@@ -89,6 +109,16 @@ impl<W: Write> Writer<W> {
         line.push(']');
         self.put(&line)
     }
+}
+
+fn bracket(numbers: &[f32]) -> String {
+    let mut line = String::from("[");
+    append_numbers(&mut line, numbers);
+    line + "]"
+}
+
+fn strings(values: &[String]) -> String {
+    format!("[{}]", values.iter().map(|s| quote(s)).collect::<Vec<_>>().join(" "))
 }
 
 fn append_numbers(line: &mut String, numbers: &[f32]) {
@@ -338,6 +368,136 @@ impl<W: Write> Ri for Writer<W> {
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
         self.put_with(&format!("Sphere {radius} {z_min} {z_max} {sweep}"), &params)
     }
+    fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Cone", &[height, radius, sweep], &params)
+    }
+    fn cylinder(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Cylinder", &[radius, z_min, z_max, sweep], &params)
+    }
+    fn hyperboloid(&mut self, [a, b, c]: [f32; 3], [d, e, f]: [f32; 3], sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Hyperboloid", &[a, b, c, d, e, f, sweep], &params)
+    }
+    fn paraboloid(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Paraboloid", &[radius, z_min, z_max, sweep], &params)
+    }
+    fn disk(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Disk", &[height, radius, sweep], &params)
+    }
+    fn torus(&mut self, major: f32, minor: f32, phi_min: f32, phi_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.put_gprim("Torus", &[major, minor, phi_min, phi_max, sweep], &params)
+    }
+    fn points(&mut self, params: Params) -> RiResult {
+        self.put_with("Points", &params)
+    }
+    fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
+        self.put_with(&format!("Curves {} {} {}", quote(kind), list(&n_vertices), quote(wrap)), &params)
+    }
+    fn nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
+        let mut head = String::from("NuPatch");
+        for k in [u, v] {
+            let _ = write!(head, " {} {} {} {} {}", k.n, k.order, bracket(&k.knots), k.range[0], k.range[1]);
+        }
+        self.put_with(&head, &params)
+    }
+    fn trim_curve(&mut self, t: TrimCurves) -> RiResult {
+        let numbers = [&t.u, &t.v, &t.w].map(|v| bracket(v)).join(" ");
+        let (order, n) = (list(&t.order), list(&t.n));
+        let head = format!("TrimCurve {} {order} {}", list(&t.n_curves), bracket(&t.knot));
+        self.put(&format!("{head} {} {} {n} {numbers}", bracket(&t.min), bracket(&t.max)))
+    }
+    fn subdivision_mesh(
+        &mut self,
+        scheme: &str,
+        n_vertices: Vec<i32>,
+        vertices: Vec<i32>,
+        tags: Tags,
+        params: Params,
+    ) -> RiResult {
+        let names = strings(&tags.names);
+        let args = format!("{names} {} {} {}", list(&tags.n_args), list(&tags.integers), bracket(&tags.floats));
+        let head = format!("SubdivisionMesh {} {} {} {args}", quote(scheme), list(&n_vertices), list(&vertices));
+        self.put_with(&head, &params)
+    }
+    fn blobby(
+        &mut self,
+        leaves: i32,
+        codes: Vec<i32>,
+        floats: Vec<f32>,
+        names: Vec<String>,
+        params: Params,
+    ) -> RiResult {
+        let head = format!("Blobby {leaves} {} {} {}", list(&codes), bracket(&floats), strings(&names));
+        self.put_with(&head, &params)
+    }
+    fn geometry(&mut self, name: &str, params: Params) -> RiResult {
+        self.put_with(&format!("Geometry {}", quote(name)), &params)
+    }
+    fn detail_bound(&mut self, bound: [f32; 6]) -> RiResult {
+        self.put_matrix("Detail", &bound)
+    }
+    fn detail_range(&mut self, range: [f32; 4]) -> RiResult {
+        self.put_matrix("DetailRange", &range)
+    }
+    fn relative_detail(&mut self, factor: f32) -> RiResult {
+        self.put_numbers("RelativeDetail", &[factor])
+    }
+    fn geometric_approximation(&mut self, kind: &str, value: f32) -> RiResult {
+        self.put_numbers(&format!("GeometricApproximation {}", quote(kind)), &[value])
+    }
+    fn texture_coordinates(&mut self, corners: [f32; 8]) -> RiResult {
+        self.put_matrix("TextureCoordinates", &corners)
+    }
+    fn color_samples(&mut self, to_rgb: Vec<f32>, from_rgb: Vec<f32>) -> RiResult {
+        self.put(&format!("ColorSamples {} {}", bracket(&to_rgb), bracket(&from_rgb)))
+    }
+    fn pixel_variance(&mut self, variance: f32) -> RiResult {
+        self.put_numbers("PixelVariance", &[variance])
+    }
+    fn deformation(&mut self, name: &str, params: Params) -> RiResult {
+        self.put_with(&format!("Deformation {}", quote(name)), &params)
+    }
+    fn error_handler(&mut self, name: &str) -> RiResult {
+        self.put(&format!("ErrorHandler {}", quote(name)))
+    }
+    fn make_texture(
+        &mut self,
+        from: &str,
+        to: &str,
+        [s, t]: [&str; 2],
+        filter: &str,
+        [x, y]: [f32; 2],
+        params: Params,
+    ) -> RiResult {
+        let names = [from, to, s, t, filter].map(quote).join(" ");
+        self.put_with(&format!("MakeTexture {names} {x} {y}"), &params)
+    }
+    fn make_lat_long_environment(
+        &mut self,
+        from: &str,
+        to: &str,
+        filter: &str,
+        [x, y]: [f32; 2],
+        params: Params,
+    ) -> RiResult {
+        let names = [from, to, filter].map(quote).join(" ");
+        self.put_with(&format!("MakeLatLongEnvironment {names} {x} {y}"), &params)
+    }
+    fn make_cube_face_environment(
+        &mut self,
+        from: Vec<String>,
+        to: &str,
+        fov: f32,
+        filter: &str,
+        [x, y]: [f32; 2],
+        params: Params,
+    ) -> RiResult {
+        let from: Vec<String> = from.iter().map(|f| quote(f)).collect();
+        let head = format!("MakeCubeFaceEnvironment {} {} {fov} {}", from.join(" "), quote(to), quote(filter));
+        self.put_with(&format!("{head} {x} {y}"), &params)
+    }
+    fn make_shadow(&mut self, from: &str, to: &str, params: Params) -> RiResult {
+        self.put_with(&format!("MakeShadow {} {}", quote(from), quote(to)), &params)
+    }
     fn archive_record(&mut self, kind: &str, text: &str) -> RiResult {
         self.put(&format!("{}{text}", if kind == "structure" { "##" } else { "#" }))
     }
@@ -350,9 +510,28 @@ mod tests {
     use crate::reader::read;
     use std::path::Path;
 
+    /// Keeps the warnings.
+    #[derive(Default)]
+    struct Heard(Vec<String>);
+
+    impl Ri for Heard {
+        fn world_begin(&mut self) -> RiResult {
+            Ok(())
+        }
+        fn world_end(&mut self) -> RiResult {
+            Ok(())
+        }
+        fn surface(&mut self, _: &str, _: Params) -> RiResult {
+            Ok(())
+        }
+        fn warn(&mut self, message: String) {
+            self.0.push(message);
+        }
+    }
+
     fn rewrite(text: &str) -> String {
         let mut writer = Writer::new(Vec::new()).unwrap();
-        read(Path::new("t.rib"), text, &Files::default(), &mut writer, &mut |_, _| Ok(())).unwrap();
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(())).unwrap();
         String::from_utf8(writer.into_inner()).unwrap()
     }
 
@@ -373,20 +552,22 @@ mod tests {
     fn faults_have_their_places() {
         let fault = |text: &str| {
             let mut writer = Writer::new(Vec::new()).unwrap();
-            let e = read(Path::new("t.rib"), text, &Files::default(), &mut writer, &mut |_, _| Ok(())).unwrap_err();
+            let e = read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut writer, &mut |_, _| Ok(()))
+                .unwrap_err();
             (e.place.line, e.place.column, e.message)
         };
-        assert_eq!(
-            fault("WorldBegin\n  Shpere 1 -1 1 360"),
-            (2, 10, "unknown request `Shpere`, did you mean `Sphere`?".into())
-        );
+        // What is not known is read over, and said.
+        let mut heard = Heard::default();
+        let text = "WorldBegin\n  Shpere 1 [-1 1] \"a\" 360 Surface \"matte\" \"Kq\" [1] Shpere 2 WorldEnd";
+        read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(())).unwrap();
+        let expected = [
+            "t.rib:2:3: unknown request `Shpere`, did you mean `Sphere`?; it is passed over",
+            "t.rib:2:29: parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?",
+        ];
+        assert_eq!(heard.0, expected);
         assert_eq!(fault("Translate 1 2\nWorldEnd").0, 2);
         assert_eq!(fault("Color [1 2").2, "expected a number or `]`, found the end of the file");
-        assert_eq!(
-            fault("Surface \"matte\" \"Kq\" 1").2,
-            "parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?"
-        );
-        assert_eq!(fault("Torus 1 2 3 4 5").2, "`Torus` is not supported yet");
+        assert_eq!(fault("IfBegin \"1\" WorldBegin").2, "`IfBegin` without `IfEnd`");
         assert_eq!(fault("\n \"matte").2, "a string is not closed before the file ends");
     }
 }

@@ -16,6 +16,7 @@ pub mod noise;
 mod optimise;
 mod parse;
 mod preprocess;
+mod show;
 mod source;
 mod spline;
 mod text;
@@ -67,8 +68,7 @@ pub fn compile(path: &Path, source: &str) -> Result<ir::Program, Diagnostic> {
 pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<ir::Program, Diagnostic> {
     let mut sources = source::Sources::default();
     let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
-    ir::validate(&program)
-        .map_err(|m| sources.place(Error { at: 0, message: format!("internal: {m}") }))?;
+    ir::validate(&program).map_err(|m| sources.place(Error { at: 0, message: format!("internal: {m}") }))?;
     Ok(program)
 }
 

@@ -97,7 +97,13 @@ impl<'a> Lower<'a> {
             self.n_texts += 1;
             return Ok(self.n_texts - 1);
         }
-        self.widths.push(if ty == Ty::Matrix { 16 } else if ty.is_triple() { 3 } else { 1 });
+        self.widths.push(if ty == Ty::Matrix {
+            16
+        } else if ty.is_triple() {
+            3
+        } else {
+            1
+        });
         Ok(self.widths.len() as u16 - 1)
     }
 
@@ -304,7 +310,9 @@ impl<'a> Lower<'a> {
             StmtKind::Extern(names) => {
                 for (name, at) in names {
                     let found = self.outer.iter().rev().flat_map(|s| s.iter().rev()).find_map(|s| s.get(name)).copied();
-                    let Some(found) = found else { return error(*at, format!("there is no `{name}` around this function")) };
+                    let Some(found) = found else {
+                        return error(*at, format!("there is no `{name}` around this function"));
+                    };
                     self.declare(*at, name, found)?;
                 }
                 Ok(())
@@ -379,7 +387,8 @@ impl<'a> Lower<'a> {
             if !var.ty.is_triple() {
                 return error(at, format!("a {} has no elements", var.ty.name()));
             }
-            let new = self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, vec![var.reg, i.reg, value.reg]))?;
+            let new =
+                self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, vec![var.reg, i.reg, value.reg]))?;
             return self.store(at, var, new);
         }
         match self.constant_of(i.reg) {
@@ -808,8 +817,10 @@ impl<'a> Lower<'a> {
             let takes: Vec<String> = overloads.iter().map(|s| signature(name, s.2)).collect();
             return error(at, format!("expected {}, found {name}({})", takes.join(" or "), found.join(", ")));
         };
-        let varying =
-            matches!(name, "ambient" | "transmission" | "area" | "calculatenormal" | "trace" | "occlusion" | "indirectdiffuse") || values.iter().any(|v| v.varying);
+        let varying = matches!(
+            name,
+            "ambient" | "transmission" | "area" | "calculatenormal" | "trace" | "occlusion" | "indirectdiffuse"
+        ) || values.iter().any(|v| v.varying);
         for (value, arg) in values.iter_mut().zip(*takes) {
             if *arg == Arg::Matrix {
                 *value = self.convert(at, *value, Ty::Matrix)?;
@@ -866,7 +877,9 @@ impl<'a> Lower<'a> {
             ("noise" | "cellnoise" | "snoise", _) => {
                 usage(&format!("{name}(float), {name}(float, float), {name}(point) or {name}(point, float)"))
             }
-            ("pnoise", _) => usage("pnoise(float, period), pnoise(x, y, periods), pnoise(point, period) or of point and float"),
+            ("pnoise", _) => {
+                usage("pnoise(float, period), pnoise(x, y, periods), pnoise(point, period) or of point and float")
+            }
             ("random", []) => {
                 let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Float);
                 let (p, salt) = (self.variable(at, "P")?, self.constant(at, self.n_ops as f32)?);
@@ -889,9 +902,9 @@ impl<'a> Lower<'a> {
                 let from = self.text(at, "current")?;
                 self.temp(at, Ty::Matrix, varying, |r| Op::Transform(Transform::Matrix, r, regs[1], from.reg, regs[0]))
             }
-            ("mtransform", [Ty::Text, Ty::Text, Ty::Matrix]) => self.temp(at, Ty::Matrix, varying, |r| {
-                Op::Transform(Transform::Matrix, r, regs[2], regs[0], regs[1])
-            }),
+            ("mtransform", [Ty::Text, Ty::Text, Ty::Matrix]) => {
+                self.temp(at, Ty::Matrix, varying, |r| Op::Transform(Transform::Matrix, r, regs[2], regs[0], regs[1]))
+            }
             ("mtransform", _) => usage("mtransform(to, matrix) or mtransform(from, to, matrix)"),
             ("concat", list) if !list.is_empty() && list.iter().all(|t| *t == Ty::Text) => {
                 let pattern = self.text(at, &"%s".repeat(list.len()))?;
@@ -908,9 +921,7 @@ impl<'a> Lower<'a> {
                 Ok(Value::of(Ty::Void, 0, false))
             }
             ("format" | "printf", _) => usage(&format!("{name}(pattern, values …)")),
-            ("match", [Ty::Text, Ty::Text]) => {
-                self.temp(at, Ty::Float, false, |r| Op::Match(r, regs[0], regs[1]))
-            }
+            ("match", [Ty::Text, Ty::Text]) => self.temp(at, Ty::Float, false, |r| Op::Match(r, regs[0], regs[1])),
             ("match", _) => usage("match(pattern, text)"),
             ("mix", [a, b, Ty::Float]) if a == b || (a.is_triple() && b.is_triple()) => {
                 self.temp(at, *a, varying, |r| Op::Call(Builtin::Mix, r, regs))
@@ -943,15 +954,13 @@ impl<'a> Lower<'a> {
                 self.arithmetic(at, "+", u, w)
             }
             ("Du" | "Dv" | "Deriv", _) => usage(&format!("{name} of numbers or triples")),
-            ("comp", [t, Ty::Float]) if t.is_triple() => {
-                match self.constant_of(regs[1]) {
-                    Some(i) if (0.0..3.0).contains(&i) => {
-                        self.temp(at, Ty::Float, varying, |r| Op::Component(r, regs[0], i as u8))
-                    }
-                    Some(_) => error(at, "the index of `comp` must be 0, 1 or 2"),
-                    None => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, regs)),
+            ("comp", [t, Ty::Float]) if t.is_triple() => match self.constant_of(regs[1]) {
+                Some(i) if (0.0..3.0).contains(&i) => {
+                    self.temp(at, Ty::Float, varying, |r| Op::Component(r, regs[0], i as u8))
                 }
-            }
+                Some(_) => error(at, "the index of `comp` must be 0, 1 or 2"),
+                None => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, regs)),
+            },
             ("comp", _) => usage("comp(triple, index) or comp(matrix, row, column)"),
             ("transform" | "vtransform" | "ntransform", _) => {
                 let (how, ty) = match name {
@@ -1052,7 +1061,10 @@ impl<'a> Lower<'a> {
         };
         let n_names = if ask == Ask::TextureInfo { 2 } else { 1 };
         if args.len() != n_names + 1 {
-            return error(at, format!("expected {name}({}, variable)", if n_names == 2 { "texture, name" } else { "name" }));
+            return error(
+                at,
+                format!("expected {name}({}, variable)", if n_names == 2 { "texture, name" } else { "name" }),
+            );
         }
         let mut names = Vec::new();
         for arg in &args[..n_names] {

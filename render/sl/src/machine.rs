@@ -118,6 +118,8 @@ pub struct MapQuery<'a> {
     pub samples: f32,
     /// Bias of a shadow map.
     pub bias: f32,
+    /// In a light shader: where the light comes from.
+    pub light: Option<[f32; 3]>,
 }
 
 /// The points to be shaded: `n = nu · nv`, in rows of `nu`.
@@ -204,6 +206,8 @@ pub struct Machine {
     lit: Vec<Lit>,
     /// The light whose turn it is, and where in `lit` it is.
     turn: Option<(usize, usize)>,
+    /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
+    ray: Option<(Reg, bool)>,
     /// A machine for light shaders, made at need.
     light_machine: Option<Box<Machine>>,
 }
@@ -394,11 +398,7 @@ impl Machine {
             Op::Continue(levels) => self.leave(*levels as usize, false),
             Op::Inline(body) => {
                 let outer = self.mask.clone();
-                self.loops.push(LoopFrame {
-                    left: vec![false; self.n],
-                    skipped: vec![false; self.n],
-                    inline: true,
-                });
+                self.loops.push(LoopFrame { left: vec![false; self.n], skipped: vec![false; self.n], inline: true });
                 self.block(program, body, scene);
                 self.loops.pop();
                 self.mask = outer;
@@ -413,12 +413,16 @@ impl Machine {
                 // The axis is the way that light travels.
                 let axis = self.regs[args[0] as usize].clone();
                 self.assign_value(*l, &axis, 3);
+                self.ray = Some((*l, true));
                 self.light_body(program, *l, None, body, scene);
+                self.ray = None;
             }
             Op::Illuminate { args, l, ps, body } => {
                 self.binary(Binary::Sub, *l, (*ps, 3), (args[0], 3), 3);
                 let cone = (self.regs[args[1] as usize].clone(), self.regs[args[2] as usize][0]);
+                self.ray = Some((*l, false));
                 self.light_body(program, *l, Some(cone), body, scene);
+                self.ray = None;
             }
         }
     }
@@ -749,19 +753,16 @@ impl Machine {
             blur,
             samples: number("samples", 16.0),
             bias: number("bias", 0.0),
+            light: None,
         };
+        let ray = self.ray.map(|(l, sun)| (self.regs[l as usize].clone(), sun));
         // One point: s and t as two numbers, others as a triple. Four: the corners of the filter's area.
         let each = if *how == Lookup::Texture { 2 } else { 1 };
         let corner = |c: usize, axis: usize, k: usize| -> f32 {
             let r = &self.regs[place[each * c + if each == 2 { axis } else { 0 }] as usize];
-            if each == 2 {
-                if axis < 2 { at(r, k) } else { 0.0 }
-            } else {
-                at(run_of(r, 3, axis, n), k)
-            }
+            if each == 2 { if axis < 2 { at(r, k) } else { 0.0 } } else { at(run_of(r, 3, axis, n), k) }
         };
-        let uniform =
-            place.iter().all(|r| self.regs[*r as usize].len() == program.widths[*r as usize] as usize);
+        let uniform = place.iter().all(|r| self.regs[*r as usize].len() == program.widths[*r as usize] as usize);
         let lanes = if uniform { 1 } else { n };
         let mut out = vec![0.0; wd * lanes];
         for k in 0..lanes {
@@ -785,6 +786,12 @@ impl Machine {
                     (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
                 }
             }
+            query.light = ray.as_ref().map(|(l, sun)| {
+                // The light's ray ends at the place; a sun's begins far away.
+                let (l, far) = (triple(l, k, n), if *sun { 1e6 } else { 1.0 });
+                let scale = if *sun { far / dot(l, l).sqrt().max(1e-20) } else { 1.0 };
+                [0, 1, 2].map(|c| query.at[c] - l[c] * scale)
+            });
             let value = scene.map(&query);
             (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
         }
@@ -849,7 +856,16 @@ impl Machine {
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn call(&mut self, program: &Program, f: Builtin, dst: Reg, args: &[Reg], first: usize, wd: usize, scene: &dyn Scene) {
+    fn call(
+        &mut self,
+        program: &Program,
+        f: Builtin,
+        dst: Reg,
+        args: &[Reg],
+        first: usize,
+        wd: usize,
+        scene: &dyn Scene,
+    ) {
         let matrix = |v: &[f32; 16]| glam::Mat4::from_cols_array(v);
         match f {
             Builtin::Comp if first == 16 => {
@@ -887,7 +903,8 @@ impl Machine {
                 return self.pointwise(program, dst, args, |v| (matrix(&v[1]) * matrix(&v[0])).to_cols_array());
             }
             Builtin::MatrixDivide => {
-                return self.pointwise(program, dst, args, |v| (inverse(matrix(&v[1])) * matrix(&v[0])).to_cols_array());
+                return self
+                    .pointwise(program, dst, args, |v| (inverse(matrix(&v[1])) * matrix(&v[0])).to_cols_array());
             }
             Builtin::MatrixEqual => {
                 return self.pointwise(program, dst, args, |v| one16((v[0] == v[1]) as u8 as f32));
@@ -935,15 +952,16 @@ impl Machine {
             Builtin::Noise | Builtin::CellNoise if first == 3 && args.len() == 2 => {
                 return self.pointwise(program, dst, args, |v| {
                     let (p, t) = ([v[0][0], v[0][1], v[0][2]], v[1][0]);
-                    [0, 1, 2].map(|c| match f {
-                        Builtin::Noise => noise4(p, t, None, c),
-                        _ => cell_noise(p, (t.floor() as i32 as u32).wrapping_mul(0x2545_f491) ^ c),
-                    })
-                    .into_iter()
-                    .chain([0.0; 13])
-                    .collect::<Vec<f32>>()
-                    .try_into()
-                    .expect("sixteen numbers")
+                    [0, 1, 2]
+                        .map(|c| match f {
+                            Builtin::Noise => noise4(p, t, None, c),
+                            _ => cell_noise(p, (t.floor() as i32 as u32).wrapping_mul(0x2545_f491) ^ c),
+                        })
+                        .into_iter()
+                        .chain([0.0; 13])
+                        .collect::<Vec<f32>>()
+                        .try_into()
+                        .expect("sixteen numbers")
                 });
             }
             Builtin::Random => {
@@ -1128,8 +1146,7 @@ impl Machine {
         let matrix = scene.matrix(&self.texts[from as usize], &self.texts[to as usize]);
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
-            return self
-                .pointwise(program, dst, &[a], |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array());
+            return self.pointwise(program, dst, &[a], |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array());
         }
         let normal = glam::Mat3::from_mat4(m).inverse().transpose();
         let mut out = std::mem::take(&mut self.regs[dst as usize]);

@@ -40,8 +40,7 @@ struct Preprocessor<'a> {
 
 /// Tokens of a file and all that it includes, macros expanded; the last is [`Tok::End`].
 pub fn preprocess(path: &Path, text: &str, sources: &mut Sources, include: &Include<'_>) -> Result<Tokens, Error> {
-    let mut p =
-        Preprocessor { sources, include, macros: HashMap::new(), pending: vec![], out: vec![], depth: 0 };
+    let mut p = Preprocessor { sources, include, macros: HashMap::new(), pending: vec![], out: vec![], depth: 0 };
     let end = p.file(path, text)?;
     p.flush()?;
     let mut out = p.out;
@@ -53,10 +52,8 @@ impl Preprocessor<'_> {
     /// Read a file; returns the byte after its last.
     fn file(&mut self, path: &Path, text: &str) -> Result<usize, Error> {
         let base = self.sources.add(path, text);
-        let plain = without_comments(text).map_err(|at| Error {
-            at: base + at,
-            message: "a comment is not closed before the file ends".into(),
-        })?;
+        let plain = without_comments(text)
+            .map_err(|at| Error { at: base + at, message: "a comment is not closed before the file ends".into() })?;
         let mut branches: Vec<Branch> = vec![];
         let mut at = 0;
         for line in plain.split_inclusive('\n') {
@@ -105,8 +102,7 @@ impl Preprocessor<'_> {
             "elif" | "else" => {
                 let Some(mut branch) = branches.pop() else { return error(at, format!("`#{name}` without `#if`")) };
                 let outer = branches.iter().all(|b| b.taken);
-                branch.taken =
-                    outer && !branch.done && (name == "else" || self.condition(tokens(rest)?, at)?);
+                branch.taken = outer && !branch.done && (name == "else" || self.condition(tokens(rest)?, at)?);
                 branch.done |= branch.taken;
                 branches.push(branch);
             }
@@ -126,7 +122,9 @@ impl Preprocessor<'_> {
             other => {
                 return error(
                     at,
-                    format!("unknown directive `#{other}`, expected include, define, undef, if, ifdef, ifndef, elif, else, endif or error"),
+                    format!(
+                        "unknown directive `#{other}`, expected include, define, undef, if, ifdef, ifndef, elif, else, endif or error"
+                    ),
                 );
             }
         }
@@ -161,10 +159,12 @@ impl Preprocessor<'_> {
             .or(rest.strip_prefix('<').and_then(|r| r.strip_suffix('>')));
         let Some(name) = name else { return error(at, "expected `#include \"file\"`") };
         if self.depth >= MAX_INCLUDES {
-            return error(at, format!("files include each other more than {MAX_INCLUDES} deep: does `{name}` include itself?"));
+            return error(
+                at,
+                format!("files include each other more than {MAX_INCLUDES} deep: does `{name}` include itself?"),
+            );
         }
-        let (path, text) =
-            (self.include)(name, self.sources.path(at)).map_err(|message| Error { at, message })?;
+        let (path, text) = (self.include)(name, self.sources.path(at)).map_err(|message| Error { at, message })?;
         self.depth += 1;
         self.file(&path, &text)?;
         self.depth -= 1;

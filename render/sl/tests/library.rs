@@ -77,17 +77,32 @@ fn every_library_shader_compiles() {
 fn arrays_matrices_and_strings() {
     let body = |b: &str| ci(&format!("surface t() {{ {b} }}"), &[]);
     assert_eq!(body("float a[4] = {1, 2, 3, 4}; Ci = a[xcomp(P)];"), [1.0, 2.0, 3.0, 4.0]);
-    assert_eq!(body("float a[4]; float i; for (i = 0; i < 4; i += 1) a[i] = i * i; Ci = a[3 - xcomp(P)];"), [9.0, 4.0, 1.0, 0.0]);
+    assert_eq!(
+        body("float a[4]; float i; for (i = 0; i < 4; i += 1) a[i] = i * i; Ci = a[3 - xcomp(P)];"),
+        [9.0, 4.0, 1.0, 0.0]
+    );
     assert_eq!(body("float a[3]; a[xcomp(P)] = 5; Ci = a[1];"), [0.0, 5.0, 0.0, 0.0]);
     assert_eq!(body("string a[2] = {\"x\", \"y\"}; Ci = a[1] == \"y\" ? 1 : 0;"), [1.0; 4]);
     assert_eq!(body("matrix m = translate(1, vector(1, 0, 0)); Ci = xcomp(transform(m, P));"), [1.0, 2.0, 3.0, 4.0]);
-    assert_eq!(body("matrix m = rotate(1, 1.5707963, vector(0, 0, 1)); Ci = round(ycomp(vtransform(m, vector P)));"), [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(
+        body("matrix m = rotate(1, 1.5707963, vector(0, 0, 1)); Ci = round(ycomp(vtransform(m, vector P)));"),
+        [0.0, 1.0, 2.0, 3.0]
+    );
     assert_eq!(body("matrix m = scale(1, vector(2, 3, 4)); Ci = determinant(m) + comp(m, 1, 1);"), [27.0; 4]);
     assert_eq!(body("matrix m = 2; matrix i = m / m; Ci = i == 1 ? 7 : 0;"), [7.0; 4]);
-    assert_eq!(body("matrix m = (1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1); Ci = comp(transform(m, point(0, 0, 0)), 1);"), [6.0; 4]);
+    assert_eq!(
+        body("matrix m = (1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1); Ci = comp(transform(m, point(0, 0, 0)), 1);"),
+        [6.0; 4]
+    );
     assert_eq!(body("color c = (1, 2, 3); setcomp(c, 1, 9); Ci = comp(c, 1) + c[2];"), [12.0; 4]);
-    assert_eq!(body("Ci = match(\"gr.*\", concat(\"gra\", \"vel\")) + (format(\"%d\", 42) == \"42\" ? 1 : 0);"), [2.0; 4]);
-    assert_eq!(body("Ci = comp(color \"hsv\" (1/3, 1, 1), 1) + comp(ctransform(\"hsv\", color(0, 0, 1)), 2);"), [2.0; 4]);
+    assert_eq!(
+        body("Ci = match(\"gr.*\", concat(\"gra\", \"vel\")) + (format(\"%d\", 42) == \"42\" ? 1 : 0);"),
+        [2.0; 4]
+    );
+    assert_eq!(
+        body("Ci = comp(color \"hsv\" (1/3, 1, 1), 1) + comp(ctransform(\"hsv\", color(0, 0, 1)), 2);"),
+        [2.0; 4]
+    );
 }
 
 #[test]
@@ -101,7 +116,8 @@ fn control_flow_and_the_preprocessor() {
     let macros = "#define SQUARE(x) ((x) * (x))\n#define N 3\n#if N > 2 && defined(SQUARE)\n#define M SQUARE(N)\n#else\n#define M 0\n#endif
         /* a comment\n that runs on */ surface t() { Ci = M + SQUARE(xcomp(P)); // done\n }";
     assert_eq!(shader(macros), [9.0, 10.0, 13.0, 18.0]);
-    let inner = "surface t(float k = 3) { float twice(float x) { extern float k; return k * x; } Ci = twice(xcomp(P)); }";
+    let inner =
+        "surface t(float k = 3) { float twice(float x) { extern float k; return k * x; } Ci = twice(xcomp(P)); }";
     assert_eq!(shader(inner), [0.0, 3.0, 6.0, 9.0]);
     let outputs = "void g(float x; output float y; output color c) { y = x + 1; c = color(x, x, x); }
         surface t() { float y; color c; g(xcomp(P), y, c); Ci = y + c; }";
@@ -129,7 +145,8 @@ fn known_answers_of_functions() {
 #[test]
 fn lights_have_categories_and_messages() {
     let near_light = "light a(string __category = \"key,warm\"; float __nondiffuse = 0; output float power = 5;) { illuminate(point(0, 0, -1)) { Cl = 1; power = 7; } }";
-    let far_light = "light b(string __category = \"fill\"; float __nondiffuse = 1;) { solar(vector(0, 0, 1), 0) { Cl = 3; } }";
+    let far_light =
+        "light b(string __category = \"fill\"; float __nondiffuse = 1;) { solar(vector(0, 0, 1), 0) { Cl = 3; } }";
     let lights = &[near_light, far_light];
     let body = |b: &str| ci(&format!("surface t() {{ {b} }}"), lights)[0];
     assert_eq!(body("illuminance(\"key\", P) { Ci += Cl; }"), 1.0);

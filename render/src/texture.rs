@@ -1,0 +1,196 @@
+//! Textures: pictures as mip-maps, looked up with a filter as wide as a micropolygon.
+
+use crate::scene::Scene;
+use sl::ir::Lookup;
+use sl::machine::MapQuery;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+/// A picture and its reductions by halves; four channels, linear light.
+pub struct Texture {
+    levels: Vec<(usize, usize, Vec<[f32; 4]>)>,
+    /// What lies beyond its edges: `black`, `clamp` or `periodic`, along s and t.
+    wrap: [Wrap; 2],
+}
+
+/// What lies beyond an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wrap {
+    /// Nothing.
+    Black,
+    /// The edge's own values.
+    Clamp,
+    /// The picture again.
+    Periodic,
+}
+
+impl Wrap {
+    /// By its name; black if it is unknown.
+    pub fn of_name(name: &str) -> Wrap {
+        match name {
+            "clamp" => Wrap::Clamp,
+            "periodic" => Wrap::Periodic,
+            _ => Wrap::Black,
+        }
+    }
+}
+
+/// Names of textures, from `MakeTexture` and its kin: the picture that each is made of, and its wraps.
+pub type Made = HashMap<String, (PathBuf, [Wrap; 2])>;
+
+/// The textures of a scene, read when they are first asked for.
+#[derive(Default)]
+pub struct Textures {
+    /// Folders to look in.
+    folders: Vec<PathBuf>,
+    /// What `MakeTexture` named.
+    made: Made,
+    loaded: Mutex<HashMap<String, Option<Arc<Texture>>>>,
+}
+
+impl Textures {
+    /// Textures of files in folders.
+    pub fn new(folders: Vec<PathBuf>, made: Made) -> Textures {
+        Textures { folders, made, loaded: Mutex::default() }
+    }
+
+    /// A texture by its name; the first failure is a warning.
+    fn get(&self, name: &str, scene: &Scene) -> Option<Arc<Texture>> {
+        let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
+        if let Some(known) = loaded.get(name) {
+            return known.clone();
+        }
+        let (path, wrap) = match self.made.get(name) {
+            Some((path, wrap)) => (path.clone(), *wrap),
+            None => (PathBuf::from(name), [Wrap::Black; 2]),
+        };
+        let found = self.folders.iter().map(|f| f.join(&path)).find(|p| p.is_file()).unwrap_or(path);
+        let texture = Texture::read(&found, wrap);
+        if let Err(message) = &texture {
+            scene.warn(format!("texture `{name}` cannot be read and is black: {message}"));
+        }
+        let texture = texture.ok().map(Arc::new);
+        loaded.insert(name.into(), texture.clone());
+        texture
+    }
+
+    /// Size of a texture, if it can be read.
+    pub fn resolution(&self, name: &str, scene: &Scene) -> Option<[f32; 2]> {
+        let t = self.get(name, scene)?;
+        Some([t.levels[0].0 as f32, t.levels[0].1 as f32])
+    }
+
+    /// Four channels of a map at a place.
+    pub fn look_up(&self, q: &MapQuery, scene: &Scene) -> [f32; 4] {
+        let Some(texture) = self.get(q.name, scene) else { return [0.0; 4] };
+        let (at, change) = match q.how {
+            Lookup::Environment => {
+                // A map of longitude and latitude: z is up.
+                let place = |d: [f32; 3]| {
+                    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt().max(1e-20);
+                    let s = d[1].atan2(d[0]) / std::f32::consts::TAU;
+                    [s.rem_euclid(1.0), (d[2] / length).clamp(-1.0, 1.0).acos() / std::f32::consts::PI]
+                };
+                let here = place(q.at);
+                let width = q.change.map(|c| {
+                    let next = place([0, 1, 2].map(|k| q.at[k] + c[k]));
+                    let d = (next[0] - here[0] + 0.5).rem_euclid(1.0) - 0.5;
+                    [d, next[1] - here[1]]
+                });
+                (here, width)
+            }
+            _ => ([q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
+        };
+        let spread = |axis: usize| {
+            let d = change[0][axis].abs().max(change[1][axis].abs());
+            (d * q.width + 2.0 * q.blur).min(1.0)
+        };
+        let mut value = texture.filtered(at, [spread(0), spread(1)]);
+        if q.channel > 0 {
+            value = [0, 1, 2, 3].map(|k| value.get(k + q.channel).copied().unwrap_or(0.0));
+        }
+        value
+    }
+}
+
+impl Texture {
+    /// Read a picture.
+    fn read(path: &std::path::Path, wrap: [Wrap; 2]) -> Result<Texture, String> {
+        let mut reader = image::ImageReader::open(path)
+            .map_err(|e| e.to_string())?
+            .with_guessed_format()
+            .map_err(|e| e.to_string())?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(4 << 30);
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|e| e.to_string())?;
+        let linear = matches!(picture, image::DynamicImage::ImageRgb32F(_) | image::DynamicImage::ImageRgba32F(_));
+        let picture = picture.to_rgba32f();
+        let (w, h) = (picture.width() as usize, picture.height() as usize);
+        // Pictures of whole numbers are encoded for screens (IEC 61966-2-1).
+        let decode = |x: f32| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+        let texels = picture.pixels().map(|p| {
+            let [r, g, b, a] = p.0;
+            if linear { [r, g, b, a] } else { [decode(r), decode(g), decode(b), a] }
+        });
+        let mut levels = vec![(w, h, texels.collect::<Vec<_>>())];
+        while levels[levels.len() - 1].0 > 1 || levels[levels.len() - 1].1 > 1 {
+            let (w, h, from) = &levels[levels.len() - 1];
+            let (nw, nh) = (w.div_ceil(2), h.div_ceil(2));
+            let mut to = Vec::with_capacity(nw * nh);
+            for j in 0..nh {
+                for i in 0..nw {
+                    let at = |di: usize, dj: usize| from[(2 * j + dj).min(h - 1) * w + (2 * i + di).min(w - 1)];
+                    let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                    to.push([0, 1, 2, 3].map(|c| four.iter().map(|t| t[c]).sum::<f32>() * 0.25));
+                }
+            }
+            levels.push((nw, nh, to));
+        }
+        Ok(Texture { levels, wrap })
+    }
+
+    /// The mean about a place over a width, parts of the picture: between two levels, bilinear in each; a few along the longer side.
+    fn filtered(&self, at: [f32; 2], width: [f32; 2]) -> [f32; 4] {
+        let (w, h) = (self.levels[0].0 as f32, self.levels[0].1 as f32);
+        let texels = [(width[0] * w).max(1.0), (width[1] * h).max(1.0)];
+        let long = if texels[0] > texels[1] { 0 } else { 1 };
+        let ratio = (texels[long] / texels[1 - long]).min(8.0);
+        let taps = ratio.ceil() as usize;
+        let level = (texels[long] / ratio).log2().clamp(0.0, (self.levels.len() - 1) as f32);
+        let (lower, t) = (level.floor() as usize, level.fract());
+        let upper = (lower + 1).min(self.levels.len() - 1);
+        let mut sum = [0.0; 4];
+        for k in 0..taps {
+            let mut place = at;
+            place[long] += width[long] * ((k as f32 + 0.5) / taps as f32 - 0.5);
+            let (a, b) = (self.bilinear(lower, place), self.bilinear(upper, place));
+            (0..4).for_each(|c| sum[c] += (a[c] * (1.0 - t) + b[c] * t) / taps as f32);
+        }
+        sum
+    }
+
+    fn bilinear(&self, level: usize, at: [f32; 2]) -> [f32; 4] {
+        let (w, h, texels) = &self.levels[level];
+        let (x, y) = (at[0] * *w as f32 - 0.5, at[1] * *h as f32 - 0.5);
+        if !(x.is_finite() && y.is_finite()) {
+            return [0.0; 4];
+        }
+        let (i, j) = (x.floor(), y.floor());
+        let wrapped = |k: f32, n: usize, wrap: Wrap| match wrap {
+            Wrap::Periodic => Some(k.rem_euclid(n as f32) as usize % n),
+            Wrap::Clamp => Some(k.clamp(0.0, n as f32 - 1.0) as usize),
+            // Half a texel beyond the edge still belongs to it.
+            Wrap::Black if k >= -1.0 && k <= n as f32 => Some(k.clamp(0.0, n as f32 - 1.0) as usize),
+            Wrap::Black => None,
+        };
+        let texel = |i: f32, j: f32| match (wrapped(i, *w, self.wrap[0]), wrapped(j, *h, self.wrap[1])) {
+            (Some(i), Some(j)) => texels[j * w + i],
+            _ => [0.0; 4],
+        };
+        let (s, t) = (x - i, y - j);
+        let (a, b, c, d) = (texel(i, j), texel(i + 1.0, j), texel(i, j + 1.0), texel(i + 1.0, j + 1.0));
+        [0, 1, 2, 3].map(|k| (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (c[k] * (1.0 - s) + d[k] * s) * t)
+    }
+}

@@ -1,0 +1,4 @@
+surface s() {
+    float a[3] = {1, 2, 3};
+    Ci = a[3]; // FAULT
+}

@@ -1,0 +1,4 @@
+surface s() {
+    float a[0]; // FAULT
+    Ci = a[0];
+}

@@ -1,0 +1,3 @@
+surface s() {
+    Ci = color "hvs" (1, 1, 1); // FAULT
+}

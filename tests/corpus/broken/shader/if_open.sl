@@ -1,0 +1,2 @@
+#ifdef X // FAULT
+surface s() { Ci = 1; }

@@ -1,0 +1,2 @@
+#include "nowhere.h" // FAULT
+surface s() { Ci = 1; }

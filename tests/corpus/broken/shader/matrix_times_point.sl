@@ -1,0 +1,4 @@
+surface s() {
+    matrix m = 1;
+    Ci = m * P; // FAULT
+}

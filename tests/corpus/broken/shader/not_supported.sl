@@ -1,3 +1,0 @@
-surface t() {
-    Ci = texture("a.tx"); // FAULT
-}
