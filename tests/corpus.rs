@@ -1,6 +1,11 @@
-//! Broken files of every kind: each is answered with file, line and column, and none with a panic.
+//! The corpus: sound RIB and shaders of every call, statement and function, held to snapshots; and broken files of every kind,
+//! each answered with file, line and column, and none with a panic.
 
 use crate::cli::scree;
+use render::ri::files::Files;
+use render::ri::reader;
+use render::ri::writer::Writer;
+use render::sl;
 use std::path::{Path, PathBuf};
 
 #[test]
@@ -28,4 +33,76 @@ fn broken_files_are_answered_with_their_place() {
             }
         }
     }
+}
+
+fn corpus(room: &str, ending: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(room);
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|f| f.extension().is_some_and(|e| e == ending));
+    files.sort();
+    assert!(files.len() >= 150, "{} has {} files", folder.display(), files.len());
+    files.into_iter().map(|f| (f.clone(), std::fs::read(f).unwrap())).collect()
+}
+
+/// Hold a text to a snapshot beside the corpus; with SCREE_UPDATE set, write the snapshot instead.
+fn hold(name: &str, now: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(name);
+    if std::env::var_os("SCREE_UPDATE").is_some() {
+        return std::fs::write(path, now).unwrap();
+    }
+    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    let differs = before.lines().zip(now.lines()).position(|(a, b)| a != b);
+    if before != now {
+        let line = differs.unwrap_or(before.lines().count().min(now.lines().count()));
+        let show = |t: &str| t.lines().nth(line).unwrap_or("(the end)").to_string();
+        panic!("{name}:{}: was `{}`, is `{}`", line + 1, show(&before), show(now));
+    }
+}
+
+/// The calls of a RIB stream as ASCII, or as the bytestream.
+fn calls(path: &Path, rib: &[u8], binary: bool) -> Vec<u8> {
+    let mut writer = if binary { Writer::binary(Vec::new()) } else { Writer::new(Vec::new()) }.unwrap();
+    let path = PathBuf::from(path.file_name().unwrap());
+    match reader::read(&path, rib, &Files::default(), &mut writer, &mut |_, _| Ok(())) {
+        Ok(()) => writer.into_inner(),
+        Err(e) => format!("error: {e}\n").into_bytes(),
+    }
+}
+
+#[test]
+fn the_calls_of_the_corpus_are_as_they_were() {
+    let mut all = String::new();
+    for (path, rib) in corpus("rib", "rib") {
+        let once = calls(&path, &rib, false);
+        assert!(!once.starts_with(b"error"), "{}", String::from_utf8_lossy(&once));
+        all += &format!("== {}\n{}", path.file_name().unwrap().to_string_lossy(), String::from_utf8_lossy(&once));
+        // What was written reads as what it was written from: ASCII, binary, and packed.
+        let show = |rib: &[u8]| String::from_utf8_lossy(&calls(&path, rib, false)).into_owned();
+        let expected = String::from_utf8_lossy(&once);
+        assert_eq!(show(&once), expected, "{}", path.display());
+        let binary = calls(&path, &rib, true);
+        assert_eq!(show(&binary), expected, "{}", path.display());
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        std::io::Write::write_all(&mut packer, &binary).unwrap();
+        assert_eq!(show(&packer.finish().unwrap()), expected, "{}", path.display());
+    }
+    hold("rib.snapshot", &all);
+}
+
+#[test]
+fn the_corpus_is_taken_by_the_renderer() {
+    let files: Vec<String> = corpus("rib", "rib").into_iter().map(|(p, _)| p.to_string_lossy().into_owned()).collect();
+    let args: Vec<&str> = std::iter::once("check").chain(files.iter().map(String::as_str)).collect();
+    scree(&args).ok();
+}
+
+#[test]
+fn the_ir_of_the_corpus_is_as_it_was() {
+    let mut all = String::new();
+    for (path, source) in corpus("shader", "sl") {
+        let name = PathBuf::from(path.file_name().unwrap());
+        let program = sl::compile(&name, &String::from_utf8(source).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        all += &format!("== {}\n{program}", name.display());
+    }
+    hold("shader.snapshot", &all);
 }

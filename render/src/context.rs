@@ -55,6 +55,8 @@ pub struct Context {
     transform_stack: Vec<Mat4>,
     to_camera: Option<Mat4>,
     bases: ([f32; 16], [f32; 16]),
+    /// Lights that were made, on or off, by their handles.
+    known_lights: Vec<(String, Arc<BoundShader>)>,
     steps: [usize; 2],
     trim: Option<Arc<Trim>>,
     /// Calls of the motion block at hand that were taken; the first is the one that counts.
@@ -138,6 +140,7 @@ impl Context {
             transform_stack: vec![],
             to_camera: None,
             bases: (BEZIER, BEZIER),
+            known_lights: vec![],
             steps: [3, 3],
             trim: None,
             motion: None,
@@ -622,14 +625,15 @@ impl Ri for Context {
     fn light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
         let light = self.shader(name, "light", params)?;
         self.attributes.lights.retain(|(h, _)| h != handle);
-        self.attributes.lights.push((handle.into(), light));
+        self.attributes.lights.push((handle.into(), light.clone()));
+        self.known_lights.retain(|(h, _)| h != handle);
+        self.known_lights.push((handle.into(), light));
         self.lights_changed();
         Ok(())
     }
     fn illuminate(&mut self, handle: &str, on: bool) -> RiResult {
         let known = |lights: &[(String, Arc<BoundShader>)]| lights.iter().find(|(h, _)| h == handle).cloned();
-        let light = known(&self.attributes.lights)
-            .or_else(|| self.attribute_stack.iter().rev().find_map(|(a, _)| known(&a.lights)));
+        let light = known(&self.known_lights);
         let Some(light) = light else { return Err(Fail::new(format!("there is no light `{handle}`"))) };
         self.attributes.lights.retain(|(h, _)| h != handle);
         if on {

@@ -29,6 +29,8 @@ impl Encoder {
                     let mut list = Vec::new();
                     lexer.numbers(&mut list).map_err(Fail::new)?;
                     match lexer.next().map_err(Fail::new)? {
+                        // Of an empty list nobody knows what it holds.
+                        Some(Token::Close) if list.is_empty() => out.extend(b"[]"),
                         Some(Token::Close) => array(&list, &mut out),
                         Some(Token::Text(text)) => {
                             out.push(b'[');

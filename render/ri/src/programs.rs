@@ -31,13 +31,13 @@ impl Programs {
         }
         let running = self.0.get_mut(program).expect("started above");
         let asked = writeln!(running.stdin, "{detail} {request}").and_then(|_| running.stdin.flush());
-        let answer =
-            asked.map_err(|e| format!("program `{program}` takes no request: {e}")).and_then(|_| {
-                match running.answers.recv_timeout(PATIENCE) {
-                    Ok(answer) => answer.map_err(|e| format!("program `{program}` {e}")),
-                    Err(_) => Err(format!("program `{program}` gave no answer within {} s", PATIENCE.as_secs())),
-                }
-            });
+        // A program may answer without reading what it is asked.
+        let answer = match (running.answers.recv_timeout(PATIENCE), asked) {
+            (Ok(Ok(answer)), _) => Ok(answer),
+            (Ok(Err(e)), _) => Err(format!("program `{program}` {e}")),
+            (Err(_), Err(e)) => Err(format!("program `{program}` takes no request: {e}")),
+            (Err(_), Ok(())) => Err(format!("program `{program}` gave no answer within {} s", PATIENCE.as_secs())),
+        };
         if answer.is_err() {
             // Dropping it ends it.
             self.0.remove(program);

@@ -108,7 +108,6 @@ const KNOWN: &[&str] = &[
     "IfEnd",
     "ArchiveBegin",
     "ArchiveEnd",
-    "ArchiveRecord",
 ];
 
 /// A failure, and whether it lies in the arguments rather than in the call.
@@ -522,10 +521,6 @@ fn read_arguments(r: &mut Reader<'_>, name: &str) -> Result<Box<dyn FnOnce(&mut 
         "MakeShadow" => {
             let (from, to, params) = (r.string()?, r.string()?, r.params()?);
             call!(make_shadow, &from, &to, params)
-        }
-        "ArchiveRecord" => {
-            let (kind, text) = (r.string()?, r.string()?);
-            call!(archive_record, &kind, &text)
         }
         "ArchiveEnd" => return Err(Fail::new("`ArchiveEnd` without `ArchiveBegin`")),
         other => {

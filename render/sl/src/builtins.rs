@@ -70,7 +70,7 @@ void fresnel7_(vector i; normal n; float eta; output float kr; output float kt; 
     t = refract(i, n, eta);
 }
 float filterstep2_(float edge, float x) {
-    float w = max(filterwidth_(x), 1e-6);
+    float w = max(filterwidth(x), 1e-6);
     return clamp((x + 0.5 * w - edge) / w, 0, 1);
 }
 float filterstep3_(float edge, float a, float b) {
@@ -148,7 +148,7 @@ pub const SIGNATURES: &[Signature] = &[
     ("transmission", Some(Ty::Color), &[T, T], How::Call(Builtin::Transmission)),
     ("area", Some(Ty::Float), &[T], How::Call(Builtin::Area)),
     ("calculatenormal", Some(Ty::Normal), &[T], How::Call(Builtin::CalculateNormal)),
-    ("filterwidth_", Some(Ty::Float), &[F], How::Call(Builtin::Width)),
+    ("filterwidth", Some(Ty::Float), &[F], How::Call(Builtin::Width)),
     ("determinant", Some(Ty::Float), &[M], How::Call(Builtin::Determinant)),
     ("translate", Some(Ty::Matrix), &[M, T], How::Call(Builtin::Translate)),
     ("rotate", Some(Ty::Matrix), &[M, F, T], How::Call(Builtin::Rotate)),

@@ -159,7 +159,13 @@ impl<'a> Lower<'a> {
         }
         // What a function's own variables hold hangs on what it is called with.
         let varying = v.varying && self.calling.is_empty();
-        Ok(Value { ty: v.ty, reg, varying, array: v.array.map_or(0, |n| n.max(1) as u16), fixed: !v.varying })
+        Ok(Value {
+            ty: v.ty,
+            reg,
+            varying,
+            array: v.array.map_or(0, |n| n.max(1) as u16),
+            fixed: !v.varying && !v.output,
+        })
     }
 
     /// Store what a variable starts with.

@@ -1,0 +1,8 @@
+// Bumps by a picture.
+displacement bumpy(float Km = 1; string texturename = "";) {
+    float amplitude = 0;
+    if (texturename != "")
+        amplitude = Km * float texture(texturename);
+    P += amplitude * normalize(N);
+    N = calculatenormal(P);
+}

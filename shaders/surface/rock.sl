@@ -1,0 +1,14 @@
+// Broken rock: layers, cracks and a little lichen.
+#include "grain.h"
+surface rock(float Ka = 1; float Kd = 0.85; float Ks = 0.08; float size = 0.1; color dark = color(0.28, 0.26, 0.24);
+             color light = color(0.62, 0.58, 0.53); float lichen = 0.3;) {
+    normal Nf = faceforward(normalize(N), I);
+    point q = transform("object", P) / size;
+    float layer = octaves(q * 2 + vector(0, 0, 3 * zcomp(q)), 5);
+    float crack = smoothstep(0.0, 0.08, abs(octaves(q * 1.7 + vector(5, 2, 9), 4)));
+    color c = mix(dark, light, clamp(0.5 + layer, 0, 1)) * mix(0.45, 1, crack);
+    float grown = smoothstep(0.12, 0.3, octaves(q * 3 + vector(11, 7, 1), 4)) * lichen;
+    c = mix(c, color(0.55, 0.6, 0.32), grown);
+    Oi = Os;
+    Ci = Os * Cs * (c * (Ka * ambient() + Kd * diffuse(Nf)) + Ks * specular(Nf, -normalize(I), 0.25));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = ctransform("hsv", Cs) + ctransform("hsv", "rgb", Cs);
+}

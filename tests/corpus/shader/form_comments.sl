@@ -1,0 +1,3 @@
+/* a
+ shader */ surface t() { // here
+ Ci = /* one */ 1; }

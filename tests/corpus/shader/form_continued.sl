@@ -1,0 +1,4 @@
+#define SUM(a, b) \
+    ((a) + \
+     (b))
+surface t() { Ci = SUM(1, 2); }

@@ -1,0 +1,2 @@
+float sq(float x) { return x * x; }
+surface t() { Ci = sq(s); }

@@ -1,0 +1,1 @@
+surface t(float k = 2;) { float f(float x) { extern float k; return k * x; } Ci = f(s); }

@@ -1,0 +1,5 @@
+#ifdef NOTHING
+broken here
+#else
+surface t() { Ci = 1; }
+#endif

@@ -1,0 +1,1 @@
+surface t(float a = 1, b = 2; color c = color "hsv" (0.1, 0.5, 1); point p = point "shader" (0, 0, 1); vector v = (0, 0, 1); normal n = (0, 0, 1); string s1 = "x"; output varying color o = 0; varying float w = 0) { o = c * a * b; Ci = o * w + length(p) + xcomp(v) + xcomp(n); }

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = distance(P, point(0, 0, 0));
+}

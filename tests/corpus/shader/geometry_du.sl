@@ -1,0 +1,3 @@
+surface t() {
+    Ci = Du(s) * du + Dv(s) * dv;
+}

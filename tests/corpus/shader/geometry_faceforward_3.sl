@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(faceforward(N, I, Ng));
+}

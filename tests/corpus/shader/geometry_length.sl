@@ -1,0 +1,3 @@
+surface t() {
+    Ci = length(P);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(ntransform("camera", N));
+}

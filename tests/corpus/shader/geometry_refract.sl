@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(refract(I, N, 0.7));
+}

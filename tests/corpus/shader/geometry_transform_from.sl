@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(transform("object", "camera", P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(P) + ycomp(P) + zcomp(P);
+}

@@ -1,0 +1,1 @@
+light l(float intensity = 1; point from = (0, 0, 1); point to = (0, 0, 0); float coneangle = 0.5;) { uniform vector A = normalize(to - from); illuminate(from, A, coneangle) { Cl = intensity * smoothstep(cos(coneangle), 1, A . normalize(L)); } }

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = Cs * diffuse(faceforward(normalize(N), I));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    illuminance(P) { Ci += Cl; }
+}

@@ -1,0 +1,3 @@
+surface t() {
+    illuminance("key", P, N, PI / 2) { Ci += Cl; }
+}

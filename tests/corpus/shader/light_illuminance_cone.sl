@@ -1,0 +1,3 @@
+surface t() {
+    illuminance(P, N, 1.2) { Ci += Cl; }
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = 1 - occlusion(P, normalize(N), 16);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = phong(normalize(N), -normalize(I), 20);
+}

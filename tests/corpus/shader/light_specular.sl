@@ -1,0 +1,3 @@
+surface t() {
+    Ci = specular(normalize(N), -normalize(I), 0.1);
+}

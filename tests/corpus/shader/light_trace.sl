@@ -1,0 +1,3 @@
+surface t() {
+    Ci = trace(P, reflect(I, N));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    float d = trace(P, N); Ci = d;
+}

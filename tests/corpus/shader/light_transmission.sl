@@ -1,0 +1,3 @@
+surface t() {
+    Ci = transmission(P, P + N);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = environment("e.env", reflect(I, N));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = texture3d("x.bkm", P, N);
+}

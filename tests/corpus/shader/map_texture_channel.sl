@@ -1,0 +1,3 @@
+surface t() {
+    Ci = float texture("a.tx"[1], s, t);
+}

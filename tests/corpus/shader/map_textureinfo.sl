@@ -1,0 +1,3 @@
+surface t() {
+    float r[2]; textureinfo("a.tx", "resolution", r); Ci = r[0];
+}

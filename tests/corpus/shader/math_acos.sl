@@ -1,0 +1,3 @@
+surface t() {
+    Ci = acos(xcomp(P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = atan(s, t);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = clamp(s, 0.2, 0.8);
+}

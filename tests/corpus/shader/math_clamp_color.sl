@@ -1,0 +1,3 @@
+surface t() {
+    Ci = clamp(Cs, color 0, color 1);
+}

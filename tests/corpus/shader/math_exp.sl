@@ -1,0 +1,3 @@
+surface t() {
+    Ci = exp(xcomp(P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = filterstep(0.5, s);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = log(s + 1, 2);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = min(s, t, 0.5, u);
+}

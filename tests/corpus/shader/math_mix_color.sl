@@ -1,0 +1,3 @@
+surface t() {
+    Ci = mix(Cs, color 1, 0.5);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = mod(s * 10, 3);
+}

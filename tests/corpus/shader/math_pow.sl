@@ -1,0 +1,3 @@
+surface t() {
+    Ci = pow(s, 2);
+}

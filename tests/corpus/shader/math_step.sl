@@ -1,0 +1,3 @@
+surface t() {
+    Ci = step(0.5, s);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = (matrix 1 == 1) ? 1 : 0;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = determinant(matrix 2);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(transform("object", matrix 2, P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = comp(matrix 1, 0, 0);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = determinant(mtransform("world", matrix 2));
+}

@@ -1,0 +1,3 @@
+surface t(matrix m = 1;) {
+    Ci = xcomp(transform(m, P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = xcomp(transform(translate(1, vector(1,2,3)), P));
+}

@@ -1,0 +1,3 @@
+surface t() {
+    float d = 0; atmosphere("distance", d); Ci = d;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    float r = 1; attribute("ShadingRate", r); Ci = r;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    float k = 0; incident("Kd", k); Ci = k;
+}

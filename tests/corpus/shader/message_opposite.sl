@@ -1,0 +1,3 @@
+surface t() {
+    float k = 0; opposite("Kd", k); Ci = k;
+}

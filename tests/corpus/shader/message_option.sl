@@ -1,0 +1,3 @@
+surface t() {
+    float c[2]; option("Clipping", c); Ci = c[0];
+}

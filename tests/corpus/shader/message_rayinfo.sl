@@ -1,0 +1,3 @@
+surface t() {
+    float d; rayinfo("depth", d); Ci = d;
+}

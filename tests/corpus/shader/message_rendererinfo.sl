@@ -1,0 +1,3 @@
+surface t() {
+    string n; rendererinfo("renderer", n); Ci = n == "scree" ? 1 : 0;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    float k = 0; surface("Kd", k); Ci = k;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = comp(point noise(P), 0);
+}

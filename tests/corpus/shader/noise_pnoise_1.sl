@@ -1,0 +1,3 @@
+surface t() {
+    Ci = pnoise(s, 4);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = pnoise(s, t, 4, 4);
+}

@@ -1,0 +1,3 @@
+surface t() {
+    Ci = pnoise(P, point(4, 4, 4));
+}

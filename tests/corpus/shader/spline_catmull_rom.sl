@@ -1,0 +1,3 @@
+surface t() {
+    Ci = spline("catmull-rom", s, 0, 0.2, 0.8, 1);
+}

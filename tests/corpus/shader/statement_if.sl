@@ -1,0 +1,3 @@
+surface t() {
+    if (s > 0.5) Ci = 1;
+}

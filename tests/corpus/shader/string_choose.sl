@@ -1,0 +1,3 @@
+surface t(string name = "gravel";) {
+    Ci = (s > 0.5 ? name : "sand") == "sand" ? 1 : 0;
+}

@@ -1,0 +1,3 @@
+surface t(string name = "gravel";) {
+    Ci = name == "gravel" ? 1 : 0;
+}

@@ -1,0 +1,3 @@
+surface t() {
+    printf("%f\n", 1); Ci = 1;
+}

@@ -1,0 +1,3 @@
+surface t(string name = "gravel";) {
+    Ci = name != "sand" ? 1 : 0;
+}
