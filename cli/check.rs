@@ -44,7 +44,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             }
             Yaml::Metadata => {
                 let checked = metadata::read(path)?;
-                job::check_library(&checked, &library::files(folder))?;
+                job::check_library(&checked, &checked.files(library::files(folder)))?;
                 if checked.metadata.data.is_some() {
                     let source = checked.open_data()?;
                     if let Some(first) = source.numbers().first() {

@@ -26,7 +26,7 @@ pub enum Yaml {
 pub fn kind_of(path: &Path) -> Outcome<Yaml> {
     let (keys, doc): (BTreeMap<String, serde::de::IgnoredAny>, _) = frame::yaml::read(path)?;
     let has = |names: &[&str]| names.iter().any(|n| keys.contains_key(*n));
-    if has(&["objects", "model", "data", "scene"]) {
+    if has(&["objects", "model", "data", "scene", bind::chronorender::ROOT]) {
         Ok(Yaml::Metadata)
     } else if has(&["bodies", "fills", "assemblies", "terrains", "base", "stages", "materials", "gravity", "step"]) {
         Ok(Yaml::Model)
@@ -87,7 +87,7 @@ impl Pictures {
             }
             (None, None) => existing,
         };
-        let files = library::files(&checked.folder());
+        let files = checked.files(library::files(&checked.folder()));
         checked.check_columns(&source.read(frames[0])?)?;
         check_library(&checked, &files)?;
         Ok(Pictures { checked, source, files, frames, folder })

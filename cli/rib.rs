@@ -18,7 +18,7 @@ pub fn command(args: &RibArgs) -> Outcome {
     }
     let table = data.read(args.frame)?;
     checked.check_columns(&table)?;
-    let files = library::files(&checked.folder());
+    let files = checked.files(library::files(&checked.folder()));
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     emit::frame(&checked, &table, &format!("{:06}.png", args.frame), &files, &mut writer)?;
     let bytes = writer.into_inner();

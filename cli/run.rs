@@ -18,7 +18,7 @@ pub fn run(args: &RunArgs) -> Outcome {
         Yaml::Metadata => {
             let checked = metadata::read(&args.input)?;
             // Everything that can be checked before hours of work is checked first.
-            job::check_library(&checked, &crate::library::files(&checked.folder()))?;
+            job::check_library(&checked, &checked.files(crate::library::files(&checked.folder())))?;
             let data = source::data_of(&checked, &home, args.fresh)?;
             (checked, data)
         }

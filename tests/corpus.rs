@@ -6,7 +6,9 @@ use render::ri::files::Files;
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::sl;
+use render::sl::machine::{BoundShader, Machine, Points, Scene};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[test]
 fn broken_files_are_answered_with_their_place() {
@@ -94,6 +96,79 @@ fn the_corpus_is_taken_by_the_renderer() {
     let files: Vec<String> = corpus("rib", "rib").into_iter().map(|(p, _)| p.to_string_lossy().into_owned()).collect();
     let args: Vec<&str> = std::iter::once("check").chain(files.iter().map(String::as_str)).collect();
     scree(&args).ok();
+}
+
+/// A scene with a light of each kind, nothing else, and spaces that are all the same.
+struct Bare(Vec<Arc<BoundShader>>);
+
+impl Scene for Bare {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        &self.0
+    }
+    fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
+        None
+    }
+    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
+        [1.0; 3]
+    }
+    fn print(&self, _: &str) {}
+}
+
+#[test]
+fn every_shader_runs_over_grids_of_any_shape() {
+    let bind = |name: &str, source: &str, scene: &Bare| {
+        let program = sl::compile_with(Path::new(name), source, &include).unwrap_or_else(|e| panic!("{e}"));
+        Arc::new(BoundShader::new(Arc::new(program), vec![], vec![], scene))
+    };
+    fn include(name: &str, _: &Path) -> Result<(PathBuf, String), String> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/include").join(name);
+        std::fs::read_to_string(&path).map(|text| (path, text)).map_err(|e| e.to_string())
+    }
+    let nothing = Bare(vec![]);
+    let lights = [
+        "light a(float intensity = 2;) { Cl = intensity; }",
+        "light b(string __category = \"key\";) { illuminate(point(1, 1, -3)) { Cl = 1 / (L . L); } }",
+        "light c() { solar(vector(0, 0, 1), 0) { Cl = 1 - shadow(\"map\", Ps); } }",
+    ];
+    let scene = Bare(lights.iter().map(|l| bind("light.sl", l, &nothing)).collect());
+    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut all = corpus("shader", "sl");
+    for room in ["surface", "displacement", "light", "volume", "imager"] {
+        let files = std::fs::read_dir(library.join(room)).unwrap().map(|e| e.unwrap().path());
+        all.extend(files.map(|f| (f.clone(), std::fs::read(f).unwrap())));
+    }
+    let mut machine = Machine::new();
+    for (path, source) in all {
+        let shader = bind(path.to_str().unwrap(), &String::from_utf8(source).unwrap(), &scene);
+        for (nu, nv) in [(1, 1), (5, 3), (16, 16)] {
+            let n = nu * nv;
+            let grid = |f: &dyn Fn(f32, f32) -> f32| -> Vec<f32> {
+                (0..n).map(|k| f((k % nu) as f32 / nu as f32, (k / nu) as f32 / nv as f32)).collect()
+            };
+            let mut points = Points { nu, nv, orientation: 1.0, ..Points::default() };
+            let place = [grid(&|u, _| u), grid(&|_, v| v), grid(&|u, v| u * v)].concat();
+            for name in ["P", "I"] {
+                points.globals.push((name, place.clone()));
+            }
+            for name in ["N", "Ng"] {
+                points.globals.push((name, [vec![0.0; n], vec![0.0; n], vec![-1.0; n]].concat()));
+            }
+            for name in ["u", "s"] {
+                points.globals.push((name, grid(&|u, _| u)));
+            }
+            for name in ["v", "t"] {
+                points.globals.push((name, grid(&|_, v| v)));
+            }
+            for name in ["Cs", "Os", "Oi"] {
+                points.globals.push((name, vec![1.0; 3]));
+            }
+            points.globals.push(("Ci", vec![0.0; 3]));
+            machine.run(&shader, &mut points, &scene);
+            let ci = points.get("Ci").unwrap();
+            assert!(ci.len() == 3 || ci.len() == 3 * n, "{}: {} values for {n} points", path.display(), ci.len());
+            assert!(ci.iter().all(|x| x.is_finite()), "{}: {ci:?}", path.display());
+        }
+    }
 }
 
 #[test]

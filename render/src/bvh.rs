@@ -267,7 +267,9 @@ impl Bvh {
                     let q = s.cross(ab);
                     let v = dir.dot(q) * inv;
                     let t = ac.dot(q) * inv;
-                    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias && t < length
+                    // A facet stands off the curved surface that it is of: its own neighbourhood is not in its shadow.
+                    let facet = if flat { 0.0 } else { ab.length().max(ac.length()) * if own { 2.0 } else { 0.5 } };
+                    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias.max(facet) && t < length
                 }
             }
         }

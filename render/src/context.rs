@@ -179,7 +179,9 @@ impl Context {
     /// Load, compile and bind a shader.
     fn shader(&mut self, name: &str, kind: &str, params: Params) -> Result<Arc<BoundShader>, Fail> {
         let file = if name.ends_with(".sl") { name.to_string() } else { format!("{name}.sl") };
-        let program = match self.programs.get(&file) {
+        // A surface and a displacement may have the same name.
+        let key = format!("{kind}/{file}");
+        let program = match self.programs.get(&key) {
             Some(program) => program.clone(),
             None => {
                 let rooms = [format!("shaders/{kind}"), "shaders".into()];
@@ -188,7 +190,7 @@ impl Context {
                     self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
                 let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
                     .map_err(|d| Fail::new(format!("in shader {d}")))?;
-                self.programs.entry(file).or_insert(Arc::new(program)).clone()
+                self.programs.entry(key).or_insert(Arc::new(program)).clone()
             }
         };
         if program.kind.name() != kind {

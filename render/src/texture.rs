@@ -83,6 +83,10 @@ impl Textures {
 
     /// Four channels of a map at a place.
     pub fn look_up(&self, q: &MapQuery, scene: &Scene) -> [f32; 4] {
+        // Shaders whose map is optional ask for none.
+        if q.name.is_empty() {
+            return [0.0; 4];
+        }
         let Some(texture) = self.get(q.name, scene) else { return [0.0; 4] };
         let (at, change) = match q.how {
             Lookup::Environment => {

@@ -4,6 +4,7 @@
 //! [`data::Source`] reads the frames; [`emit`] reads a predefined scene and, at its `#scree inject` directives, makes the
 //! RenderMan calls that draw a frame. [`suggest`] writes a starting metadata file for data that has none.
 
+pub mod chronorender;
 pub mod colormap;
 pub mod data;
 pub mod emit;

@@ -1,10 +1,12 @@
 //! The metadata file as types, checked.
 
+use crate::chronorender;
 use crate::data::Source;
 use crate::expr::Expr;
 use frame::csv::Layout;
 use frame::yaml::Document;
 use frame::{Fault, Frame, nearest, run, sequence};
+use ri::files::Files;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -380,25 +382,47 @@ pub struct Checked {
     pub metadata: Metadata,
     /// Where it says it.
     pub doc: Document,
+    /// Files that it brings itself: names and texts.
+    pub made: Vec<(String, String)>,
+    /// Folders to look in besides its own.
+    pub folders: Vec<PathBuf>,
 }
 
 /// Read and check a metadata file.
 pub fn read(path: &Path) -> Result<Checked, Fault> {
+    let (any, doc): (serde_yaml::Value, Document) = frame::yaml::read(path)?;
+    if let Some(job) = any.get(chronorender::ROOT) {
+        let checked = chronorender::translate(job, doc)?;
+        checked.check()?;
+        return Ok(checked);
+    }
     let (metadata, doc) = frame::yaml::read(path)?;
     check(metadata, doc)
 }
 
 /// Check a metadata file that was read.
 pub fn check(metadata: Metadata, doc: Document) -> Result<Checked, Fault> {
-    let checked = Checked { metadata, doc };
-    checked.check_output()?;
-    for (i, object) in checked.metadata.objects.iter().enumerate() {
-        checked.check_object(i, object)?;
-    }
+    let checked = Checked { metadata, doc, made: vec![], folders: vec![] };
+    checked.check()?;
     Ok(checked)
 }
 
 impl Checked {
+    fn check(&self) -> Result<(), Fault> {
+        self.check_output()?;
+        self.metadata.objects.iter().enumerate().try_for_each(|(i, object)| self.check_object(i, object))
+    }
+
+    /// A search path that also has what the file brings itself.
+    pub fn files(&self, mut files: Files) -> Files {
+        for (name, text) in &self.made {
+            // A handful of texts for the program's whole life.
+            files.built_in.push((Box::leak(name.clone().into_boxed_str()), Box::leak(text.clone().into_boxed_str())));
+        }
+        files.folders.extend(self.folders.iter().cloned());
+        files
+    }
+
     /// The folder that relative paths start from.
     pub fn folder(&self) -> PathBuf {
         self.doc.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()

@@ -759,8 +759,11 @@ impl Machine {
         // One point: s and t as two numbers, others as a triple. Four: the corners of the filter's area.
         let each = if *how == Lookup::Texture { 2 } else { 1 };
         let corner = |c: usize, axis: usize, k: usize| -> f32 {
-            let r = &self.regs[place[each * c + if each == 2 { axis } else { 0 }] as usize];
-            if each == 2 { if axis < 2 { at(r, k) } else { 0.0 } } else { at(run_of(r, 3, axis, n), k) }
+            match (each, axis) {
+                (2, 2) => 0.0,
+                (2, _) => at(&self.regs[place[2 * c + axis] as usize], k),
+                _ => at(run_of(&self.regs[place[c] as usize], 3, axis, n), k),
+            }
         };
         let uniform = place.iter().all(|r| self.regs[*r as usize].len() == program.widths[*r as usize] as usize);
         let lanes = if uniform { 1 } else { n };
