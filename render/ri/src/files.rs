@@ -12,6 +12,12 @@ pub struct Files {
 }
 
 impl Files {
+    /// With files of its own besides.
+    pub fn with(mut self, files: &[(&'static str, &'static str)]) -> Files {
+        self.built_in.extend_from_slice(files);
+        self
+    }
+
     /// A file of that name (in a folder itself or below its `room`, as `scenes` or `shaders/surface`): its path and text.
     pub fn read(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, String), String> {
         let (path, bytes) = self.read_bytes(name, rooms)?;

@@ -4,7 +4,6 @@
 //! strings that were given a code before.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 
 /// A token.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +27,16 @@ pub enum Token<'a> {
 /// What a bytestream has given codes to.
 #[derive(Clone, Default)]
 pub struct Codes {
-    requests: HashMap<u8, String>,
-    strings: HashMap<u16, String>,
+    requests: Vec<Option<Cow<'static, str>>>,
+    strings: Vec<Option<String>>,
+}
+
+/// Put a value at a place of a list that grows as it must.
+fn put<T: Clone>(list: &mut Vec<Option<T>>, at: usize, value: T) {
+    if list.len() <= at {
+        list.resize(at + 1, None);
+    }
+    list[at] = Some(value);
 }
 
 /// Reads tokens.
@@ -250,8 +257,8 @@ impl<'a> Lexer<'a> {
             0o245 => Token::Number(f64::from_be_bytes(self.take(8)?.try_into().expect("eight bytes")) as f32),
             0o246 => {
                 let code = self.take(1)?[0];
-                let name = self.codes.requests.get(&code);
-                Token::Word(Cow::Owned(name.ok_or(format!("request code {code} is not defined"))?.clone()))
+                let name = self.codes.requests.get(code as usize).and_then(Option::as_ref);
+                Token::Word(name.ok_or_else(|| format!("request code {code} is not defined"))?.clone())
             }
             0o310..=0o313 => {
                 let n = self.whole((first & 3) as usize + 1)?;
@@ -262,19 +269,21 @@ impl<'a> Lexer<'a> {
             0o314 => {
                 let code = self.take(1)?[0];
                 let name = self.definition()?;
-                self.codes.requests.insert(code, name);
+                // Names that are known are not copied at every use.
+                let known = crate::requests::KNOWN.iter().find(|k| **k == name);
+                put(&mut self.codes.requests, code as usize, known.map_or(Cow::Owned(name), |k| Cow::Borrowed(*k)));
                 return self.next();
             }
             0o315 | 0o316 => {
-                let code = self.whole((first - 0o315) as usize + 1)? as u16;
+                let code = self.whole((first - 0o315) as usize + 1)?;
                 let text = self.definition()?;
-                self.codes.strings.insert(code, text);
+                put(&mut self.codes.strings, code, text);
                 return self.next();
             }
             0o317 | 0o320 => {
-                let code = self.whole((first - 0o317) as usize + 1)? as u16;
-                let text = self.codes.strings.get(&code);
-                Token::Text(text.ok_or(format!("string code {code} is not defined"))?.clone())
+                let code = self.whole((first - 0o317) as usize + 1)?;
+                let text = self.codes.strings.get(code).and_then(Option::as_ref);
+                Token::Text(text.ok_or_else(|| format!("string code {code} is not defined"))?.clone())
             }
             _ => return Err(format!("byte 0{first:o} has no meaning in RIB")),
         }))

@@ -4,7 +4,7 @@ use crate::reader::Reader;
 use crate::{Fail, Knots, Ri, RiResult, Tags, TrimCurves, Values};
 
 /// The requests that are known, for "did you mean".
-const KNOWN: &[&str] = &[
+pub(crate) const KNOWN: &[&str] = &[
     "version",
     "Declare",
     "FrameBegin",
