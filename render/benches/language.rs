@@ -176,7 +176,7 @@ fn mutate(n: u64) {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below.max(1)
     };
-    let (mut sound, start) = (0u64, Instant::now());
+    let (mut sound, mut most, start) = (0u64, peak(), Instant::now());
     for i in 0..n {
         let texts = if i % 2 == 0 { &ribs } else { &shaders };
         let mut text = texts[random(texts.len())].clone();
@@ -222,9 +222,26 @@ fn mutate(n: u64) {
             let text = String::from_utf8_lossy(&text);
             render::sl::compile(Path::new("m.sl"), &text).is_ok() as u64
         };
+        let now = peak();
+        if now > most + 200_000 {
+            println!(
+                "input {i} took the peak to {} MB:\n{}",
+                now / 1000,
+                String::from_utf8_lossy(&text[..text.len().min(3000)])
+            );
+        }
+        most = most.max(now);
         if start.elapsed().as_secs() > 0 && i % 100_000 == 99_999 {
             println!("{} inputs, {sound} sound, {:.0} s", i + 1, start.elapsed().as_secs_f64());
         }
     }
-    println!("{n} inputs, {sound} sound, {:.0} s: no panic", start.elapsed().as_secs_f64());
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{n} inputs, {sound} sound, {seconds:.0} s, at most {} MB: no panic", most / 1000);
+}
+
+/// The most memory that this process has had, kB; 0 where nobody says.
+fn peak() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse().ok()).unwrap_or(0)
 }

@@ -224,7 +224,7 @@ impl Context {
     fn to_current(&self, kind: Kind, array: Option<u16>, v: &[f32], name: &str) -> Result<Vec<f32>, Fail> {
         let width = kind.width() * array.unwrap_or(1) as usize;
         // An array may be given in part.
-        if v.len() != width && (array.is_none() || v.len() > width || v.len() % kind.width() != 0) {
+        if v.len() != width && (array.is_none() || v.len() > width || !v.len().is_multiple_of(kind.width())) {
             return Err(Fail::new(format!("parameter `{name}` has {} numbers, expected {width}", v.len())));
         }
         let m = self.to_world();
@@ -728,7 +728,7 @@ impl Ri for Context {
         Ok(())
     }
     fn color_samples(&mut self, to_rgb: Vec<f32>, from_rgb: Vec<f32>) -> RiResult {
-        if to_rgb.len() != from_rgb.len() || to_rgb.is_empty() || to_rgb.len() % 3 != 0 {
+        if to_rgb.len() != from_rgb.len() || to_rgb.is_empty() || !to_rgb.len().is_multiple_of(3) {
             return Err(Fail::new("ColorSamples takes two lists of three numbers a sample"));
         }
         if to_rgb.len() != 9 {

@@ -4,6 +4,7 @@ use crate::gprim::to_bezier;
 use crate::scene::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, Knots};
+use std::f32::consts::TAU;
 
 /// The greatest arc of a patch: it misses the circle by less than 1e-6 of its radius.
 const ARC: f32 = 30.0;
@@ -18,6 +19,8 @@ pub fn line(a: Vec3, b: Vec3) -> Vec<Profile> {
 
 /// A circular profile about a centre (r, z) in the xz plane, from one angle to another, radians.
 pub fn circle(center: [f32; 2], radius: f32, from: f32, to: f32) -> Vec<Profile> {
+    // Once around is all there is.
+    let to = from + (to - from).clamp(-TAU, TAU);
     let n = pieces(to - from);
     let at = |k: usize| k as f32 / n as f32;
     (0..n)
@@ -49,7 +52,7 @@ pub fn parabola(radius: f32, z_min: f32, z_max: f32) -> Vec<Profile> {
 }
 
 fn pieces(angle: f32) -> usize {
-    (angle.abs().to_degrees() / ARC).ceil().max(1.0) as usize
+    (angle.abs().min(TAU).to_degrees() / ARC).ceil().max(1.0) as usize
 }
 
 /// Bézier points (cosine, sine) of the unit circle's arc between two angles.

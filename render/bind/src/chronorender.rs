@@ -80,7 +80,7 @@ pub fn translate(root: &Value, doc: Document) -> Result<Checked, Fault> {
                             lines += &format!("LightSource \"{}\" {}{}\n", shader.name, 900 + k, arguments(&shader));
                         }
                     }
-                    map.get("filename").map(|f| text(f))
+                    map.get("filename").map(text)
                 }
             };
             if let Some(file) = file {

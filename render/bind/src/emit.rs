@@ -10,9 +10,9 @@
 
 use crate::colormap;
 use crate::expr::Expr;
-use crate::metadata::{CameraSpec, Checked, Color, Geometry, ImageFormat, Object, Output, Parameter, Quantity, Shader};
+use crate::metadata::{Checked, Color, Geometry, ImageFormat, Object, Output, Parameter, Quantity, Shader};
 use frame::{Fault, FaultKind, Frame};
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Declaration, Fail, InstanceShape, Instances, Param, Params, Ri, RiResult, Type, Values};
@@ -57,7 +57,7 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
-            (Some("inject"), Some("camera")) => inject_camera(checked, files, ri),
+            (Some("inject"), Some("camera")) => inject_camera(checked, frame, files, ri),
             (Some("inject"), Some("lights")) => inject_lights(checked, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
@@ -131,7 +131,7 @@ fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiR
 }
 
 /// Projection and world-to-camera matrix.
-fn inject_camera(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult {
+fn inject_camera(checked: &Checked, frame: &Frame, files: &Files, ri: &mut dyn Ri) -> RiResult {
     let Some(camera) = &checked.metadata.camera else {
         return Err(Fail::new(
             "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`",
@@ -150,14 +150,34 @@ fn inject_camera(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult 
         }
         None => ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [camera.fov])])?,
     }
-    ri.concat_transform(look_at(camera).to_cols_array())
+    let (mut eye, mut at, up) = camera.place();
+    if let Some(degrees) = camera.orbit {
+        // About the direction that is up, counter-clockwise as seen from there.
+        let angle = (degrees as f64 * frame.number as f64 % 360.0).to_radians() as f32;
+        let turn = Quat::from_axis_angle(Vec3::from(up).normalize(), angle);
+        eye = (Vec3::from(at) + turn * (Vec3::from(eye) - Vec3::from(at))).into();
+    }
+    if let Some(condition) = checked.followed().map_err(|f| Fail::new(f.to_string()))? {
+        let rows = condition.select(frame).map_err(Fail::new)?;
+        if rows.is_empty() {
+            return Err(Fail::new(format!("the camera follows `{}`, which no row is", condition.text)));
+        }
+        for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
+            let column = Expr::parse(name).map_err(|e| Fail::new(e.message))?;
+            let values = column.numbers(frame, &rows).map_err(Fail::new)?;
+            let middle = values.iter().sum::<f64>() / rows.len() as f64;
+            eye[k] += middle as f32;
+            at[k] += middle as f32;
+        }
+    }
+    ri.concat_transform(look_at(eye, at, up).to_cols_array())
 }
 
 /// World to camera: x right, y up, z forward.
-fn look_at(camera: &CameraSpec) -> Mat4 {
-    let (eye, at) = (Vec3::from(camera.eye.unwrap_or_default()), Vec3::from(camera.look_at.unwrap_or_default()));
+fn look_at(eye: [f32; 3], at: [f32; 3], up: [f32; 3]) -> Mat4 {
+    let (eye, at) = (Vec3::from(eye), Vec3::from(at));
     let forward = (at - eye).normalize();
-    let right = forward.cross(camera.up.into()).normalize();
+    let right = forward.cross(up.into()).normalize();
     let up = right.cross(forward);
     let turn = Mat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), glam::Vec4::W).transpose();
     turn * Mat4::from_translation(-eye)

@@ -83,9 +83,44 @@ pub struct CameraSpec {
     /// Angle of view across the shorter side, degrees.
     #[serde(default = "default_fov")]
     pub fov: f32,
+    /// Instead of `eye`: straight from the `front`, the `side` or the `top`, in parallel projection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub view: Option<View>,
+    /// Degrees a frame by which it goes around what it looks at, about `up`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orbit: Option<f32>,
+    /// Rows that it goes with: `eye` and `look_at` are then from the middle of these.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follow: Option<String>,
     /// Parallel projection, this many metres across the shorter side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f32>,
+}
+
+/// A straight view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum View {
+    /// Towards −x.
+    Front,
+    /// Towards y: the side elevation.
+    Side,
+    /// Towards −z, y up in the picture.
+    Top,
+}
+
+impl CameraSpec {
+    /// Eye, what it looks at, and what is up, before it goes anywhere.
+    pub fn place(&self) -> ([f32; 3], [f32; 3], [f32; 3]) {
+        let at = self.look_at.unwrap_or_default();
+        let (way, up) = match self.view {
+            Some(View::Front) => ([100.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+            Some(View::Side) => ([0.0, -100.0, 0.0], [0.0, 0.0, 1.0]),
+            Some(View::Top) => ([0.0, 0.0, 100.0], [0.0, 1.0, 0.0]),
+            None => return (self.eye.unwrap_or_default(), at, self.up),
+        };
+        ([0, 1, 2].map(|k| at[k] + way[k]), at, up)
+    }
 }
 
 /// Rows of the data, and what they look like.
@@ -482,17 +517,30 @@ impl Checked {
             return Err(doc.fault("data.delimiter", "expected one ASCII character"));
         }
         if let Some(c) = &m.camera {
-            if c.file.is_none() && (c.eye.is_none() || c.look_at.is_none()) {
-                return Err(doc.fault("camera", "needs `eye` and `look_at`, or a `file`"));
+            if c.file.is_none() && c.view.is_none() && (c.eye.is_none() || c.look_at.is_none()) {
+                return Err(doc.fault("camera", "needs `eye` and `look_at`, a `view`, or a `file`"));
+            }
+            if c.view.is_some() && c.orthographic.is_none() {
+                return Err(doc.fault("camera.view", "needs `orthographic`: how many metres the picture shows"));
+            }
+            if c.view.is_some() && c.eye.is_some() {
+                return Err(doc.fault("camera.view", "stands instead of `eye`, not beside it"));
+            }
+            if c.file.is_some() && (c.orbit.is_some() || c.follow.is_some() || c.view.is_some()) {
+                return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
+            }
+            if c.orbit.is_some_and(|o| !o.is_finite()) {
+                return Err(doc.fault("camera.orbit", "expected degrees a frame"));
             }
             if !(c.fov > 0.0 && c.fov < 179.0) {
                 return Err(
                     doc.fault("camera.fov", format!("is {}, expected an angle between 0 and 179 degrees", c.fov))
                 );
             }
-            if let (Some(eye), Some(at)) = (c.eye, c.look_at) {
+            if c.file.is_none() {
+                let (eye, at, up) = c.place();
                 let way = glam::Vec3::from(at) - glam::Vec3::from(eye);
-                if !(way.cross(c.up.into()).length() > 0.0) {
+                if !(way.cross(up.into()).length() > 0.0) {
                     return Err(doc.fault("camera", "cannot look along `up`, nor at the place where it stands"));
                 }
             }
@@ -574,11 +622,22 @@ impl Checked {
             .collect()
     }
 
+    /// The condition of the rows that the camera goes with.
+    pub fn followed(&self) -> Result<Option<Expr>, Fault> {
+        let Some(text) = self.metadata.camera.as_ref().and_then(|c| c.follow.as_ref()) else { return Ok(None) };
+        Expr::parse(text).map(Some).map_err(|e| {
+            let message = format!("in the expression, at character {}: {}", e.at + 1, e.message);
+            self.doc.fault("camera.follow", message)
+        })
+    }
+
     /// Check that every column that is named exists in the data.
     pub fn check_columns(&self, frame: &Frame) -> Result<(), Fault> {
         let names = frame.names();
-        for i in 0..self.metadata.objects.len() {
-            for (key, expr) in self.expressions(i)? {
+        let follow = self.followed()?.map(|e| vec![("camera.follow".to_string(), e)]);
+        let lists = (0..self.metadata.objects.len()).map(|i| self.expressions(i)).collect::<Result<Vec<_>, _>>()?;
+        for list in follow.into_iter().chain(lists) {
+            for (key, expr) in list {
                 for (column, _) in expr.columns() {
                     if !names.contains(&column) {
                         let fault = self

@@ -312,7 +312,7 @@ mod tests {
         // Sphere as request 7, radius 1 as an integer, −0.5 in fixed point, a float, a short string, a float array.
         let mut bytes = vec![0o314, 7, 0o226];
         bytes.extend(b"Sphere");
-        bytes.extend([0o246, 7, 0o200, 1, 0o204 + 0, 0x80, 0o244]);
+        bytes.extend([0o246, 7, 0o200, 1, 0o204, 0x80, 0o244]);
         bytes.extend(2.5f32.to_be_bytes());
         bytes.extend([0o315, 3, 0o222]);
         bytes.extend(b"Kd");

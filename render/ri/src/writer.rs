@@ -562,7 +562,7 @@ mod tests {
         read(Path::new("t.rib"), text.as_bytes(), &Files::default(), &mut heard, &mut |_, _| Ok(())).unwrap();
         let expected = [
             "t.rib:2:3: unknown request `Shpere`, did you mean `Sphere`?; it is passed over",
-            "t.rib:2:29: parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?",
+            "t.rib:2:27: parameter `Kq` is not declared: write \"uniform float Kq\" or `Declare` it before; did you mean `Ka`?",
         ];
         assert_eq!(heard.0, expected);
         assert_eq!(fault("Translate 1 2\nWorldEnd").0, 2);

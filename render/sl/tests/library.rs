@@ -61,16 +61,20 @@ fn ci(source: &str, lights: &[&str]) -> Vec<f32> {
 fn every_library_shader_compiles() {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     let mut n = 0;
-    for room in ["surface", "displacement", "light"] {
+    for room in ["surface", "displacement", "light", "volume", "imager"] {
         for entry in std::fs::read_dir(root.join(room)).unwrap() {
             let path = entry.unwrap().path();
             let source = std::fs::read_to_string(&path).unwrap();
-            let program = sl::compile(&path, &source).unwrap_or_else(|e| panic!("{e}"));
+            let program = sl::compile_with(&path, &source, &|name, _| {
+                let path = root.join("include").join(name);
+                std::fs::read_to_string(&path).map(|text| (path, text)).map_err(|e| e.to_string())
+            });
+            let program = program.unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(Some(program.name.as_str()), path.file_stem().and_then(|s| s.to_str()));
             n += 1;
         }
     }
-    assert!(n >= 11);
+    assert!(n >= 35);
 }
 
 #[test]
