@@ -33,6 +33,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Check shaders and print what they are: kind, parameters, types and defaults.
     Shader(ShaderArgs),
+    /// Print the JSON Schema of models or of metadata, for editors that complete and check.
+    Schema(SchemaArgs),
     /// Show columns, ranges and frames of any data, and write a metadata file to start from.
     Inspect(InspectArgs),
     /// Plot the probes of a run: PNG and SVG.
@@ -43,6 +45,24 @@ pub enum Command {
     Bench(BenchArgs),
     /// Say what of the machine scree can use.
     Doctor,
+}
+
+#[derive(Parser, Debug)]
+pub struct SchemaArgs {
+    /// Of what.
+    pub of: SchemaOf,
+    /// The file [default: the standard output].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// What a schema is of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SchemaOf {
+    /// Models.
+    Model,
+    /// Metadata.
+    Metadata,
 }
 
 #[derive(Parser, Debug)]

@@ -17,6 +17,7 @@ mod render;
 mod report;
 mod rib;
 mod run;
+mod schema;
 mod shader;
 mod simulate;
 mod solve;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Movie(a) => movie::command(&a),
         Command::Check(a) => check::command(&a),
         Command::Shader(a) => shader::command(&a),
+        Command::Schema(a) => schema::command(&a),
         Command::Inspect(a) => inspect::command(&a),
         Command::Plot(a) => plot::command(&a),
         Command::Solve(a) => solve::command(&a),

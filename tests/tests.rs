@@ -6,6 +6,7 @@ mod corpus;
 mod determinism;
 mod faults;
 mod joints;
+mod language;
 mod parity;
 mod picture;
 mod pipeline;

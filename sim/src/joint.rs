@@ -23,7 +23,7 @@ use crate::{Model, Pose, State};
 use glam::DVec3;
 
 /// What a joint leaves free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// Ball joint.

@@ -27,7 +27,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 /// The iteration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// The paper's Algorithm 1.
@@ -56,7 +56,7 @@ impl Method {
 }
 
 /// How contacts are solved; also the `solver` section of a model file.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
     /// `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.

@@ -71,7 +71,7 @@ impl ShapeKind {
 }
 
 /// Which form of Coulomb's law a step satisfies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum FrictionLaw {
     /// The convex form of the paper: a sliding contact separates at `μ |v_t|`.

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A metadata file.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Metadata {
     /// A model to simulate first; its run directory is then the data. From this file's folder.
@@ -41,7 +41,7 @@ pub struct Metadata {
 }
 
 /// Where the data is: exactly one of `run` and `csv`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Data {
     /// A run directory.
@@ -65,7 +65,7 @@ pub struct Data {
 }
 
 /// The camera: a RIB file, or a place and a point to look at.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSpec {
     /// A RIB file of camera calls.
@@ -98,7 +98,7 @@ pub struct CameraSpec {
 }
 
 /// A straight view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum View {
     /// Towards −x.
@@ -124,7 +124,7 @@ impl CameraSpec {
 }
 
 /// Rows of the data, and what they look like.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
     /// Name, for `#scree inject objects NAME`.
@@ -155,7 +155,7 @@ pub struct Object {
 }
 
 /// Geometry: exactly one of these.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Geometry {
     /// A ball.
@@ -185,7 +185,7 @@ pub struct Geometry {
 }
 
 /// A ball's size.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {
     /// Radius, m.
@@ -193,7 +193,7 @@ pub struct SphereSpec {
 }
 
 /// Half lengths.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxSpec {
     /// Along the local axes, m.
@@ -201,7 +201,7 @@ pub struct BoxSpec {
 }
 
 /// The size of a cylinder, a capsule or a cone.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RoundSpec {
     /// Radius, m.
@@ -211,7 +211,7 @@ pub struct RoundSpec {
 }
 
 /// A square.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneSpec {
     /// Half its edge, m.
@@ -219,7 +219,7 @@ pub struct PlaneSpec {
 }
 
 /// An archive.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArchiveSpec {
     /// The RIB file.
@@ -230,7 +230,7 @@ pub struct ArchiveSpec {
 }
 
 /// A number, or an expression over columns.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected a number or an expression over columns")]
 pub enum Quantity {
     /// A number.
@@ -240,7 +240,7 @@ pub enum Quantity {
 }
 
 /// A shader and its parameters.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Shader {
     /// Its name: `gravel` is the library's or a file `gravel.sl` beside the metadata.
     pub name: String,
@@ -253,7 +253,7 @@ pub struct Shader {
 }
 
 /// A shader parameter: a number, three numbers, or text.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected a number, three numbers or text")]
 pub enum Parameter {
     /// A number.
@@ -265,7 +265,7 @@ pub enum Parameter {
 }
 
 /// Colour: red, green, blue, or a column through a map.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected [red, green, blue] or {column: …, map: …, range: [low, high]}")]
 pub enum Color {
     /// Linear red, green and blue.
@@ -275,7 +275,7 @@ pub enum Color {
 }
 
 /// A column through a named map.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColorBy {
     /// Column or expression.
@@ -289,7 +289,7 @@ pub struct ColorBy {
 }
 
 /// Pictures.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Pixels along x and y.
@@ -310,7 +310,7 @@ pub struct Output {
 }
 
 /// Picture files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ImageFormat {
     /// PNG.
@@ -321,7 +321,7 @@ pub enum ImageFormat {
 }
 
 /// Pixel filter.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PixelFilter {
     /// box, triangle, gaussian, catmull-rom, sinc or mitchell.
@@ -331,7 +331,7 @@ pub struct PixelFilter {
 }
 
 /// The movie.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Movie {
     /// Pictures a second.

@@ -7,7 +7,7 @@ use crate::model_file::{BoxFile, CylinderFile, FunctionFile, LoadFile, ShapeFile
 use serde::{Deserialize, Serialize};
 
 /// A helical anchor. The tip's lowest point is at `position`; the axis is vertical.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HelicalAnchor {
     /// Material.

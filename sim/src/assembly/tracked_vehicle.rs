@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A tracked vehicle. It heads along x, its tracks touch the plane z = `position[2]`, the middle of its rollers is at `position`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackedVehicle {
     /// Material of the wheels and the chassis.

@@ -174,7 +174,7 @@ macro_rules! with_shape {
 
 with_content! {
     /// A model file.
-    #[derive(Clone, Debug, Serialize, Deserialize)]
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct ModelFile {
         /// Name, for messages; the file's stem if not given.
@@ -197,6 +197,7 @@ with_content! {
         pub seed: u64,
         /// How frames are stored.
         #[serde(default)]
+        #[schemars(with = "String")]
         pub format: frame::run::FrameFormat,
         /// Time between checkpoints, s; one at each stage's end and at the end of the run are written in any case.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -224,12 +225,13 @@ with_content! {
         pub probes: ProbesFile,
         /// A grid of values: one run for each combination.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-        pub sweep: BTreeMap<String, Vec<serde_yaml::Value>>,
+        #[schemars(schema_with = "lists")]
+    pub sweep: BTreeMap<String, Vec<serde_yaml::Value>>,
     }
 }
 
 /// Another run to go on from.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaseFile {
     /// Its run directory, from this file's folder.
@@ -243,7 +245,7 @@ pub struct BaseFile {
 }
 
 /// A material.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     /// Density, kg/m³.
@@ -265,7 +267,7 @@ pub struct MaterialFile {
 }
 
 /// The law of a pair of materials; what is not given follows the rule.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
     /// The two.
@@ -289,7 +291,7 @@ pub struct PairFile {
 
 with_shape! {
     /// A body: one shape, or several under `shapes`.
-    #[derive(Clone, Debug, Serialize, Deserialize)]
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct BodyFile {
         /// Name.
@@ -344,7 +346,7 @@ with_shape! {
 
 with_shape! {
     /// One shape of several.
-    #[derive(Clone, Debug, Serialize, Deserialize)]
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct PartFile {
         /// Material; the body's if not given.
@@ -363,7 +365,7 @@ with_shape! {
 }
 
 /// A ball.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
     /// Radius, m.
@@ -371,7 +373,7 @@ pub struct SphereFile {
 }
 
 /// An ellipsoid.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EllipsoidFile {
     /// Half axes, m.
@@ -379,7 +381,7 @@ pub struct EllipsoidFile {
 }
 
 /// A box.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
     /// Edge lengths, m.
@@ -387,7 +389,7 @@ pub struct BoxFile {
 }
 
 /// A cylinder, capsule or cone.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
     /// Radius, m.
@@ -397,7 +399,7 @@ pub struct CylinderFile {
 }
 
 /// A convex hull: of `points`, or of the corners of a `file`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HullFile {
     /// Points, m.
@@ -412,7 +414,7 @@ pub struct HullFile {
 }
 
 /// A half space: all points below the plane through the body's position.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
     /// The direction that is up.
@@ -420,7 +422,7 @@ pub struct PlaneFile {
 }
 
 /// A triangle mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// An OBJ or STL file; its triangles look outwards.
@@ -431,7 +433,7 @@ pub struct MeshFile {
 }
 
 /// A height field about the body's position: from an `image` or a `grid` file.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HeightFieldFile {
     /// A PNG image; its brightness is the height.
@@ -448,7 +450,7 @@ pub struct HeightFieldFile {
 }
 
 /// A turn.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotateFile {
     /// Axis, of any length but zero.
@@ -458,7 +460,7 @@ pub struct RotateFile {
 }
 
 /// How a region is filled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Packing {
     /// A cubic lattice, each site moved a little at random, from the bottom up.
@@ -471,7 +473,7 @@ pub enum Packing {
 }
 
 /// How radii are drawn.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected [least, greatest], {mean, deviation, least, greatest} or {sieve: [[size, passing], …]}"
@@ -486,7 +488,7 @@ pub enum RadiusFile {
 }
 
 /// Normal radii.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NormalFile {
     /// Mean, m.
@@ -500,7 +502,7 @@ pub struct NormalFile {
 }
 
 /// A sieve curve: the share of mass, 0 to 1, that passes each mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SieveFile {
     /// Pairs of mesh width (a diameter), m, and share passing; both rise, the last share is 1.
@@ -508,7 +510,7 @@ pub struct SieveFile {
 }
 
 /// A region filled with spheres.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillFile {
     /// Name, and the class of the spheres.
@@ -545,7 +547,7 @@ pub struct FillFile {
 }
 
 /// Rolling ground as a height field, with ditches and boulders.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TerrainFile {
     /// Name and class.
@@ -577,7 +579,7 @@ pub struct TerrainFile {
 }
 
 /// A ditch of rounded section.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DitchFile {
     /// Where it begins, m (x, y).
@@ -591,7 +593,7 @@ pub struct DitchFile {
 }
 
 /// Boulders.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BouldersFile {
     /// How many.
@@ -604,7 +606,7 @@ pub struct BouldersFile {
 }
 
 /// A machine: exactly one of these.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblyFile {
     /// Name: its bodies and joints are called NAME_PART.
@@ -618,7 +620,7 @@ pub struct AssemblyFile {
 }
 
 /// A joint. Its frame stands at `position` with z along `axis` when the model starts.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFile {
     /// Name.
@@ -662,7 +664,7 @@ pub struct JointFile {
 }
 
 /// A motor: exactly one of these. SI units: rad/s, rad, N m for turning; m/s, m, N for sliding.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorFile {
     /// Speed.
@@ -680,7 +682,7 @@ pub struct MotorFile {
 }
 
 /// A spring with a damper.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
     /// Name.
@@ -719,7 +721,7 @@ pub struct SpringFile {
 }
 
 /// A force or a torque on a body.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
     /// The body.
@@ -747,7 +749,7 @@ pub struct LoadFile {
 }
 
 /// The frame of a load's direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LoadFrame {
     /// The world's.
@@ -758,7 +760,7 @@ pub enum LoadFrame {
 }
 
 /// A function of time: a number, or exactly one of the forms.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a number, {step: {…}}, {ramp: {…}}, {sine: {…}}, {table: [[time, value], …]} or {csv: FILE}"
@@ -794,7 +796,7 @@ pub enum FunctionFile {
 }
 
 /// A step.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepFile {
     /// When, s.
@@ -807,7 +809,7 @@ pub struct StepFile {
 }
 
 /// A ramp.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RampFile {
     /// Begin and end, s.
@@ -817,7 +819,7 @@ pub struct RampFile {
 }
 
 /// A sine.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineFile {
     /// Amplitude.
@@ -834,7 +836,7 @@ pub struct SineFile {
 
 with_content! {
     /// A part of the run; what it has appears when it begins, and loads and joints act from then on.
-    #[derive(Clone, Debug, Serialize, Deserialize)]
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct StageFile {
         /// Name; its checkpoint is called so.
@@ -848,7 +850,7 @@ with_content! {
 }
 
 /// What is written to probes.csv.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProbesFile {
     /// Time between two lines, s; every step if not given.
@@ -870,7 +872,7 @@ pub struct ProbesFile {
 }
 
 /// The contacts of two classes, added up.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactProbeFile {
     /// Name.
@@ -931,4 +933,9 @@ fn default_axis() -> [f64; 3] {
 
 fn one() -> f64 {
     1.0
+}
+
+/// The schema of lists of any values by name.
+fn lists(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({"type": "object", "additionalProperties": {"type": "array"}})
 }

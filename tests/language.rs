@@ -1,0 +1,141 @@
+//! Scenes and jobs of others: primitives against their areas, the library's scenes, the jobs of Chrono::Render.
+
+use crate::cli::{scratch, scree};
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// The area, in square units, that a primitive covers in a parallel view along z of the square from −2 to 2.
+fn covered(primitive: &str) -> f64 {
+    let work = scratch();
+    let scene = work.path().join("scene.rib");
+    let rib = format!(
+        "Format 128 128 1\nPixelSamples 4 4\nPixelFilter \"box\" 1 1\nDisplay \"a.png\" \"png\" \"rgb\"\nQuantize \"rgba\" 255 0 255 0
+        Projection \"orthographic\"\nScreenWindow -2 2 -2 2\nTranslate 0 0 10\nWorldBegin\nSurface \"constant\"\nColor 1 1 1\n{primitive}\nWorldEnd\n"
+    );
+    std::fs::write(&scene, rib).unwrap();
+    scree(&["render", scene.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+    let picture = image::open(work.path().join("a.png")).unwrap().to_rgb8();
+    picture.pixels().map(|p| p.0[0] as f64 / 255.0).sum::<f64>() * (4.0 / 128.0) * (4.0 / 128.0)
+}
+
+#[test]
+fn primitives_cover_their_areas() {
+    // Turned so that z of the primitive is up in the picture.
+    let side = "Rotate 90 1 0 0";
+    let circle = "NuPatch 9 3 [0 0 0 0.25 0.25 0.5 0.5 0.75 0.75 1 1 1] 0 1 2 2 [0 0 1 1] 0 1 \"Pw\" [1 0 0 1 0.70711 0.70711 0 0.70711 0 1 0 1 -0.70711 0.70711 0 0.70711 -1 0 0 1 -0.70711 -0.70711 0 0.70711 0 -1 0 1 0.70711 -0.70711 0 0.70711 1 0 0 1 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1]";
+    let square = "\"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
+    let cases: Vec<(String, f64)> = vec![
+        ("Sphere 1.5 -1.5 1.5 360".into(), PI * 2.25),
+        ("Disk 0 1.2 270".into(), PI * 1.44 * 0.75),
+        (format!("{side} Cylinder 0.5 -1 1 360"), 2.0),
+        (format!("{side} Cone 2 1 360"), 2.0),
+        (format!("{side} Paraboloid 1 0 1.5 360"), 4.0 / 3.0 * 1.5),
+        // A line from (1, 0) to (0, 1) about z: its outline is the hyperbola of the square's middle radius.
+        ("Torus 1.2 0.4 0 360 360".into(), PI * (1.6f64.powi(2) - 0.8f64.powi(2))),
+        ("Hyperboloid 1.5 0 0 0.5 0 1 360".into(), PI * (2.25 - 0.25)),
+        ("Polygon \"P\" [-1 -1 0 1 -1 0 0 0 0 1 1 0 -1 1 0]".into(), 3.0),
+        ("GeneralPolygon [4 3] \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0 -0.5 -0.5 0 0.5 -0.5 0 0 0.5 0]".into(), 3.5),
+        (circle.into(), PI),
+        (format!("SubdivisionMesh \"catmull-clark\" [4] [0 1 2 3] [\"interpolateboundary\"] [0 0] [] [] {square}"), 4.0),
+        ("Points \"P\" [-1 0 0 1 0 0] \"width\" [0.8 1.2]".into(), PI * (0.16 + 0.36)),
+        ("Curves \"linear\" [2] \"nonperiodic\" \"P\" [-1.5 0 0 1.5 0 0] \"constantwidth\" [0.5]".into(), 1.5),
+        ("Patch \"bilinear\" \"P\" [-1 -1 0 1 -1 0 -1.5 1 0 1.5 1 0]".into(), 5.0),
+        (
+            "TrimCurve [1] [2] [0 0 1 2 3 4 4] [0] [4] [5] [0.25 0.75 0.75 0.25 0.25] [0.25 0.25 0.75 0.75 0.25] [1 1 1 1 1]
+             NuPatch 2 2 [0 0 1 1] 0 1 2 2 [0 0 1 1] 0 1 \"P\" [-2 -2 0 2 -2 0 -2 2 0 2 2 0]"
+                .into(),
+            4.0,
+        ),
+        // One leaf: the field (1 − r²)³ has the surface's value at r² = 1 − 0.421875^⅓ = ¼.
+        ("Blobby 1 [1001 0] [2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1] [\"\"]".into(), PI),
+        ("ObjectBegin 1 Disk 0 0.5 360 ObjectEnd Translate -1 0 0 ObjectInstance 1 Translate 2 0 0 ObjectInstance 1".into(), PI * 0.5),
+        ("Skew 45 0 1 0 1 0 0 Polygon \"P\" [-0.5 -0.5 0 0.5 -0.5 0 0.5 0.5 0 -0.5 0.5 0]".into(), 1.0),
+    ];
+    for (primitive, area) in cases {
+        let found = covered(&primitive);
+        assert!((found - area).abs() < 0.012 * area + 0.01, "{primitive}: {found}, expected {area}");
+    }
+}
+
+#[test]
+fn scenes_of_the_library_draw_data() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    std::fs::write(at("p_0007.csv"), "pos_x,pos_y,pos_z,r\n0,0,0.5,0.5\n0.8,0,0.3,0.3\n").unwrap();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut n = 0;
+    for scene in std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()) {
+        for camera in
+            ["eye: [3, -4, 2], look_at: [0, 0, 0.3], orbit: 3, follow: r > 0.4", "view: side, orthographic: 3"]
+        {
+            let yaml = format!(
+                "data: {{csv: p_0007.csv}}\nscene: {scene}\ncamera: {{{camera}}}\nobjects:\n  - {{name: balls, geometry: {{sphere: {{radius: r}}}}}}\noutput: {{resolution: [48, 30], samples: [2, 2]}}\n"
+            );
+            std::fs::write(at("md.yaml"), yaml).unwrap();
+            scree(&["render", at("md.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
+            let picture = image::open(at("out/000007.png")).unwrap().to_rgb8();
+            let corner = picture.get_pixel(0, 0).0;
+            let differ = picture.pixels().filter(|p| (0..3).any(|c| p.0[c].abs_diff(corner[c]) > 12)).count();
+            assert!(differ > 15, "{scene} {camera}: {differ}");
+            n += 1;
+        }
+    }
+    assert!(n >= 18);
+}
+
+const JOB: &str = "chronorender:
+  rendersettings: {searchpaths: './', framerange: 3 3}
+  camera: [{filename: cam.rib}]
+  lighting: {filename: light.rib}
+  renderpass: {name: main, settings: {resolution: 60 40, pixelsamples: 2 2, display: {output: out.tif}}}
+  simulation:
+    data:
+      datasource: {type: csv, name: d, resource: ./data/*.dat, delim: ',', fields: [[id, integer], [pos_x, float], [pos_y, float], [pos_z, float], [euler_x, float], [euler_y, float], [euler_z, float]]}
+    renderobject:
+      - {name: ball, condition: 1 <= id <= 1 and not id == 7, color: 1 0 0, geometry: {type: sphere, radius: 0.5}, shader: {name: constant.sl}}
+      - {name: bar, condition: id == 2, color: 0 1 0, geometry: [{type: box, xlength: 1, ylength: 0.1, zlength: 0.1}], shader: [{name: constant.sl}]}
+";
+
+#[test]
+fn jobs_of_chrono_render() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    std::fs::create_dir(at("data")).unwrap();
+    // The bar is turned about the line of sight by −90°: it stands upright.
+    std::fs::write(at("data/frame_3.dat"), "1,-1,0,0,0,0,0\n2,1,0,0,0,0,-90\n").unwrap();
+    std::fs::write(at("cam.rib"), "Projection \"orthographic\"\nScreenWindow -3 3 -2 2\nTranslate 0 0 5\n").unwrap();
+    std::fs::write(at("light.rib"), "LightSource \"ambientlight\" 1\n").unwrap();
+    std::fs::write(at("job.yaml"), JOB).unwrap();
+    scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
+    let picture = image::open(at("out/000003.png")).unwrap().to_rgb8();
+    let of = |x: u32, y: u32| picture.get_pixel(x, y).0;
+    // The bar is thinner than the filter is wide.
+    let green = |x: u32, y: u32| of(x, y)[1] > 200 && of(x, y)[0] == 0;
+    assert_eq!(of(20, 20), [255, 0, 0]);
+    // Up along the bar there is bar, beside it nothing.
+    assert!(green(40, 20) && green(40, 12), "{:?} {:?}", of(40, 20), of(40, 12));
+    assert_eq!(of(44, 20), [0, 0, 0]);
+    let fault = |from: &str, to: &str, part: &str| {
+        std::fs::write(at("bad.yaml"), JOB.replace(from, to)).unwrap();
+        let said = scree(&["render", at("bad.yaml").to_str().unwrap(), "-o", at("x").to_str().unwrap()]).fails(3);
+        assert!(said.contains(part), "{said}");
+    };
+    fault("radius: 0.5", "raduis: 0.5", "radius");
+    fault("type: sphere", "type: shpere", "sphere");
+    fault("{filename: light.rib}", "{script: {file: a.py}}", "Python");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/chronorender");
+    for job in ["default.yml", "2.yaml"].map(|j| data.join(j)).into_iter().filter(|j| j.is_file()) {
+        scree(&["render", job.to_str().unwrap(), "-o", at("theirs").to_str().unwrap(), "--res", "64x48"]).ok();
+    }
+}
+
+#[test]
+fn schemas_know_the_keys_of_the_files() {
+    for (of, keys) in [("model", ["bodies", "fills", "solver"]), ("metadata", ["objects", "scene", "camera"])] {
+        let schema: serde_json::Value = serde_json::from_str(&scree(&["schema", of]).ok()).unwrap();
+        for key in keys {
+            assert!(schema["properties"][key].is_object(), "{of} {key}");
+        }
+        assert_eq!(schema["additionalProperties"], false);
+    }
+}
