@@ -35,7 +35,8 @@ pub fn command(args: &CheckArgs) -> Outcome {
 
 fn check(path: &Path) -> Outcome<&'static str> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    match path.extension().and_then(|e| e.to_str()) {
+    let ending = if crate::render::is_scene(path) { Some("rib") } else { path.extension().and_then(|e| e.to_str()) };
+    match ending {
         Some("yaml" | "yml") => match job::kind_of(path)? {
             Yaml::Model => {
                 let (_, resolved) = model_file::read(path)?;

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// The command.
 pub fn command(args: &RenderArgs) -> Outcome {
-    if args.input.extension().is_some_and(|e| e == "rib") {
+    if is_scene(&args.input) {
         return scene(args);
     }
     let (checked, data, home) = source::open(&args.input)?;
@@ -24,6 +24,12 @@ pub fn command(args: &RenderArgs) -> Outcome {
     pictures_of(&pictures, args.pictures.missing, args.verbose)?;
     println!("{}", pictures.folder.display());
     missing_frames(&pictures)
+}
+
+/// Whether an input is RIB: by its name, `-` for the standard input.
+pub fn is_scene(input: &Path) -> bool {
+    let name = input.to_string_lossy();
+    name == "-" || [".rib", ".rib.gz", ".ribz"].iter().any(|e| name.ends_with(e))
 }
 
 /// Draw the frames of a job; with `missing`, only those whose picture is not there.

@@ -147,6 +147,53 @@ fn known_answers_of_functions() {
 }
 
 #[test]
+fn three_lights_against_the_closed_form() {
+    // Suns with known directions on a surface whose normal is −z: the sum of Cl max(0, n · l).
+    let suns = [([0.0, 0.0, 1.0], 0.5), ([3.0, 0.0, 4.0], 1.5), ([0.0, 1.0, -1.0], 9.0)];
+    let lights: Vec<String> = suns
+        .iter()
+        .map(|(d, c)| format!("light l() {{ solar(vector({}, {}, {}), 0) {{ Cl = {c}; }} }}", d[0], d[1], d[2]))
+        .collect();
+    let lights: Vec<&str> = lights.iter().map(String::as_str).collect();
+    let expected = 0.5 + 1.5 * 0.8;
+    let loops = "surface t() { illuminance(P, N, PI / 2) { Ci += Cl * (normalize(L) . normalize(N)); } }";
+    for source in [loops, "surface t() { Ci = diffuse(normalize(N)); }"] {
+        let found = ci(source, &lights);
+        assert!(found.iter().all(|x| (x - expected).abs() < 1e-6), "{source}: {found:?}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_normal_of_a_displaced_sphere() {
+    // r = 1 + 0.2 z on the unit sphere: n ∝ r r̂ − (dr/dθ) θ̂.
+    const N: usize = 33;
+    let angle = |k: usize| 0.6 + 1.2 * k as f32 / (N - 1) as f32;
+    let mut place = vec![0.0; 3 * N * N];
+    for k in 0..N * N {
+        let (around, theta) = (angle(k % N), angle(k / N));
+        let p = [theta.sin() * around.cos(), theta.sin() * around.sin(), theta.cos()];
+        (0..3).for_each(|c| place[c * N * N + k] = p[c]);
+    }
+    let mut points = Points { nu: N, nv: N, orientation: -1.0, ..Points::default() };
+    points.globals.push(("P", place.clone()));
+    points.globals.push(("N", place));
+    let shader = bind("displacement d() { P += 0.2 * zcomp(P) * normalize(N); N = calculatenormal(P); }");
+    Machine::new().run(&shader, &mut points, &Nothing(vec![]));
+    let n = points.get("N").unwrap();
+    for k in (0..N * N).filter(|k| (1..N - 1).contains(&(k % N)) && (1..N - 1).contains(&(k / N))) {
+        let (around, theta) = (angle(k % N), angle(k / N));
+        let (r, slope) = (1.0 + 0.2 * theta.cos(), -0.2 * theta.sin());
+        let out = [theta.sin() * around.cos(), theta.sin() * around.sin(), theta.cos()];
+        let down = [theta.cos() * around.cos(), theta.cos() * around.sin(), -theta.sin()];
+        let exact = [0, 1, 2].map(|c| r * out[c] - slope * down[c]);
+        let own = [0, 1, 2].map(|c| n[c * N * N + k]);
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let cosine = dot(exact, own) / (dot(exact, exact) * dot(own, own)).sqrt();
+        assert!(cosine > 0.99999, "at {k}: {own:?}, expected along {exact:?}");
+    }
+}
+
+#[test]
 fn lights_have_categories_and_messages() {
     let near_light = "light a(string __category = \"key,warm\"; float __nondiffuse = 0; output float power = 5;) { illuminate(point(0, 0, -1)) { Cl = 1; power = 7; } }";
     let far_light =
