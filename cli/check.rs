@@ -67,14 +67,7 @@ fn check(path: &Path) -> Outcome<&'static str> {
             context.warnings().iter().for_each(|w| eprintln!("warning: {w}"));
             Ok("scene")
         }
-        Some("sl") => {
-            let text = frame::read_text(FaultKind::Input, path)?;
-            let files = library::files(folder);
-            match render::sl::compile_with(path, &text, &|name, from| files.include(name, from)) {
-                Ok(_) => Ok("shader"),
-                Err(d) => Err(d.into()),
-            }
-        }
+        Some("sl") => crate::shader::compile_file(path).map(|_| "shader"),
         _ => {
             Err(Fault::whole(FaultKind::Input, path, "is of no kind that is known: expected .yaml, .rib or .sl").into())
         }

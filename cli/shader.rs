@@ -4,25 +4,11 @@ use crate::args::ShaderArgs;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use frame::FaultKind;
+use render::ri::files::Files;
 use render::sl::ir::{Kind, Program};
-use render::sl::machine::{Answer, BoundShader, Scene};
+use render::sl::machine::{Answer, BoundShader, Lights};
 use std::path::Path;
 use std::sync::Arc;
-
-/// Where defaults are computed: no lights, and every space is the world.
-struct Nowhere;
-
-impl Scene for Nowhere {
-    fn lights(&self) -> &[Arc<BoundShader>] {
-        &[]
-    }
-    fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
-        None
-    }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
-}
 
 /// The command.
 pub fn command(args: &ShaderArgs) -> Outcome {
@@ -44,19 +30,28 @@ pub fn command(args: &ShaderArgs) -> Outcome {
 
 /// Compile a file, or a shader of the library by its name.
 fn compile(path: &Path) -> Outcome<Program> {
+    if path.is_file() {
+        return compile_file(path);
+    }
     let files = library::files(path.parent().unwrap_or(Path::new(".")));
-    let (path, text) = if path.is_file() {
-        (path.to_path_buf(), frame::read_text(FaultKind::Input, path)?)
-    } else {
-        let mut name = path.to_string_lossy().into_owned();
-        if !name.ends_with(".sl") {
-            name += ".sl";
-        }
-        let rooms = ["surface", "displacement", "light", "volume", "imager"].map(|k| format!("shaders/{k}"));
-        let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
-        files.read(&name, &rooms).map_err(|m| Failure::new(Exit::Input, format!("shader {m}")))?
-    };
-    Ok(render::sl::compile_with(&path, &text, &|name, from| files.include(name, from))?)
+    let mut name = path.to_string_lossy().into_owned();
+    if !name.ends_with(".sl") {
+        name += ".sl";
+    }
+    let rooms = ["surface", "displacement", "light", "volume", "imager"].map(|k| format!("shaders/{k}"));
+    let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
+    let (path, text) = files.read(&name, &rooms).map_err(|m| Failure::new(Exit::Input, format!("shader {m}")))?;
+    compile_text(&path, &text, &files)
+}
+
+/// Compile a file.
+pub fn compile_file(path: &Path) -> Outcome<Program> {
+    let text = frame::read_text(FaultKind::Input, path)?;
+    compile_text(path, &text, &library::files(path.parent().unwrap_or(Path::new("."))))
+}
+
+fn compile_text(path: &Path, text: &str, files: &Files) -> Outcome<Program> {
+    Ok(render::sl::compile_with(path, text, &|name, from| files.include(name, from))?)
 }
 
 fn print(program: Program, ir: bool) {
@@ -65,7 +60,7 @@ fn print(program: Program, ir: bool) {
         return;
     }
     println!("{} \"{}\"", program.kind.name(), program.name);
-    let bound = BoundShader::new(Arc::new(program), vec![], vec![], &Nowhere);
+    let bound = BoundShader::new(Arc::new(program), vec![], vec![], &Lights(vec![]));
     for p in &bound.program.params {
         let class = if p.varying { "varying" } else { "uniform" };
         let output = if p.output { "output " } else { "" };

@@ -6,7 +6,7 @@ use render::ri::files::Files;
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::sl;
-use render::sl::machine::{BoundShader, Machine, Points, Scene};
+use render::sl::machine::{BoundShader, Lights, Machine, Points};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -98,25 +98,9 @@ fn the_corpus_is_taken_by_the_renderer() {
     scree(&args).ok();
 }
 
-/// A scene with a light of each kind, nothing else, and spaces that are all the same.
-struct Bare(Vec<Arc<BoundShader>>);
-
-impl Scene for Bare {
-    fn lights(&self) -> &[Arc<BoundShader>] {
-        &self.0
-    }
-    fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
-        None
-    }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
-    fn print(&self, _: &str) {}
-}
-
 #[test]
 fn every_shader_runs_over_grids_of_any_shape() {
-    let bind = |name: &str, source: &str, scene: &Bare| {
+    let bind = |name: &str, source: &str, scene: &Lights| {
         let program = sl::compile_with(Path::new(name), source, &include).unwrap_or_else(|e| panic!("{e}"));
         Arc::new(BoundShader::new(Arc::new(program), vec![], vec![], scene))
     };
@@ -124,13 +108,13 @@ fn every_shader_runs_over_grids_of_any_shape() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/include").join(name);
         std::fs::read_to_string(&path).map(|text| (path, text)).map_err(|e| e.to_string())
     }
-    let nothing = Bare(vec![]);
+    let nothing = Lights(vec![]);
     let lights = [
         "light a(float intensity = 2;) { Cl = intensity; }",
         "light b(string __category = \"key\";) { illuminate(point(1, 1, -3)) { Cl = 1 / (L . L); } }",
         "light c() { solar(vector(0, 0, 1), 0) { Cl = 1 - shadow(\"map\", Ps); } }",
     ];
-    let scene = Bare(lights.iter().map(|l| bind("light.sl", l, &nothing)).collect());
+    let scene = Lights(lights.iter().map(|l| bind("light.sl", l, &nothing)).collect());
     let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
     let mut all = corpus("shader", "sl");
     for room in ["surface", "displacement", "light", "volume", "imager"] {

@@ -8,7 +8,7 @@ use render::ri::files::Files;
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::ri::{Params, Ri, RiResult};
-use render::sl::machine::{BoundShader, Machine, Points, Scene};
+use render::sl::machine::{BoundShader, Lights, Machine, Points};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -45,21 +45,6 @@ impl Ri for Null {
         Ok(())
     }
     fn warn(&mut self, _: String) {}
-}
-
-struct OneLight(Vec<Arc<BoundShader>>);
-
-impl Scene for OneLight {
-    fn lights(&self) -> &[Arc<BoundShader>] {
-        &self.0
-    }
-    fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
-        None
-    }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
-    fn print(&self, _: &str) {}
 }
 
 fn main() {
@@ -126,11 +111,11 @@ fn shaders() {
     let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let source = |name: &str| std::fs::read_to_string(library.join(name)).expect("a shader of the library");
     let compile = |name: &str, text: &str| render::sl::compile(Path::new(name), text).expect("a sound shader");
-    let none = OneLight(vec![]);
+    let none = Lights(vec![]);
     let bind =
         |name: &str, text: &str| Arc::new(BoundShader::new(Arc::new(compile(name, text)), vec![], vec![], &none));
     let light = bind("sun.sl", "light sun() { solar(vector(0.3, 0.2, 1), 0) { Cl = 1; } }");
-    let scene = OneLight(vec![light]);
+    let scene = Lights(vec![light]);
     let plastic = bind("plastic.sl", &source("surface/plastic.sl"));
     let n = 256;
     let grids = 1_000_000 / n;

@@ -136,6 +136,40 @@ impl Bvh {
             return false;
         }
         let dir = way / length;
+        let mut blocked = false;
+        self.leaves(from, dir, length, |leaf, length| {
+            blocked = leaf
+                .iter()
+                .any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize]));
+            (!blocked).then_some(length)
+        });
+        blocked
+    }
+
+    /// How far along a direction of unit length the nearest thing is, from `least` on.
+    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
+        if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
+            return None;
+        }
+        let mut best = f32::INFINITY;
+        self.leaves(from, dir, best, |leaf, _| {
+            for (_, occluder) in leaf {
+                best = self.distance(occluder, from, dir, least).unwrap_or(f32::INFINITY).min(best);
+            }
+            Some(best)
+        });
+        best.is_finite().then_some(best)
+    }
+
+    /// Visit the leaves that a ray meets within a length; the visitor answers how much of the length still counts, or ends it.
+    #[inline(always)]
+    fn leaves(
+        &self,
+        from: Vec3,
+        dir: Vec3,
+        mut length: f32,
+        mut visit: impl FnMut(&[(Item, Occluder)], f32) -> Option<f32>,
+    ) {
         let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
         let mut stack = [0u32; 64];
         let mut top = 1;
@@ -156,44 +190,11 @@ impl Bvh {
                 top += 2;
                 continue;
             }
-            let leaf = &self.occluders[node.at as usize..(node.at + node.count) as usize];
-            if leaf
-                .iter()
-                .any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize]))
-            {
-                return true;
+            match visit(&self.occluders[node.at as usize..(node.at + node.count) as usize], length) {
+                Some(rest) => length = rest,
+                None => return,
             }
         }
-        false
-    }
-
-    /// How far along a direction of unit length the nearest thing is, from `least` on.
-    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
-        if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
-            return None;
-        }
-        let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
-        let (mut stack, mut top, mut best) = ([0u32; 64], 1, f32::INFINITY);
-        while top > 0 {
-            top -= 1;
-            let at = stack[top];
-            let node = &self.nodes[at as usize];
-            let (t0, t1) = ((node.min - origin) * inv, (node.max - origin) * inv);
-            let enter = t0.min(t1).max_element().max(0.0);
-            if enter > t0.max(t1).min_element().min(best) {
-                continue;
-            }
-            if node.count == 0 {
-                stack[top] = node.at;
-                stack[top + 1] = at + 1;
-                top += 2;
-                continue;
-            }
-            for (_, occluder) in &self.occluders[node.at as usize..(node.at + node.count) as usize] {
-                best = self.distance(occluder, from, dir, least).unwrap_or(f32::INFINITY).min(best);
-            }
-        }
-        best.is_finite().then_some(best)
     }
 
     fn distance(&self, occluder: &Occluder, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
@@ -213,17 +214,7 @@ impl Bvh {
                 let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
                 root(d.length_squared(), o.dot(d), o.length_squared() - 1.0)
             }
-            Occluder::Triangle { a, ab, ac, .. } => {
-                let p = dir.cross(ac);
-                let det = ab.dot(p);
-                if det == 0.0 {
-                    return None;
-                }
-                let s = from - a;
-                let (u, q) = (s.dot(p) / det, s.cross(ab));
-                let (v, t) = (dir.dot(q) / det, ac.dot(q) / det);
-                (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > least).then_some(t)
-            }
+            Occluder::Triangle { a, ab, ac, .. } => meet_triangle(from, dir, a, ab, ac).filter(|t| *t > least),
         }
     }
 
@@ -255,25 +246,31 @@ impl Bvh {
                 }
             }
             Occluder::Triangle { a, ab, ac, flat } => {
-                !(own && flat) && {
-                    let p = dir.cross(ac);
-                    let det = ab.dot(p);
-                    if det == 0.0 {
-                        return false;
-                    }
-                    let inv = 1.0 / det;
-                    let s = from - a;
-                    let u = s.dot(p) * inv;
-                    let q = s.cross(ab);
-                    let v = dir.dot(q) * inv;
-                    let t = ac.dot(q) * inv;
-                    // A facet stands off the curved surface that it is of: its own neighbourhood is not in its shadow.
-                    let facet = if flat { 0.0 } else { ab.length().max(ac.length()) * if own { 2.0 } else { 0.5 } };
-                    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > bias.max(facet) && t < length
-                }
+                !(own && flat)
+                    && meet_triangle(from, dir, a, ab, ac).is_some_and(|t| {
+                        // A facet stands off the curved surface that it is of: its own neighbourhood is not in its shadow.
+                        let facet = if flat { 0.0 } else { ab.length().max(ac.length()) * if own { 2.0 } else { 0.5 } };
+                        t > bias.max(facet) && t < length
+                    })
             }
         }
     }
+}
+
+/// How far along a ray it meets a triangle, given by a corner and the edges from it (Möller and Trumbore 1997).
+#[inline]
+fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<f32> {
+    let p = dir.cross(ac);
+    let det = ab.dot(p);
+    if det == 0.0 {
+        return None;
+    }
+    let inv = 1.0 / det;
+    let s = from - a;
+    let u = s.dot(p) * inv;
+    let q = s.cross(ab);
+    let v = dir.dot(q) * inv;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| ac.dot(q) * inv)
 }
 
 /// Split a run of occluders at the best of 16 planes along each axis by the surface area heuristic; nodes are written depth first.

@@ -237,7 +237,7 @@ pub enum Builtin {
     Comp,
     /// A triple or matrix with one component replaced.
     SetComp,
-    /// A number on the diagonal, and 1.
+    /// A number on the diagonal.
     Diagonal,
     /// a b
     MatrixMultiply,

@@ -109,7 +109,7 @@ pub(crate) fn in_cone(axis: [f32; 3], angle: f32, i: usize, n: usize, p: [f32; 3
 }
 
 /// A direction about a unit normal, by the cosine.
-pub(crate) fn in_hemisphere(normal: [f32; 3], i: usize, _n: usize, p: [f32; 3]) -> [f32; 3] {
+pub(crate) fn in_hemisphere(normal: [f32; 3], i: usize, p: [f32; 3]) -> [f32; 3] {
     let [x, y] = spread(i, p);
     around(normal, (1.0 - x).sqrt(), y)
 }

@@ -88,6 +88,22 @@ pub trait Scene {
     }
 }
 
+/// A scene of lights alone: every space is the world, nothing is in the way, and what is printed is dropped.
+pub struct Lights(pub Vec<Arc<BoundShader>>);
+
+impl Scene for Lights {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        &self.0
+    }
+    fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
+        None
+    }
+    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
+        [1.0; 3]
+    }
+    fn print(&self, _: &str) {}
+}
+
 /// An answer of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -896,8 +912,7 @@ impl Machine {
             Builtin::Diagonal => {
                 return self.pointwise(program, dst, args, |v| {
                     let mut m = [0.0; 16];
-                    [0, 5, 10].into_iter().for_each(|k| m[k] = v[0][0]);
-                    m[15] = if v[0][0] == 0.0 { 0.0 } else { v[0][0] };
+                    [0, 5, 10, 15].into_iter().for_each(|k| m[k] = v[0][0]);
                     m
                 });
             }
@@ -955,16 +970,10 @@ impl Machine {
             Builtin::Noise | Builtin::CellNoise if first == 3 && args.len() == 2 => {
                 return self.pointwise(program, dst, args, |v| {
                     let (p, t) = ([v[0][0], v[0][1], v[0][2]], v[1][0]);
-                    [0, 1, 2]
-                        .map(|c| match f {
-                            Builtin::Noise => noise4(p, t, None, c),
-                            _ => cell_noise(p, (t.floor() as i32 as u32).wrapping_mul(0x2545_f491) ^ c),
-                        })
-                        .into_iter()
-                        .chain([0.0; 13])
-                        .collect::<Vec<f32>>()
-                        .try_into()
-                        .expect("sixteen numbers")
+                    triple16([0, 1, 2].map(|c| match f {
+                        Builtin::Noise => noise4(p, t, None, c),
+                        _ => cell_noise(p, (t.floor() as i32 as u32).wrapping_mul(0x2545_f491) ^ c),
+                    }))
                 });
             }
             Builtin::Random => {
@@ -1081,7 +1090,7 @@ impl Machine {
                         };
                     } else {
                         for i in 0..samples {
-                            let to = crate::lanes::in_hemisphere(about, i, samples, from);
+                            let to = crate::lanes::in_hemisphere(about, i, from);
                             if scene.hit(from, to).is_some() {
                                 let light = if f == Builtin::Occlusion { [1.0; 3] } else { scene.trace(from, to) };
                                 (0..3).for_each(|c| sum[c] += light[c] / samples as f32);

@@ -3,6 +3,7 @@
 //! [`crate::ir`].)
 
 use crate::ir::*;
+use crate::machine::{binary_value, unary_value};
 use std::collections::HashMap;
 
 /// Fold and drop until nothing changes.
@@ -57,8 +58,8 @@ fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bo
         let value = |r: &Reg| known.get(r).copied();
         let result = match op {
             Op::Const(r, x) => Some((*r, *x)),
-            Op::Unary(f, dst, a) => value(a).map(|a| (*dst, unary(*f, a))),
-            Op::Binary(f, dst, a, b) => value(a).zip(value(b)).map(|(a, b)| (*dst, binary(*f, a, b))),
+            Op::Unary(f, dst, a) => value(a).map(|a| (*dst, unary_value(*f, a))),
+            Op::Binary(f, dst, a, b) => value(a).zip(value(b)).map(|(a, b)| (*dst, binary_value(*f, a, b))),
             Op::Select(dst, c, a, b) => match (value(c), value(a), value(b)) {
                 (Some(c), Some(a), Some(b)) => Some((*dst, if c != 0.0 { a } else { b })),
                 _ => None,
@@ -95,16 +96,6 @@ fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bo
         }
     }
     changed
-}
-
-/// As the machine does it.
-fn unary(f: Unary, x: f32) -> f32 {
-    crate::machine::unary_value(f, x)
-}
-
-/// As the machine does it.
-fn binary(f: Binary, a: f32, b: f32) -> f32 {
-    crate::machine::binary_value(f, a, b)
 }
 
 /// Drop operations without effect whose results are not read.
