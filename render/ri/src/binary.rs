@@ -94,7 +94,12 @@ fn number(x: f32, out: &mut Vec<u8>) {
 }
 
 fn array(list: &[f32], out: &mut Vec<u8>) {
-    out.push(0o313);
-    out.extend((list.len() as u32).to_be_bytes());
+    match u8::try_from(list.len()) {
+        Ok(n) => out.extend([0o310, n]),
+        Err(_) => {
+            out.push(0o313);
+            out.extend((list.len() as u32).to_be_bytes());
+        }
+    }
     list.iter().for_each(|x| out.extend(x.to_be_bytes()));
 }

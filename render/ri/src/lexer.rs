@@ -3,6 +3,7 @@
 //! In the bytestream, bytes from 0200 on encode: numbers of fixed point, strings, floats, arrays of floats, and requests and
 //! strings that were given a code before.
 
+use crate::requests::Request;
 use std::borrow::Cow;
 
 /// A token.
@@ -27,7 +28,8 @@ pub enum Token<'a> {
 /// What a bytestream has given codes to.
 #[derive(Clone, Default)]
 pub struct Codes {
-    requests: Vec<Option<Cow<'static, str>>>,
+    /// With their names; those that are known, as what they are.
+    requests: Vec<Option<(Cow<'static, str>, Option<Request>)>>,
     strings: Vec<Option<String>>,
 }
 
@@ -43,10 +45,19 @@ fn put<T: Clone>(list: &mut Vec<Option<T>>, at: usize, value: T) {
 pub struct Lexer<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// The line that `at` is in, from 1, and its first byte.
     line: usize,
     line_start: usize,
     /// The codes that are known.
     pub codes: Codes,
+}
+
+/// Where reading stood.
+#[derive(Clone, Copy)]
+pub(crate) struct Mark {
+    at: usize,
+    line: usize,
+    line_start: usize,
 }
 
 /// The longest encoded string or array; more is a broken stream.
@@ -63,7 +74,20 @@ impl<'a> Lexer<'a> {
         self.at
     }
 
+    /// Where reading stands, for [`Lexer::place_after`].
+    #[inline]
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { at: self.at, line: self.line, line_start: self.line_start }
+    }
+
+    /// The place of what comes after a mark.
+    pub(crate) fn place_after(&self, mark: Mark) -> (usize, usize) {
+        let Mark { at, line, line_start } = mark;
+        Lexer { bytes: self.bytes, at, line, line_start, codes: Codes::default() }.place()
+    }
+
     /// Skip blanks; the place (line, column from 1) of what comes next.
+    #[inline]
     pub fn place(&mut self) -> (usize, usize) {
         while let Some(b) = self.bytes.get(self.at) {
             match b {
@@ -125,6 +149,87 @@ impl<'a> Lexer<'a> {
                 _ => return Ok(()),
             }
         }
+    }
+
+    /// The first byte of the next token, left in place; none at the end.
+    #[inline]
+    pub fn first(&mut self) -> Option<u8> {
+        self.place();
+        self.bytes.get(self.at).copied()
+    }
+
+    /// A request that is known, if one comes next; anything else is left in place.
+    #[inline]
+    pub(crate) fn request(&mut self) -> Option<Request> {
+        match self.first()? {
+            0o246 => {
+                let code = *self.bytes.get(self.at + 1)?;
+                let request = self.codes.requests.get(code as usize)?.as_ref()?.1?;
+                self.at += 2;
+                Some(request)
+            }
+            b if b.is_ascii_alphabetic() => {
+                let rest = &self.bytes[self.at..];
+                let n = rest.iter().position(|b| !b.is_ascii_alphanumeric()).unwrap_or(rest.len());
+                // A name goes on with `_`, which no known one has.
+                let word = std::str::from_utf8(&rest[..n]).ok().filter(|_| rest.get(n) != Some(&b'_'))?;
+                let request = Request::named(word)?;
+                self.at += n;
+                Some(request)
+            }
+            _ => None,
+        }
+    }
+
+    /// As many of these numbers as follow each other, or an encoded array of just as many; how many there were.
+    #[inline]
+    pub fn fill(&mut self, out: &mut [f32]) -> Result<usize, String> {
+        for i in 0..out.len() {
+            out[i] = match self.first() {
+                Some(b'0'..=b'9' | b'+' | b'-' | b'.') => self.number()?,
+                Some(0o244) => {
+                    self.at += 1;
+                    self.float()?
+                }
+                Some(b @ 0o200..=0o217) => {
+                    self.at += 1;
+                    self.fixed_point(b)?
+                }
+                Some(b @ 0o310..=0o313) if i == 0 => {
+                    let start = self.at;
+                    self.at += 1;
+                    if self.whole((b & 3) as usize + 1)? != out.len() {
+                        self.at = start;
+                        return Ok(0);
+                    }
+                    let bytes = self.take(4 * out.len())?;
+                    for (x, b) in out.iter_mut().zip(bytes.chunks_exact(4)) {
+                        *x = f32::from_be_bytes(b.try_into().expect("four bytes"));
+                    }
+                    return Ok(out.len());
+                }
+                _ => return Ok(i),
+            };
+        }
+        Ok(out.len())
+    }
+
+    /// A float's four bytes.
+    #[inline]
+    fn float(&mut self) -> Result<f32, String> {
+        Ok(f32::from_be_bytes(self.take(4)?.try_into().expect("four bytes")))
+    }
+
+    /// A number of fixed point, after its first byte: two's complement, the highest byte first.
+    #[inline]
+    fn fixed_point(&mut self, first: u8) -> Result<f32, String> {
+        /// What a number is worth with so many bytes after the point.
+        const UNIT: [f64; 4] = [1.0, 1.0 / 256.0, 1.0 / 65_536.0, 1.0 / 16_777_216.0];
+        let (fraction, width) = ((first >> 2 & 3) as usize, (first & 3) as usize + 1);
+        let bytes = self.take(width)?;
+        let sign = if bytes[0] & 0x80 != 0 { -1i64 } else { 0 };
+        let x = bytes.iter().fold(sign, |x, b| x << 8 | *b as i64);
+        Ok((x as f64 * UNIT[fraction]) as f32)
     }
 
     /// A number in ASCII.
@@ -211,6 +316,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// So many bytes, taken.
+    #[inline]
     fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
         let found = self.bytes.get(self.at..self.at.saturating_add(n));
         self.at = self.at.saturating_add(n).min(self.bytes.len());
@@ -218,6 +324,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A whole number of so many bytes, the highest first.
+    #[inline]
     fn whole(&mut self, n: usize) -> Result<usize, String> {
         let x = self.take(n)?.iter().fold(0usize, |x, b| x << 8 | *b as usize);
         if x > LONGEST { Err(format!("an encoded value of {x} bytes")) } else { Ok(x) }
@@ -240,25 +347,18 @@ impl<'a> Lexer<'a> {
     fn encoded(&mut self, first: u8) -> Result<Option<Token<'a>>, String> {
         self.at += 1;
         Ok(Some(match first {
-            0o200..=0o217 => {
-                let (fraction, width) = ((first >> 2 & 3) as i32, (first & 3) as usize + 1);
-                let bytes = self.take(width)?;
-                // Of two's complement, the highest byte first.
-                let sign = if bytes[0] & 0x80 != 0 { -1i64 } else { 0 };
-                let x = bytes.iter().fold(sign, |x, b| x << 8 | *b as i64);
-                Token::Number((x as f64 / 256f64.powi(fraction)) as f32)
-            }
+            0o200..=0o217 => Token::Number(self.fixed_point(first)?),
             0o220..=0o237 => Token::Text(self.text((first & 15) as usize)?),
             0o240..=0o243 => {
                 let n = self.whole((first & 3) as usize + 1)?;
                 Token::Text(self.text(n)?)
             }
-            0o244 => Token::Number(f32::from_be_bytes(self.take(4)?.try_into().expect("four bytes"))),
+            0o244 => Token::Number(self.float()?),
             0o245 => Token::Number(f64::from_be_bytes(self.take(8)?.try_into().expect("eight bytes")) as f32),
             0o246 => {
                 let code = self.take(1)?[0];
                 let name = self.codes.requests.get(code as usize).and_then(Option::as_ref);
-                Token::Word(name.ok_or_else(|| format!("request code {code} is not defined"))?.clone())
+                Token::Word(name.ok_or_else(|| format!("request code {code} is not defined"))?.0.clone())
             }
             0o310..=0o313 => {
                 let n = self.whole((first & 3) as usize + 1)?;
@@ -270,8 +370,9 @@ impl<'a> Lexer<'a> {
                 let code = self.take(1)?[0];
                 let name = self.definition()?;
                 // Names that are known are not copied at every use.
-                let known = crate::requests::KNOWN.iter().find(|k| **k == name);
-                put(&mut self.codes.requests, code as usize, known.map_or(Cow::Owned(name), |k| Cow::Borrowed(*k)));
+                let known = Request::named(&name);
+                let name = known.map_or(Cow::Owned(name), |request| Cow::Borrowed(request.name()));
+                put(&mut self.codes.requests, code as usize, (name, known));
                 return self.next();
             }
             0o315 | 0o316 => {

@@ -4,6 +4,7 @@ use crate::conditions::Conditions;
 use crate::files::Files;
 use crate::lexer::{Lexer, Token};
 use crate::programs::Programs;
+use crate::requests::{self, Placed, Request};
 use crate::{Declarations, Fail, Param, Params, Ri, RiResult, Type, Values};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -64,9 +65,9 @@ pub fn read(
     })?;
     let mut reader = Reader::new(path, &unpacked, files, &mut shared, 0);
     if unpacked.trim_ascii().is_empty() {
-        return Err(reader.error((1, 1), "is empty, expected RIB requests"));
+        return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
-    reader.run(ri, on_directive)
+    reader.run(ri, on_directive).map_err(|e| *e)
 }
 
 /// What gzip has packed, unpacked; anything else as it is.
@@ -138,13 +139,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn error(&self, (line, column): (usize, usize), message: impl Into<String>) -> RibError {
+    fn error(&self, (line, column): (usize, usize), message: impl Into<String>) -> Box<RibError> {
         let text = self.bytes.split(|b| *b == b'\n').nth(line - 1).unwrap_or(b"");
-        RibError {
+        Box::new(RibError {
             place: Place { file: self.path.into(), line, column },
             text: String::from_utf8_lossy(&text[..text.len().min(500)]).trim_end_matches('\r').to_string(),
             message: message.into(),
-        }
+        })
     }
 
     /// Warn of something, once for each `key`, with the request's place.
@@ -155,17 +156,28 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn run(&mut self, ri: &mut dyn Ri, on_directive: &mut Directive<'_>) -> Result<(), RibError> {
+    fn run(&mut self, ri: &mut dyn Ri, on_directive: &mut Directive<'_>) -> Result<(), Box<RibError>> {
         loop {
             let place = self.lexer.place();
+            // Mostly a known request follows: found without making a token of it.
+            if self.peeked.is_none()
+                && self.branches.is_empty()
+                && let Some(request) = self.lexer.request()
+            {
+                self.perform(Ok(request), ri, on_directive, place)?;
+                continue;
+            }
             let token = self.take().map_err(|m| self.error(place, m))?;
             let place = token.as_ref().map_or(place, |(_, p)| *p);
             let taken = self.branches.iter().all(|b| b.taken);
             match token {
                 None if self.branches.is_empty() => return Ok(()),
                 None => return Err(self.error(place, "`IfBegin` without `IfEnd`")),
-                Some((Token::Word(name), _)) if matches!(&*name, "IfBegin" | "ElseIf" | "Else" | "IfEnd") => {
-                    self.condition(&name).map_err(|f| self.error(place, f.message))?;
+                // Where a branch is not taken, conditions within it are still counted.
+                Some((Token::Word(name), _)) if !taken => {
+                    if let Some(request) = Request::named(&name).filter(|r| r.is_condition()) {
+                        self.condition(request).map_err(|f| self.error(place, f.message))?;
+                    }
                 }
                 Some(_) if !taken => {}
                 Some((Token::Comment(comment), _)) => {
@@ -176,20 +188,7 @@ impl<'a> Reader<'a> {
                     done.map_err(|f| self.error(place, f.message))?;
                 }
                 Some((Token::Word(name), _)) => {
-                    self.request = place;
-                    let start = self.lexer.place();
-                    let done = match &*name {
-                        "ReadArchive" => self.read_archive(ri, on_directive, place),
-                        "ArchiveBegin" => self.inline_archive(place),
-                        "Procedural" => self.procedural(ri, on_directive, place),
-                        _ => crate::requests::dispatch(self, ri, &name).map_err(|fail| {
-                            // A fault in the arguments is placed where reading stopped, one of the call itself at its name.
-                            let at = if fail.1 { self.peeked.as_ref().map_or(start, |(_, p)| *p) } else { place };
-                            self.error(at, fail.0.message)
-                        }),
-                    };
-                    self.warnings.drain(..).for_each(|w| ri.warn(w));
-                    done?;
+                    self.perform(Request::named(&name).ok_or(&*name), ri, on_directive, place)?;
                 }
                 Some((other, _)) => {
                     return Err(self.error(place, format!("expected a request, found {}", describe(&other))));
@@ -198,19 +197,58 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A request whose name, known or not, was read at `place`.
+    fn perform(
+        &mut self,
+        request: Result<Request, &str>,
+        ri: &mut dyn Ri,
+        on_directive: &mut Directive<'_>,
+        place: (usize, usize),
+    ) -> Result<(), Box<RibError>> {
+        self.request = place;
+        let start = self.lexer.mark();
+        let done = match request {
+            Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
+            Ok(Request::ArchiveBegin) => self.inline_archive(place),
+            Ok(Request::Procedural) => self.procedural(ri, on_directive, place),
+            Ok(conditional) if conditional.is_condition() => {
+                self.condition(conditional).map_err(|f| self.error(place, f.message))
+            }
+            known => {
+                let done = match known {
+                    Ok(request) => requests::dispatch(self, ri, request),
+                    Err(name) => requests::pass_over(self, name),
+                };
+                done.map_err(|Placed { fail, in_arguments }| {
+                    // A fault in the arguments is placed where reading stopped, one of the call itself at its name.
+                    let at = if in_arguments {
+                        self.peeked.as_ref().map_or_else(|| self.lexer.place_after(start), |(_, p)| *p)
+                    } else {
+                        place
+                    };
+                    self.error(at, fail.message)
+                })
+            }
+        };
+        if !self.warnings.is_empty() {
+            self.warnings.drain(..).for_each(|w| ri.warn(w));
+        }
+        done
+    }
+
     /// `IfBegin` and what belongs to it.
-    fn condition(&mut self, name: &str) -> Result<(), Fail> {
+    fn condition(&mut self, request: Request) -> Result<(), Fail> {
         let outer = |branches: &[Branch]| branches.iter().all(|b| b.taken);
-        match name {
-            "IfBegin" => {
+        match request {
+            Request::IfBegin => {
                 let text = self.string()?;
                 let yes = outer(&self.branches) && self.shared.conditions.holds(&text).map_err(Fail::new)?;
                 self.branches.push(Branch { taken: yes, done: yes });
             }
-            "ElseIf" | "Else" => {
-                let text = if name == "ElseIf" { self.string()? } else { "1".into() };
+            Request::ElseIf | Request::Else => {
+                let text = if request == Request::ElseIf { self.string()? } else { "1".into() };
                 let Some(mut branch) = self.branches.pop() else {
-                    return Err(Fail::new(format!("`{name}` without `IfBegin`")));
+                    return Err(Fail::new(format!("`{request:?}` without `IfBegin`")));
                 };
                 branch.taken =
                     outer(&self.branches) && !branch.done && self.shared.conditions.holds(&text).map_err(Fail::new)?;
@@ -234,7 +272,7 @@ impl<'a> Reader<'a> {
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
         place: (usize, usize),
-    ) -> Result<(), RibError> {
+    ) -> Result<(), Box<RibError>> {
         let name = self.string().map_err(|f| self.error(place, f.message))?;
         self.params().map_err(|f| self.error(place, f.message))?;
         self.archive(&name, ri, on_directive, place)
@@ -246,7 +284,7 @@ impl<'a> Reader<'a> {
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
         place: (usize, usize),
-    ) -> Result<(), RibError> {
+    ) -> Result<(), Box<RibError>> {
         if self.depth >= MAX_DEPTH {
             return Err(self.error(
                 place,
@@ -268,7 +306,7 @@ impl<'a> Reader<'a> {
         bytes: &[u8],
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
-    ) -> Result<(), RibError> {
+    ) -> Result<(), Box<RibError>> {
         let codes = self.lexer.codes.clone();
         let mut inner = Reader::new(path, bytes, self.files, self.shared, self.depth + 1);
         inner.lexer.codes = codes;
@@ -276,7 +314,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Keep what stands between `ArchiveBegin` and its `ArchiveEnd`.
-    fn inline_archive(&mut self, place: (usize, usize)) -> Result<(), RibError> {
+    fn inline_archive(&mut self, place: (usize, usize)) -> Result<(), Box<RibError>> {
         let name = self.string().map_err(|f| self.error(place, f.message))?;
         self.params().map_err(|f| self.error(place, f.message))?;
         let start = self.peeked_start();
@@ -318,7 +356,7 @@ impl<'a> Reader<'a> {
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
         place: (usize, usize),
-    ) -> Result<(), RibError> {
+    ) -> Result<(), Box<RibError>> {
         let arguments = |r: &mut Self| -> Result<(String, Vec<String>, [f32; 6]), Fail> {
             Ok((r.string()?, r.strings()?, r.numbers_of("a bound")?))
         };
@@ -368,6 +406,21 @@ impl<'a> Reader<'a> {
         Err(Fail::new(format!("expected {what}, found {found}")))
     }
 
+    /// At a glance, whether a request follows, in letters or by its code; where it takes a closer look, not.
+    #[inline]
+    fn request_follows(&mut self) -> bool {
+        self.peeked.is_none() && matches!(self.lexer.first(), Some(b'A'..=b'Z' | 0o246))
+    }
+
+    /// An error if arguments are left over.
+    #[inline(always)]
+    pub(crate) fn end_of(&mut self, request: Request) -> Result<(), Fail> {
+        if self.request_follows() || !self.has_argument()? {
+            return Ok(());
+        }
+        Err(Fail::new(format!("`{request:?}` has more arguments than it takes")))
+    }
+
     /// Whether an argument follows rather than the next request.
     pub(crate) fn has_argument(&mut self) -> Result<bool, Fail> {
         Ok(!matches!(self.peek()?, None | Some(Token::Word(_) | Token::Comment(_))))
@@ -407,14 +460,22 @@ impl<'a> Reader<'a> {
     }
 
     /// Exactly `N` numbers, with or without brackets.
+    #[inline(always)]
     pub(crate) fn numbers_of<const N: usize>(&mut self, what: &str) -> Result<[f32; N], Fail> {
-        if matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))) {
+        let mut out = [0.0; N];
+        let n = if self.peeked.is_none() { self.lexer.fill(&mut out).map_err(Fail::new)? } else { 0 };
+        if n == N { Ok(out) } else { self.more_numbers(out, n, what) }
+    }
+
+    /// The numbers after the first `n`, token by token.
+    #[cold]
+    fn more_numbers<const N: usize>(&mut self, mut out: [f32; N], n: usize, what: &str) -> Result<[f32; N], Fail> {
+        if n == 0 && matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))) {
             let list = self.numbers()?;
             let n = list.len();
             return list.try_into().map_err(|_| Fail::new(format!("expected {what} ({N} numbers), found {n}")));
         }
-        let mut out = [0.0; N];
-        for x in &mut out {
+        for x in &mut out[n..] {
             *x = match self.peek()? {
                 Some(Token::Number(x)) => *x,
                 _ => return self.expected(what),
@@ -484,7 +545,12 @@ impl<'a> Reader<'a> {
     }
 
     /// The parameter list that ends a request.
+    #[inline(always)]
     pub(crate) fn params(&mut self) -> Result<Params, Fail> {
+        if self.request_follows() { Ok(Vec::new()) } else { self.parameters() }
+    }
+
+    fn parameters(&mut self) -> Result<Params, Fail> {
         let mut params: Params = Vec::new();
         while matches!(self.peek()?, Some(Token::Text(_))) {
             let token = self.string()?;

@@ -517,18 +517,20 @@ impl Machine {
             out.extend_from_slice(value);
             return;
         };
-        if out.is_empty() {
-            out.resize(width, 0.0);
+        // What nobody has written yet has no value to keep at the other points.
+        if out.is_empty() || (out.len() == width && out == value) {
+            out.clear();
+            out.extend_from_slice(value);
+            return;
         }
         if out.len() == width && n > 1 {
             *out = out.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
         }
         for c in 0..width {
-            let run = run_of(value, width, c, n);
-            for i in 0..n {
-                if mask[i] {
-                    out[c * n + i] = at(run, i);
-                }
+            let places = out[c * n..(c + 1) * n].iter_mut().zip(mask);
+            match run_of(value, width, c, n) {
+                [x] => places.for_each(|(o, m)| *o = if *m { *x } else { *o }),
+                run => places.zip(run).for_each(|((o, m), x)| *o = if *m { *x } else { *o }),
             }
         }
     }

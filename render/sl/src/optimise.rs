@@ -12,6 +12,7 @@ pub fn optimise(program: &mut Program) {
     for _ in 0..8 {
         let mut known = HashMap::new();
         let mut changed = fold(&mut program.body, &mut known, &variables);
+        changed |= drop_copies(program);
         let (read, text_read) = read_anywhere(program);
         changed |= drop_dead(&mut program.body, &read, &text_read);
         for param in &mut program.params {
@@ -49,6 +50,122 @@ fn assigned(program: &Program) -> Vec<bool> {
         });
     }
     found
+}
+
+/// Where a variable is but another name for a value, its readers read the value: such are the parameters of inlined functions.
+/// A copy made where some points are inactive would otherwise turn one value for all into one a point.
+fn drop_copies(program: &mut Program) -> bool {
+    let n = program.widths.len();
+    // Of every register: how often it is written, and the places (operations counted from the first) where it is first and
+    // last written and read. What is not written by one plain operation counts as written twice.
+    let (mut writes, mut written_at) = (vec![0u32; n], vec![0usize; n]);
+    let (mut first_read, mut last_read) = (vec![usize::MAX; n], vec![0usize; n]);
+    let variables = assigned(program);
+    let mut at = 0;
+    visit(&program.body, &mut |op| {
+        at += 1;
+        if let Some(r) = result(op) {
+            writes[r as usize] += 1;
+            written_at[r as usize] = at;
+        }
+        let mut mark = |r: Reg| writes[r as usize] = 2;
+        match op {
+            Op::Load(_, first, len, _)
+            | Op::Store(first, len, ..)
+            | Op::Ask { out: Operand::Number(first), len, .. } => (*first..first + len).for_each(mark),
+            Op::Illuminance { l, cl, wanted, .. } => {
+                [*l, *cl].into_iter().chain(wanted.iter().map(|(_, r)| *r)).for_each(mark);
+            }
+            Op::Gather { out, .. } => out.iter().for_each(|(_, r)| mark(*r)),
+            Op::Solar { l, .. } => mark(*l),
+            Op::Illuminate { l, ps, .. } => [*l, *ps].into_iter().for_each(mark),
+            _ => {}
+        }
+        let own = if let Op::Assign(dst, _) = op { Some(*dst) } else { None };
+        reads(op, &mut |o| {
+            if let Operand::Number(r) = o
+                && own != Some(r)
+            {
+                first_read[r as usize] = first_read[r as usize].min(at);
+                last_read[r as usize] = at;
+            }
+        });
+    });
+    let outside: Vec<Reg> =
+        program.globals.iter().map(|(_, r)| *r).chain(program.params.iter().map(|p| p.reg)).collect();
+    let mut values: HashMap<Reg, Reg> = HashMap::new();
+    let mut look = |dst: Reg, src: Reg, here: usize, end: usize| {
+        let (d, s) = (dst as usize, src as usize);
+        let one_name = writes[d] == 1 && !outside.contains(&dst) && program.widths[d] == program.widths[s];
+        let read_after = first_read[d] > here && last_read[d] <= end;
+        // The value: made once, before, or given from outside and never changed.
+        let lasting = match writes[s] {
+            0 => outside.contains(&src) && program.params.iter().any(|p| p.reg == src && p.array.is_none()),
+            1 => written_at[s] < here && (!variables[s] || !outside.contains(&src)),
+            _ => false,
+        };
+        if one_name && read_after && lasting && first_read[d] != usize::MAX {
+            values.insert(dst, src);
+        }
+    };
+    let mut at = 0;
+    copies(&program.body, &mut at, &mut look);
+    if values.is_empty() {
+        return false;
+    }
+    let last = |mut r: Reg| {
+        while let Some(next) = values.get(&r) {
+            r = *next;
+        }
+        r
+    };
+    rename(&mut program.body, &|r| last(r), &values);
+    true
+}
+
+/// Tell `found` of every copy from one register to another: both, its place, and the last place of the block it stands in.
+fn copies(ops: &[Op], at: &mut usize, found: &mut dyn FnMut(Reg, Reg, usize, usize)) {
+    let mut own = Vec::new();
+    for op in ops {
+        *at += 1;
+        if let Op::Assign(dst, src) = op {
+            own.push((*dst, *src, *at));
+        }
+        blocks(op).into_iter().for_each(|block| copies(block, at, found));
+    }
+    own.into_iter().for_each(|(dst, src, here)| found(dst, src, here, *at));
+}
+
+/// Let readers of `gone` registers read others, and drop their copies.
+fn rename(ops: &mut Vec<Op>, to: &dyn Fn(Reg) -> Reg, gone: &HashMap<Reg, Reg>) {
+    ops.retain(|op| !matches!(op, Op::Assign(dst, _) if gone.contains_key(dst)));
+    for op in ops {
+        operands_mut(op, &mut |r| *r = to(*r));
+        blocks_mut(op).into_iter().for_each(|block| rename(block, to, gone));
+    }
+}
+
+/// The register that a plain operation writes.
+fn result(op: &Op) -> Option<Reg> {
+    match op {
+        Op::Const(r, _)
+        | Op::Unary(_, r, _)
+        | Op::Binary(_, r, ..)
+        | Op::Select(r, ..)
+        | Op::Pack(r, _)
+        | Op::Component(r, ..)
+        | Op::Load(r, ..)
+        | Op::ColorSpace(r, ..)
+        | Op::Spline(r, ..)
+        | Op::Match(r, ..)
+        | Op::TextEqual(r, ..)
+        | Op::Transform(_, r, ..)
+        | Op::Map { dst: r, .. }
+        | Op::Call(_, r, _)
+        | Op::Ask { dst: r, .. }
+        | Op::Assign(r, _) => Some(*r),
+        _ => None,
+    }
 }
 
 /// Do what is known: constants take the place of the operations that make them.
@@ -102,23 +219,11 @@ fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bo
 fn drop_dead(ops: &mut Vec<Op>, read: &[bool], text_read: &[bool]) -> bool {
     let before = ops.len();
     ops.retain(|op| match op {
-        Op::Const(r, _)
-        | Op::Unary(_, r, _)
-        | Op::Binary(_, r, ..)
-        | Op::Select(r, ..)
-        | Op::Pack(r, _)
-        | Op::Component(r, ..)
-        | Op::Load(r, ..)
-        | Op::ColorSpace(r, ..)
-        | Op::Spline(r, ..)
-        | Op::Match(r, ..)
-        | Op::TextEqual(r, ..)
-        | Op::Transform(_, r, ..)
-        | Op::Map { dst: r, .. }
-        | Op::Call(_, r, _) => read[*r as usize],
+        // These change more than their result.
+        Op::Assign(..) | Op::Ask { .. } => true,
         Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) => text_read[*r as usize],
         Op::If(_, a, b) => !(a.is_empty() && b.is_empty()),
-        _ => true,
+        other => result(other).is_none_or(|r| read[r as usize]),
     });
     let mut changed = ops.len() != before;
     for op in ops.iter_mut() {
@@ -243,5 +348,35 @@ fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
         }
         Op::Solar { args, l, .. } => args.iter().chain([l]).for_each(|r| f(Number(*r))),
         Op::Illuminate { args, l, ps, .. } => args.iter().chain([l, ps]).for_each(|r| f(Number(*r))),
+    }
+}
+
+/// The single registers of numbers that an operation reads, to be changed; those of ranges, results and variables are not
+/// among them.
+fn operands_mut(op: &mut Op, f: &mut dyn FnMut(&mut Reg)) {
+    let operand = |o: &mut Operand, f: &mut dyn FnMut(&mut Reg)| {
+        if let Operand::Number(r) = o {
+            f(r);
+        }
+    };
+    match op {
+        Op::Assign(_, a) | Op::Unary(_, _, a) | Op::Component(_, a, _) => f(a),
+        Op::Binary(_, _, a, b) => [a, b].into_iter().for_each(f),
+        Op::Select(_, c, a, b) => [c, a, b].into_iter().for_each(f),
+        Op::Pack(_, list) | Op::Call(_, _, list) | Op::Spline(_, _, list) => list.iter_mut().for_each(f),
+        Op::Load(_, _, _, i) | Op::TextLoad(_, _, _, i) | Op::TextStore(_, _, i, _) => f(i),
+        Op::Store(_, _, i, v) => [i, v].into_iter().for_each(f),
+        Op::Transform(_, _, a, ..) | Op::ColorSpace(_, a, ..) => f(a),
+        Op::Format(_, list) | Op::Print(list) => list.iter_mut().for_each(|o| operand(o, f)),
+        Op::Map { channel, at, options, .. } => {
+            at.iter_mut().chain([channel]).for_each(&mut *f);
+            options.iter_mut().for_each(|(_, value)| operand(value, f));
+        }
+        Op::If(c, ..) | Op::Loop(_, c, ..) => f(c),
+        Op::Gather { args, .. } => args.iter_mut().for_each(f),
+        Op::Solar { args, .. } => args.iter_mut().for_each(f),
+        Op::Illuminate { args, .. } | Op::Illuminance { args, .. } => args.iter_mut().for_each(f),
+        Op::Const(..) | Op::Inline(_) | Op::Break(_) | Op::Continue(_) | Op::Return => {}
+        Op::TextConst(..) | Op::TextCopy(..) | Op::TextEqual(..) | Op::Match(..) | Op::Ask { .. } => {}
     }
 }
