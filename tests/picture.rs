@@ -4,13 +4,13 @@ use crate::cli::{scratch, scree};
 use std::path::Path;
 
 /// A rendered picture: floats, red green blue coverage.
-struct Picture {
-    width: usize,
-    pixels: Vec<[f32; 4]>,
+pub struct Picture {
+    pub width: usize,
+    pub pixels: Vec<[f32; 4]>,
 }
 
 impl Picture {
-    fn at(&self, x: usize, y: usize) -> [f32; 4] {
+    pub fn at(&self, x: usize, y: usize) -> [f32; 4] {
         self.pixels[y * self.width + x]
     }
 
@@ -21,7 +21,15 @@ impl Picture {
 
 /// Render the world part of a RIB after options, as floats.
 fn render(options: &str, world: &str) -> Picture {
+    render_with(&[], options, world)
+}
+
+/// Render with shaders and other files beside the RIB.
+pub fn render_with(files: &[(&str, &[u8])], options: &str, world: &str) -> Picture {
     let work = scratch();
+    for (name, bytes) in files {
+        std::fs::write(work.path().join(name), bytes).unwrap();
+    }
     let path = work.path().join("t.rib");
     let text = format!("Display \"t.exr\" \"exr\" \"rgba\"\n{options}\nWorldBegin\n{world}\nWorldEnd\n");
     std::fs::write(&path, text).unwrap();
@@ -32,7 +40,7 @@ fn render(options: &str, world: &str) -> Picture {
 }
 
 /// Looking along z from −5, ±1 across the picture.
-const ORTHO: &str =
+pub const ORTHO: &str =
     "Format 80 80 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
 
 #[test]

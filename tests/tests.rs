@@ -10,5 +10,6 @@ mod language;
 mod parity;
 mod picture;
 mod pipeline;
+mod rays;
 mod solver;
 mod tidy;

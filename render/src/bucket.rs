@@ -7,7 +7,7 @@ use crate::options::Options;
 use crate::sample::{Jitter, Samples};
 use crate::scene::{Item, ItemView, Scene, Shape};
 use crate::shade::{Grid, displacement_reach};
-use crate::{patch, sphere};
+use crate::{imager, patch, sphere};
 use glam::Vec3;
 use rayon::prelude::*;
 use sl::machine::Machine;
@@ -156,7 +156,11 @@ fn one_bucket(job: &mut Job<'_>, [x0, y0]: [usize; 2], items: &[(f32, Item)]) ->
     }
     job.samples.resolve();
     let mut pixels = Vec::new();
-    job.samples.filter(&frame.filter[0], &frame.filter[1], margin, options.background, &mut pixels);
+    job.samples.filter(&frame.filter[0], &frame.filter[1], margin, &mut pixels);
+    if let Some(imager) = &options.imager {
+        let row = width - 2 * margin[0];
+        imager::develop(imager, frame.scene, &mut job.machine, &mut job.grid.points, [x0, y0], row, &mut pixels);
+    }
     (pixels, job.stats)
 }
 

@@ -1,4 +1,4 @@
-//! Ray-traced visibility: a bounding volume hierarchy over the primitives, for shadows.
+//! A bounding volume hierarchy over the primitives, for shadows and for shaders that trace.
 //!
 //! Spheres and ellipsoids are met directly, patches as triangles. A sphere does not shadow itself: it is convex, and where it
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
@@ -57,6 +57,31 @@ fn facets(patch: &Patch) -> usize {
     if patch.flat { 1 } else { (1.0 + (FACETS - 1.0) * (bend / 0.07).sqrt()).min(FACETS) as usize }
 }
 
+/// Corners of a patch's facets: u and v of the lower corner, and a facet's width in them.
+fn facet_corners(patch: &Patch) -> impl Iterator<Item = ([f32; 2], f32)> + use<> {
+    let n = facets(patch);
+    let step = 1.0 / n as f32;
+    (0..n * n).map(move |k| ([(k % n) as f32 * step, (k / n) as f32 * step], step))
+}
+
+/// Where a ray, in the space of a patch, meets its facets nearest to a place: the distance from the place squared, and u, v.
+pub(crate) fn place_on(patch: &Patch, from: Vec3, dir: Vec3, at: Vec3) -> Option<(f32, [f32; 2])> {
+    let mut best: Option<(f32, [f32; 2])> = None;
+    for ([u, v], w) in facet_corners(patch) {
+        let corners = [(u, v), (u + w, v), (u + w, v + w), (u, v + w)];
+        let [a, b, c, d] = corners.map(|(u, v)| patch.at(u, v));
+        for (p, q, first) in [(b, c, true), (c, d, false)] {
+            let Some((t, [x, y])) = meet_triangle(from, dir, a, p - a, q - a) else { continue };
+            let off = (from + dir * t - at).length_squared();
+            if best.is_none_or(|(least, _)| off < least) {
+                let uv = if first { [u + w * (x + y), v + w * y] } else { [u + w * x, v + w * (x + y)] };
+                best = Some((off, uv));
+            }
+        }
+    }
+    best
+}
+
 impl Bvh {
     /// Build it over all items of a scene that cast shadows.
     pub fn build(scene: &Scene) -> Bvh {
@@ -91,18 +116,13 @@ impl Bvh {
             }
             Shape::Patches(patches) => {
                 for patch in patches.iter() {
-                    let n = facets(patch);
-                    let at = |i: usize, j: usize| {
-                        to_world.transform_point3(patch.at(i as f32 / n as f32, j as f32 / n as f32))
-                    };
-                    for j in 0..n {
-                        for i in 0..n {
-                            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                            for (a, b, c) in [(a, b, c), (a, c, d)] {
-                                if (b - a).cross(c - a).length_squared() > 0.0 {
-                                    let triangle = Occluder::Triangle { a, ab: b - a, ac: c - a, flat: patch.flat };
-                                    self.occluders.push((item, triangle));
-                                }
+                    let at = |u: f32, v: f32| to_world.transform_point3(patch.at(u, v));
+                    for ([u, v], w) in facet_corners(patch) {
+                        let [a, b, c, d] = [at(u, v), at(u + w, v), at(u + w, v + w), at(u, v + w)];
+                        for (b, c) in [(b, c), (c, d)] {
+                            if (b - a).cross(c - a).length_squared() > 0.0 {
+                                let triangle = Occluder::Triangle { a, ab: b - a, ac: c - a, flat: patch.flat };
+                                self.occluders.push((item, triangle));
                             }
                         }
                     }
@@ -146,19 +166,22 @@ impl Bvh {
         blocked
     }
 
-    /// How far along a direction of unit length the nearest thing is, from `least` on.
-    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
+    /// The nearest thing along a direction of unit length from `least` on: how far, and what.
+    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<(f32, Item)> {
         if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
             return None;
         }
-        let mut best = f32::INFINITY;
-        self.leaves(from, dir, best, |leaf, _| {
-            for (_, occluder) in leaf {
-                best = self.distance(occluder, from, dir, least).unwrap_or(f32::INFINITY).min(best);
+        let mut best: Option<(f32, Item)> = None;
+        self.leaves(from, dir, f32::INFINITY, |leaf, mut length| {
+            for (item, occluder) in leaf {
+                if let Some(t) = self.distance(occluder, from, dir, least).filter(|t| *t < length) {
+                    length = t;
+                    best = Some((t, *item));
+                }
             }
-            Some(best)
+            Some(length)
         });
-        best.is_finite().then_some(best)
+        best
     }
 
     /// Visit the leaves that a ray meets within a length; the visitor answers how much of the length still counts, or ends it.
@@ -214,7 +237,9 @@ impl Bvh {
                 let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
                 root(d.length_squared(), o.dot(d), o.length_squared() - 1.0)
             }
-            Occluder::Triangle { a, ab, ac, .. } => meet_triangle(from, dir, a, ab, ac).filter(|t| *t > least),
+            Occluder::Triangle { a, ab, ac, .. } => {
+                meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > least)
+            }
         }
     }
 
@@ -247,7 +272,7 @@ impl Bvh {
             }
             Occluder::Triangle { a, ab, ac, flat } => {
                 !(own && flat)
-                    && meet_triangle(from, dir, a, ab, ac).is_some_and(|t| {
+                    && meet_triangle(from, dir, a, ab, ac).is_some_and(|(t, _)| {
                         // A facet stands off the curved surface that it is of: its own neighbourhood is not in its shadow.
                         let facet = if flat { 0.0 } else { ab.length().max(ac.length()) * if own { 2.0 } else { 0.5 } };
                         t > bias.max(facet) && t < length
@@ -257,9 +282,10 @@ impl Bvh {
     }
 }
 
-/// How far along a ray it meets a triangle, given by a corner and the edges from it (Möller and Trumbore 1997).
+/// How far along a ray it meets a triangle, given by a corner and the edges from it, and where: parts of the edges (Möller and
+/// Trumbore 1997).
 #[inline]
-fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<f32> {
+fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<(f32, [f32; 2])> {
     let p = dir.cross(ac);
     let det = ab.dot(p);
     if det == 0.0 {
@@ -270,7 +296,7 @@ fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<f
     let u = s.dot(p) * inv;
     let q = s.cross(ab);
     let v = dir.dot(q) * inv;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| ac.dot(q) * inv)
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| (ac.dot(q) * inv, [u, v]))
 }
 
 /// Split a run of occluders at the best of 16 planes along each axis by the surface area heuristic; nodes are written depth first.

@@ -11,11 +11,11 @@ use crate::options::{Attributes, Display, Options};
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
 use crate::subdivision;
 use crate::surfaces::{self, Profile};
-use crate::texture::{Textures, Wrap};
+use crate::texture::{self, Textures, Wrap};
 use crate::trim::Trim;
 use glam::{Mat4, Vec3, Vec4};
 use ri::files::Files;
-use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves, Type, Values};
+use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves, Values};
 use sl::ir::{Kind, Program};
 use sl::machine::{Answer, BoundShader};
 use std::collections::HashMap;
@@ -61,7 +61,7 @@ pub struct Context {
     trim: Option<Arc<Trim>>,
     /// Calls of the motion block at hand that were taken; the first is the one that counts.
     motion: Option<usize>,
-    made: crate::texture::Made,
+    made: texture::Made,
     scene: Scene,
     objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
@@ -526,14 +526,7 @@ impl Ri for Context {
         Ok(())
     }
     fn imager(&mut self, name: &str, params: Params) -> RiResult {
-        if name != "background" {
-            self.scene.warn(format!("imager `{name}` is passed over: `background` alone is supported yet"));
-            return Ok(());
-        }
-        let color = params
-            .iter()
-            .find(|p| matches!(p.decl.name.as_str(), "bgcolor" | "background") && p.decl.ty == Type::Color);
-        self.options.background = Some(color.map_or([0.0; 3], |p| [p.numbers()[0], p.numbers()[1], p.numbers()[2]]));
+        self.options.imager = if name == "null" { None } else { Some(self.shader(name, "imager", params)?) };
         Ok(())
     }
     fn quantize(&mut self, kind: &str, one: i32, _: i32, _: i32, dither: f32) -> RiResult {
@@ -747,24 +740,29 @@ impl Ri for Context {
         Ok(())
     }
     fn make_texture(&mut self, from: &str, to: &str, wraps: [&str; 2], _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), (from.into(), wraps.map(Wrap::of_name)));
+        self.made.insert(to.into(), texture::Source::Picture(from.into(), wraps.map(Wrap::of_name)));
         Ok(())
     }
     fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), (from.into(), [Wrap::Periodic, Wrap::Clamp]));
+        self.made.insert(to.into(), texture::Source::Picture(from.into(), [Wrap::Periodic, Wrap::Clamp]));
         Ok(())
     }
     fn make_cube_face_environment(
         &mut self,
-        _: Vec<String>,
+        from: Vec<String>,
         to: &str,
-        _: f32,
+        fov: f32,
         _: &str,
         _: [f32; 2],
         _: Params,
     ) -> RiResult {
-        self.scene
-            .warn(format!("environment `{to}` of cube faces is not supported yet: make it of longitude and latitude"));
+        if !(fov > 0.0 && fov < 179.9) {
+            return Err(Fail::new(format!("fov is {fov}, expected an angle between 0 and 179.9 degrees")));
+        }
+        let n = from.len();
+        let faces: Result<[String; 6], _> = from.try_into();
+        let faces = faces.map_err(|_| Fail::new(format!("{n} faces of a cube, expected 6")))?;
+        self.made.insert(to.into(), texture::Source::CubeFaces(faces.map(Into::into), fov));
         Ok(())
     }
     fn make_shadow(&mut self, _: &str, _: &str, _: Params) -> RiResult {

@@ -14,6 +14,7 @@ mod context;
 pub mod filter;
 mod gprim;
 pub mod image;
+mod imager;
 mod options;
 mod patch;
 mod sample;
@@ -24,6 +25,7 @@ mod subdivision;
 mod surfaces;
 mod texture;
 mod trim;
+mod view;
 
 pub use {ri, sl};
 

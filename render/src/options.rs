@@ -17,7 +17,7 @@ pub struct Display {
 }
 
 /// What holds for the whole picture.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Options {
     /// Pixels.
     pub width: usize,
@@ -49,8 +49,8 @@ pub struct Options {
     pub displays: Vec<Display>,
     /// Pixels along a bucket's edge.
     pub bucket_size: usize,
-    /// Colour behind everything, and whether it counts as covered.
-    pub background: Option<[f32; 3]>,
+    /// What the filtered pixels go through.
+    pub imager: Option<Arc<BoundShader>>,
 }
 
 impl Default for Options {
@@ -71,7 +71,7 @@ impl Default for Options {
             dither: 0.5,
             displays: vec![],
             bucket_size: 64,
-            background: None,
+            imager: None,
         }
     }
 }

@@ -5,7 +5,7 @@
 //! are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their insides need.
 
 use crate::bucket::Job;
-use crate::scene::{Item, ItemView, Patch};
+use crate::scene::{Item, ItemView, Patch, bilinear};
 use crate::shade::{Diced, displacement_reach, finish};
 use glam::{Mat4, Vec3};
 
@@ -210,8 +210,4 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
 /// The normal between those of the corners.
 fn normal_at(corners: &[f32], u: f32, v: f32) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|c| bilinear([0, 1, 2, 3].map(|k| corners[3 * k + c]), u, v)))
-}
-
-fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
-    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
 }

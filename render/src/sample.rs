@@ -341,14 +341,7 @@ impl Samples {
     }
 
     /// Filter the pixels of the bucket proper, `margin` pixels in from each side: red, green, blue, coverage each.
-    pub fn filter(
-        &self,
-        fx: &Filter,
-        fy: &Filter,
-        margin: [usize; 2],
-        background: Option<[f32; 3]>,
-        out: &mut Vec<[f32; 4]>,
-    ) {
+    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], out: &mut Vec<[f32; 4]>) {
         let [sx, sy] = self.strata;
         out.clear();
         for py in margin[1]..self.height - margin[1] {
@@ -368,13 +361,7 @@ impl Samples {
                         }
                     }
                 }
-                let mut pixel = if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] };
-                if let Some(b) = background {
-                    let open = 1.0 - pixel[3];
-                    (0..3).for_each(|c| pixel[c] += open * b[c]);
-                    pixel[3] = 1.0;
-                }
-                out.push(pixel);
+                out.push(if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] });
             }
         }
     }

@@ -6,6 +6,8 @@ use crate::texture::Textures;
 use crate::trim::Trim;
 use glam::{Mat4, Quat, Vec3};
 use ri::{Instances, Param, Values};
+use sl::ir::Ask;
+use sl::machine::Answer;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
@@ -96,7 +98,7 @@ pub struct Scene {
     /// Camera to world.
     pub camera_to_world: Mat4,
     /// Options for shaders that ask, by `group:name` and by their own names.
-    pub options: Vec<(String, sl::machine::Answer)>,
+    pub options: Vec<(String, Answer)>,
     /// Near and far, for shaders that ask.
     pub clipping: [f32; 2],
     /// Pictures that shaders look up.
@@ -166,6 +168,39 @@ impl Scene {
                 let part = &parts[i % parts.len()];
                 (&part.0, source.to_world * columns.matrix(i / parts.len()) * part.1)
             }
+        }
+    }
+
+    /// The matrix from one named space to another; `own` knows those of who asks.
+    pub fn matrix(&self, from: &str, to: &str, own: &dyn Fn(&str) -> Option<Mat4>) -> Option<[f32; 16]> {
+        let to_world = |space: &str| match space {
+            "current" | "world" => Some(Mat4::IDENTITY),
+            "camera" => Some(self.camera_to_world),
+            named => {
+                let found = own(named).or_else(|| self.spaces.get(named).copied());
+                if found.is_none() {
+                    self.warn(format!("a shader names the unknown space `{named}`; world space is taken"));
+                }
+                found
+            }
+        };
+        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
+    }
+
+    /// What shaders ask of the whole picture.
+    pub fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
+        match (what, names) {
+            (Ask::Option, ["Clipping"]) => numbers(&self.clipping),
+            (Ask::Option, [name]) => self.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::TextureInfo, [texture, what]) => match *what {
+                "resolution" => numbers(&self.textures.resolution(texture, self)?),
+                "exists" => numbers(&[self.textures.resolution(texture, self).is_some() as u8 as f32]),
+                "channels" => self.textures.resolution(texture, self).and_then(|_| numbers(&[4.0])),
+                "type" => Some(Answer::Text("texture".into())),
+                _ => None,
+            },
+            _ => None,
         }
     }
 
@@ -243,6 +278,16 @@ impl Patch {
         }
         Vec3::ZERO
     }
+}
+
+/// u and v of the specification's sphere in a direction of object space: u around, v from the south pole up (RISpec 5.2).
+pub(crate) fn sphere_uv(d: Vec3) -> [f32; 2] {
+    [(d.y.atan2(d.x) / std::f32::consts::TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).asin() / std::f32::consts::PI + 0.5]
+}
+
+/// A number between those of four corners.
+pub(crate) fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
+    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
 }
 
 /// Bilinear interpolation between corners.

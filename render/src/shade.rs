@@ -2,13 +2,12 @@
 
 use crate::bucket::{Job, Stats};
 use crate::camera::Camera;
-use crate::options::Attributes;
 use crate::sample::Look;
-use crate::scene::{Item, ItemView, Scene, instance_inputs};
-use glam::{Mat4, Vec3};
-use sl::ir::{Ask, Lookup, Op, Program};
-use sl::machine::{Answer, BoundShader, MapQuery, Points};
-use std::sync::Arc;
+use crate::scene::{Item, ItemView, instance_inputs};
+use crate::view::View;
+use glam::Vec3;
+use sl::ir::{Op, Program};
+use sl::machine::Points;
 
 /// A grid: points in rows, in world space, and where they fall on the raster.
 #[derive(Default)]
@@ -26,98 +25,6 @@ pub struct Diced {
     /// After displacement, points of an edge that its neighbour does not have are put onto the line between those that it has:
     /// every how many points of the edges at the first row, last row, first column, last column are kept.
     pub keep: [usize; 4],
-}
-
-/// The scene as shaders see it from one primitive.
-struct View<'a> {
-    scene: &'a Scene,
-    item: Item,
-    object_to_world: Mat4,
-    shader_to_world: Mat4,
-    lights: &'a [Arc<BoundShader>],
-    bias: [f32; 2],
-    attributes: &'a Attributes,
-}
-
-impl sl::machine::Scene for View<'_> {
-    fn lights(&self) -> &[Arc<BoundShader>] {
-        self.lights
-    }
-
-    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
-        let to_world = |space: &str| match space {
-            "current" | "world" => Some(Mat4::IDENTITY),
-            "object" => Some(self.object_to_world),
-            "shader" => Some(self.shader_to_world),
-            "camera" => Some(self.scene.camera_to_world),
-            named => {
-                let found = self.scene.spaces.get(named).copied();
-                if found.is_none() {
-                    self.scene.warn(format!("a shader names the unknown space `{named}`; world space is taken"));
-                }
-                found
-            }
-        };
-        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
-    }
-
-    fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
-        let blocked = self.scene.bvh.blocked(self.item, from.into(), to.into(), self.bias);
-        if blocked { [0.0; 3] } else { [1.0; 3] }
-    }
-
-    fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
-        self.scene.bvh.nearest(from.into(), direction.into(), self.bias[0].max(1e-5))
-    }
-
-    fn trace(&self, from: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
-        if self.hit(from, direction).is_some() {
-            self.scene
-                .warn("what a traced ray hits is black: reflections of shaded surfaces are not supported yet".into());
-        }
-        [0.0; 3]
-    }
-
-    fn map(&self, query: &MapQuery) -> [f32; 4] {
-        match (query.how, query.light) {
-            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
-            (Lookup::Shadow, Some(from)) => {
-                let lit = self.transmission(query.at, from)[0];
-                [1.0 - lit; 4]
-            }
-            (Lookup::Shadow, None) => {
-                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
-                [0.0; 4]
-            }
-            _ => self.scene.textures.look_up(query, self.scene),
-        }
-    }
-
-    fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
-        let a = self.attributes;
-        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
-        match (what, names) {
-            (Ask::Surface, [name]) => a.surface.parameter(name),
-            (Ask::Displacement, [name]) => a.displacement.as_ref()?.parameter(name),
-            (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
-            (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
-            (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
-            (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),
-            (Ask::Attribute, ["Color"]) => numbers(&a.color),
-            (Ask::Attribute, ["Opacity"]) => numbers(&a.opacity),
-            (Ask::Attribute, [name]) => a.user.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
-            (Ask::Option, ["Clipping"]) => numbers(&self.scene.clipping),
-            (Ask::Option, [name]) => self.scene.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
-            (Ask::TextureInfo, [texture, what]) => match *what {
-                "resolution" => numbers(&self.scene.textures.resolution(texture, self.scene)?),
-                "exists" => numbers(&[self.scene.textures.resolution(texture, self.scene).is_some() as u8 as f32]),
-                "channels" => self.scene.textures.resolution(texture, self.scene).and_then(|_| numbers(&[4.0])),
-                "type" => Some(Answer::Text("texture".into())),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
 }
 
 /// Whether a shader leaves Oi as Os, so that an opaque primitive stays opaque.
@@ -154,15 +61,8 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     let source_inputs = view.source.uniform.iter().cloned();
     let own_inputs = view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i));
     job.grid.points.inputs.extend(source_inputs.chain(own_inputs));
-    let mut scene = View {
-        scene: frame.scene,
-        item,
-        object_to_world: view.object_to_world,
-        shader_to_world: a.displacement_space,
-        lights: &a.light_list,
-        bias: [0.0; 2],
-        attributes: a,
-    };
+    let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
+    scene.shader_to_world = a.displacement_space;
     if let Some(displacement) = &a.displacement {
         fill_incident(&mut job.grid.points, &frame.camera);
         job.machine.run(displacement, &mut job.grid.points, &scene);

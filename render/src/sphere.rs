@@ -5,7 +5,7 @@
 
 use crate::bucket::Job;
 use crate::patch;
-use crate::scene::{Item, ItemView, Patch};
+use crate::scene::{Item, ItemView, Patch, sphere_uv};
 use crate::shade::{Diced, displacement_reach, finish, keeps_opacity};
 use crate::surfaces::{circle, revolve};
 use glam::{Mat3, Vec3};
@@ -203,14 +203,15 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [us
     }
 }
 
-/// u, v, s, t of the specification's sphere: u around, v from the south pole up.
+/// u, v, s, t of the grid.
 fn parameters(job: &mut Job<'_>, ball: &Ball, face: usize, s: &[f32], t: &[f32]) {
     let (mut us, mut vs) = (Vec::new(), Vec::new());
     for t in t {
         for s in s {
             let d = ball.to_object * unit(on_cube(face, *s, *t));
-            us.push((d.y.atan2(d.x) / std::f32::consts::TAU).rem_euclid(1.0));
-            vs.push(d.z.clamp(-1.0, 1.0).asin() / std::f32::consts::PI + 0.5);
+            let [u, v] = sphere_uv(d);
+            us.push(u);
+            vs.push(v);
         }
     }
     let points = &mut job.grid.points;

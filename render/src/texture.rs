@@ -36,17 +36,33 @@ impl Wrap {
     }
 }
 
-/// Names of textures, from `MakeTexture` and its kin: the picture that each is made of, and its wraps.
-pub type Made = HashMap<String, (PathBuf, [Wrap; 2])>;
+/// What `MakeTexture` and its kin make a texture of.
+#[derive(Clone)]
+pub enum Source {
+    /// One picture.
+    Picture(PathBuf, [Wrap; 2]),
+    /// Views along +x, −x, +y, −y, +z, −z, and their angle, degrees.
+    CubeFaces([PathBuf; 6], f32),
+}
+
+/// What textures are made of, by their names.
+pub type Made = HashMap<String, Source>;
+
+/// A texture as it is looked up.
+enum Map {
+    Picture(Texture),
+    /// Six faces, and the tangent of half their angle.
+    Cube(Box<[Texture; 6]>, f32),
+}
 
 /// The textures of a scene, read when they are first asked for.
 #[derive(Default)]
 pub struct Textures {
     /// Folders to look in.
     folders: Vec<PathBuf>,
-    /// What `MakeTexture` named.
+    /// What `MakeTexture` and its kin named.
     made: Made,
-    loaded: Mutex<HashMap<String, Option<Arc<Texture>>>>,
+    loaded: Mutex<HashMap<String, Option<Arc<Map>>>>,
 }
 
 impl Textures {
@@ -56,29 +72,40 @@ impl Textures {
     }
 
     /// A texture by its name; the first failure is a warning.
-    fn get(&self, name: &str, scene: &Scene) -> Option<Arc<Texture>> {
+    fn get(&self, name: &str, scene: &Scene) -> Option<Arc<Map>> {
         let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
         if let Some(known) = loaded.get(name) {
             return known.clone();
         }
-        let (path, wrap) = match self.made.get(name) {
-            Some((path, wrap)) => (path.clone(), *wrap),
-            None => (PathBuf::from(name), [Wrap::Black; 2]),
+        let read = |path: &PathBuf, wrap| {
+            let found = self.folders.iter().map(|f| f.join(path)).find(|p| p.is_file());
+            Texture::read(found.as_ref().unwrap_or(path), wrap).map_err(|e| format!("`{}`: {e}", path.display()))
         };
-        let found = self.folders.iter().map(|f| f.join(&path)).find(|p| p.is_file()).unwrap_or(path);
-        let texture = Texture::read(&found, wrap);
-        if let Err(message) = &texture {
+        let map = match self.made.get(name) {
+            Some(Source::Picture(path, wrap)) => read(path, *wrap).map(Map::Picture),
+            Some(Source::CubeFaces(paths, fov)) => {
+                let faces: Result<Vec<_>, _> = paths.iter().map(|p| read(p, [Wrap::Clamp; 2])).collect();
+                let tangent = (0.5 * fov.to_radians()).tan();
+                faces.map(|f| Map::Cube(Box::new(f.try_into().unwrap_or_else(|_| unreachable!("six"))), tangent))
+            }
+            None => read(&PathBuf::from(name), [Wrap::Black; 2]).map(Map::Picture),
+        };
+        if let Err(message) = &map {
             scene.warn(format!("texture `{name}` cannot be read and is black: {message}"));
         }
-        let texture = texture.ok().map(Arc::new);
-        loaded.insert(name.into(), texture.clone());
-        texture
+        let map = map.ok().map(Arc::new);
+        loaded.insert(name.into(), map.clone());
+        map
     }
 
-    /// Size of a texture, if it can be read.
+    /// Size of a texture, or of a face of it, if it can be read.
     pub fn resolution(&self, name: &str, scene: &Scene) -> Option<[f32; 2]> {
-        let t = self.get(name, scene)?;
-        Some([t.levels[0].0 as f32, t.levels[0].1 as f32])
+        let map = self.get(name, scene)?;
+        let first = match &*map {
+            Map::Picture(picture) => picture,
+            Map::Cube(faces, _) => &faces[0],
+        };
+        Some([first.levels[0].0 as f32, first.levels[0].1 as f32])
     }
 
     /// Four channels of a map at a place.
@@ -87,9 +114,17 @@ impl Textures {
         if q.name.is_empty() {
             return [0.0; 4];
         }
-        let Some(texture) = self.get(q.name, scene) else { return [0.0; 4] };
-        let (at, change) = match q.how {
-            Lookup::Environment => {
+        let Some(map) = self.get(q.name, scene) else { return [0.0; 4] };
+        let (texture, at, change) = match (&*map, q.how) {
+            (Map::Cube(faces, tangent), _) => {
+                let (face, here) = cube_place(q.at, *tangent);
+                let change = q.change.map(|c| {
+                    let next = on_face(face, [0, 1, 2].map(|k| q.at[k] + c[k]), *tangent);
+                    [next[0] - here[0], next[1] - here[1]]
+                });
+                (&faces[face], here, change)
+            }
+            (Map::Picture(texture), Lookup::Environment) => {
                 // A map of longitude and latitude: z is up.
                 let place = |d: [f32; 3]| {
                     let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt().max(1e-20);
@@ -97,14 +132,14 @@ impl Textures {
                     [s.rem_euclid(1.0), (d[2] / length).clamp(-1.0, 1.0).acos() / std::f32::consts::PI]
                 };
                 let here = place(q.at);
-                let width = q.change.map(|c| {
+                let change = q.change.map(|c| {
                     let next = place([0, 1, 2].map(|k| q.at[k] + c[k]));
                     let d = (next[0] - here[0] + 0.5).rem_euclid(1.0) - 0.5;
                     [d, next[1] - here[1]]
                 });
-                (here, width)
+                (texture, here, change)
             }
-            _ => ([q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
+            (Map::Picture(texture), _) => (texture, [q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
         };
         let spread = |axis: usize| {
             let d = change[0][axis].abs().max(change[1][axis].abs());
@@ -116,6 +151,29 @@ impl Textures {
         }
         value
     }
+}
+
+/// The face of a cube that a direction meets, and where.
+fn cube_place(d: [f32; 3], tangent: f32) -> (usize, [f32; 2]) {
+    let size = d.map(f32::abs);
+    let axis = (0..3).fold(0, |a, k| if size[k] > size[a] { k } else { a });
+    let face = 2 * axis + (d[axis] < 0.0) as usize;
+    (face, on_face(face, d, tangent))
+}
+
+/// Where a direction meets the picture of a face: each is seen from within, y up on the four sides, in the left-handed space of
+/// the interface; the face above has +z below, the one beneath has +z on top.
+fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
+    let (right, up, ahead) = match face {
+        0 => (-z, y, x),
+        1 => (z, y, -x),
+        2 => (x, -z, y),
+        3 => (x, z, -y),
+        4 => (x, y, z),
+        _ => (-x, y, -z),
+    };
+    let scale = 0.5 / (ahead.abs().max(1e-20) * tangent);
+    [0.5 + right * scale, 0.5 - up * scale]
 }
 
 impl Texture {
@@ -196,5 +254,34 @@ impl Texture {
         let (s, t) = (x - i, y - j);
         let (a, b, c, d) = (texel(i, j), texel(i + 1.0, j), texel(i, j + 1.0), texel(i + 1.0, j + 1.0));
         [0, 1, 2, 3].map(|k| (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (c[k] * (1.0 - s) + d[k] * s) * t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_of_a_cube_meet_at_their_edges() {
+        // From either side of an edge the places on both faces are the same point of the cube's surface.
+        let back = |face: usize, [s, t]: [f32; 2]| {
+            let (r, u) = (2.0 * s - 1.0, 1.0 - 2.0 * t);
+            match face {
+                0 => [1.0, u, -r],
+                1 => [-1.0, u, r],
+                2 => [r, 1.0, -u],
+                3 => [r, -1.0, u],
+                4 => [r, u, 1.0],
+                _ => [-r, u, -1.0],
+            }
+        };
+        for k in 0..500 {
+            let d = [0.37, 1.13, 2.71].map(|a| (a * (k as f32 + 0.5)).sin());
+            let (face, place) = cube_place(d, 1.0);
+            let most = d.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+            let there = back(face, place);
+            assert!(place.iter().all(|p| (-1e-6..=1.000_001).contains(p)), "{d:?} {place:?}");
+            (0..3).for_each(|c| assert!((there[c] - d[c] / most).abs() < 1e-5, "{d:?} on {face}: {there:?}"));
+        }
     }
 }

@@ -78,8 +78,12 @@ pub trait Scene {
     fn hit(&self, _from: [f32; 3], _direction: [f32; 3]) -> Option<f32> {
         None
     }
-    /// The colour that a ray brings back.
-    fn trace(&self, _from: [f32; 3], _direction: [f32; 3]) -> [f32; 3] {
+    /// Whether rays from here are followed at all: not where they have come too deep.
+    fn traces(&self, _many: bool) -> bool {
+        false
+    }
+    /// The colour that a ray brings back; `many` says that it is one of many from its point, as for light from all around.
+    fn trace(&self, _from: [f32; 3], _direction: [f32; 3], _many: bool) -> [f32; 3] {
         [0.0; 3]
     }
     /// Take what `printf` prints.
@@ -712,8 +716,6 @@ impl Machine {
                 let parts = env!("CARGO_PKG_VERSION").split('.').map(|p| p.parse().unwrap_or(0.0));
                 Some(Answer::Numbers(parts.chain([0.0]).collect()))
             }
-            (Ask::RayInfo, "depth") => Some(Answer::Numbers(vec![0.0])),
-            (Ask::RayInfo, "type") => Some(Answer::Text("camera".into())),
             _ => scene.ask(what, &names),
         };
         let mut found = 0.0;
@@ -855,7 +857,8 @@ impl Machine {
                     _ if w == 3 && name.ends_with(":Ci") => {
                         let mut colors = vec![0.0; 3 * n];
                         for k in (0..n).filter(|k| hits[*k]) {
-                            put(&mut colors, k, n, scene.trace(triple(&p, k, n), triple(&ways, k, n)));
+                            let color = scene.trace(triple(&p, k, n), triple(&ways, k, n), samples > 1);
+                            put(&mut colors, k, n, color);
                         }
                         self.assign_value(*reg, &colors, 3);
                     }
@@ -1081,22 +1084,24 @@ impl Machine {
                 let (p, way) = (arg(0), arg(1));
                 let samples = args.get(2).map_or(1.0, |r| at(&self.regs[*r as usize], 0)).clamp(1.0, 4096.0) as usize;
                 out.resize(wd * n, 0.0);
-                for k in (0..n).filter(|k| self.mask.as_ref().is_none_or(|m| m[*k])) {
+                let blind = f == Builtin::IndirectDiffuse && !scene.traces(true);
+                for k in (0..n).filter(|k| !blind && self.mask.as_ref().is_none_or(|m| m[*k])) {
                     let (from, about) = (triple(p, k, n), unit(triple(way, k, n)));
                     let mut sum = [0.0f32; 3];
                     if f == Builtin::Trace {
                         sum = if wd == 3 {
-                            scene.trace(from, about)
+                            scene.trace(from, about, false)
                         } else {
                             [scene.hit(from, about).unwrap_or(f32::INFINITY).min(1e30); 3]
                         };
                     } else {
                         for i in 0..samples {
                             let to = crate::lanes::in_hemisphere(about, i, from);
-                            if scene.hit(from, to).is_some() {
-                                let light = if f == Builtin::Occlusion { [1.0; 3] } else { scene.trace(from, to) };
-                                (0..3).for_each(|c| sum[c] += light[c] / samples as f32);
-                            }
+                            let found = match f {
+                                Builtin::Occlusion => [scene.hit(from, to).is_some() as u8 as f32; 3],
+                                _ => scene.trace(from, to, true),
+                            };
+                            (0..3).for_each(|c| sum[c] += found[c] / samples as f32);
                         }
                     }
                     (0..wd).for_each(|c| out[c * n + k] = sum[c]);

@@ -1,0 +1,262 @@
+//! The scene as shaders see it from one primitive: its lights, spaces, maps, and what rays find.
+//!
+//! A ray that asks for colour shades what it meets at that one point, with the surface shader of what was met and the lights
+//! that shine on it. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
+//! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
+
+use crate::options::Attributes;
+use crate::scene::{Item, ItemView, Scene, Shape, bilinear, instance_inputs, sphere_uv};
+use glam::{Mat3, Mat4, Vec3};
+use sl::ir::{Ask, Lookup};
+use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// How deep rays are followed if no option says: single ones, and those that are many from one point.
+const MAX_DEPTH: [u32; 2] = [4, 1];
+
+/// See-through surfaces that a ray passes before it is held up.
+const MAX_LAYERS: usize = 16;
+
+/// The scene from one primitive.
+pub struct View<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The primitive that is shaded.
+    pub item: Item,
+    /// Object space to world.
+    pub object_to_world: Mat4,
+    /// The space of the shader that runs, to world.
+    pub shader_to_world: Mat4,
+    /// Lights that shine on it.
+    pub lights: &'a [Arc<BoundShader>],
+    /// How near the start of a ray a surface does not count: others, and its own.
+    pub bias: [f32; 2],
+    /// Its attributes.
+    pub attributes: &'a Attributes,
+    /// Rays between the camera and here.
+    pub depth: u32,
+    /// The last of them was one of many.
+    pub diffuse: bool,
+}
+
+thread_local! {
+    /// Machines for what rays meet, one for each ray that is followed at once.
+    static SPARE: RefCell<Vec<(Machine, Points)>> = const { RefCell::new(vec![]) };
+}
+
+impl<'a> View<'a> {
+    /// The view from an item, as its surface shader has it.
+    pub fn new(scene: &'a Scene, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
+        let attributes = view.attributes;
+        View {
+            scene,
+            item,
+            object_to_world: view.object_to_world,
+            shader_to_world: attributes.surface_space,
+            lights: &attributes.light_list,
+            bias,
+            attributes,
+            depth: 0,
+            diffuse: false,
+        }
+    }
+
+    /// The colour and opacity of an item where a ray meets it.
+    fn shade(&self, item: Item, from: Vec3, dir: Vec3, distance: f32, diffuse: bool) -> ([f32; 3], [f32; 3]) {
+        let view = self.scene.view(item);
+        let a = view.attributes;
+        let (mut machine, mut points) = SPARE.take_one();
+        let met = meet(&view, from + dir * distance, from, dir);
+        (points.nu, points.nv) = (1, 1);
+        points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
+        points.inputs.clear();
+        points.inputs.extend(view.source.uniform.iter().cloned());
+        points.inputs.extend(view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i)));
+        points.inputs.extend(met.inputs);
+        let given = |name: &str| points.inputs.iter().find(|(n, v)| n == name && v.len() == 3).map(|(_, v)| v.clone());
+        let (cs, os) = (given("Cs").unwrap_or(view.color.to_vec()), given("Os").unwrap_or(a.opacity.to_vec()));
+        let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
+        let way = (dir * distance).to_array();
+        let values: [(&'static str, &[f32]); 13] = [
+            ("P", &met.place.to_array()),
+            ("N", &normal),
+            ("Ng", &normal),
+            ("I", &way),
+            ("E", &from.to_array()),
+            ("u", &[met.uv[0]]),
+            ("v", &[met.uv[1]]),
+            ("s", &[met.st[0]]),
+            ("t", &[met.st[1]]),
+            ("Cs", &cs),
+            ("Os", &os),
+            ("Ci", &[0.0; 3]),
+            ("Oi", &os),
+        ];
+        for (name, value) in values {
+            points.refill(name).extend_from_slice(value);
+        }
+        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, item, &view, self.bias) };
+        machine.run(&a.surface, &mut points, &scene);
+        let three = |name: &str| points.get(name).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
+        let answer = (three("Ci"), three("Oi"));
+        SPARE.with(|s| s.borrow_mut().push((machine, points)));
+        answer
+    }
+
+    /// How deep rays are followed.
+    fn max_depth(&self, many: bool) -> u32 {
+        let name = if many { "trace:maxdiffusedepth" } else { "trace:maxdepth" };
+        match self.scene.ask(Ask::Option, &[name]) {
+            Some(Answer::Numbers(v)) if !v.is_empty() => v[0].clamp(0.0, 100.0) as u32,
+            _ => MAX_DEPTH[many as usize],
+        }
+    }
+}
+
+/// A machine from those to spare.
+trait TakeOne {
+    fn take_one(&'static self) -> (Machine, Points);
+}
+
+impl TakeOne for std::thread::LocalKey<RefCell<Vec<(Machine, Points)>>> {
+    fn take_one(&'static self) -> (Machine, Points) {
+        self.with(|s| s.borrow_mut().pop()).unwrap_or_default()
+    }
+}
+
+/// A surface where a ray meets it, world space.
+struct Met {
+    place: Vec3,
+    normal: Vec3,
+    uv: [f32; 2],
+    st: [f32; 2],
+    inputs: Vec<(String, Vec<f32>)>,
+}
+
+fn meet(view: &ItemView<'_>, place: Vec3, from: Vec3, dir: Vec3) -> Met {
+    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
+    match view.shape {
+        Shape::Sphere => {
+            let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
+            let uv = sphere_uv(d);
+            Met { place, normal: (normals * d).normalize_or_zero(), uv, st: uv, inputs: vec![] }
+        }
+        Shape::Patches(patches) => {
+            let inverse = view.to_world.inverse();
+            let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
+            let at = inverse.transform_point3(place);
+            let found = patches.iter().filter_map(|p| Some((crate::bvh::place_on(p, o, d, at)?, p)));
+            let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
+                return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], inputs: vec![] };
+            };
+            let corner =
+                |values: &[f32], width: usize, c: usize| bilinear([0, 1, 2, 3].map(|k| values[k * width + c]), u, v);
+            let of = |corners: [[f32; 2]; 4], axis: usize| bilinear(corners.map(|c| c[axis]), u, v);
+            let mut normal = patch.normal(u, v);
+            let mut inputs = patch.uniform.clone();
+            for (name, values) in &patch.varying {
+                let width = values.len() / 4;
+                let value: Vec<f32> = (0..width).map(|c| corner(values, width, c)).collect();
+                match value[..] {
+                    [x, y, z] if name == "N" => normal = Vec3::new(x, y, z),
+                    _ => inputs.push((name.clone(), value)),
+                }
+            }
+            let normal = (normals * normal).normalize_or_zero();
+            Met {
+                place,
+                normal,
+                uv: [of(patch.uv, 0), of(patch.uv, 1)],
+                st: [of(patch.st, 0), of(patch.st, 1)],
+                inputs,
+            }
+        }
+    }
+}
+
+impl sl::machine::Scene for View<'_> {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        self.lights
+    }
+
+    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
+        self.scene.matrix(from, to, &|space| match space {
+            "object" => Some(self.object_to_world),
+            "shader" => Some(self.shader_to_world),
+            _ => None,
+        })
+    }
+
+    fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+        let blocked = self.scene.bvh.blocked(self.item, from.into(), to.into(), self.bias);
+        if blocked { [0.0; 3] } else { [1.0; 3] }
+    }
+
+    fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
+        self.scene.bvh.nearest(from.into(), direction.into(), self.bias[0].max(1e-5)).map(|(t, _)| t)
+    }
+
+    fn traces(&self, many: bool) -> bool {
+        self.depth < self.max_depth(many)
+    }
+
+    fn trace(&self, from: [f32; 3], direction: [f32; 3], many: bool) -> [f32; 3] {
+        let mut color = [0.0; 3];
+        if !self.traces(many) {
+            return color;
+        }
+        let (from, dir) = (Vec3::from(from), Vec3::from(direction));
+        let (mut least, mut open) = (self.bias[0].max(1e-5), [1.0f32; 3]);
+        for _ in 0..MAX_LAYERS {
+            let Some((distance, item)) = self.scene.bvh.nearest(from, dir, least) else { break };
+            let (ci, oi) = self.shade(item, from, dir, distance, many);
+            for c in 0..3 {
+                color[c] += open[c] * ci[c];
+                open[c] *= (1.0 - oi[c]).clamp(0.0, 1.0);
+            }
+            if open.iter().all(|o| *o < 1e-3) {
+                break;
+            }
+            least = distance + self.bias[0].max(1e-5 * distance);
+        }
+        color
+    }
+
+    fn map(&self, query: &MapQuery) -> [f32; 4] {
+        match (query.how, query.light) {
+            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
+            (Lookup::Shadow, Some(from)) => {
+                let lit = self.transmission(query.at, from)[0];
+                [1.0 - lit; 4]
+            }
+            (Lookup::Shadow, None) => {
+                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
+                [0.0; 4]
+            }
+            _ => self.scene.textures.look_up(query, self.scene),
+        }
+    }
+
+    fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        let a = self.attributes;
+        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
+        match (what, names) {
+            (Ask::Surface, [name]) => a.surface.parameter(name),
+            (Ask::Displacement, [name]) => a.displacement.as_ref()?.parameter(name),
+            (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
+            (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
+            (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
+            (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),
+            (Ask::Attribute, ["Color"]) => numbers(&a.color),
+            (Ask::Attribute, ["Opacity"]) => numbers(&a.opacity),
+            (Ask::Attribute, [name]) => a.user.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::RayInfo, ["depth"]) => numbers(&[self.depth as f32]),
+            (Ask::RayInfo, ["type"]) => {
+                let kind = if self.diffuse { "diffuse" } else { "specular" };
+                Some(Answer::Text(if self.depth == 0 { "camera" } else { kind }.into()))
+            }
+            _ => self.scene.ask(what, names),
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Shaders that send rays, look up maps or work on pixels, against answers known on paper.
+
+use crate::picture::{ORTHO, Picture, render_with};
+
+/// Every pixel that is covered has a colour, within a tolerance.
+fn all_are(p: &Picture, color: [f32; 3], tolerance: f32) {
+    let covered: Vec<_> = p.pixels.iter().filter(|p| p[3] > 0.999).collect();
+    assert!(covered.len() > 500);
+    for pixel in covered {
+        (0..3).for_each(|c| assert!((pixel[c] - color[c]).abs() <= tolerance, "{pixel:?}, expected {color:?}"));
+    }
+}
+
+#[test]
+fn a_white_room_gives_back_its_light() {
+    // The furnace: within walls that shine 1 all around, the mean over the hemisphere is 1 and everything is occluded.
+    let furnace = b"surface furnace(float which = 0;) {
+        normal Nf = faceforward(normalize(N), I);
+        if (which == 0) Ci = indirectdiffuse(P, Nf, 16);
+        else if (which == 1) Ci = occlusion(P, Nf, 16);
+        else if (which == 2) Ci = trace(P, reflect(normalize(I), Nf));
+        else { color sum = 0; gather(\"illuminance\", P, Nf, PI / 2, 8, \"surface:Ci\", sum) { Ci += sum / 8; } }
+    }";
+    for (which, color) in [(0, [0.5, 1.0, 0.25]), (1, [1.0; 3]), (2, [0.5, 1.0, 0.25]), (3, [0.5, 1.0, 0.25])] {
+        let p = render_with(
+            &[("furnace.sl", furnace)],
+            &ORTHO.replace("PixelSamples 8 8", "PixelSamples 2 2"),
+            &format!(
+                "AttributeBegin Color [0.5 1 0.25] Surface \"constant\" Attribute \"visibility\" \"int camera\" 0 Sphere 20 -20 20 360 AttributeEnd
+                Surface \"furnace\" \"uniform float which\" {which} Sphere 0.8 -0.8 0.8 360"
+            ),
+        );
+        all_are(&p, color, 1e-4);
+    }
+}
+
+#[test]
+fn a_mirror_shows_what_stands_before_it() {
+    // Seen along z, a mirror turned by 45 degrees looks along x: to the left is a wall, red above y = 0 and green below.
+    let mirror = b"surface mirror() { Ci = trace(P, reflect(normalize(I), faceforward(normalize(N), I))); Oi = 1; }";
+    let p = render_with(
+        &[("mirror.sl", mirror)],
+        &ORTHO.replace("PixelSamples 8 8", "PixelSamples 2 2"),
+        "AttributeBegin Surface \"constant\"
+            Color 1 0 0 Polygon \"P\" [-3 0 -9  -3 0 9  -3 9 9  -3 9 -9]
+            Color 0 1 0 Polygon \"P\" [-3 -9 -9  -3 -9 9  -3 0 9  -3 0 -9]
+        AttributeEnd
+        Surface \"mirror\" Rotate 45 0 1 0 Polygon \"P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0]",
+    );
+    for (y, color) in [(10, [1.0, 0.0, 0.0]), (35, [1.0, 0.0, 0.0]), (45, [0.0, 1.0, 0.0]), (70, [0.0, 1.0, 0.0])] {
+        (20..60).for_each(|x| assert_eq!(p.at(x, y)[..3], color, "({x}, {y})"));
+    }
+}
+
+#[test]
+fn rays_end_between_two_mirrors() {
+    let mirror =
+        b"surface mirror() { Ci = 0.1 + 0.5 * trace(P, reflect(normalize(I), faceforward(normalize(N), I))); Oi = 1; }";
+    let walls = "Surface \"mirror\" Polygon \"P\" [-9 -9 0  9 -9 0  9 9 0  -9 9 0]
+        Attribute \"visibility\" \"int camera\" 0 Polygon \"P\" [-9 -9 -9  9 -9 -9  9 9 -9  -9 9 -9]";
+    for depth in [0, 1, 3, 20] {
+        let options = format!("{} Option \"trace\" \"int maxdepth\" {depth}", ORTHO.replace("8 8", "1 1"));
+        let expected = (0..=depth).map(|k| 0.1 * 0.5f32.powi(k)).sum::<f32>();
+        all_are(&render_with(&[("mirror.sl", mirror)], &options, walls), [expected; 3], 1e-5);
+    }
+}
+
+/// A picture of one colour, as a file.
+fn plain(color: [u8; 3]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(4, 4, image::Rgb(color)).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+#[test]
+fn an_environment_of_cube_faces() {
+    let names = ["px.png", "nx.png", "py.png", "ny.png", "pz.png", "nz.png"];
+    let colors = [[255, 0, 0], [0, 255, 255], [0, 255, 0], [255, 0, 255], [0, 0, 255], [255, 255, 0]];
+    let files: Vec<Vec<u8>> = colors.iter().map(|c| plain(*c)).collect();
+    let way = b"surface way(vector d = 0;) { Ci = environment(\"cube\", d); Oi = 1; }";
+    let mut beside: Vec<(&str, &[u8])> = names.iter().zip(&files).map(|(n, f)| (*n, f.as_slice())).collect();
+    beside.push(("way.sl", way));
+    let options = format!(
+        "{} MakeCubeFaceEnvironment {} \"cube\" 90 \"box\" 1 1",
+        ORTHO.replace("8 8", "1 1"),
+        names.map(|n| format!("\"{n}\"")).join(" ")
+    );
+    let ways = ["1 0.3 -0.2", "-1 0.3 0.4", "0.2 1 0.5", "0.2 -3 0.5", "0.1 0.7 1", "-0.2 0.7 -1"];
+    for (way, color) in ways.iter().zip(colors) {
+        let world = format!("Surface \"way\" \"uniform vector d\" [{way}] Sphere 0.8 -0.8 0.8 360");
+        all_are(&render_with(&beside, &options, &world), color.map(|c| c as f32 / 255.0), 1e-5);
+    }
+}
+
+#[test]
+fn an_imager_works_on_pixels() {
+    let ramp = b"imager ramp(float gain = 1;) {
+        Ci = gain * color(xcomp(P) / 80, ycomp(P) / 80, alpha * comp(Ci, 2));
+        alpha = 0.5;
+    }";
+    let p = render_with(
+        &[("ramp.sl", ramp)],
+        &format!("{} Imager \"ramp\" \"uniform float gain\" 2", ORTHO.replace("8 8", "1 1")),
+        "Surface \"constant\" Color 0 0 0.25 Polygon \"P\" [0 -9 0  9 -9 0  9 9 0  0 9 0]",
+    );
+    for (x, y) in [(3, 7), (70, 70), (41, 2), (39, 66)] {
+        let blue = if x >= 40 { 0.5 } else { 0.0 };
+        let expected = [(x as f32 + 0.5) / 40.0, (y as f32 + 0.5) / 40.0, blue, 0.5];
+        let found = p.at(x, y);
+        (0..4).for_each(|c| assert!((found[c] - expected[c]).abs() < 1e-5, "({x}, {y}): {found:?}, {expected:?}"));
+    }
+}
