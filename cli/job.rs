@@ -3,7 +3,7 @@
 use crate::args::PictureArgs;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
-use bind::data::Source;
+use bind::data::{Source, Store};
 use bind::metadata::{self, Checked, Data, ImageFormat};
 use frame::Fault;
 use frame::FaultKind;
@@ -62,6 +62,8 @@ pub struct Pictures {
     pub frames: Vec<u64>,
     /// The folder that they go to.
     pub folder: PathBuf,
+    /// Other pictures of the same frames, in folders of their own.
+    pub passes: Vec<Pictures>,
 }
 
 impl Pictures {
@@ -90,7 +92,10 @@ impl Pictures {
         let files = checked.files(library::files(&checked.folder()));
         checked.check_columns(&source.read(frames[0])?)?;
         check_library(&checked, &files)?;
-        Ok(Pictures { checked, source, files, frames, folder })
+        let passes = std::mem::take(&mut checked.passes).into_iter();
+        let passes = passes.map(|(name, pass)| Pictures::resolve(pass, source.clone(), folder.join(name), args));
+        let passes = passes.collect::<Outcome<_>>()?;
+        Ok(Pictures { checked, source, files, frames, folder, passes })
     }
 
     /// The picture of a frame.
@@ -108,6 +113,8 @@ pub fn check_library(checked: &Checked, files: &Files) -> Outcome {
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     let m = &checked.metadata;
     let camera = m.camera.as_ref().and_then(|c| c.file.as_ref());
+    // A camera that moves has a file a frame: each is looked for when its frame is drawn.
+    let camera = camera.filter(|file| !file.contains("{frame"));
     for (key, name) in [("scene", Some(&m.scene)), ("lights", m.lights.as_ref()), ("camera.file", camera)] {
         if let Some(name) = name {
             files.read(name, &["scenes"]).map_err(|e| checked.doc.fault(key, e))?;
@@ -142,5 +149,5 @@ pub fn metadata_of_run(folder: &Path) -> Outcome<(Checked, Source)> {
     }
     let mut checked = metadata::read(&path)?;
     checked.metadata.data = Some(Data { run: Some(".".into()), ..Data::default() });
-    Ok((checked, Source::Run(run)))
+    Ok((checked, Store::Run(run).into()))
 }

@@ -23,6 +23,7 @@ pub fn command(args: &RenderArgs) -> Outcome {
     let pictures = Pictures::resolve(checked, data, folder, &args.pictures)?;
     pictures_of(&pictures, args.pictures.missing, args.verbose)?;
     println!("{}", pictures.folder.display());
+    pictures.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
     missing_frames(&pictures)
 }
 
@@ -45,7 +46,7 @@ pub fn pictures_of(pictures: &Pictures, missing: bool, verbose: bool) -> Outcome
         progress.at(done as u64 + 1);
     }
     progress.finish();
-    Ok(())
+    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, missing, verbose))
 }
 
 /// Draw a frame and write its picture.

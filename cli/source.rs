@@ -3,7 +3,7 @@
 use crate::job::{self, Yaml};
 use crate::report::{Exit, Failure, Outcome};
 use crate::simulate::{self, Span};
-use bind::data::Source;
+use bind::data::{Source, Store};
 use bind::metadata::{self, Checked};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind};
@@ -35,7 +35,7 @@ pub fn data_of(checked: &Checked, home: &Path, fresh: bool) -> Outcome<Source> {
                 return Err(checked.doc.fault("model", format!("the model {} does not exist", path.display())).into());
             }
             ensure_run(&path, home, fresh)?;
-            Ok(Source::Run(RunReader::open(home)?))
+            Ok(Store::Run(RunReader::open(home)?).into())
         }
         (None, None) => {
             Err(checked.doc.fault("data", "has neither `data` nor `model`: there is nothing to draw").into())

@@ -129,6 +129,85 @@ fn jobs_of_chrono_render() {
     }
 }
 
+/// Two passes, a camera that moves, and data that is worked on first: the ball of row 2 alone is left, twice as large as it says.
+const PASSES: &str = "chronorender:
+  rendersettings: {searchpaths: './'}
+  camera: {filename: cam.rib, moving_camera: true}
+  renderpass:
+    - {type: shadow, name: shadows, settings: {display: {output: s.z}}}
+    - {name: beauty, settings: {resolution: 60 40, pixelsamples: 2 2}}
+    - {name: shade, type: ao, shader: {name: occlusionsurf, samples: 4}, settings: {resolution: 30 20, pixelsamples: 1 1}}
+  simulation:
+    data:
+      datasource: {type: csv, resource: ./data/*.dat, fields: [[id, integer], [pos_x, float], [pos_y, float], [pos_z, float], [r, float]]}
+      dataprocess:
+        - {type: derive, formula: 2 * r, field_name: ep1}
+        - {type: select, condition: id == 2}
+    renderobject: {name: ball, color: 1 0 0, geometry: {type: sphere, changingparams: true}, shader: {name: constant}}
+";
+
+#[test]
+fn passes_processes_and_moving_cameras_of_chrono_render() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    std::fs::create_dir(at("data")).unwrap();
+    for frame in [4, 5] {
+        std::fs::write(at(&format!("data/f_{frame}.dat")), "1,-1,0,0,0.5\n2,1,0,0,0.25\n").unwrap();
+        let camera = format!("Projection \"orthographic\"\nScreenWindow -3 3 -2 2\nTranslate {} 0 5\n", frame - 5);
+        std::fs::write(at(&format!("cam_{frame:02}.rib")), camera).unwrap();
+    }
+    std::fs::write(at("job.yaml"), PASSES).unwrap();
+    let said = scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
+    assert!(said.contains("shade") && !at("out/shadows").exists(), "{said}");
+    for (frame, middle) in [(4, 30), (5, 40)] {
+        let picture = image::open(at(&format!("out/00000{frame}.png"))).unwrap().to_rgb8();
+        let red = |x: u32| picture.get_pixel(x, 20).0 == [255, 0, 0];
+        // The ball is 0.5 in radius, five pixels.
+        assert!(
+            red(middle - 3) && red(middle + 3) && !red(middle - 7) && !red(middle + 7) && !red(20),
+            "frame {frame}"
+        );
+        let shade = image::open(at(&format!("out/shade/00000{frame}.png"))).unwrap().to_rgb8();
+        assert_eq!(shade.dimensions(), (30, 20));
+        // Nothing is near the ball: it is white where nothing is occluded.
+        assert!(shade.get_pixel(middle / 2, 10).0[0] > 240);
+    }
+    std::fs::write(at("bad.yaml"), PASSES.replace("id == 2", "di == 2")).unwrap();
+    let said = scree(&["render", at("bad.yaml").to_str().unwrap(), "-o", at("x").to_str().unwrap()]).fails(4);
+    assert!(said.contains("di"), "{said}");
+}
+
+#[test]
+fn tables_of_the_exporter_for_blender() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    std::fs::write(
+        at("parts_000.dat"),
+        "a,1,-2,0,0,1,0,0,0,sphere,0.5
+a,2,0,0,0,1,0,0,0,box,0.5,0.25,0.1
+b,3,2,0,0,1,0,0,0,obj,square.obj
+b,4,0,1.5,0,1,0,0,0,cylinder,0.2,0.4
+",
+    )
+    .unwrap();
+    std::fs::write(at("square.obj"), "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nf 1 2 3 4\n").unwrap();
+    std::fs::write(at("cam.rib"), "Projection \"orthographic\"\nScreenWindow -3 3 -2 2\nTranslate 0 0 5\n").unwrap();
+    let job = "chronorender:
+  camera: {filename: cam.rib}
+  renderpass: {name: main, settings: {resolution: 120 80, pixelsamples: 2 2}}
+  simulation:
+    data: {datasource: {type: csv, resource: ./parts_*.dat}}
+    renderobject: {name: all, condition: 1 <= id <= 3, color: 0 1 0, shader: {name: constant}}
+";
+    std::fs::write(at("job.yaml"), job).unwrap();
+    scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
+    let picture = image::open(at("out/000000.png")).unwrap().to_rgb8();
+    let green = picture.pixels().filter(|p| p.0[1] > 128).count() as f64 / 400.0;
+    // A circle, a box and a square; the cylinder is not among the rows.
+    let expected = PI * 0.25 + 0.5 + 1.0;
+    assert!((green - expected).abs() < 0.05 * expected, "{green}, expected {expected}");
+}
+
 #[test]
 fn schemas_know_the_keys_of_the_files() {
     for (of, keys) in [("model", ["bodies", "fills", "solver"]), ("metadata", ["objects", "scene", "camera"])] {

@@ -117,6 +117,21 @@ impl Frame {
         self.columns.push((Field::new(name, unit), column));
     }
 
+    /// Keep some rows, in the order in which they are given.
+    pub fn keep(&mut self, rows: &[usize]) {
+        fn some<T: Copy>(v: &mut Vec<T>, rows: &[usize]) {
+            *v = rows.iter().map(|r| v[*r]).collect();
+        }
+        for (_, column) in &mut self.columns {
+            match column {
+                Column::F64(v) => some(v, rows),
+                Column::F32(v) => some(v, rows),
+                Column::I64(v) => some(v, rows),
+                Column::Category { codes, .. } => some(codes, rows),
+            }
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, c)| c.len())

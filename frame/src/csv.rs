@@ -17,6 +17,8 @@ pub struct Layout {
     pub header: Option<bool>,
     /// The columns' names, which go before those of a header.
     pub names: Option<Vec<String>>,
+    /// Cells that every row has at least; numbers that are missing after them are 0. Without it, rows have all their cells.
+    pub least: Option<usize>,
 }
 
 /// Read a CSV file as the frame of a number.
@@ -49,7 +51,8 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         None if header => first_cells.iter().map(|(_, c)| c.to_string()).collect(),
         None => (1..=first_cells.len()).map(|i| format!("c{i}")).collect(),
     };
-    if names.len() != first_cells.len() {
+    let least = layout.least.unwrap_or(names.len());
+    if !(least..=names.len()).contains(&first_cells.len()) {
         let message = format!("has {} columns, but {} are named", first_cells.len(), names.len());
         return Err(fault(first_line, 1, message));
     }
@@ -58,14 +61,15 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
     let mut last = None;
     for (line, row) in lines {
         let found = split(row, delimiter);
-        if found.len() != fields.len() {
+        if !(least..=fields.len()).contains(&found.len()) {
             let at = found.last().map_or(1, |(at, _)| at + 1);
             let message = format!("row has {} cells, expected {} ({})", found.len(), fields.len(), names.join(", "));
             return Err(
                 fault(line, at, message).hint("a row that is cut off at the end means that its writer was interrupted")
             );
         }
-        for ((at, cell), column) in found.into_iter().zip(&mut cells) {
+        let missing = std::iter::repeat_n((row.len(), "0"), fields.len() - found.len());
+        for ((at, cell), column) in found.into_iter().chain(missing).zip(&mut cells) {
             if cell.is_empty() {
                 return Err(fault(line, at + 1, "cell is empty".into()).hint("give every row a value in every column"));
             }

@@ -5,8 +5,8 @@
 //! list of them. Python hooks cannot be run: the message says what to use instead.
 
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, Checked, Color, Data, Geometry, Metadata, Object, Output, Parameter, PlaneSpec, Quantity,
-    RoundSpec, Shader, SphereSpec,
+    ArchiveSpec, BoxSpec, CameraSpec, Checked, Color, Data, Derive, Geometry, Metadata, Object, Output, Parameter,
+    PlaneSpec, Quantity, RoundSpec, Shader, SphereSpec,
 };
 use frame::Fault;
 use frame::yaml::Document;
@@ -17,7 +17,10 @@ use std::path::{Path, PathBuf};
 /// The key that makes a file one of these.
 pub const ROOT: &str = "chronorender";
 
-/// Translate a file that was read.
+/// Keys of a render pass.
+const PASS: [&str; 8] = ["name", "type", "settings", "shader", "camera", "scene", "lighting", "renderobject"];
+
+/// Translate a file that was read: the first render pass, and the others as further pictures of the same data.
 pub fn translate(root: &Value, doc: Document) -> Result<Checked, Fault> {
     let job = Job { doc: &doc, folder: folder_of(&doc.path) };
     let top = job.map(
@@ -25,105 +28,30 @@ pub fn translate(root: &Value, doc: Document) -> Result<Checked, Fault> {
         root,
         &["rendersettings", "camera", "lighting", "scene", "renderpass", "simulation", "movie", "distributed"],
     )?;
-    let settings = job.first(&top, "rendersettings")?;
-    let mut places = vec![job.folder.clone()];
-    let mut frames = None;
-    if let Some((key, value)) = &settings {
-        let known = ["out", "fileformat", "padding", "searchpaths", "framerange", "renderer", "verbosity", "path"];
-        let map = job.map(key, value, &known)?;
-        if let Some(paths) = map.get("searchpaths") {
-            places.extend(text(paths).split(':').filter(|p| !p.is_empty()).map(|p| job.folder.join(p)));
-        }
-        if let Some(range) = map.get("framerange") {
-            let ends = job.numbers(&format!("{key}.framerange"), range, 2)?;
-            frames = Some(format!("{}-{}", ends[0], ends[1]));
+    let mut passes = Vec::new();
+    for (key, value) in job.list(&top, "renderpass")? {
+        let map = job.map(&key, &value, &PASS)?;
+        // Whatever lights shine, shadows are traced: nothing has to be made for them first.
+        if map.get("type").map(text).as_deref() != Some("shadow") {
+            passes.push((key, map));
         }
     }
-    let mut made = Vec::new();
-    let mut output = Output { resolution: [640, 480], frames, ..Output::default() };
-    let mut pass_surface = None;
-    let mut of_pass: BTreeMap<String, Value> = BTreeMap::new();
-    let passes = job.list(&top, "renderpass")?;
-    if let Some((key, value)) = passes.first() {
-        let known = ["name", "type", "settings", "shader", "camera", "scene", "lighting", "renderobject"];
-        let map = job.map(key, value, &known)?;
-        pass_surface = job.pass(key, &map, &mut output)?;
-        for part in ["camera", "scene", "lighting"] {
-            if let Some(file) = map.get(part) {
-                of_pass.insert(part.into(), file.clone());
-            }
+    let mut all = Vec::new();
+    for (k, pass) in passes.iter().map(Some).chain(passes.is_empty().then_some(None)).enumerate() {
+        let name = pass.and_then(|(_, map)| map.get("name")).map_or(format!("pass{k}"), text);
+        // Names become folders.
+        let name: String =
+            name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        all.push((name.trim_matches('.').to_string(), job.picture(&top, pass)?));
+    }
+    let (_, mut first) = all.remove(0);
+    for k in 0..all.len() {
+        if all[k].0.is_empty() || all[..k].iter().any(|(name, _)| *name == all[k].0) {
+            all[k].0 = format!("{}{}", all[k].0, k + 1);
         }
     }
-    // The scene as it was put together: camera, lights, scene, and the data in its place.
-    let mut scene =
-        String::from("##RenderMan RIB-Structure 1.1\n#scree override PixelSamples\n#scree override PixelFilter\n");
-    let includes = |part: &str| -> Result<String, Fault> {
-        let mut lines = String::new();
-        let elements = match of_pass.get(part) {
-            Some(file) => vec![("renderpass".to_string(), file.clone())],
-            None => job.list(&top, part)?,
-        };
-        for (key, value) in elements {
-            let file = match &value {
-                Value::String(file) => Some(file.clone()),
-                _ => {
-                    let known = ["name", "filename", "script", "shader", "moving_camera"];
-                    let map = job.map(&key, &value, &known)?;
-                    if map.contains_key("script") {
-                        return Err(
-                            job.no_python(&format!("{key}.script"), "write a RIB file and name it as `filename`")
-                        );
-                    }
-                    if let Some(shader) = map.get("shader") {
-                        for (k, one) in elements_of(shader).into_iter().enumerate() {
-                            let shader = job.shader(&format!("{key}.shader"), one)?;
-                            lines += &format!("LightSource \"{}\" {}{}\n", shader.name, 900 + k, arguments(&shader));
-                        }
-                    }
-                    map.get("filename").map(text)
-                }
-            };
-            if let Some(file) = file {
-                let found = locate(&places, Path::new(&file)).ok_or_else(|| {
-                    job.doc.fault(&format!("{key}.filename"), format!("there is no file `{file}` in the search paths"))
-                })?;
-                lines += &format!("ReadArchive \"{}\"\n", found.display());
-            }
-        }
-        Ok(lines)
-    };
-    scene += &includes("camera")?;
-    scene += "#scree override Format\n#scree override Display\nWorldBegin\n#scree override ShadingRate\n";
-    scene += &includes("lighting")?;
-    if let Some(surface) = &pass_surface {
-        scene += &format!("Surface \"{}\"{}\n", surface.name, arguments(surface));
-    }
-    scene += &includes("scene")?;
-    scene += "#scree inject objects\nWorldEnd\n";
-    made.push(("scenes/chronorender.rib".to_string(), scene));
-
-    let Some((key, simulation)) = job.first(&top, "simulation")? else {
-        return Err(doc.fault(ROOT, "has no `simulation`: there is nothing to draw"));
-    };
-    let simulation = job.map(&key, &simulation, &["name", "data", "renderobject", "dataprocess"])?;
-    let data = job.data(&key, &simulation, &places)?;
-    let columns = data.columns.clone().unwrap_or_default();
-    let mut objects = Vec::new();
-    for (k, (key, value)) in
-        list_of(&format!("{key}.renderobject"), simulation.get("renderobject")).into_iter().enumerate()
-    {
-        job.objects(&key, k, &value, &columns, &places, &mut made, &mut objects)?;
-    }
-    if let Some(surface) = pass_surface {
-        objects.iter_mut().for_each(|o| o.surface = Some(surface.clone()));
-    }
-    let metadata =
-        Metadata { data: Some(data), scene: "chronorender.rib".into(), objects, output, ..Metadata::default() };
-    let checked = Checked { metadata, doc: doc.clone(), made, folders: places };
-    for (key, _) in passes.iter().skip(1) {
-        eprintln!("warning: {}: the first render pass alone is made, `{key}` is passed over", doc.path.display());
-    }
-    Ok(checked)
+    first.passes = all;
+    Ok(first)
 }
 
 struct Job<'a> {
@@ -134,6 +62,168 @@ struct Job<'a> {
 type Map = BTreeMap<String, Value>;
 
 impl Job<'_> {
+    /// The metadata of a render pass, or of a job without any.
+    fn picture(&self, top: &Map, pass: Option<&(String, Map)>) -> Result<Checked, Fault> {
+        let mut places = vec![self.folder.clone()];
+        let mut frames = None;
+        if let Some((key, value)) = self.first(top, "rendersettings")? {
+            let known = ["out", "fileformat", "padding", "searchpaths", "framerange", "renderer", "verbosity", "path"];
+            let map = self.map(&key, &value, &known)?;
+            if let Some(paths) = map.get("searchpaths") {
+                places.extend(text(paths).split(':').filter(|p| !p.is_empty()).map(|p| self.folder.join(p)));
+            }
+            if let Some(range) = map.get("framerange") {
+                let ends = self.numbers(&format!("{key}.framerange"), range, 2)?;
+                frames = Some(format!("{}-{}", ends[0], ends[1]));
+            }
+        }
+        let mut output = Output { resolution: [640, 480], frames, ..Output::default() };
+        let pass_surface = match pass {
+            Some((key, map)) => self.pass(key, map, &mut output)?,
+            None => None,
+        };
+        let part = |name: &str| match pass.and_then(|(key, map)| Some((key, map.get(name)?))) {
+            Some((key, own)) => Ok(list_of(&format!("{key}.{name}"), Some(own))),
+            None => self.list(top, name),
+        };
+        // The scene as it was put together: camera, lights, scene, and the data in its place.
+        let mut scene =
+            String::from("##RenderMan RIB-Structure 1.1\n#scree override PixelSamples\n#scree override PixelFilter\n");
+        let mut camera = None;
+        for (key, value) in part("camera")? {
+            let element = self.element(&key, &value)?;
+            if element.get("moving_camera").is_some_and(|v| text(v) == "true") {
+                if camera.is_some() {
+                    return Err(self.doc.fault(&key, "is a second camera that moves: a picture has one"));
+                }
+                camera = Some(self.moving_camera(&key, &element, &places)?);
+                scene += "#scree inject camera\n";
+            } else {
+                scene += &self.archives(&key, &element, &places)?;
+            }
+        }
+        scene += "#scree override Format\n#scree override Display\nWorldBegin\n#scree override ShadingRate\n";
+        for (key, value) in part("lighting")? {
+            scene += &self.archives(&key, &self.element(&key, &value)?, &places)?;
+        }
+        if let Some(surface) = &pass_surface {
+            scene += &format!("Surface \"{}\"{}\n", surface.name, arguments(surface));
+        }
+        for (key, value) in part("scene")? {
+            scene += &self.archives(&key, &self.element(&key, &value)?, &places)?;
+        }
+        scene += "#scree inject objects\nWorldEnd\n";
+        let scene_file = match pass {
+            Some((key, _)) => format!("{}.rib", key.replace('.', "_")),
+            None => "chronorender.rib".into(),
+        };
+        let mut made = vec![(format!("scenes/{scene_file}"), scene)];
+
+        let Some((key, simulation)) = self.first(top, "simulation")? else {
+            return Err(self.doc.fault(ROOT, "has no `simulation`: there is nothing to draw"));
+        };
+        let simulation = self.map(&key, &simulation, &["name", "data", "renderobject", "dataprocess"])?;
+        let mut data = self.data(&key, &simulation, &places)?;
+        self.processes(&format!("{key}.dataprocess"), simulation.get("dataprocess"), &mut data)?;
+        let mut objects = Vec::new();
+        let (at, list) = match pass.and_then(|(key, map)| Some((key, map.get("renderobject")?))) {
+            Some((key, own)) => (format!("{key}.renderobject"), Some(own)),
+            None => (format!("{key}.renderobject"), simulation.get("renderobject")),
+        };
+        for (k, (key, value)) in list_of(&at, list).into_iter().enumerate() {
+            self.objects(&key, k, &value, &data, &places, &mut made, &mut objects)?;
+        }
+        if let Some(surface) = pass_surface {
+            objects.iter_mut().for_each(|o| o.surface = Some(surface.clone()));
+        }
+        let metadata = Metadata { data: Some(data), scene: scene_file, camera, objects, output, ..Metadata::default() };
+        Ok(Checked { metadata, doc: self.doc.clone(), made, folders: places, passes: vec![] })
+    }
+
+    /// A camera, a light or a scene: a file's name, or a map.
+    fn element(&self, key: &str, value: &Value) -> Result<Map, Fault> {
+        if let Value::String(_) = value {
+            return Ok(Map::from([("filename".into(), value.clone())]));
+        }
+        let map = self.map(key, value, &["name", "filename", "script", "shader", "moving_camera"])?;
+        if map.contains_key("script") {
+            return Err(self.no_python(&format!("{key}.script"), "write a RIB file and name it as `filename`"));
+        }
+        Ok(map)
+    }
+
+    /// The lines that read an element's file, and those of its lights.
+    fn archives(&self, key: &str, element: &Map, places: &[PathBuf]) -> Result<String, Fault> {
+        let mut lines = String::new();
+        if let Some(shader) = element.get("shader") {
+            for (k, one) in elements_of(shader).into_iter().enumerate() {
+                let shader = self.shader(&format!("{key}.shader"), one)?;
+                lines += &format!("LightSource \"{}\" {}{}\n", shader.name, 900 + k, arguments(&shader));
+            }
+        }
+        if let Some(file) = element.get("filename").map(text) {
+            let found = locate(places, Path::new(&file)).ok_or_else(|| {
+                self.doc.fault(&format!("{key}.filename"), format!("there is no file `{file}` in the search paths"))
+            })?;
+            lines += &format!("ReadArchive \"{}\"\n", found.display());
+        }
+        Ok(lines)
+    }
+
+    /// A camera that has a file a frame: `cam.rib` stands for `cam_0.rib`, `cam_1.rib` …
+    fn moving_camera(&self, key: &str, element: &Map, places: &[PathBuf]) -> Result<CameraSpec, Fault> {
+        let file = element.get("filename").map(text).unwrap_or_default();
+        let file = Path::new(&file);
+        let stem = file.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
+        let ending = file.extension().and_then(|s| s.to_str()).unwrap_or("rib");
+        // As many digits as the numbers are padded to with zeros; 0 if they are not.
+        let digits = |room: &Path| {
+            let names = std::fs::read_dir(room).ok()?.flatten().filter_map(|e| e.file_name().into_string().ok());
+            let digits = |name: String| {
+                let digits = name.strip_prefix(stem)?.strip_prefix('_')?.strip_suffix(ending)?.strip_suffix('.')?;
+                let number = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+                number.then(|| if digits.len() > 1 && digits.starts_with('0') { digits.len() } else { 0 })
+            };
+            names.filter_map(digits).max()
+        };
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let found = rooms(places).into_iter().map(|r| r.join(folder)).find_map(|r| Some((digits(&r)?, r)));
+        let Some((digits, room)) = found else {
+            let message = format!("there is no file `{stem}_0.{ending}`, or of another frame, in the search paths");
+            return Err(self.doc.fault(&format!("{key}.filename"), message));
+        };
+        let room = std::fs::canonicalize(&room).unwrap_or(room);
+        let number = if digits > 0 { format!("{{frame:0{digits}}}") } else { "{frame}".into() };
+        let file = room.join(format!("{stem}_{number}.{ending}")).to_string_lossy().into_owned();
+        Ok(CameraSpec { file: Some(file), fov: 35.0, up: [0.0, 0.0, 1.0], ..CameraSpec::default() })
+    }
+
+    /// What is done to the data: rows are chosen, columns derived.
+    fn processes(&self, key: &str, value: Option<&Value>, data: &mut Data) -> Result<(), Fault> {
+        for (at, value) in list_of(key, value) {
+            let map =
+                self.map(&at, &value, &["type", "name", "condition", "formula", "field_name", "inputs", "args"])?;
+            let need = |name: &str| {
+                let found = map.get(name).map(text).filter(|t| !t.trim().is_empty());
+                found.ok_or_else(|| self.doc.fault(&at, format!("needs a `{name}`")))
+            };
+            match map.get("type").map(text).unwrap_or_default().as_str() {
+                "select" => {
+                    let condition = need("condition")?;
+                    data.select = Some(match data.select.take() {
+                        Some(before) => format!("({before}) and ({condition})"),
+                        None => condition,
+                    });
+                }
+                "derive" => data.derive.push(Derive { column: need("field_name")?, formula: need("formula")? }),
+                other => {
+                    return Err(self.doc.unknown(&format!("{at}.type"), "data process", other, &["select", "derive"]));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// A map with none but known keys; a list of one counts.
     fn map(&self, key: &str, value: &Value, known: &[&str]) -> Result<Map, Fault> {
         let value = match value {
@@ -225,6 +315,7 @@ impl Job<'_> {
         let at = format!("{key}.data");
         let Some(data) = simulation.get("data") else { return Err(self.doc.fault(key, "has no `data`")) };
         let map = self.map(&at, data, &["name", "datasource", "dataprocess"])?;
+        let process = (format!("{at}.dataprocess"), map.get("dataprocess").cloned());
         let sources = list_of(&format!("{at}.datasource"), map.get("datasource"));
         let Some((at, source)) = sources.first() else { return Err(self.doc.fault(&at, "has no `datasource`")) };
         let known = ["type", "name", "resource", "fields", "delim", "read_header", "skip_rows", "comments", "missing"];
@@ -245,13 +336,19 @@ impl Job<'_> {
         }
         let delimiter = map.get("delim").map(text).and_then(|d| d.chars().next()).filter(|c| *c != ' ');
         let header = map.get("read_header").and_then(Value::as_bool);
-        Ok(Data {
+        let mut data = Data {
             csv: Some(found),
             delimiter,
             header: header.or((!columns.is_empty()).then_some(false)),
             columns: (!columns.is_empty()).then_some(columns),
             ..Data::default()
-        })
+        };
+        if data.columns.is_none() && is_exported(&data) {
+            data.columns = Some(EXPORTED.map(String::from).to_vec());
+            (data.header, data.least_cells) = (Some(false), Some(EXPORTED_LEAST));
+        }
+        self.processes(&process.0, process.1.as_ref(), &mut data)?;
+        Ok(data)
     }
 
     /// A shader: its name and its parameters.
@@ -287,11 +384,12 @@ impl Job<'_> {
         key: &str,
         index: usize,
         value: &Value,
-        columns: &[String],
+        data: &Data,
         places: &[PathBuf],
         made: &mut Vec<(String, String)>,
         out: &mut Vec<Object>,
     ) -> Result<(), Fault> {
+        let columns = data.columns.as_deref().unwrap_or_default();
         let known = ["name", "condition", "color", "geometry", "shader", "instanced", "attribute", "script", "range"];
         let map = self.map(key, value, &known)?;
         if map.contains_key("script") {
@@ -314,16 +412,26 @@ impl Job<'_> {
             let kind = value.get("type").map(text).unwrap_or_default();
             if kind == "displacement" { displacement = Some(shader) } else { surface = Some(shader) }
         }
-        let shapes = list_of(&format!("{key}.geometry"), map.get("geometry"));
+        let mut shapes = Vec::new();
+        for (at, shape) in list_of(&format!("{key}.geometry"), map.get("geometry")) {
+            shapes.push((None, self.geometry(&at, &shape, places, made)?));
+        }
+        if shapes.is_empty() && columns == EXPORTED {
+            // Every row says itself what it is.
+            shapes = self.exported_shapes(key, data, places)?;
+        }
         if shapes.is_empty() {
             return Err(self.doc.fault(key, "has no `geometry`"));
         }
         let n = shapes.len();
-        for (k, (at, shape)) in shapes.into_iter().enumerate() {
-            let geometry = self.geometry(&at, &shape, places, made)?;
+        for (k, (own, geometry)) in shapes.into_iter().enumerate() {
+            let select = match (&select, own) {
+                (Some(a), Some(b)) => Some(format!("({a}) and {b}")),
+                (a, b) => b.or(a.clone()),
+            };
             out.push(Object {
                 name: if n == 1 { name.clone() } else { format!("{name}{k}") },
-                select: select.clone(),
+                select,
                 geometry,
                 position: ["pos_x", "pos_y", "pos_z"].map(|c| Quantity::Expression(c.into())),
                 orientation: orientation(columns),
@@ -334,6 +442,49 @@ impl Job<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Conditions and geometries of the types that the rows of an exported table have.
+    fn exported_shapes(
+        &self,
+        key: &str,
+        data: &Data,
+        places: &[PathBuf],
+    ) -> Result<Vec<(Option<String>, Geometry)>, Fault> {
+        let ep = |k: usize| Quantity::Expression(format!("ep{k}"));
+        let round = RoundSpec { radius: ep(1), half: ep(2) };
+        let three = BoxSpec { half: [ep(1), ep(2), ep(3)] };
+        let none = Geometry::default;
+        let mut shapes: Vec<(Option<String>, Geometry)> = vec![
+            ("sphere", Geometry { sphere: Some(SphereSpec { radius: ep(1) }), ..none() }),
+            ("cube", Geometry { block: Some(BoxSpec { half: [ep(1), ep(1), ep(1)] }), ..none() }),
+            ("box", Geometry { block: Some(three.clone()), ..none() }),
+            ("ellipsoid", Geometry { ellipsoid: Some(three), ..none() }),
+            ("cylinder", Geometry { cylinder: Some(round.clone()), ..none() }),
+            ("cone", Geometry { cone: Some(round), ..none() }),
+        ]
+        .into_iter()
+        .map(|(kind, geometry)| (Some(format!("type == '{kind}'")), geometry))
+        .collect();
+        // Files of meshes are named in the rows: those of the first frame are taken for all.
+        let first = first_file(data).and_then(|path| std::fs::read_to_string(path).ok()).unwrap_or_default();
+        let mut files: Vec<&str> = Vec::new();
+        for line in first.lines() {
+            let cells: Vec<&str> = line.split(data.delimiter.unwrap_or(',')).map(str::trim).collect();
+            if let (Some(&"obj"), Some(file)) = (cells.get(9), cells.get(10))
+                && !files.contains(file)
+            {
+                files.push(file);
+            }
+        }
+        for file in files {
+            let found = locate(places, Path::new(file))
+                .ok_or_else(|| self.doc.fault(key, format!("there is no file `{file}` in the search paths")))?;
+            let archive = ArchiveSpec { file: found.to_string_lossy().into_owned(), scale: Quantity::Number(1.0) };
+            let geometry = Geometry { archive: Some(archive), ..none() };
+            shapes.push((Some(format!("type == 'obj' and ep1 == '{file}'")), geometry));
+        }
+        Ok(shapes)
     }
 
     fn geometry(
@@ -435,6 +586,26 @@ impl Job<'_> {
             }
         })
     }
+}
+
+/// Columns of a table that Chrono::Render's exporter for Blender has written; the last ones as far as the row's type has sizes.
+const EXPORTED: [&str; 13] =
+    ["group", "id", "pos_x", "pos_y", "pos_z", "quat_w", "quat_x", "quat_y", "quat_z", "type", "ep1", "ep2", "ep3"];
+
+/// As many cells its rows have at least.
+const EXPORTED_LEAST: usize = 11;
+
+fn first_file(data: &Data) -> Option<PathBuf> {
+    frame::sequence::find(data.csv.as_ref()?).ok()?.into_values().next()
+}
+
+/// Whether files without a header look as the exporter writes them: the tenth cell is the name of a shape.
+fn is_exported(data: &Data) -> bool {
+    let Some(text) = first_file(data).and_then(|path| std::fs::read_to_string(path).ok()) else { return false };
+    let line = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
+    let cells: Vec<&str> = line.split(data.delimiter.unwrap_or(',')).map(str::trim).collect();
+    let shapes = ["sphere", "cube", "box", "ellipsoid", "cylinder", "cone", "obj"];
+    cells.len() >= EXPORTED_LEAST && shapes.contains(&cells[9])
 }
 
 /// The quaternion of a row: its own columns, or the angles that the original turns by about x, then y, then z, degrees.

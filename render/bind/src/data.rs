@@ -1,14 +1,26 @@
 //! Where frames come from: a run directory, or CSV files found by a pattern.
 
+use crate::expr::Expr;
 use frame::csv::Layout;
 use frame::run::RunReader;
-use frame::{Fault, Frame, sequence};
+use frame::{Column, Fault, FaultKind, Frame, sequence};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A source of frames.
+/// A source of frames, and what is done to each.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub struct Source {
+    /// Where they are.
+    pub store: Store,
+    /// Columns that are worked out of others, in order; of a name that is there already, they take its place.
+    pub derive: Vec<(String, Expr)>,
+    /// The rows that count.
+    pub select: Option<Expr>,
+}
+
+/// Where frames are.
+#[derive(Clone, Debug)]
+pub enum Store {
     /// A run directory.
     Run(RunReader),
     /// CSV files by frame number.
@@ -22,39 +34,47 @@ pub enum Source {
     },
 }
 
+impl From<Store> for Source {
+    fn from(store: Store) -> Source {
+        Source { store, derive: vec![], select: None }
+    }
+}
+
 impl Source {
     /// The source at a path: a run directory, or a file or pattern of CSV files.
     pub fn open(path: &Path) -> Result<Source, Fault> {
-        if path.is_dir() {
-            return RunReader::open(path).map(Source::Run);
-        }
-        Ok(Source::Csv { files: sequence::find(path)?, layout: Layout::default(), rename: BTreeMap::new() })
+        let store = if path.is_dir() {
+            Store::Run(RunReader::open(path)?)
+        } else {
+            Store::Csv { files: sequence::find(path)?, layout: Layout::default(), rename: BTreeMap::new() }
+        };
+        Ok(store.into())
     }
 
     /// The frames that are there.
     pub fn numbers(&self) -> Vec<u64> {
-        match self {
-            Source::Run(run) => run.numbers(),
-            Source::Csv { files, .. } => files.keys().copied().collect(),
+        match &self.store {
+            Store::Run(run) => run.numbers(),
+            Store::Csv { files, .. } => files.keys().copied().collect(),
         }
     }
 
     /// Frames that should be there and are not: those that an interrupted simulation did not come to.
     pub fn missing(&self) -> Vec<u64> {
-        match self {
-            Source::Run(run) => {
+        match &self.store {
+            Store::Run(run) => {
                 let have = self.numbers();
                 (0..run.index.expected_frames).filter(|f| have.binary_search(f).is_err()).collect()
             }
-            Source::Csv { .. } => vec![],
+            Store::Csv { .. } => vec![],
         }
     }
 
     /// Read a frame.
     pub fn read(&self, number: u64) -> Result<Frame, Fault> {
-        match self {
-            Source::Run(run) => run.read_frame(number),
-            Source::Csv { files, layout, rename } => {
+        let (mut frame, path) = match &self.store {
+            Store::Run(run) => (run.read_frame(number)?, run.folder.clone()),
+            Store::Csv { files, layout, rename } => {
                 let path = &files[&number];
                 let mut frame = frame::csv::read(path, number, layout)?;
                 for (field, _) in &mut frame.columns {
@@ -62,8 +82,22 @@ impl Source {
                         field.name.clone_from(new);
                     }
                 }
-                Ok(frame)
+                (frame, path.clone())
             }
+        };
+        let fault = |what: &str, expr: &Expr, message: String| {
+            Fault::whole(FaultKind::Data, &path, format!("frame {number}: {what} `{}`: {message}", expr.text))
+        };
+        for (name, expr) in &self.derive {
+            let rows: Vec<usize> = (0..frame.rows()).collect();
+            let values = expr.numbers(&frame, &rows).map_err(|m| fault("the derived column", expr, m))?;
+            frame.columns.retain(|(f, _)| f.name != *name);
+            frame.push(name, "", Column::F64(values));
         }
+        if let Some(expr) = &self.select {
+            let rows = expr.select(&frame).map_err(|m| fault("the condition", expr, m))?;
+            frame.keep(&rows);
+        }
+        Ok(frame)
     }
 }

@@ -16,6 +16,7 @@ use glam::{Mat4, Quat, Vec3};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Declaration, Fail, InstanceShape, Instances, Param, Params, Ri, RiResult, Type, Values};
+use std::path::Path;
 
 /// Why a frame could not be emitted.
 #[derive(Debug)]
@@ -138,7 +139,7 @@ fn inject_camera(checked: &Checked, frame: &Frame, files: &Files, ri: &mut dyn R
         ));
     };
     if let Some(file) = &camera.file {
-        return include(file, files, ri);
+        return include(&numbered(file, frame.number), files, ri);
     }
     match camera.orthographic {
         Some(height) => {
@@ -173,6 +174,14 @@ fn inject_camera(checked: &Checked, frame: &Frame, files: &Files, ri: &mut dyn R
     ri.concat_transform(look_at(eye, at, up).to_cols_array())
 }
 
+/// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.
+fn numbered(file: &str, number: u64) -> String {
+    let parts = file.split_once("{frame").and_then(|(before, rest)| Some((before, rest.split_once('}')?)));
+    let Some((before, (format, after))) = parts else { return file.into() };
+    let digits = format.strip_prefix(":0").and_then(|n| n.parse().ok()).unwrap_or(0usize).min(20);
+    format!("{before}{number:0digits$}{after}")
+}
+
 /// World to camera: x right, y up, z forward.
 fn look_at(eye: [f32; 3], at: [f32; 3], up: [f32; 3]) -> Mat4 {
     let (eye, at) = (Vec3::from(eye), Vec3::from(at));
@@ -205,8 +214,41 @@ fn inject_lights(checked: &Checked, files: &Files, ri: &mut dyn Ri) -> RiResult 
 }
 
 fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    if file.to_lowercase().ends_with(".obj") {
+        return wavefront(file, files, ri);
+    }
     let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
     reader::read(&path, text.as_bytes(), files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
+}
+
+/// The polygons of a Wavefront OBJ file, with the normals and texture coordinates that it has.
+fn wavefront(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
+    // Materials are the metadata's.
+    let none = |_: &Path| Ok((vec![], Default::default()));
+    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, none)
+        .map_err(|e| Fail::new(format!("in {}: {e}", path.display())))?;
+    for mesh in models.into_iter().map(|m| m.mesh).filter(|m| !m.indices.is_empty()) {
+        let vertices: Vec<i32> = mesh.indices.iter().map(|i| *i as i32).collect();
+        let faces = if mesh.face_arities.is_empty() {
+            vec![3; vertices.len() / 3]
+        } else {
+            mesh.face_arities.iter().map(|n| *n as i32).collect()
+        };
+        let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, mesh.positions)];
+        if !mesh.normals.is_empty() {
+            params.push(Param::floats("N", Class::Vertex, Type::Normal, mesh.normals));
+        }
+        if !mesh.texcoords.is_empty() {
+            // The file's t goes up, the picture's down.
+            let corner = |k: usize| mesh.texcoords.iter().skip(k).step_by(2);
+            params.push(Param::floats("s", Class::Vertex, Type::Float, corner(0).copied().collect::<Vec<_>>()));
+            params.push(Param::floats("t", Class::Vertex, Type::Float, corner(1).map(|t| 1.0 - t).collect::<Vec<_>>()));
+        }
+        ri.points_polygons(faces, vertices, params)?;
+    }
+    Ok(())
 }
 
 fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: &mut dyn Ri) -> RiResult {

@@ -107,12 +107,14 @@ impl Expr {
         out
     }
 
-    /// Its value for each row. Every column must be there; words count as numbers nowhere.
+    /// Its value for each row. Every column must be there; words that are no numbers count nowhere.
     pub fn numbers(&self, frame: &Frame, rows: &[usize]) -> Result<Vec<f64>, String> {
         rows.iter()
             .map(|row| match eval(&self.root, frame, *row)? {
                 Value::Number(x) => Ok(x),
-                Value::Text(t) => Err(format!("`{}` is the word `{t}`, expected a number", self.text)),
+                Value::Text(t) => {
+                    t.parse().map_err(|_| format!("`{}` is the word `{t}`, expected a number", self.text))
+                }
             })
             .collect()
     }
@@ -128,7 +130,8 @@ impl Expr {
 fn eval<'a>(node: &'a Node, frame: &'a Frame, row: usize) -> Result<Value<'a>, String> {
     let number = |n: &'a Node| match eval(n, frame, row)? {
         Value::Number(x) => Ok(x),
-        Value::Text(t) => Err(format!("the word `{t}` stands where a number is needed")),
+        // A column that has words in other rows may have a number in this one.
+        Value::Text(t) => t.parse().map_err(|_| format!("the word `{t}` stands where a number is needed")),
     };
     let truth = |b: bool| Ok(Value::Number(b as u8 as f64));
     Ok(Value::Number(match node {

@@ -1,7 +1,7 @@
 //! The metadata file as types, checked.
 
 use crate::chronorender;
-use crate::data::Source;
+use crate::data::{Source, Store};
 use crate::expr::Expr;
 use frame::csv::Layout;
 use frame::yaml::Document;
@@ -59,16 +59,35 @@ pub struct Data {
     /// Column names, which go before those of a header.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub columns: Option<Vec<String>>,
+    /// Cells that every row of a CSV file has at least; what is missing after them is 0. Without it, rows have all their cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_cells: Option<usize>,
     /// New names for columns: `old: new`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rename: BTreeMap<String, String>,
+    /// Columns worked out of others, one after the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub derive: Vec<Derive>,
+    /// Which rows there are at all: a condition on columns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub select: Option<String>,
+}
+
+/// A column worked out of others.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Derive {
+    /// Its name.
+    pub column: String,
+    /// An expression over the columns before it.
+    pub formula: String,
 }
 
 /// The camera: a RIB file, or a place and a point to look at.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSpec {
-    /// A RIB file of camera calls.
+    /// A RIB file of camera calls; `{frame}` in its name stands for the frame's number, `{frame:04}` for it with four digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// Where it stands, m.
@@ -421,6 +440,8 @@ pub struct Checked {
     pub made: Vec<(String, String)>,
     /// Folders to look in besides its own.
     pub folders: Vec<PathBuf>,
+    /// Other pictures of the same data, by the names of the folders that they go to.
+    pub passes: Vec<(String, Checked)>,
 }
 
 /// Read and check a metadata file.
@@ -437,7 +458,7 @@ pub fn read(path: &Path) -> Result<Checked, Fault> {
 
 /// Check a metadata file that was read.
 pub fn check(metadata: Metadata, doc: Document) -> Result<Checked, Fault> {
-    let checked = Checked { metadata, doc, made: vec![], folders: vec![] };
+    let checked = Checked { metadata, doc, made: vec![], folders: vec![], passes: vec![] };
     checked.check()?;
     Ok(checked)
 }
@@ -445,7 +466,9 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Checked, Fault> {
 impl Checked {
     fn check(&self) -> Result<(), Fault> {
         self.check_output()?;
-        self.metadata.objects.iter().enumerate().try_for_each(|(i, object)| self.check_object(i, object))
+        self.processes()?;
+        self.metadata.objects.iter().enumerate().try_for_each(|(i, object)| self.check_object(i, object))?;
+        self.passes.iter().try_for_each(|(_, pass)| pass.check())
     }
 
     /// A search path that also has what the file brings itself.
@@ -468,22 +491,39 @@ impl Checked {
         let Some(data) = &self.metadata.data else {
             return Err(self.doc.fault("data", "names no data: expected `data: {run: …}` or `data: {csv: …}`"));
         };
-        match (&data.run, &data.csv) {
-            (Some(folder), None) => run::RunReader::open(&self.folder().join(folder)).map(Source::Run),
+        let store = match (&data.run, &data.csv) {
+            (Some(folder), None) => Store::Run(run::RunReader::open(&self.folder().join(folder))?),
             (None, Some(pattern)) => {
                 let layout = Layout {
                     delimiter: data.delimiter.map(|c| c as u8),
                     header: data.header,
                     names: data.columns.clone(),
+                    least: data.least_cells,
                 };
-                Ok(Source::Csv {
-                    files: sequence::find(&self.folder().join(pattern))?,
-                    layout,
-                    rename: data.rename.clone(),
-                })
+                let files = sequence::find(&self.folder().join(pattern))?;
+                Store::Csv { files, layout, rename: data.rename.clone() }
             }
-            _ => Err(self.doc.fault("data", "needs exactly one of `run` and `csv`")),
-        }
+            _ => return Err(self.doc.fault("data", "needs exactly one of `run` and `csv`")),
+        };
+        let (derive, select) = self.processes()?;
+        Ok(Source { store, derive, select })
+    }
+
+    /// Derived columns and the condition of the data, parsed.
+    fn processes(&self) -> Result<(Vec<(String, Expr)>, Option<Expr>), Fault> {
+        let Some(data) = &self.metadata.data else { return Ok((vec![], None)) };
+        let parse = |key: String, text: &str| {
+            Expr::parse(text).map_err(|e| {
+                let message = format!("in the expression, at character {}: {}", e.at + 1, e.message);
+                self.doc.fault(&key, message)
+            })
+        };
+        let derived = data.derive.iter().enumerate();
+        let derive = derived
+            .map(|(k, d)| Ok((d.column.clone(), parse(format!("data.derive.{k}.formula"), &d.formula)?)))
+            .collect::<Result<_, Fault>>()?;
+        let select = data.select.as_ref().map(|text| parse("data.select".into(), text)).transpose()?;
+        Ok((derive, select))
     }
 
     fn check_output(&self) -> Result<(), Fault> {
