@@ -75,8 +75,8 @@ impl From<RibError> for Failure {
 
 impl From<Diagnostic> for Failure {
     fn from(d: Diagnostic) -> Failure {
-        let Diagnostic { file, line, column, text, message } = d;
-        Fault { kind: FaultKind::Input, file, line, column, text, message, hint: None }.into()
+        let Diagnostic { file, line, column, text, message, hint } = d;
+        Fault { kind: FaultKind::Input, file, line, column, text, message, hint }.into()
     }
 }
 

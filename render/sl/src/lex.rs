@@ -45,8 +45,7 @@ pub fn lex(source: &str) -> Result<Vec<(Tok, usize)>, Error> {
             }
             i += n;
         } else if b == b'"' {
-            let (text, n) =
-                quoted(rest).ok_or(Error { at: i, message: "a string is not closed before the file ends".into() })?;
+            let (text, n) = quoted(rest).ok_or(Error::new(i, "a string is not closed before the file ends"))?;
             tokens.push((Tok::Text(text), i));
             i += n;
         } else if let Some(op) = OPS.iter().find(|op| rest.starts_with(**op)) {

@@ -38,6 +38,8 @@ pub struct Diagnostic {
     pub text: String,
     /// What is wrong and what was expected.
     pub message: String,
+    /// What would mend it, if that is known.
+    pub hint: Option<String>,
 }
 
 impl std::fmt::Display for Diagnostic {
@@ -53,10 +55,22 @@ impl std::error::Error for Diagnostic {}
 pub(crate) struct Error {
     pub at: usize,
     pub message: String,
+    pub hint: Option<String>,
+}
+
+impl Error {
+    pub fn new(at: usize, message: impl Into<String>) -> Error {
+        Error { at, message: message.into(), hint: None }
+    }
 }
 
 pub(crate) fn error<T>(at: usize, message: impl Into<String>) -> Result<T, Error> {
-    Err(Error { at, message: message.into() })
+    Err(Error::new(at, message))
+}
+
+/// An error, and what would mend it.
+pub(crate) fn error_with<T>(at: usize, message: impl Into<String>, hint: impl Into<String>) -> Result<T, Error> {
+    Err(Error { hint: Some(hint.into()), ..Error::new(at, message) })
 }
 
 /// Compile the shader in `source`, which came from `path` and includes nothing.
@@ -68,7 +82,7 @@ pub fn compile(path: &Path, source: &str) -> Result<ir::Program, Diagnostic> {
 pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<ir::Program, Diagnostic> {
     let mut sources = source::Sources::default();
     let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
-    ir::validate(&program).map_err(|m| sources.place(Error { at: 0, message: format!("internal: {m}") }))?;
+    ir::validate(&program).map_err(|m| sources.place(Error::new(0, format!("internal: {m}"))))?;
     Ok(program)
 }
 

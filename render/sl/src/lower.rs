@@ -3,7 +3,7 @@
 use crate::ast::*;
 use crate::builtins::{Arg, GLOBALS, How, SIGNATURES, SPECIAL};
 use crate::ir::*;
-use crate::{Error, error};
+use crate::{Error, error, error_with};
 use std::collections::HashMap;
 
 /// The most operations of a program: inlining without end is an error, not a full memory.
@@ -53,7 +53,8 @@ struct Lower<'a> {
 /// Lower the shader of a file; its functions go before those of the prelude.
 pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
     let Some(shader) = &file.shader else {
-        return error(file.end, "the file has no shader: expected surface, displacement, light …");
+        let hint = "a file of functions alone is for `#include`";
+        return error_with(file.end, "the file has no shader: expected surface, displacement, light …", hint);
     };
     let mut l = Lower { kind: Some(shader.kind), ..Lower::default() };
     for function in prelude.iter().chain(&file.functions) {
@@ -132,7 +133,8 @@ impl<'a> Lower<'a> {
 
     fn parameter(&mut self, param: &Variable) -> Result<Parameter, Error> {
         if param.value.is_none() && param.array.is_none() {
-            return error(param.at, format!("parameter `{}` needs a default value", param.name));
+            let hint = format!("write `{} = …`", param.name);
+            return error_with(param.at, format!("parameter `{}` needs a default value", param.name), hint);
         }
         let var = self.new_variable(param)?;
         let (default, ()) = self.block(|l| l.start(param, var))?;
@@ -284,7 +286,21 @@ impl<'a> Lower<'a> {
         if value.ty == Ty::Float && to.is_triple() {
             return self.temp(at, to, value.varying, |r| Op::Unary(Unary::Copy, r, value.reg));
         }
-        error(at, format!("expected {}, found {}", to.name(), value.ty.name()))
+        let message = format!("expected {}, found {}", to.name(), value.ty.name());
+        match (value.ty, to) {
+            (Ty::Color, Ty::Float) => error_with(at, message, "`comp(c, 0)` is the first component of a colour"),
+            (from, Ty::Float) if spatial(from) => {
+                error_with(at, message, "`xcomp(p)` is a component, `length(v)` the length of a vector")
+            }
+            (from, Ty::Color) if spatial(from) => {
+                error_with(at, message, "`color(p)` takes its components for a colour")
+            }
+            (Ty::Color, to) if spatial(to) => {
+                error_with(at, message, format!("`{}(c)` takes its components", to.name()))
+            }
+            (Ty::Text, _) => error_with(at, message, "a string is no number and becomes none"),
+            _ => error(at, message),
+        }
     }
 
     fn statement(&mut self, s: &'a Stmt) -> Result<(), Error> {
@@ -307,7 +323,7 @@ impl<'a> Lower<'a> {
                 self.repeat(at, condition, body, Some(step))
             }
             StmtKind::Break(n) | StmtKind::Continue(n) if self.loops < *n => match self.loops {
-                0 => error(at, "break and continue stand inside a loop"),
+                0 => error_with(at, "break and continue stand inside a loop", "`return` leaves a function"),
                 loops => error(at, format!("there are {loops} loops around this, not {n}")),
             },
             StmtKind::Break(n) => self.push(at, Op::Break(*n as u16)),
@@ -343,7 +359,8 @@ impl<'a> Lower<'a> {
 
     fn check_class(&self, at: usize, name: &str, var: Value, value: Value) -> Result<(), Error> {
         if value.varying && var.fixed {
-            return error(at, format!("a varying value cannot be assigned to the uniform variable `{name}`"));
+            let message = format!("a varying value cannot be assigned to the uniform variable `{name}`");
+            return error_with(at, message, "declare it without `uniform`, so that it may differ from point to point");
         }
         Ok(())
     }
@@ -455,7 +472,11 @@ impl<'a> Lower<'a> {
         let Some(result) = self.results.last().copied() else { return error(at, "`return` stands in a function") };
         if let (Some(value), Some(result)) = (value, result) {
             if result.ty == Ty::Void {
-                return error(at, "a void function returns no value");
+                return error_with(
+                    at,
+                    "a void function returns no value",
+                    "give the function the value's type in place of `void`",
+                );
             }
             let found = self.expr(value, Some(result.ty))?;
             let found = self.convert(value.at, found, result.ty)?;
@@ -469,7 +490,8 @@ impl<'a> Lower<'a> {
         if value.ty == Ty::Float {
             Ok(value)
         } else {
-            error(e.at, format!("expected a condition, found {}", value.ty.name()))
+            let hint = "compare it with something, as in `length(v) > 0`";
+            error_with(e.at, format!("expected a condition, found {}", value.ty.name()), hint)
         }
     }
 
@@ -523,7 +545,14 @@ impl<'a> Lower<'a> {
         let args = match types.len() {
             1 if spatial(0) => [values[0].reg, nowhere.reg, pi.reg],
             3 if spatial(0) && spatial(1) && angle(2) => [values[0].reg, values[1].reg, values[2].reg],
-            _ => return error(at, format!("expected {which}(position) or {which}(position, axis, angle)")),
+            _ => {
+                let message = format!("expected {which}(position) or {which}(position, axis, angle)");
+                let hint = match which {
+                    "illuminance" => "over the hemisphere of a normal: `illuminance(P, N, PI / 2)`",
+                    _ => "into a cone: `illuminate(from, axis, coneangle)`",
+                };
+                return error_with(at, message, hint);
+            }
         };
         if which == "illuminate" {
             self.directed = true;
@@ -780,7 +809,8 @@ impl<'a> Lower<'a> {
         if overloads.is_empty() && !SPECIAL.contains(&name) {
             let known =
                 self.functions.keys().copied().chain(SIGNATURES.iter().map(|s| s.0)).chain(SPECIAL.iter().copied());
-            return error(at, format!("unknown function `{name}`{}", nearest(name, known)));
+            let message = format!("unknown function `{name}`{}", nearest(name, known));
+            return error_with(at, message, "functions of one's own stand before the shader, or come by `#include`");
         }
         let mut values = Vec::new();
         for (i, arg) in args.iter().enumerate() {
@@ -1076,7 +1106,8 @@ impl<'a> Lower<'a> {
         for arg in &args[..n_names] {
             let value = self.expr(arg, None)?;
             if value.ty != Ty::Text {
-                return error(arg.at, format!("expected a string, found {}", value.ty.name()));
+                let hint = "names stand in quotes";
+                return error_with(arg.at, format!("expected a string, found {}", value.ty.name()), hint);
             }
             names.push(value.reg);
         }
@@ -1207,7 +1238,8 @@ impl<'a> Lower<'a> {
             }
             if param.output {
                 if !matches!(arg.kind, ExprKind::Name(_) | ExprKind::Index(..)) {
-                    return error(arg.at, format!("`{}` is an output: expected a variable", param.name));
+                    let hint = "what the function gives back needs a variable to go to";
+                    return error_with(arg.at, format!("`{}` is an output: expected a variable", param.name), hint);
                 }
                 outputs.push((arg, var));
             }

@@ -3,7 +3,7 @@
 use crate::ast::*;
 use crate::ir::ShaderKind;
 use crate::lex::Tok;
-use crate::{Error, error};
+use crate::{Error, error, error_with};
 
 /// The deepest that expressions and statements may nest.
 const MAX_DEPTH: usize = 200;
@@ -28,7 +28,7 @@ pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
         let head = p.name("a shader or a function")?;
         if let Some(kind) = ShaderKind::of_name(&head) {
             if file.shader.is_some() {
-                return error(at, "a file holds one shader, this is the second");
+                return error_with(at, "a file holds one shader, this is the second", "give it a file of its own");
             }
             let name = p.name("the shader's name")?;
             let (params, body) = (p.parameters(false)?, p.block()?);
@@ -86,7 +86,14 @@ impl Parser<'_> {
     }
 
     fn expect(&mut self, op: &str) -> Result<(), Error> {
-        if self.eat(op) { Ok(()) } else { error(self.place(), format!("expected `{op}`, found {}", self.describe())) }
+        if self.eat(op) {
+            return Ok(());
+        }
+        let message = format!("expected `{op}`, found {}", self.describe());
+        match op {
+            ";" => error_with(self.place(), message, "the statement before this has no `;` at its end"),
+            _ => error(self.place(), message),
+        }
     }
 
     fn name(&mut self, what: &str) -> Result<String, Error> {
@@ -454,9 +461,8 @@ impl Parser<'_> {
                     self.expect(")")?;
                     match parts.len() {
                         16 => ExprKind::Matrix(parts),
-                        n => ExprKind::Triple(Box::new(parts.try_into().map_err(|_| Error {
-                            at: close,
-                            message: format!("expected 3 numbers, or 16 of a matrix, in brackets, found {n}"),
+                        n => ExprKind::Triple(Box::new(parts.try_into().map_err(|_| {
+                            Error::new(close, format!("expected 3 numbers, or 16 of a matrix, in brackets, found {n}"))
                         })?)),
                     }
                 } else {

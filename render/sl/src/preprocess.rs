@@ -53,7 +53,7 @@ impl Preprocessor<'_> {
     fn file(&mut self, path: &Path, text: &str) -> Result<usize, Error> {
         let base = self.sources.add(path, text);
         let plain = without_comments(text)
-            .map_err(|at| Error { at: base + at, message: "a comment is not closed before the file ends".into() })?;
+            .map_err(|at| Error::new(base + at, "a comment is not closed before the file ends"))?;
         let mut branches: Vec<Branch> = vec![];
         let mut at = 0;
         for line in plain.split_inclusive('\n') {
@@ -164,7 +164,7 @@ impl Preprocessor<'_> {
                 format!("files include each other more than {MAX_INCLUDES} deep: does `{name}` include itself?"),
             );
         }
-        let (path, text) = (self.include)(name, self.sources.path(at)).map_err(|message| Error { at, message })?;
+        let (path, text) = (self.include)(name, self.sources.path(at)).map_err(|message| Error::new(at, message))?;
         self.depth += 1;
         self.file(&path, &text)?;
         self.depth -= 1;

@@ -46,6 +46,7 @@ impl Sources {
             column: 1 + at - line_start,
             text: source.text.lines().nth(line - 1).unwrap_or("").to_string(),
             message: e.message,
+            hint: e.hint,
         }
     }
 }
