@@ -110,6 +110,9 @@ fn scene(args: &RenderArgs) -> Outcome {
 /// Write every finished picture to its displays, and say what was odd.
 fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
     let mut finished = std::mem::take(&mut context.finished);
+    for warning in context.warnings() {
+        eprintln!("warning: {warning}");
+    }
     for f in &mut finished {
         for warning in &f.warnings {
             eprintln!("warning: {warning}");
@@ -117,20 +120,9 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
         if f.options.displays.is_empty() {
             f.options.displays.push(render::Display { name: "ri.png".into(), kind: "file".into(), mode: "rgb".into() });
         }
-        for display in &mut f.options.displays {
-            if !matches!(Path::new(&display.name).extension().and_then(|e| e.to_str()), Some("png" | "exr")) {
-                let ending = if display.kind == "exr" || display.kind == "openexr" { "exr" } else { "png" };
-                eprintln!("warning: the picture `{}` is written as {ending}", display.name);
-                display.name = format!(
-                    "{}.{ending}",
-                    display.name.rsplit_once('.').map_or(display.name.as_str(), |(stem, _)| stem)
-                );
-            }
-        }
         for display in &f.options.displays {
-            let kind = if display.name.ends_with(".exr") { "exr" } else { "png" };
-            let bytes =
-                f.image.encode(kind, display.mode == "rgba", &f.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+            let bytes = f.image.encode(display.format(), display.mode == "rgba", &f.options);
+            let bytes = bytes.map_err(|m| Failure::new(Exit::Fault, m))?;
             frame::atomic::write(&folder.join(&display.name), &bytes)?;
         }
     }

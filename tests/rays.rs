@@ -110,3 +110,30 @@ fn an_imager_works_on_pixels() {
         (0..4).for_each(|c| assert!((found[c] - expected[c]).abs() < 1e-5, "({x}, {y}): {found:?}, {expected:?}"));
     }
 }
+
+#[test]
+fn shaders_know_the_spaces_of_the_picture() {
+    // NDC and raster coordinates of a point are those of its pixel, whichever way it lies, and the way back ends where it began.
+    let place = b"surface place() {
+        point n = transform(\"NDC\", P), r = transform(\"raster\", P), s = transform(\"screen\", P);
+        Ci = color(xcomp(n), ycomp(r), 0);
+        if (length(transform(\"raster\", \"current\", r) - P) > 1e-2) Ci = color(0, 0, 1);
+        if (abs(xcomp(s) - 2 * (2 * xcomp(n) - 1)) > 1e-3) Ci = color(0, 0, 1);
+        if (length(point \"eye\" (0, 0, 0) - E) > 1e-4) Ci = color(0, 0, 1);
+        Oi = 1;
+    }";
+    for projection in ["\"perspective\" \"fov\" 50", "\"orthographic\""] {
+        let options = format!(
+            "Format 80 40 1 PixelSamples 1 1 PixelFilter \"box\" 1 1 Projection {projection} Rotate 10 0 1 0 Translate 0.5 0 0"
+        );
+        let world = "Surface \"place\" Polygon \"P\" [-9 -9 5  9 -9 6  9 9 7  -9 9 4]";
+        let p = render_with(&[("place.sl", place)], &options, world);
+        for (x, y) in [(0, 0), (79, 39), (40, 20), (13, 31)] {
+            let found = p.at(x, y);
+            let expected = [(x as f32 + 0.5) / 80.0, y as f32 + 0.5, 0.0];
+            (0..3).for_each(|c| {
+                assert!((found[c] - expected[c]).abs() < 0.02, "{projection} ({x}, {y}): {found:?}, {expected:?}")
+            });
+        }
+    }
+}

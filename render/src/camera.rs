@@ -1,7 +1,7 @@
 //! The camera: world → camera space → raster (pixels from the upper left corner), and bounds on the raster.
 
 use crate::options::Options;
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// A camera.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub struct Camera {
     pub scale: Vec2,
     /// Raster point of the axis.
     pub center: Vec2,
+    /// Width and height of the screen window.
+    window: Vec2,
     /// Least and greatest x/z and y/z that the picture shows, with some room for filters.
     view: [Vec2; 2],
     /// Nearest depth.
@@ -64,9 +66,33 @@ impl Camera {
             perspective: options.fov.is_some(),
             scale,
             center,
+            window: Vec2::new(right - left, top - bottom),
             near: options.clipping[0],
             far: options.clipping[1],
         }
+    }
+
+    /// The matrices from world to the spaces of the picture: `screen`, `raster` in pixels and `NDC` from 0 to 1, both from the
+    /// upper left corner. Depth goes from 0 at the near plane to 1 at the far one (RISpec 4.1).
+    pub fn picture_spaces(&self, options: &Options) -> [(&'static str, Mat4); 3] {
+        let depth = 1.0 / (1.0 - self.near / self.far);
+        let screen_scale = self.scale * self.window / Vec2::new(options.width as f32, options.height as f32);
+        // From camera space, before the division by what is the depth in perspective.
+        let projection = |scale: Vec2, center: Vec2| {
+            let (s, c) = (scale, center);
+            let (x, y) = (Vec4::new(s.x, 0.0, 0.0, 0.0), Vec4::new(0.0, s.y, 0.0, 0.0));
+            if self.perspective {
+                Mat4::from_cols(x, y, Vec4::new(c.x, c.y, depth, 1.0), Vec4::new(0.0, 0.0, -self.near * depth, 0.0))
+            } else {
+                let step = depth / self.far;
+                Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, step, 0.0), Vec4::new(c.x, c.y, -self.near * step, 1.0))
+            }
+        };
+        let raster = projection(self.scale * Vec2::new(1.0, -1.0), self.center);
+        let size = Vec3::new(1.0 / options.width as f32, 1.0 / options.height as f32, 1.0);
+        let screen = projection(screen_scale, Vec2::ZERO);
+        [("screen", screen), ("raster", raster), ("NDC", Mat4::from_scale(size) * raster)]
+            .map(|(name, m)| (name, m * self.to_camera))
     }
 
     /// Raster point of a camera-space point before the near plane.

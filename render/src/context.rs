@@ -5,7 +5,9 @@ use crate::bucket::{self, Stats};
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::filter::FilterKind;
-use crate::gprim::{BEZIER, dress, patch_variables, polygon_patches, positions, to_bezier, uniform_numbers};
+use crate::gprim::{
+    BEZIER, dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers,
+};
 use crate::image::Image;
 use crate::options::{Attributes, Display, Options};
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
@@ -85,7 +87,7 @@ impl sl::machine::Scene for BindScene<'_> {
         let to_world = |space: &str| match space {
             "current" | "world" => Some(Mat4::IDENTITY),
             "shader" | "object" => Some(self.context.to_world()),
-            "camera" => Some(self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse()),
+            "camera" | "eye" => Some(self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse()),
             named => self.context.scene.spaces.get(named).copied(),
         };
         Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
@@ -242,6 +244,21 @@ impl Context {
         Ok(out)
     }
 
+    /// Back to what held before `WorldBegin`; options and warnings stay.
+    fn leave_world(&mut self) -> RiResult {
+        self.scene = Scene {
+            options: std::mem::take(&mut self.scene.options),
+            warnings: std::mem::take(&mut self.scene.warnings),
+            ..Scene::default()
+        };
+        self.objects.clear();
+        if let Some((attributes, transform)) = self.attribute_stack.pop() {
+            self.attributes = attributes;
+            self.transform = transform;
+        }
+        Ok(())
+    }
+
     fn in_world(&self, call: &str) -> RiResult {
         if self.to_camera.is_some() {
             Ok(())
@@ -374,6 +391,9 @@ impl Ri for Context {
         };
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
+        let camera = Camera::new(&self.options, to_camera);
+        let spaces = camera.picture_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
+        self.scene.spaces.extend(spaces);
         self.attribute_stack.push((self.attributes.clone(), self.transform));
         self.transform = Mat4::IDENTITY;
         Ok(())
@@ -383,19 +403,16 @@ impl Ri for Context {
         if self.dry {
             return Ok(());
         }
+        if self.options.displays.is_empty() && self.options.passed_over {
+            return self.leave_world();
+        }
         self.scene.bvh = Bvh::build(&self.scene);
         let camera = Camera::new(&self.options, to_camera);
         let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
-        self.scene = Scene { options: std::mem::take(&mut self.scene.options), ..Scene::default() };
-        self.objects.clear();
-        if let Some((attributes, transform)) = self.attribute_stack.pop() {
-            self.attributes = attributes;
-            self.transform = transform;
-        }
-        Ok(())
+        self.leave_world()
     }
     fn attribute_begin(&mut self) -> RiResult {
         self.attribute_stack.push((self.attributes.clone(), self.transform));
@@ -536,14 +553,32 @@ impl Ri for Context {
         Ok(())
     }
     fn display(&mut self, name: &str, kind: &str, mode: &str, _: Params) -> RiResult {
-        if !matches!(mode, "rgb" | "rgba") {
-            return Err(Fail::new(format!("display mode `{mode}` is not supported yet, expected rgb or rgba")));
-        }
         let display = Display { name: name.trim_start_matches('+').into(), kind: kind.into(), mode: mode.into() };
-        if !name.starts_with('+') {
+        let further = name.starts_with('+');
+        if !further {
             self.options.displays.clear();
+            self.options.passed_over = false;
         }
-        self.options.displays.push(display);
+        let name = &display.name;
+        let passed_over = match (kind, mode) {
+            ("zfile" | "shadow" | "deepshad", _) => {
+                Some(format!("the shadow map `{name}` is not made: shadows are traced, whatever map a light names"))
+            }
+            ("framebuffer" | "it" | "x11" | "windows", _) if further => {
+                Some(format!("`{name}` is not shown: there is no window"))
+            }
+            (_, "rgb" | "rgba") => None,
+            _ => {
+                Some(format!("`{name}` is not made: display mode `{mode}` is not supported yet, expected rgb or rgba"))
+            }
+        };
+        match passed_over {
+            Some(message) => {
+                self.scene.warn(message);
+                self.options.passed_over = true;
+            }
+            None => self.options.displays.push(display),
+        }
         Ok(())
     }
     fn hider(&mut self, name: &str, _: Params) -> RiResult {
@@ -981,7 +1016,30 @@ impl Ri for Context {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
             patch.st = patch.uv.map(|[s, t]| [unit(s, u.range), unit(t, v.range)]);
         }
-        dress(&mut patches, &params)?;
+        let mut others = Params::new();
+        for param in params {
+            let (width, values) = (param.decl.width(), param.numbers());
+            let own = !param.decl.class.is_whole()
+                && values.len() > 4 * width
+                && !matches!(param.decl.name.as_str(), "P" | "Pw");
+            if !own {
+                others.push(param);
+                continue;
+            }
+            for patch in &mut patches {
+                let corners = patch.uv.map(|[s, t]| surfaces::nurbs_variable(values, width, &points, &u, &v, s, t));
+                let Some(all) = corners.into_iter().collect::<Option<Vec<_>>>() else {
+                    let message = format!(
+                        "`{}` has {} values, one for no point of the patch",
+                        param.decl.name,
+                        values.len() / width
+                    );
+                    return Err(Fail::new(message));
+                };
+                set_varying(patch, &param.decl.name, all.concat());
+            }
+        }
+        dress(&mut patches, &others)?;
         self.add_patches(patches)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {

@@ -118,7 +118,7 @@ pub fn patch_variables(
 }
 
 /// Set values at the corners of a patch.
-fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
+pub fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
     match name {
         "s" => (0..4).for_each(|k| patch.st[k][0] = all[k]),
         "t" => (0..4).for_each(|k| patch.st[k][1] = all[k]),

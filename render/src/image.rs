@@ -1,7 +1,7 @@
-//! Pictures: exposure, quantization, and PNG and EXR bytes (RISpec 4.2).
+//! Pictures: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
 
 use crate::options::Options;
-use ::image::codecs::{openexr::OpenExrEncoder, png::PngEncoder};
+use ::image::codecs::{openexr::OpenExrEncoder, png::PngEncoder, tiff::TiffEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
 
 /// A picture: rows from the top, red, green, blue (premultiplied) and coverage.
@@ -33,18 +33,22 @@ impl Image {
         }
     }
 
-    /// The picture as the bytes of a file of `kind` (`png` or `exr`) with or without coverage.
+    /// The picture as the bytes of a file of `kind` (`png`, `tiff` or `exr`) with or without coverage. EXR has floats, and so has
+    /// TIFF where colours are not quantized.
     pub fn encode(&self, kind: &str, with_alpha: bool, options: &Options) -> Result<Vec<u8>, String> {
         let mut bytes = Vec::new();
         let (w, h) = (self.width as u32, self.height as u32);
         let n = if with_alpha { 4 } else { 3 };
-        if kind == "exr" {
+        if kind == "exr" || (kind == "tiff" && options.quantize_one == 0) {
             let floats: Vec<u8> =
                 self.pixels.iter().flat_map(|p| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
             let color = if with_alpha { ExtendedColorType::Rgba32F } else { ExtendedColorType::Rgb32F };
-            OpenExrEncoder::new(std::io::Cursor::new(&mut bytes))
-                .write_image(&floats, w, h, color)
-                .map_err(|e| e.to_string())?;
+            let goal = std::io::Cursor::new(&mut bytes);
+            let done = match kind {
+                "exr" => OpenExrEncoder::new(goal).write_image(&floats, w, h, color),
+                _ => TiffEncoder::new(goal).write_image(&floats, w, h, color),
+            };
+            done.map_err(|e| e.to_string())?;
             return Ok(bytes);
         }
         let deep = options.quantize_one > 255;
@@ -69,7 +73,11 @@ impl Image {
             (true, false) => ExtendedColorType::Rgb16,
             (true, true) => ExtendedColorType::Rgba16,
         };
-        PngEncoder::new(&mut bytes).write_image(&data, w, h, color).map_err(|e| e.to_string())?;
+        let done = match kind {
+            "tiff" => TiffEncoder::new(std::io::Cursor::new(&mut bytes)).write_image(&data, w, h, color),
+            _ => PngEncoder::new(&mut bytes).write_image(&data, w, h, color),
+        };
+        done.map_err(|e| e.to_string())?;
         Ok(bytes)
     }
 }

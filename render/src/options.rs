@@ -10,10 +10,24 @@ use std::sync::Arc;
 pub struct Display {
     /// File name.
     pub name: String,
-    /// `png`, `exr` or `file`, which goes by the name's ending.
+    /// The driver: `png`, `exr`, `tiff`, or `file`, which goes by the name's ending.
     pub kind: String,
     /// `rgb` or `rgba`.
     pub mode: String,
+}
+
+impl Display {
+    /// The file's kind: by its driver's name, else by its own ending; PNG if neither says.
+    pub fn format(&self) -> &'static str {
+        let of = |name: &str| match name.to_lowercase().as_str() {
+            "png" => Some("png"),
+            "exr" | "openexr" => Some("exr"),
+            "tif" | "tiff" => Some("tiff"),
+            _ => None,
+        };
+        let ending = std::path::Path::new(&self.name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+        of(ending).or(of(&self.kind)).unwrap_or("png")
+    }
 }
 
 /// What holds for the whole picture.
@@ -47,6 +61,8 @@ pub struct Options {
     pub dither: f32,
     /// Where it goes.
     pub displays: Vec<Display>,
+    /// A display was named that is not made: without another there is no picture.
+    pub passed_over: bool,
     /// Pixels along a bucket's edge.
     pub bucket_size: usize,
     /// What the filtered pixels go through.
@@ -70,6 +86,7 @@ impl Default for Options {
             quantize_one: 255,
             dither: 0.5,
             displays: vec![],
+            passed_over: false,
             bucket_size: 64,
             imager: None,
         }

@@ -175,7 +175,7 @@ impl Scene {
     pub fn matrix(&self, from: &str, to: &str, own: &dyn Fn(&str) -> Option<Mat4>) -> Option<[f32; 16]> {
         let to_world = |space: &str| match space {
             "current" | "world" => Some(Mat4::IDENTITY),
-            "camera" => Some(self.camera_to_world),
+            "camera" | "eye" => Some(self.camera_to_world),
             named => {
                 let found = own(named).or_else(|| self.spaces.get(named).copied());
                 if found.is_none() {

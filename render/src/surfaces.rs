@@ -216,17 +216,7 @@ pub fn nurbs(points: &[Vec4], u: &Knots, v: &Knots) -> Result<Vec<Patch>, Fail> 
     if points.len() != nu * nv {
         return Err(Fail::new(format!("a NURBS patch of {nu} × {nv} points has {}", points.len())));
     }
-    let at = |s: f32, t: f32| {
-        let (i0, bu) = basis(&u.knots, nu, u.order as usize, s);
-        let (j0, bv) = basis(&v.knots, nv, v.order as usize, t);
-        let mut sum = Vec4::ZERO;
-        for (j, y) in bv.iter().enumerate() {
-            for (i, x) in bu.iter().enumerate() {
-                sum += points[(j0 + j) * nu + i0 + i] * (x * y);
-            }
-        }
-        if sum.w != 0.0 { sum.truncate() / sum.w } else { sum.truncate() }
-    };
+    let at = |s: f32, t: f32| nurbs_point(points, u, v, s, t);
     let even = points.iter().all(|p| (p.w - points[0].w).abs() < 1e-6 * points[0].w.abs());
     let exact = even && u.order <= 4 && v.order <= 4;
     let cuts = |k: &Knots| -> Vec<[f32; 2]> {
@@ -251,6 +241,60 @@ pub fn nurbs(points: &[Vec4], u: &Knots, v: &Knots) -> Result<Vec<Patch>, Fail> 
         }
     }
     Ok(patches)
+}
+
+/// A point of a NURBS patch.
+fn nurbs_point(points: &[Vec4], u: &Knots, v: &Knots, s: f32, t: f32) -> Vec3 {
+    let nu = u.n as usize;
+    let (i0, bu) = basis(&u.knots, nu, u.order as usize, s);
+    let (j0, bv) = basis(&v.knots, v.n as usize, v.order as usize, t);
+    let mut sum = Vec4::ZERO;
+    for (j, y) in bv.iter().enumerate() {
+        for (i, x) in bu.iter().enumerate() {
+            sum += points[(j0 + j) * nu + i0 + i] * (x * y);
+        }
+    }
+    if sum.w != 0.0 { sum.truncate() / sum.w } else { sum.truncate() }
+}
+
+/// The values of a NURBS patch's variable, `width` numbers each, at (s, t), if it has as many as the patch has control points
+/// (then it follows the surface) or corners of spans (then it is bilinear in each). RISpec 5.3.
+pub fn nurbs_variable(
+    values: &[f32],
+    width: usize,
+    points: &[Vec4],
+    u: &Knots,
+    v: &Knots,
+    s: f32,
+    t: f32,
+) -> Option<Vec<f32>> {
+    let (nu, nv) = (u.n as usize, v.n as usize);
+    if values.len() == nu * nv * width {
+        let component = |c: usize| {
+            let own: Vec<Vec4> =
+                points.iter().enumerate().map(|(k, p)| Vec4::new(values[k * width + c] * p.w, 0.0, 0.0, p.w)).collect();
+            nurbs_point(&own, u, v, s, t).x
+        };
+        return Some((0..width).map(component).collect());
+    }
+    let spans = |k: &Knots| (k.n - k.order + 1) as usize;
+    let columns = spans(u) + 1;
+    if values.len() != columns * (spans(v) + 1) * width {
+        return None;
+    }
+    // Which span a parameter is in, and how far along it.
+    let place = |k: &Knots, x: f32| {
+        let first = k.order as usize - 1;
+        let at = (0..spans(k)).rev().find(|i| k.knots[first + i] <= x).unwrap_or(0);
+        let (a, b) = (k.knots[first + at], k.knots[first + at + 1]);
+        (at, if b > a { ((x - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 })
+    };
+    let ((i, x), (j, y)) = (place(u, s), place(v, t));
+    let component = |c: usize| {
+        let at = |di: usize, dj: usize| values[((j + dj) * columns + i + di) * width + c];
+        (at(0, 0) * (1.0 - x) + at(1, 0) * x) * (1.0 - y) + (at(0, 1) * (1.0 - x) + at(1, 1) * x) * y
+    };
+    Some((0..width).map(component).collect())
 }
 
 /// A point of a NURBS curve in u, v, w.

@@ -187,9 +187,9 @@ impl Default for Declarations {
             ("mindistance maxdistance distance amplitude fov Km eta blur bias samples", Class::Uniform, Type::Float),
             ("lightcolor specularcolor background bgcolor", Class::Uniform, Type::Color),
             ("from to", Class::Uniform, Type::Point),
-            ("texturename shadowname name shadinggroup", Class::Uniform, Type::String),
+            ("texturename shadowname name shadinggroup depthfilter", Class::Uniform, Type::String),
             ("shader texture archive procedural display rib", Class::Uniform, Type::String),
-            ("gridsize bucketsize texturememory eyesplits jitter binary", Class::Uniform, Type::Integer),
+            ("gridsize bucketsize texturememory eyesplits jitter binary endofframe", Class::Uniform, Type::Integer),
             ("coordinatesystem space", Class::Uniform, Type::String),
             ("sphere", Class::Uniform, Type::Float),
         ] {
@@ -197,6 +197,7 @@ impl Default for Declarations {
                 known.0.insert(name.into(), Declaration::new(name, class, ty));
             }
         }
+        known.declare("st", "varying float[2]").expect("a sound declaration");
         known
     }
 }

@@ -69,6 +69,14 @@ void fresnel7_(vector i; normal n; float eta; output float kr; output float kt; 
     r = reflect(i, n);
     t = refract(i, n, eta);
 }
+float raylevel() {
+    float depth = 0;
+    rayinfo(\"depth\", depth);
+    return depth;
+}
+float isshadowray() {
+    return 0;
+}
 float filterstep2_(float edge, float x) {
     float w = max(filterwidth(x), 1e-6);
     return clamp((x + 0.5 * w - edge) / w, 0, 1);

@@ -45,6 +45,8 @@ struct Lower<'a> {
     n_texts: u16,
     ops: Vec<Op>,
     n_ops: usize,
+    /// What is lowered goes to a uniform variable.
+    for_uniform: bool,
     kind: Option<ShaderKind>,
     directed: bool,
     loops: usize,
@@ -190,7 +192,7 @@ impl<'a> Lower<'a> {
                 Ok(())
             }
             Some(value) if v.array.is_none() => {
-                let found = self.expr(value, Some(v.ty))?;
+                let found = self.value_for(var, value)?;
                 let value = self.convert(value.at, found, v.ty)?;
                 self.check_class(v.at, &v.name, var, value)?;
                 // A declaration inside a loop starts afresh at every turn, so it is stored and not only defined.
@@ -332,6 +334,10 @@ impl<'a> Lower<'a> {
             StmtKind::Extern(names) => {
                 for (name, at) in names {
                     let found = self.outer.iter().rev().flat_map(|s| s.iter().rev()).find_map(|s| s.get(name)).copied();
+                    let found = match found {
+                        Some(found) => Some(found),
+                        None => self.global(*at, name)?,
+                    };
                     let Some(found) = found else {
                         return error(*at, format!("there is no `{name}` around this function"));
                     };
@@ -365,6 +371,14 @@ impl<'a> Lower<'a> {
         Ok(())
     }
 
+    /// The value that a variable is to have.
+    fn value_for(&mut self, var: Value, value: &Expr) -> Result<Value, Error> {
+        let before = std::mem::replace(&mut self.for_uniform, var.fixed);
+        let found = self.expr(value, Some(var.ty));
+        self.for_uniform = before;
+        found
+    }
+
     fn assign(&mut self, at: usize, target: &Expr, op: &str, value: &Expr) -> Result<(), Error> {
         let (name, index) = match &target.kind {
             ExprKind::Index(array, index) => match &array.kind {
@@ -381,7 +395,7 @@ impl<'a> Lower<'a> {
             let v = Variable { at, name: name.clone(), ty, array, varying: true, output: false, value: Some(whole) };
             return self.start(&v, var);
         }
-        let mut value = self.expr(value, Some(var.ty))?;
+        let mut value = self.value_for(var, value)?;
         if var.array != 0 && index.is_none() {
             return self.copy_array(at, var, value);
         }
@@ -610,7 +624,10 @@ impl<'a> Lower<'a> {
             ExprKind::Text(t) => self.text(at, t),
             ExprKind::Name(name) => self.variable(at, name),
             ExprKind::Unary(op, operand) => {
-                let a = self.expr(operand, expected)?;
+                let a = match expected {
+                    Some(_) => self.operand(operand, expected, expected)?,
+                    None => self.expr(operand, None)?,
+                };
                 let op = if *op == "-" { Unary::Negate } else { Unary::Not };
                 if a.ty == Ty::Text || (op == Unary::Not && a.ty != Ty::Float) {
                     return error(at, format!("this operator does not take a {}", a.ty.name()));
@@ -623,8 +640,9 @@ impl<'a> Lower<'a> {
                     let b = self.expr(b, None)?;
                     (self.expr(a, Some(b.ty))?, b)
                 } else {
-                    let a = self.expr(a, None)?;
-                    (a, self.expr(b, Some(a.ty).filter(|_| matches!(b.kind, ExprKind::Triple(_))))?)
+                    let a = self.operand(a, None, expected)?;
+                    let ty = Some(a.ty).filter(|_| matches!(b.kind, ExprKind::Triple(_)));
+                    (a, self.operand(b, ty, expected)?)
                 };
                 self.arithmetic(at, op, a, b)
             }
@@ -919,7 +937,9 @@ impl<'a> Lower<'a> {
             ("random", []) => {
                 let ty = expected.filter(|t| t.is_triple()).unwrap_or(Ty::Float);
                 let (p, salt) = (self.variable(at, "P")?, self.constant(at, self.n_ops as f32)?);
-                self.temp(at, ty, true, |r| Op::Call(Builtin::Random, r, vec![p.reg, salt.reg]))
+                // For a uniform variable it is one number a grid, otherwise one a point.
+                let args = if self.for_uniform { vec![salt.reg] } else { vec![salt.reg, p.reg] };
+                self.temp(at, ty, !self.for_uniform, |r| Op::Call(Builtin::Random, r, args))
             }
             ("random", _) => usage("random()"),
             ("spline", _) => self.spline(at, v),
@@ -1172,6 +1192,21 @@ impl<'a> Lower<'a> {
             at: at_regs,
             options: named,
         })
+    }
+
+    /// An operand. What is looked up in a map is a colour, unless the whole is to be a number or a place in space: then it is a
+    /// number.
+    fn operand(&mut self, e: &Expr, ty: Option<Ty>, whole: Option<Ty>) -> Result<Value, Error> {
+        let number = whole.filter(|t| *t == Ty::Float || (t.is_triple() && *t != Ty::Color));
+        match &e.kind {
+            ExprKind::Binary(..) | ExprKind::Unary(..) if number.is_some() => self.expr(e, number),
+            ExprKind::Call(name, _)
+                if number.is_some() && matches!(name.as_str(), "texture" | "environment" | "shadow") =>
+            {
+                self.expr(e, Some(Ty::Float))
+            }
+            _ => self.expr(e, ty),
+        }
     }
 
     /// `setcomp` and its kin.

@@ -982,9 +982,12 @@ impl Machine {
                 });
             }
             Builtin::Random => {
+                // Without a place, the grid's first point stands for all.
+                let p = program.global("P").map_or([0.0; 3], |p| triple(&self.regs[p as usize], 0, self.n));
                 return self.pointwise(program, dst, args, |v| {
-                    let p = [0, 1, 2].map(|c| v[0][c].to_bits() as f32 * 0.618_034 + v[1][0]);
-                    triple16([0, 1, 2].map(|c| cell_noise(p, c + v[0][c as usize].to_bits())))
+                    let at = v.get(1).map_or(p, |v| [v[0], v[1], v[2]]);
+                    let cell = at.map(|x| x.to_bits() as f32 * 0.618_034 + v[0][0]);
+                    triple16([0, 1, 2].map(|c| cell_noise(cell, c + at[c as usize].to_bits())))
                 });
             }
             _ => {}
