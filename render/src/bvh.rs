@@ -166,15 +166,15 @@ impl Bvh {
         blocked
     }
 
-    /// The nearest thing along a direction of unit length from `least` on: how far, and what.
-    pub fn nearest(&self, from: Vec3, dir: Vec3, least: f32) -> Option<(f32, Item)> {
+    /// The nearest thing along a direction of unit length from `least` on, for a ray from a surface of `own`: how far, and what.
+    pub fn nearest(&self, own: Item, from: Vec3, dir: Vec3, least: f32, bias: [f32; 2]) -> Option<(f32, Item)> {
         if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
             return None;
         }
         let mut best: Option<(f32, Item)> = None;
         self.leaves(from, dir, f32::INFINITY, |leaf, mut length| {
             for (item, occluder) in leaf {
-                if let Some(t) = self.distance(occluder, from, dir, least).filter(|t| *t < length) {
+                if let Some(t) = self.distance(*item == own, occluder, from, dir, least, bias).filter(|t| *t < length) {
                     length = t;
                     best = Some((t, *item));
                 }
@@ -220,25 +220,42 @@ impl Bvh {
         }
     }
 
-    fn distance(&self, occluder: &Occluder, from: Vec3, dir: Vec3, least: f32) -> Option<f32> {
+    /// How far along a ray an occluder is met, from `least` on, and beyond what it cannot mean: the surface that the ray starts
+    /// from, where it stands off what was shaded. `bias` as for [`Bvh::blocked`].
+    fn distance(
+        &self,
+        own: bool,
+        occluder: &Occluder,
+        from: Vec3,
+        dir: Vec3,
+        least: f32,
+        bias: [f32; 2],
+    ) -> Option<f32> {
         // The nearer crossing that is far enough.
-        let root = |a: f32, b: f32, c: f32| {
+        let root = |a: f32, b: f32, c: f32, near: f32| {
             let disc = b * b - a * c;
             let half = disc.max(0.0).sqrt();
-            [(-b - half) / a, (-b + half) / a].into_iter().find(|t| disc > 0.0 && *t > least)
+            [(-b - half) / a, (-b + half) / a].into_iter().find(|t| disc > 0.0 && *t > near.max(least))
         };
+        // Of a displaced sphere nobody knows where it was met.
+        let displaced = own && bias[1] > bias[0];
         match *occluder {
+            Occluder::Ball { .. } | Occluder::Ellipsoid { .. } if displaced => None,
             Occluder::Ball { center, radius } => {
                 let o = from - center;
-                root(1.0, o.dot(dir), o.length_squared() - radius * radius)
+                let near = if own { bias[1].min(0.5 * radius) } else { 0.0 };
+                root(1.0, o.dot(dir), o.length_squared() - radius * radius, near)
             }
             Occluder::Ellipsoid { inverse } => {
                 let m = &self.inverses[inverse as usize];
                 let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
-                root(d.length_squared(), o.dot(d), o.length_squared() - 1.0)
+                root(d.length_squared(), o.dot(d), o.length_squared() - 1.0, if own { bias[1] } else { 0.0 })
             }
-            Occluder::Triangle { a, ab, ac, .. } => {
-                meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > least)
+            Occluder::Triangle { flat: true, .. } if own => None,
+            Occluder::Triangle { a, ab, ac, flat } => {
+                let size = ab.length().max(ac.length());
+                let near = if flat { 1e-5 * size } else { bias[own as usize].max(facet_room(size, own)) };
+                meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
     }
@@ -273,13 +290,18 @@ impl Bvh {
             Occluder::Triangle { a, ab, ac, flat } => {
                 !(own && flat)
                     && meet_triangle(from, dir, a, ab, ac).is_some_and(|(t, _)| {
-                        // A facet stands off the curved surface that it is of: its own neighbourhood is not in its shadow.
-                        let facet = if flat { 0.0 } else { ab.length().max(ac.length()) * if own { 2.0 } else { 0.5 } };
+                        let facet = if flat { 0.0 } else { facet_room(ab.length().max(ac.length()), own) };
                         t > bias.max(facet) && t < length
                     })
             }
         }
     }
+}
+
+/// How near its start a ray passes a facet of a curved surface, which stands off the surface: its own neighbourhood is not in its
+/// shadow.
+fn facet_room(size: f32, own: bool) -> f32 {
+    size * if own { 2.0 } else { 0.5 }
 }
 
 /// How far along a ray it meets a triangle, given by a corner and the edges from it, and where: parts of the edges (Möller and

@@ -32,6 +32,8 @@ pub struct View<'a> {
     pub lights: &'a [Arc<BoundShader>],
     /// How near the start of a ray a surface does not count: others, and its own.
     pub bias: [f32; 2],
+    /// Its normal, if it is flat.
+    pub flat: Option<Vec3>,
     /// Its attributes.
     pub attributes: &'a Attributes,
     /// Rays between the camera and here.
@@ -56,6 +58,7 @@ impl<'a> View<'a> {
             shader_to_world: attributes.surface_space,
             lights: &attributes.light_list,
             bias,
+            flat: flat_normal(view),
             attributes,
             depth: 0,
             diffuse: false,
@@ -104,6 +107,13 @@ impl<'a> View<'a> {
         answer
     }
 
+    /// Where a ray starts. From a flat surface it is lifted off a little, and begun a little earlier, so that in a corner it meets
+    /// the other wall, and at an edge passes the other side.
+    fn start(&self, from: Vec3, dir: Vec3) -> Vec3 {
+        let off = 0.05 * self.bias[0];
+        self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
+    }
+
     /// How deep rays are followed.
     fn max_depth(&self, many: bool) -> u32 {
         let name = if many { "trace:maxdiffusedepth" } else { "trace:maxdepth" };
@@ -112,6 +122,14 @@ impl<'a> View<'a> {
             _ => MAX_DEPTH[many as usize],
         }
     }
+}
+
+/// The normal of an item that is flat all over, world space.
+fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
+    let Shape::Patches(patches) = view.shape else { return None };
+    let [patch] = patches.as_slice() else { return None };
+    let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
+    patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
 }
 
 /// A machine from those to spare.
@@ -194,7 +212,8 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
-        self.scene.bvh.nearest(from.into(), direction.into(), self.bias[0].max(1e-5)).map(|(t, _)| t)
+        let dir = Vec3::from(direction);
+        self.scene.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
     }
 
     fn traces(&self, many: bool) -> bool {
@@ -206,10 +225,12 @@ impl sl::machine::Scene for View<'_> {
         if !self.traces(many) {
             return color;
         }
-        let (from, dir) = (Vec3::from(from), Vec3::from(direction));
-        let (mut least, mut open) = (self.bias[0].max(1e-5), [1.0f32; 3]);
+        let dir = Vec3::from(direction);
+        let from = self.start(from.into(), dir);
+        let (mut least, mut open) = (0.0, [1.0f32; 3]);
         for _ in 0..MAX_LAYERS {
-            let Some((distance, item)) = self.scene.bvh.nearest(from, dir, least) else { break };
+            let found = self.scene.bvh.nearest(self.item, from, dir, least, self.bias);
+            let Some((distance, item)) = found else { break };
             let (ci, oi) = self.shade(item, from, dir, distance, many);
             for c in 0..3 {
                 color[c] += open[c] * ci[c];
