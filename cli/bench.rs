@@ -179,6 +179,7 @@ fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
     )])?;
     ri.attribute_end()?;
     ri.instances(Instances {
+        moved: None,
         shape: InstanceShape::Sphere,
         scale: vec![[R as f32; 3]; position.len()],
         position,

@@ -1,14 +1,16 @@
 //! The bucket loop: which items a bucket has, the picture of one bucket, and the picture of all.
 
-use crate::camera::Camera;
+use crate::camera::{Camera, RasterBound};
 use crate::filter::Filter;
 use crate::image::Image;
+use crate::jitter::Jitter;
+use crate::motion::{Instant, instants};
 use crate::options::Options;
-use crate::sample::{Jitter, Samples};
+use crate::sample::Samples;
 use crate::scene::{Item, ItemView, Scene, Shape};
 use crate::shade::{Grid, displacement_reach};
 use crate::{imager, patch, sphere};
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
 
@@ -46,7 +48,8 @@ pub struct Frame<'a> {
     pub scene: &'a Scene,
     /// The camera.
     pub camera: Camera,
-    jitter: Jitter,
+    /// Where samples lie.
+    pub jitter: Jitter,
     filter: [Filter; 2],
     options: &'a Options,
 }
@@ -57,6 +60,11 @@ pub struct Job<'a> {
     pub frame: &'a Frame<'a>,
     /// Its samples.
     pub samples: Samples,
+    /// The moments of the item at hand.
+    pub instants: Vec<Instant>,
+    /// How far each point of the grid at hand is from where it was first, world space, at each of these moments but the first:
+    /// x of all, y of all, z of all. None if it keeps its form.
+    pub deformed: Vec<Vec<f32>>,
     /// The grid at hand.
     pub grid: Grid,
     /// The grid machine.
@@ -72,9 +80,18 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Whether a camera-space box may show in this bucket: in range, on its raster, not hidden.
-    pub fn worth(&mut self, min: Vec3, max: Vec3) -> bool {
-        let Some(bound) = self.frame.camera.bound(min, max) else { return false };
+    /// Whether something may show in this bucket: in range, on its raster, not hidden. `box_at` is its camera-space box at a
+    /// moment of the item.
+    pub fn worth(&mut self, box_at: impl Fn(&Instant) -> (Vec3, Vec3)) -> bool {
+        let camera = &self.frame.camera;
+        let bounds = self.instants.iter().filter_map(|i| {
+            let (min, max) = box_at(i);
+            camera.bound(min, max)
+        });
+        bounds.reduce(RasterBound::join).is_some_and(|b| self.shows(&b))
+    }
+
+    fn shows(&mut self, bound: &RasterBound) -> bool {
         self.touches(bound.min.to_array(), bound.max.to_array())
             && !self.samples.hides(bound.min.to_array(), bound.max.to_array(), bound.z)
     }
@@ -101,7 +118,9 @@ pub fn render(
 ) -> (Image, Stats) {
     let filter =
         [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
-    let frame = Frame { scene, camera, jitter: Jitter::new(options.samples), filter, options };
+    let blurred = camera.has_lens() || scene.moves(&camera);
+    let jitter = Jitter::new(options.samples, blurred);
+    let frame = Frame { scene, camera, jitter, filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let lists = items_of_buckets(&frame, columns, rows);
@@ -113,6 +132,8 @@ pub fn render(
             || Job {
                 frame: &frame,
                 samples: Samples::default(),
+                instants: vec![],
+                deformed: vec![],
                 grid: Grid::default(),
                 machine: Machine::new(),
                 varying: Vec::new(),
@@ -166,10 +187,11 @@ fn one_bucket(job: &mut Job<'_>, [x0, y0]: [usize; 2], items: &[(f32, Item)]) ->
 
 fn draw(job: &mut Job<'_>, item: Item) {
     let view = job.frame.scene.view(item);
-    let (min, max) = camera_bound(&job.frame.camera, &view);
-    if !job.worth(min, max) {
+    instants(&job.frame.camera, &view, &mut job.instants);
+    if !raster_bound(&job.frame.camera, &view, &job.instants).is_some_and(|b| job.shows(&b)) {
         return;
     }
+    job.deformed.clear();
     match view.shape {
         Shape::Sphere => {
             job.varying.clear();
@@ -179,9 +201,17 @@ fn draw(job: &mut Job<'_>, item: Item) {
     }
 }
 
-/// The camera-space box of an item, displacement included.
-fn camera_bound(camera: &Camera, view: &ItemView<'_>) -> (Vec3, Vec3) {
-    let m = camera.to_camera * view.to_world;
+/// The raster bound of an item over all its moments, displacement included; none where it is never in the depth range.
+fn raster_bound(camera: &Camera, view: &ItemView<'_>, instants: &[Instant]) -> Option<RasterBound> {
+    let bounds = instants.iter().filter_map(|instant| {
+        let (min, max) = camera_box(instant.to_camera * view.to_world, view);
+        if min.is_finite() && max.is_finite() { camera.bound(min, max) } else { None }
+    });
+    bounds.reduce(RasterBound::join)
+}
+
+/// The box of an item in camera space, displacement included.
+fn camera_box(m: Mat4, view: &ItemView<'_>) -> (Vec3, Vec3) {
     let (min, max) = match view.shape {
         Shape::Sphere => {
             let row = |k: usize| Vec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]).length();
@@ -190,7 +220,7 @@ fn camera_bound(camera: &Camera, view: &ItemView<'_>) -> (Vec3, Vec3) {
         }
         Shape::Patches(patches) => patches
             .iter()
-            .flat_map(|patch| patch.p.iter())
+            .flat_map(|patch| patch.p.iter().chain(patch.moves.iter().flat_map(|(_, p)| p)))
             .map(|p| m.transform_point3(*p))
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p))),
     };
@@ -207,9 +237,10 @@ fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<Vec<(
     let bounds: Vec<_> = items
         .par_iter()
         .with_min_len(1024)
-        .map(|item| {
-            let (min, max) = camera_bound(&frame.camera, &frame.scene.view(*item));
-            if min.is_finite() && max.is_finite() { frame.camera.bound(min, max) } else { None }
+        .map_init(Vec::new, |moments, item| {
+            let view = frame.scene.view(*item);
+            instants(&frame.camera, &view, moments);
+            raster_bound(&frame.camera, &view, moments)
         })
         .collect();
     let mut lists: Vec<Vec<(f32, Item)>> = vec![Vec::new(); columns * rows];

@@ -8,6 +8,11 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 pub struct Camera {
     /// World to camera: x right, y up, z into the picture.
     pub to_camera: Mat4,
+    /// The same later on, by the part of the time that the shutter is open then.
+    pub moves: Vec<(f32, Mat4)>,
+    /// Of a lens: how far blur reaches, pixels, at infinity if all is sharp there, times a unit of depth, and the depth that is
+    /// sharp.
+    lens: Option<[f32; 2]>,
     /// Camera to world.
     pub to_world: Mat4,
     /// Where the eye is, world.
@@ -39,9 +44,16 @@ pub struct RasterBound {
     pub z: f32,
 }
 
+impl RasterBound {
+    /// The bound of both.
+    pub fn join(self, other: RasterBound) -> RasterBound {
+        RasterBound { min: self.min.min(other.min), max: self.max.max(other.max), z: self.z.min(other.z) }
+    }
+}
+
 impl Camera {
-    /// The camera of the options and of the transformation that was current at `WorldBegin`.
-    pub fn new(options: &Options, to_camera: Mat4) -> Camera {
+    /// The camera of the options and of the transformation that was current at `WorldBegin`, now and later on.
+    pub fn new(options: &Options, to_camera: Mat4, moves: Vec<(f32, Mat4)>) -> Camera {
         let (w, h) = (options.width as f32, options.height as f32);
         let aspect = w * options.pixel_aspect / h;
         let window = options.screen_window.unwrap_or(if aspect >= 1.0 {
@@ -55,12 +67,21 @@ impl Camera {
         let to_world = to_camera.inverse();
         let scale = per_unit / half;
         let center = Vec2::new(-left, top) * per_unit;
-        let room = Vec2::splat(32.0);
+        // The aperture's radius is half the focal length over the f-stop (RISpec 4.1.3); parallel rays have no focus.
+        let lens = options
+            .lens
+            .filter(|_| options.fov.is_some())
+            .map(|[f_stop, length, distance]| [0.5 * length / f_stop * scale.x.abs().max(scale.y.abs()), distance]);
+        // As far as filters reach, and what is blurred beside the view.
+        let spread = lens.map_or(0.0, |[reach, sharp]| (reach * (1.0 / sharp - 1.0 / options.clipping[0])).abs());
+        let room = Vec2::splat(32.0 + spread);
         let view = [(-center - room) / scale, (Vec2::new(w, h) - center + room) / scale];
         Camera {
             // Raster y runs downwards, camera y upwards.
             view: [Vec2::new(view[0].x, -view[1].y), Vec2::new(view[1].x, -view[0].y)],
             to_camera,
+            moves,
+            lens,
             to_world,
             eye: to_world.transform_point3(Vec3::ZERO),
             perspective: options.fov.is_some(),
@@ -102,6 +123,18 @@ impl Camera {
         Vec2::new(self.center.x + p.x * k * self.scale.x, self.center.y - p.y * k * self.scale.y)
     }
 
+    /// How far a point at a depth is spread by the lens, pixels: the radius of its circle of confusion, negative before what is
+    /// sharp.
+    #[inline]
+    pub fn confusion(&self, z: f32) -> f32 {
+        self.lens.map_or(0.0, |[reach, sharp]| reach * (1.0 / sharp - 1.0 / z.max(self.near)))
+    }
+
+    /// Whether there is a lens.
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
     /// Pixels that a unit length covers at a depth.
     #[inline]
     pub fn pixels_at(&self, z: f32) -> f32 {
@@ -135,7 +168,8 @@ impl Camera {
                 hi = hi.max(p);
             }
         }
-        Some(RasterBound { min: lo, max: hi, z: min.z })
+        let spread = self.confusion(min.z).abs().max(self.confusion(max.z).abs());
+        Some(RasterBound { min: lo - spread, max: hi + spread, z: min.z })
     }
 
     /// The direction from the eye to a point, unnormalised: the shading language's I.

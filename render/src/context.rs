@@ -9,6 +9,7 @@ use crate::gprim::{
     BEZIER, dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers,
 };
 use crate::image::Image;
+use crate::motion;
 use crate::options::{Attributes, Display, Options};
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
 use crate::subdivision;
@@ -41,6 +42,28 @@ pub struct Finished {
 /// The largest picture, pixels along a side.
 const LARGEST: i32 = 65_536;
 
+/// A transformation at rising times.
+type Keys = Vec<(f32, Mat4)>;
+
+/// A transformation as the shutter opens, and its keys if it moves.
+type Place = (Mat4, Keys);
+
+/// An open `MotionBegin`: its times, and what its calls were.
+struct MotionBlock {
+    times: Vec<f32>,
+    calls: Vec<Moving>,
+}
+
+/// A call within a motion block.
+enum Moving {
+    /// A transformation after the current one.
+    Concat(Mat4),
+    /// One in its place.
+    Set(Mat4),
+    Patches(Vec<Patch>),
+    Spheres(Instances, Vec<(String, Vec<f32>)>),
+}
+
 /// Told buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
 
@@ -52,17 +75,20 @@ pub struct Context {
     saved_options: Option<Options>,
     frame: i32,
     attributes: Attributes,
-    attribute_stack: Vec<(Attributes, Mat4)>,
+    attribute_stack: Vec<(Attributes, Place)>,
+    /// The current transformation, as the shutter opens.
     transform: Mat4,
-    transform_stack: Vec<Mat4>,
+    /// Its keys over time, by the time of motion blocks; none if it stands still.
+    moves: Keys,
+    transform_stack: Vec<Place>,
     to_camera: Option<Mat4>,
+    camera_moves: Keys,
     bases: ([f32; 16], [f32; 16]),
     /// Lights that were made, on or off, by their handles.
     known_lights: Vec<(String, Arc<BoundShader>)>,
     steps: [usize; 2],
     trim: Option<Arc<Trim>>,
-    /// Calls of the motion block at hand that were taken; the first is the one that counts.
-    motion: Option<usize>,
+    motion: Option<MotionBlock>,
     made: texture::Made,
     scene: Scene,
     objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
@@ -139,8 +165,10 @@ impl Context {
             attributes,
             attribute_stack: vec![],
             transform: Mat4::IDENTITY,
+            moves: vec![],
             transform_stack: vec![],
             to_camera: None,
+            camera_moves: vec![],
             bases: (BEZIER, BEZIER),
             known_lights: vec![],
             steps: [3, 3],
@@ -252,9 +280,9 @@ impl Context {
             ..Scene::default()
         };
         self.objects.clear();
-        if let Some((attributes, transform)) = self.attribute_stack.pop() {
+        if let Some((attributes, place)) = self.attribute_stack.pop() {
             self.attributes = attributes;
-            self.transform = transform;
+            (self.transform, self.moves) = place;
         }
         Ok(())
     }
@@ -275,27 +303,111 @@ impl Context {
         if !m.is_finite() {
             return Err(Fail::new("the transformation is not finite"));
         }
-        if self.later_in_motion() {
+        if let Some(block) = &mut self.motion {
+            block.calls.push(Moving::Concat(m));
             return Ok(());
         }
         self.transform *= m;
+        self.moves.iter_mut().for_each(|(_, key)| *key *= m);
         Ok(())
     }
 
-    /// Whether this is not the first call of a motion block: the picture is of the moment when the shutter opens.
-    fn later_in_motion(&mut self) -> bool {
+    /// Another transformation in place of the current one.
+    fn set_transform(&mut self, m: Mat4) -> RiResult {
         match &mut self.motion {
-            Some(taken) => {
-                *taken += 1;
-                *taken > 1
-            }
-            None => false,
+            Some(block) => block.calls.push(Moving::Set(m)),
+            None => (self.transform, self.moves) = (m, vec![]),
         }
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        (self.transform, self.moves.clone())
+    }
+
+    /// The transformations of a motion block, over what holds before it.
+    fn moving_transform(&mut self, times: &[f32], calls: &[Moving]) {
+        let before = |time: f32| if self.moves.is_empty() { self.transform } else { motion::at(&self.moves, time) };
+        let keys = times.iter().zip(calls).map(|(time, call)| match call {
+            Moving::Concat(m) => (*time, before(*time) * *m),
+            Moving::Set(m) => (*time, *m),
+            _ => (*time, before(*time)),
+        });
+        self.moves = keys.collect();
+        self.transform = motion::at(&self.moves, self.options.shutter[0]);
+    }
+
+    /// The patches of a motion block: the same primitive at its times.
+    fn moving_patches(&mut self, times: &[f32], mut calls: Vec<Vec<Patch>>) -> RiResult {
+        let mut first = calls.remove(0);
+        if calls.iter().any(|later| later.len() != first.len()) {
+            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
+            return self.add_patches(first);
+        }
+        for (k, patch) in first.iter_mut().enumerate() {
+            let keys: Vec<_> =
+                times.iter().copied().zip(std::iter::once(patch.p).chain(calls.iter().map(|c| c[k].p))).collect();
+            (patch.p, patch.moves) = motion::in_shutter(&keys, self.options.shutter);
+            patch.flat &= patch.moves.is_empty();
+        }
+        self.add_patches(first)
+    }
+
+    /// The spheres of a motion block.
+    fn moving_spheres(
+        &mut self,
+        times: &[f32],
+        mut calls: Vec<Instances>,
+        uniform: Vec<(String, Vec<f32>)>,
+    ) -> RiResult {
+        let mut first = calls.remove(0);
+        let (Some(last), Some([open, close])) = (calls.pop(), times.first().zip(times.last()).map(|(a, b)| [*a, *b]))
+        else {
+            return self.add_spheres(first, uniform);
+        };
+        if last.len() != first.len() {
+            self.scene.warn("the primitives of a motion block are not as many: the first alone is drawn".into());
+            return self.add_spheres(first, uniform);
+        }
+        let (a, b) = (first.scale[0][0], last.scale[0][0]);
+        if first.len() == 1 && a != b {
+            // A ball that grows is one whose space does.
+            let before = self.place();
+            let grow = [Moving::Concat(Mat4::IDENTITY), Moving::Concat(Mat4::from_scale(Vec3::splat(b / a)))];
+            self.moving_transform(&[open, close], &grow);
+            let done = self.add_spheres(first, uniform);
+            (self.transform, self.moves) = before;
+            return done;
+        }
+        if first.scale != last.scale {
+            self.scene.warn("points keep their first width while they move".into());
+        }
+        first.moved = Some(([open, close], last.position));
+        self.add_spheres(first, uniform)
+    }
+
+    /// Spheres by columns, or as parts of the object that is open.
+    fn add_spheres(&mut self, instances: Instances, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
+        if let Some(block) = &mut self.motion {
+            block.calls.push(Moving::Spheres(instances, uniform));
+            return Ok(());
+        }
+        if self.open_object.is_none() {
+            return self.push(SourceShape::Spheres(instances), uniform);
+        }
+        let outer = self.transform;
+        for i in 0..instances.len() {
+            self.transform = outer * instances.matrix(i);
+            self.add(Shape::Sphere, uniform.clone())?;
+        }
+        self.transform = outer;
+        Ok(())
     }
 
     /// Add patches, each a primitive of its own, so that each can be found hidden by itself.
     fn add_patches(&mut self, patches: Vec<Patch>) -> RiResult {
-        if self.later_in_motion() {
+        if let Some(block) = &mut self.motion {
+            block.calls.push(Moving::Patches(patches));
             return Ok(());
         }
         if patches.iter().any(|p| p.p.iter().any(|p| !p.is_finite())) {
@@ -338,7 +450,21 @@ impl Context {
     fn push(&mut self, shape: SourceShape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
         self.in_world("a primitive")?;
         let attributes = Arc::new(self.attributes.clone());
-        self.scene.sources.push(Source { shape, to_world: self.transform, attributes, uniform });
+        let shutter = self.options.shutter;
+        let (to_world, moves) =
+            if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
+        let mut shape = shape;
+        if let SourceShape::Spheres(columns) | SourceShape::Objects(columns, _) = &mut shape
+            && let Some(([a, b], to)) = columns.moved.take()
+        {
+            let keys =
+                columns.position.iter().zip(to).map(|(from, to)| motion::in_shutter(&[(a, *from), (b, to)], shutter));
+            let (position, later): (Vec<_>, Vec<_>) = keys.unzip();
+            columns.position = position;
+            let closing = later.into_iter().filter_map(|keys| keys.last().map(|(_, p)| *p)).collect::<Vec<_>>();
+            columns.moved = (closing.len() == columns.position.len()).then_some(([0.0, 1.0], closing));
+        }
+        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform });
         Ok(())
     }
 }
@@ -366,7 +492,7 @@ impl Ri for Context {
     fn frame_end(&mut self) -> RiResult {
         if let Some(options) = self.saved_options.take() {
             self.options = options;
-            self.transform = Mat4::IDENTITY;
+            (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
             return Ok(());
         }
         Err(Fail::new("FrameEnd without FrameBegin"))
@@ -391,10 +517,11 @@ impl Ri for Context {
         };
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
-        let camera = Camera::new(&self.options, to_camera);
+        let camera = Camera::new(&self.options, to_camera, vec![]);
         let spaces = camera.picture_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
         self.scene.spaces.extend(spaces);
-        self.attribute_stack.push((self.attributes.clone(), self.transform));
+        self.attribute_stack.push((self.attributes.clone(), self.place()));
+        self.camera_moves = std::mem::take(&mut self.moves);
         self.transform = Mat4::IDENTITY;
         Ok(())
     }
@@ -407,7 +534,11 @@ impl Ri for Context {
             return self.leave_world();
         }
         self.scene.bvh = Bvh::build(&self.scene);
-        let camera = Camera::new(&self.options, to_camera);
+        let moves = match self.camera_moves.as_slice() {
+            [] => vec![],
+            keys => motion::in_shutter(keys, self.options.shutter).1,
+        };
+        let camera = Camera::new(&self.options, to_camera, moves);
         let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));
@@ -415,7 +546,7 @@ impl Ri for Context {
         self.leave_world()
     }
     fn attribute_begin(&mut self) -> RiResult {
-        self.attribute_stack.push((self.attributes.clone(), self.transform));
+        self.attribute_stack.push((self.attributes.clone(), self.place()));
         Ok(())
     }
     fn attribute_end(&mut self) -> RiResult {
@@ -423,18 +554,19 @@ impl Ri for Context {
         if self.attribute_stack.len() <= floor {
             return Err(Fail::new("AttributeEnd without AttributeBegin"));
         }
-        if let Some((attributes, transform)) = self.attribute_stack.pop() {
+        if let Some((attributes, place)) = self.attribute_stack.pop() {
             self.attributes = attributes;
-            self.transform = transform;
+            (self.transform, self.moves) = place;
         }
         Ok(())
     }
     fn transform_begin(&mut self) -> RiResult {
-        self.transform_stack.push(self.transform);
+        self.transform_stack.push(self.place());
         Ok(())
     }
     fn transform_end(&mut self) -> RiResult {
-        self.transform = self.transform_stack.pop().ok_or(Fail::new("TransformEnd without TransformBegin"))?;
+        (self.transform, self.moves) =
+            self.transform_stack.pop().ok_or(Fail::new("TransformEnd without TransformBegin"))?;
         Ok(())
     }
     fn object_begin(&mut self, handle: &str) -> RiResult {
@@ -457,6 +589,7 @@ impl Ri for Context {
             orientation: vec![],
             scale: vec![],
             params: vec![],
+            moved: None,
         };
         self.instances(place)
     }
@@ -499,7 +632,7 @@ impl Ri for Context {
             }
         }
         // The projection starts the camera's transformation afresh (RISpec 4.1.2).
-        self.transform = Mat4::IDENTITY;
+        (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
         Ok(())
     }
     fn clipping(&mut self, near: f32, far: f32) -> RiResult {
@@ -509,10 +642,10 @@ impl Ri for Context {
         Ok(())
     }
     fn shutter(&mut self, open: f32, close: f32) -> RiResult {
-        if open != close {
-            self.scene
-                .warn("motion blur is not supported yet: the picture is of the moment when the shutter opens".into());
+        if !(close >= open && open.is_finite() && close.is_finite()) {
+            return Err(Fail::new(format!("the shutter opens at {open} and closes at {close}, expected rising times")));
         }
+        self.options.shutter = [open, close];
         Ok(())
     }
     fn pixel_samples(&mut self, x: f32, y: f32) -> RiResult {
@@ -717,12 +850,46 @@ impl Ri for Context {
         if times.windows(2).any(|t| !(t[0] < t[1])) {
             return Err(Fail::new("the times of a motion block must rise"));
         }
-        self.scene.warn("motion blur is not supported yet: the picture is of the moment when the shutter opens".into());
-        self.motion = Some(0);
+        self.motion = Some(MotionBlock { times, calls: vec![] });
         Ok(())
     }
     fn motion_end(&mut self) -> RiResult {
-        self.motion.take().map(|_| ()).ok_or(Fail::new("MotionEnd without MotionBegin"))
+        let MotionBlock { times, calls } = self.motion.take().ok_or(Fail::new("MotionEnd without MotionBegin"))?;
+        if calls.len() != times.len() {
+            return Err(Fail::new(format!(
+                "a motion block of {} times has {} calls that can move",
+                times.len(),
+                calls.len()
+            )));
+        }
+        let kind = |call: &Moving| match call {
+            Moving::Concat(_) | Moving::Set(_) => 0,
+            Moving::Patches(_) => 1,
+            Moving::Spheres(..) => 2,
+        };
+        let Some(first) = calls.first().map(kind) else { return Ok(()) };
+        if calls.iter().any(|call| kind(call) != first) {
+            if calls.iter().any(|call| kind(call) == 0) {
+                return Err(Fail::new("a motion block has transformations and primitives"));
+            }
+            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
+        }
+        let (mut patches, mut spheres, mut numbers) = (vec![], vec![], vec![]);
+        if first == 0 {
+            self.moving_transform(&times, &calls);
+            return Ok(());
+        }
+        for call in calls {
+            match call {
+                Moving::Patches(p) => patches.push(p),
+                Moving::Spheres(s, uniform) => {
+                    spheres.push(s);
+                    numbers = uniform;
+                }
+                Moving::Concat(_) | Moving::Set(_) => {}
+            }
+        }
+        if first == 1 { self.moving_patches(&times, patches) } else { self.moving_spheres(&times, spheres, numbers) }
     }
     fn crop_window(&mut self, x_min: f32, x_max: f32, y_min: f32, y_max: f32) -> RiResult {
         positive(x_max - x_min, "the crop window's width")?;
@@ -732,9 +899,13 @@ impl Ri for Context {
         }
         Ok(())
     }
-    fn depth_of_field(&mut self, f_stop: f32, _: f32, _: f32) -> RiResult {
+    fn depth_of_field(&mut self, f_stop: f32, length: f32, distance: f32) -> RiResult {
+        self.options.lens = None;
         if f_stop.is_finite() {
-            self.scene.warn("depth of field is not supported yet: all is sharp".into());
+            positive(f_stop, "the f-stop")?;
+            positive(length, "the focal length")?;
+            positive(distance, "the focal distance")?;
+            self.options.lens = Some([f_stop, length, distance]);
         }
         Ok(())
     }
@@ -846,12 +1017,11 @@ impl Ri for Context {
         Ok(())
     }
     fn identity(&mut self) -> RiResult {
-        self.transform = Mat4::IDENTITY;
-        Ok(())
+        self.set_transform(Mat4::IDENTITY)
     }
     fn transform(&mut self, matrix: [f32; 16]) -> RiResult {
-        self.transform = Mat4::IDENTITY;
-        self.concat(Mat4::from_cols_array(&matrix))
+        let m = Mat4::from_cols_array(&matrix);
+        if m.is_finite() { self.set_transform(m) } else { Err(Fail::new("the transformation is not finite")) }
     }
     fn concat_transform(&mut self, matrix: [f32; 16]) -> RiResult {
         self.concat(Mat4::from_cols_array(&matrix))
@@ -902,9 +1072,8 @@ impl Ri for Context {
         Ok(())
     }
     fn coord_sys_transform(&mut self, name: &str) -> RiResult {
-        self.transform =
-            *self.scene.spaces.get(name).ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?;
-        Ok(())
+        let space = self.scene.spaces.get(name).ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?;
+        self.set_transform(*space)
     }
     fn polygon(&mut self, params: Params) -> RiResult {
         let n = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
@@ -1090,17 +1259,7 @@ impl Ri for Context {
                 Ok(ri::Param { decl: p.decl.clone(), values: Values::Floats(all) })
             })
             .collect::<Result<_, _>>()?;
-        if self.later_in_motion() || n == 0 {
-            return Ok(());
-        }
-        if self.open_object.is_some() {
-            for (i, p) in points.iter().enumerate() {
-                let outer = self.transform;
-                self.transform *= Mat4::from_translation(*p) * Mat4::from_scale(Vec3::splat(0.5 * width(i)));
-                let done = self.add(Shape::Sphere, vec![]);
-                self.transform = outer;
-                done?;
-            }
+        if n == 0 {
             return Ok(());
         }
         let instances = Instances {
@@ -1109,8 +1268,9 @@ impl Ri for Context {
             orientation: vec![],
             scale: (0..n).map(|i| [0.5 * width(i); 3]).collect(),
             params: columns,
+            moved: None,
         };
-        self.push(SourceShape::Spheres(instances), vec![])
+        self.add_spheres(instances, vec![])
     }
     fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
         let (cubic, periodic) = match (kind, wrap) {
@@ -1240,27 +1400,16 @@ impl Ri for Context {
         let varies = params.iter().any(|p| !p.decl.class.is_whole());
         if z_min <= -r && z_max >= r && sweep.abs() >= 360.0 && !varies {
             let uniform = uniform_numbers(params)?;
-            if self.later_in_motion() {
-                return Ok(());
-            }
-            let outer = self.transform;
-            self.transform *= Mat4::from_scale(Vec3::splat(r));
-            let done = if self.open_object.is_some() {
-                self.add(Shape::Sphere, uniform)
-            } else {
-                // As an instance array of one, so that object space keeps its unit.
-                self.transform = outer;
-                let one = Instances {
-                    shape: InstanceShape::Sphere,
-                    position: vec![[0.0; 3]],
-                    orientation: vec![],
-                    scale: vec![[r; 3]],
-                    params: vec![],
-                };
-                self.push(SourceShape::Spheres(one), uniform)
+            // As an instance array of one, so that object space keeps its unit.
+            let one = Instances {
+                shape: InstanceShape::Sphere,
+                position: vec![[0.0; 3]],
+                orientation: vec![],
+                scale: vec![[r; 3]],
+                params: vec![],
+                moved: None,
             };
-            self.transform = outer;
-            return done;
+            return self.add_spheres(one, uniform);
         }
         let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
         self.quadric(surfaces::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)

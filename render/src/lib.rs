@@ -7,6 +7,7 @@
 //! any order give the same bits. Spaces: shading happens in world space, which is what shaders call "current".
 
 mod blobby;
+mod blur;
 pub mod bucket;
 mod bvh;
 mod camera;
@@ -15,6 +16,8 @@ pub mod filter;
 mod gprim;
 pub mod image;
 mod imager;
+mod jitter;
+mod motion;
 mod options;
 mod patch;
 mod sample;

@@ -45,6 +45,10 @@ pub struct Options {
     pub fov: Option<f32>,
     /// Near and far.
     pub clipping: [f32; 2],
+    /// When the shutter opens and closes, in the time of motion blocks.
+    pub shutter: [f32; 2],
+    /// f-stop, focal length and distance of what is sharp; `None` is a pinhole.
+    pub lens: Option<[f32; 3]>,
     /// Samples along x and y of a pixel.
     pub samples: [usize; 2],
     /// Pixel filter.
@@ -78,6 +82,8 @@ impl Default for Options {
             screen_window: None,
             fov: None,
             clipping: [1e-3, 1e30],
+            shutter: [0.0, 0.0],
+            lens: None,
             samples: [2, 2],
             filter: FilterKind::Gaussian,
             filter_width: [2.0, 2.0],

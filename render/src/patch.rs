@@ -5,6 +5,7 @@
 //! are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their insides need.
 
 use crate::bucket::Job;
+use crate::motion::{Instant, later};
 use crate::scene::{Item, ItemView, Patch, bilinear};
 use crate::shade::{Diced, displacement_reach, finish};
 use glam::{Mat4, Vec3};
@@ -48,9 +49,26 @@ fn draw_piece(
     piece: Piece,
     stack: &mut Vec<Piece>,
 ) {
-    let p = sub_patch(&patch.p, piece).map(|p| to_camera.transform_point3(p));
-    let (min, max) = p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    if !min.is_finite() || !max.is_finite() || !job.worth(min - reach, max + reach) {
+    let own = sub_patch(&patch.p, piece);
+    let p = own.map(|p| to_camera.transform_point3(p));
+    let hull =
+        |p: &[Vec3; 16]| p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (min, max) = hull(&p);
+    if !min.is_finite() || !max.is_finite() {
+        return;
+    }
+    // Control points in camera space at a moment.
+    let moved = |instant: &Instant| {
+        let own =
+            if patch.moves.is_empty() { own } else { sub_patch(&later(patch.p, &patch.moves, instant.time), piece) };
+        let m = instant.to_camera * view.to_world;
+        own.map(|p| m.transform_point3(p))
+    };
+    let shows = job.worth(|instant| {
+        let (min, max) = if instant.time == 0.0 { (min, max) } else { hull(&moved(instant)) };
+        (min - reach, max + reach)
+    });
+    if !shows {
         return;
     }
     let camera = &job.frame.camera;
@@ -81,8 +99,20 @@ fn draw_piece(
         Vec3::new(r.x, r.y, 0.0)
     });
     // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
+    // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
+    let last = job.instants.last().filter(|i| i.time > 0.0).map(&moved);
+    let blur = |k: usize| {
+        let shift = last.as_ref().map_or(0.0, |last| {
+            if last[k].z > camera.near { (camera.project(last[k]) - raster[k].truncate()).length() } else { 0.0 }
+        });
+        shift + 2.0 * camera.confusion(p[k].z).abs()
+    };
+    let blurred = last.is_some() || camera.has_lens();
     let pixels = |a: usize, stride: usize| {
-        path(&[raster[a], raster[a + stride], raster[a + 2 * stride], raster[a + 3 * stride]]) / step
+        let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
+        let coarser =
+            if blurred { coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min)) } else { 1.0 };
+        path(&leg.map(|k| raster[k])) / (step * coarser)
     };
     let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
     let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
@@ -99,6 +129,11 @@ fn draw_piece(
     let keep =
         [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
     finish(job, item, view, &Diced { apron, keep }, reach);
+}
+
+/// How much wider micropolygons may be that are blurred over so many pixels.
+pub fn coarsening(blur: f32) -> f32 {
+    1.0 + blur / 8.0
 }
 
 /// Length of a control polygon's leg.
@@ -166,6 +201,7 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     }
     *points.refill("P") = p;
     *points.refill("N") = normal;
+    deform(job, view, patch, [&us, &vs], ring as usize);
     if job.needs_parameters(view) {
         let points = &mut job.grid.points;
         for (name, corner) in [
@@ -205,6 +241,25 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         job.varying.push((name.clone(), all.collect()));
     }
     job.varying.extend(patch.uniform.iter().cloned());
+}
+
+/// How far the points of the grid, without the apron, are from where they were first, at each later moment.
+fn deform(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize) {
+    job.deformed.clear();
+    if patch.moves.is_empty() {
+        return;
+    }
+    let (us, vs) = (&us[ring..us.len() - ring], &vs[ring..vs.len() - ring]);
+    let n = us.len() * vs.len();
+    for instant in &job.instants[1..] {
+        let moved = Patch { p: later(patch.p, &patch.moves, instant.time), ..patch.clone() };
+        let mut all = vec![0.0; 3 * n];
+        for (k, (v, u)) in vs.iter().flat_map(|v| us.iter().map(move |u| (*v, *u))).enumerate() {
+            let off = view.to_world.transform_vector3(moved.at(u, v) - patch.at(u, v));
+            (all[k], all[n + k], all[2 * n + k]) = (off.x, off.y, off.z);
+        }
+        job.deformed.push(all);
+    }
 }
 
 /// The normal between those of the corners.

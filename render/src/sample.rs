@@ -4,9 +4,10 @@
 //! only at the strata that its bound touches.
 
 use crate::filter::Filter;
+use crate::jitter::Jitter;
 
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
-const EDGE: f32 = 1.5e-3;
+pub(crate) const EDGE: f32 = 1.5e-3;
 
 /// Samples that are tested together.
 const LANES: usize = 8;
@@ -15,39 +16,6 @@ const LANES: usize = 8;
 #[inline]
 fn lanes(v: &[f32], k: usize) -> &[f32; LANES] {
     v[k..k + LANES].try_into().expect("the columns are padded")
-}
-
-/// Pixels after which the jitter repeats.
-const PERIOD: usize = 32;
-
-/// Jitter within the strata, the same for every bucket: a place depends on its pixel alone.
-pub struct Jitter {
-    strata: [usize; 2],
-    offset: Vec<[f32; 2]>,
-}
-
-impl Jitter {
-    /// For a number of samples along x and y.
-    pub fn new(strata: [usize; 2]) -> Jitter {
-        let n = PERIOD * strata[0] * PERIOD * strata[1];
-        let number = |i: usize| {
-            let mut h = (i as u32).wrapping_mul(0x9e37_79b9) ^ 0x5bd1_e995;
-            h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
-            h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
-            (h ^ (h >> 16)) as f32 / 4_294_967_808.0
-        };
-        let offset =
-            (0..n).map(|i| if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] }).collect();
-        Jitter { strata, offset }
-    }
-
-    /// The place, pixels, of the sample in an absolute stratum.
-    #[inline]
-    fn place(&self, column: i64, row: i64) -> [f32; 2] {
-        let (nx, ny) = ((PERIOD * self.strata[0]) as i64, (PERIOD * self.strata[1]) as i64);
-        let [dx, dy] = self.offset[(row.rem_euclid(ny) * nx + column.rem_euclid(nx)) as usize];
-        [(column as f32 + dx) / self.strata[0] as f32, (row as f32 + dy) / self.strata[1] as f32]
-    }
 }
 
 /// Something half transparent at a sample.
@@ -65,7 +33,7 @@ const NONE: u32 = u32::MAX;
 /// Weights of a point in a triangle; of one on the widened edge, those of a point inside nearby, since a sliver's own weights
 /// run wild there.
 #[inline]
-fn within(w: [f32; 3]) -> [f32; 3] {
+pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
     if w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 {
         return w;
     }
@@ -81,18 +49,18 @@ const BLOCK: usize = 8;
 #[derive(Default)]
 pub struct Samples {
     /// First pixel.
-    x0: i64,
-    y0: i64,
+    pub(crate) x0: i64,
+    pub(crate) y0: i64,
     /// Pixels.
-    width: usize,
-    height: usize,
-    strata: [usize; 2],
-    columns: usize,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) strata: [usize; 2],
+    pub(crate) columns: usize,
     rows: usize,
     /// Places, pixels from the bucket's first one.
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    pub(crate) z: Vec<f32>,
     color: Vec<[f32; 3]>,
     /// Nothing but a hole for `Matte`.
     alpha: Vec<f32>,
@@ -281,8 +249,9 @@ impl Samples {
         (r1 + 1 - r0) * (c1 + 1 - c0)
     }
 
+    /// Something is met at a sample, nearer than what is opaque there.
     #[inline]
-    fn keep(&mut self, k: usize, z: f32, i: [u32; 3], w: [f32; 3], flat: u32, look: &Look<'_>) {
+    pub(crate) fn keep(&mut self, k: usize, z: f32, i: [u32; 3], w: [f32; 3], flat: u32, look: &Look<'_>) {
         let value = |v: &[f32]| if look.smooth { Look::mix(v, look.n, i, w) } else { Look::of(v, look.n, flat) };
         let color = value(look.color);
         if look.opaque {
@@ -304,7 +273,8 @@ impl Samples {
         self.list[k] = self.pool.len() as u32 - 1;
     }
 
-    fn mark(&mut self, x0: usize, x1: usize, y0: usize, y1: usize) {
+    /// The depths of these pixels have changed.
+    pub(crate) fn mark(&mut self, x0: usize, x1: usize, y0: usize, y1: usize) {
         for by in y0 / BLOCK..=y1 / BLOCK {
             for bx in x0 / BLOCK..=x1 / BLOCK {
                 self.block_dirty[by * self.blocks + bx] = true;

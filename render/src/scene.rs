@@ -1,6 +1,7 @@
 //! The scene: sources of primitives, held by reference; an item is one primitive of a source.
 
 use crate::bvh::Bvh;
+use crate::camera::Camera;
 use crate::options::Attributes;
 use crate::texture::Textures;
 use crate::trim::Trim;
@@ -37,6 +38,8 @@ pub struct Patch {
     pub flat: bool,
     /// What of it is cut away.
     pub trim: Option<Arc<Trim>>,
+    /// Control points later on, by the part of the time that the shutter is open then.
+    pub moves: Vec<(f32, [Vec3; 16])>,
 }
 
 /// What a source repeats.
@@ -55,6 +58,8 @@ pub struct Source {
     pub shape: SourceShape,
     /// Object to world.
     pub to_world: Mat4,
+    /// The same later on, by the part of the time that the shutter is open then.
+    pub moves: Vec<(f32, Mat4)>,
     /// Attributes.
     pub attributes: Arc<Attributes>,
     /// Uniform primitive variables.
@@ -86,6 +91,8 @@ pub struct ItemView<'a> {
     pub source: &'a Source,
     /// The instance.
     pub instance: Option<(&'a Instances, usize)>,
+    /// How far an instance moves in its source while the shutter is open.
+    pub shift: Vec3,
 }
 
 /// All that is drawn.
@@ -136,6 +143,25 @@ impl Scene {
             .flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
     }
 
+    /// Whether anything moves while the shutter is open.
+    pub fn moves(&self, camera: &Camera) -> bool {
+        let deforms = |shape: &Shape| match shape {
+            Shape::Patches(patches) => patches.iter().any(|p| !p.moves.is_empty()),
+            Shape::Sphere => false,
+        };
+        !camera.moves.is_empty()
+            || self.sources.iter().any(|source| {
+                !source.moves.is_empty()
+                    || match &source.shape {
+                        SourceShape::One(shape) => deforms(shape),
+                        SourceShape::Spheres(columns) => columns.moved.is_some(),
+                        SourceShape::Objects(columns, parts) => {
+                            columns.moved.is_some() || parts.iter().any(|(shape, _)| deforms(shape))
+                        }
+                    }
+            })
+    }
+
     /// Look an item up.
     pub fn view(&self, item: Item) -> ItemView<'_> {
         let source = &self.sources[item.source as usize];
@@ -154,7 +180,12 @@ impl Scene {
         };
         let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
         let (to_world, object_to_world) = (source.to_world * place, source.to_world * object);
-        ItemView { shape, to_world, object_to_world, attributes, color, source, instance }
+        let shift = instance.and_then(|(columns, i)| {
+            let (_, to) = columns.moved.as_ref()?;
+            Some(Vec3::from(to[i]) - Vec3::from(columns.position[i]))
+        });
+        let shift = shift.unwrap_or(Vec3::ZERO);
+        ItemView { shape, to_world, object_to_world, attributes, color, source, instance, shift }
     }
 
     /// The place of an item for shadows and bounds alone: shape and its matrix to world.
@@ -247,7 +278,7 @@ impl Patch {
         let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
         let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None }
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None, moves: vec![] }
     }
 
     /// The point at (u, v).

@@ -1,7 +1,9 @@
 //! A grid of micropolygons: displaced, projected, shaded and handed to the samples.
 
+use crate::blur::Track;
 use crate::bucket::{Job, Stats};
 use crate::camera::Camera;
+use crate::motion::Instant;
 use crate::sample::Look;
 use crate::scene::{Item, ItemView, instance_inputs};
 use crate::view::View;
@@ -14,8 +16,8 @@ use sl::machine::Points;
 pub struct Grid {
     /// P, N, u, v, s, t as the dicer left them.
     pub points: Points,
-    /// Raster x and y, pixels, and depth.
-    raster: Vec<[f32; 3]>,
+    /// Raster x and y, pixels, and depth, at each moment of the item.
+    raster: Vec<Vec<[f32; 3]>>,
 }
 
 /// What a dicer says of its grid.
@@ -73,9 +75,11 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     }
     job.grid.points.inputs.append(&mut job.varying);
     if diced.keep != [1; 4] {
-        snap_edges(&mut job.grid.points, diced.keep);
+        let (nu, nv) = (job.grid.points.nu, job.grid.points.nv);
+        let p = job.grid.points.globals.iter_mut().filter(|(name, _)| *name == "P").map(|(_, p)| p);
+        p.chain(&mut job.deformed).for_each(|p| snap_edges(p, nu, nv, diced.keep));
     }
-    let Some((min, max, z)) = job.grid.project(&frame.camera) else { return };
+    let Some((min, max, z)) = job.grid.project(&frame.camera, &job.instants, &job.deformed) else { return };
     job.stats.grids += 1;
     if !job.touches(min, max) || job.samples.hides([min[0], min[1]], [max[0], max[1]], z) {
         job.stats.grids_hidden += 1;
@@ -130,40 +134,63 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let away = |k: usize| (0..3).map(|c| normal[c * n + k] * incident[c * n + k]).sum::<f32>() > 0.0;
     let nu = points.nu;
     let stats: &mut Stats = &mut job.stats;
+    let blurred = job.instants.len() > 1 || job.frame.camera.has_lens();
+    let times: Vec<f32> = job.instants.iter().map(|i| i.time).collect();
+    let track = Track { times: &times, raster: &job.grid.raster, camera: &job.frame.camera, jitter: &job.frame.jitter };
     for j in 0..points.nv - 1 {
         for i in 0..nu - 1 {
             let k = j * nu + i;
-            let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| (job.grid.raster[k], k as u32));
+            let corners = [k, k + 1, k + nu + 1, k + nu];
             if job.trimmed.get(j * (nu - 1) + i) == Some(&true)
-                || corners.iter().any(|(p, _)| !(p[2] >= near))
+                || job.grid.raster.iter().any(|raster| corners.iter().any(|k| !(raster[*k][2] >= near)))
                 || (!view.attributes.two_sided && away(k))
             {
                 continue;
             }
             stats.micropolygons += 1;
-            stats.samples += job.samples.quad(corners, &look) as u64;
+            let tried = if blurred {
+                job.samples.blurred_quad(corners, &track, &look)
+            } else {
+                job.samples.quad(corners.map(|k| (job.grid.raster[0][k], k as u32)), &look)
+            };
+            stats.samples += tried as u64;
         }
     }
 }
 
 impl Grid {
-    /// Project all points; the bound on the raster and the least depth, `None` if nothing is before the near plane.
-    fn project(&mut self, camera: &Camera) -> Option<([f32; 2], [f32; 2], f32)> {
+    /// Project all points at all moments; the bound on the raster, blur included, and the least depth, `None` if nothing is before
+    /// the near plane.
+    fn project(
+        &mut self,
+        camera: &Camera,
+        instants: &[Instant],
+        deformed: &[Vec<f32>],
+    ) -> Option<([f32; 2], [f32; 2], f32)> {
         let n = self.points.n();
         let p = self.points.get("P")?;
         let (mut min, mut max, mut z) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2], f32::INFINITY);
-        self.raster.clear();
-        for k in 0..n {
-            let c = camera.to_camera.transform_point3(Vec3::new(p[k], p[n + k], p[2 * n + k]));
-            if !(c.z >= camera.near && c.is_finite()) {
-                self.raster.push([0.0, 0.0, f32::NEG_INFINITY]);
-                continue;
+        self.raster.resize_with(instants.len(), Vec::new);
+        for (moment, (instant, raster)) in instants.iter().zip(&mut self.raster).enumerate() {
+            let off = moment.checked_sub(1).and_then(|k| deformed.get(k));
+            raster.clear();
+            for k in 0..n {
+                let mut at = Vec3::new(p[k], p[n + k], p[2 * n + k]);
+                if let Some(off) = off {
+                    at += Vec3::new(off[k], off[n + k], off[2 * n + k]);
+                }
+                let c = instant.to_camera.transform_point3(at);
+                if !(c.z >= camera.near && c.is_finite()) {
+                    raster.push([0.0, 0.0, f32::NEG_INFINITY]);
+                    continue;
+                }
+                let r = camera.project(c);
+                let spread = camera.confusion(c.z).abs();
+                raster.push([r.x, r.y, c.z]);
+                min = [min[0].min(r.x - spread), min[1].min(r.y - spread)];
+                max = [max[0].max(r.x + spread), max[1].max(r.y + spread)];
+                z = z.min(c.z);
             }
-            let r = camera.project(c);
-            self.raster.push([r.x, r.y, c.z]);
-            min = [min[0].min(r.x), min[1].min(r.y)];
-            max = [max[0].max(r.x), max[1].max(r.y)];
-            z = z.min(c.z);
         }
         (z <= camera.far).then_some((min, max, z))
     }
@@ -211,9 +238,8 @@ fn strip_apron(points: &mut Points) {
 }
 
 /// Put the points of an edge that its neighbour does not have onto the line between those that it has.
-fn snap_edges(points: &mut Points, keep: [usize; 4]) {
-    let (nu, nv, n) = (points.nu, points.nv, points.n());
-    let Some((_, p)) = points.globals.iter_mut().find(|(name, _)| *name == "P") else { return };
+fn snap_edges(p: &mut [f32], nu: usize, nv: usize, keep: [usize; 4]) {
+    let n = nu * nv;
     let edges = [(0, 1, nu), ((nv - 1) * nu, 1, nu), (0, nu, nv), (nu - 1, nu, nv)];
     for ((start, stride, count), keep) in edges.into_iter().zip(keep) {
         for i in (0..count).filter(|i| i % keep != 0) {

@@ -4,7 +4,8 @@
 //! fills the picture it is drawn as patches instead, which are split as they need.
 
 use crate::bucket::Job;
-use crate::patch;
+use crate::motion::Instant;
+use crate::patch::{self, coarsening};
 use crate::scene::{Item, ItemView, Patch, sphere_uv};
 use crate::shade::{Diced, displacement_reach, finish, keeps_opacity};
 use crate::surfaces::{circle, revolve};
@@ -66,8 +67,8 @@ struct Ball {
     to_object: Mat3,
     /// 1, or −1 if the transformation mirrors.
     orientation: f32,
-    /// The eye in lattice space, or the direction towards it.
-    eye: Vec3,
+    /// World to lattice space, its turn alone.
+    to_lattice: Mat3,
     reach: f32,
     /// Lines of a face, less one.
     n: usize,
@@ -83,9 +84,21 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let camera = &job.frame.camera;
     let depth = camera.to_camera.transform_point3(center).z;
     let reach = displacement_reach(view, radius);
-    let step = view.attributes.shading_rate.sqrt();
+    let moved = |i: &Instant| i.to_camera.transform_point3(center);
+    let blur = job.instants.last().map_or(0.0, |last| {
+        let z = moved(last).z;
+        let on_raster = |p: Vec3| if p.z > camera.near { camera.project(p) } else { Default::default() };
+        let shift = if job.instants.len() > 1 && z > camera.near {
+            (on_raster(moved(last)) - on_raster(moved(&job.instants[0]))).length()
+        } else {
+            0.0
+        };
+        shift + 2.0 * camera.confusion(depth).abs()
+    });
+    let step = view.attributes.shading_rate.sqrt() * coarsening(blur);
+    let nearest = job.instants.iter().map(|i| moved(i).z).fold(depth, f32::min);
     let lines = (std::f32::consts::FRAC_PI_2 * radius * camera.pixels_at(depth - radius) / step).ceil();
-    if !(depth - radius - reach > camera.near) || lines > FINEST as f32 || linear.determinant() == 0.0 {
+    if !(nearest - radius - reach > camera.near) || lines > FINEST as f32 || linear.determinant() == 0.0 {
         return patch::draw_all(job, item, view, whole_sphere());
     }
     let even = (x - y).abs() <= 1e-5 * x && (x - z).abs() <= 1e-5 * x;
@@ -102,11 +115,7 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
         normals: if even { Mat3::IDENTITY } else { linear.inverse().transpose() },
         to_object: if even { linear.inverse() * x } else { Mat3::IDENTITY },
         orientation: if even { 1.0 } else { sign },
-        eye: eye_in_lattice(
-            job,
-            center,
-            if even { Mat3::from_diagonal(Vec3::splat(1.0 / x)) } else { linear.inverse() },
-        ),
+        to_lattice: if even { Mat3::from_diagonal(Vec3::splat(1.0 / x)) } else { linear.inverse() },
         reach,
         n,
     };
@@ -129,9 +138,10 @@ fn whole_sphere() -> &'static [Patch] {
     })
 }
 
-fn eye_in_lattice(job: &Job<'_>, center: Vec3, inverse: Mat3) -> Vec3 {
-    let camera = &job.frame.camera;
-    if camera.perspective { inverse * (camera.eye - center) } else { (inverse * -camera.incident(center)) * 1e6 }
+/// The eye in lattice space as seen from the sphere at a moment, or a point far away towards it.
+fn eye_in_lattice(job: &Job<'_>, ball: &Ball, instant: &Instant) -> Vec3 {
+    let to = if job.frame.camera.perspective { instant.eye - ball.center } else { instant.eye * -1e6 };
+    ball.to_lattice * to
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -154,18 +164,25 @@ fn draw_tile(
     let corners = [(i[0], j[0]), (i[1], j[0]), (i[0], j[1]), (i[1], j[1])].map(|(i, j)| at(i as f32, j as f32));
     let spread = corners.iter().map(|c| c.dot(middle)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
     if !seen_through {
-        // The tile faces away if no direction d in it has d · eye > 1.
+        // The tile faces away if no direction d in it has d · eye > 1, at no moment.
         let lean = if ball.reach > 0.0 { LEAN } else { 0.0 };
-        let away = middle.angle_between(ball.eye) - spread - lean;
-        if away > 0.0 && away.cos() * ball.eye.length() < 1.0 {
+        let faces_away = |instant: &Instant| {
+            let eye = eye_in_lattice(job, ball, instant);
+            let away = middle.angle_between(eye) - spread - lean;
+            away > 0.0 && away.cos() * eye.length() < 1.0
+        };
+        if job.instants.iter().all(faces_away) {
             return;
         }
     }
     let longest = ball.linear.x_axis.length().max(ball.linear.y_axis.length()).max(ball.linear.z_axis.length());
     let around = ball.center + ball.linear * middle;
     let half = 2.0 * (0.5 * spread).sin() * longest + ball.reach;
-    let c = job.frame.camera.to_camera.transform_point3(around);
-    if !job.worth(c - half, c + half) {
+    let box_at = |instant: &Instant| {
+        let c = instant.to_camera.transform_point3(around);
+        (c - half, c + half)
+    };
+    if !job.worth(box_at) {
         return;
     }
     let apron = view.attributes.displacement.is_some();

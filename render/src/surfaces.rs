@@ -86,7 +86,7 @@ impl Patch {
     /// A bicubic patch over a range of parameters, which are its texture coordinates too.
     pub fn smooth(p: [Vec3; 16], u: [f32; 2], v: [f32; 2]) -> Patch {
         let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false, trim: None }
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false, trim: None, moves: vec![] }
     }
 
     /// The patch through points of a surface, given over unit parameters: exact for what is bicubic.

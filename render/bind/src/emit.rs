@@ -407,6 +407,7 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
         orientation: orientation(object, frame, &numbers)?,
         scale,
         params: vec![],
+        moved: None,
     };
     if let Color::Column(by) = &object.color {
         let values = numbers("color", &by.column)?;

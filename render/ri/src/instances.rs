@@ -25,6 +25,8 @@ pub struct Instances {
     pub scale: Vec<[f32; 3]>,
     /// Primitive variables, one value an instance.
     pub params: Vec<Param>,
+    /// Two times, and the places at the second one; `position` is then of the first. None: they stand still.
+    pub moved: Option<([f32; 2], Vec<[f32; 3]>)>,
 }
 
 impl Instances {
@@ -72,6 +74,12 @@ impl Instances {
                         values: own.values,
                     });
                 }
+            }
+            if let Some((times, to)) = &self.moved {
+                ri.motion_begin(times.to_vec())?;
+                ri.translate([0.0; 3])?;
+                ri.translate([0, 1, 2].map(|c| to[i][c] - self.position[i][c]))?;
+                ri.motion_end()?;
             }
             let uniform = self.scale.get(i).filter(|s| s[0] == s[1] && s[1] == s[2]).map(|s| s[0]);
             match (&self.shape, uniform) {

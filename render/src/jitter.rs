@@ -1,0 +1,135 @@
+//! Where and when samples are taken: jittered places in the strata of a pixel, moments while the shutter is open, places on the
+//! lens. All depend on the pixel alone, so that every bucket sees the same samples.
+
+/// Pixels after which the pattern repeats.
+const PERIOD: usize = 32;
+
+/// The pattern.
+pub struct Jitter {
+    /// Samples along x and y of a pixel.
+    pub strata: [usize; 2],
+    offset: Vec<[f32; 2]>,
+    /// Where pictures are blurred by motion or a lens.
+    pub moments: Option<Moments>,
+}
+
+/// Times and places on the lens. Time has as many strata as a pixel has samples, and each of them a cell of the lens of its own;
+/// which sample of a pixel has which stratum is shuffled from pixel to pixel.
+pub struct Moments {
+    n: usize,
+    /// For each pixel of the pattern and each stratum of time, the sample's place in the pixel.
+    order: Vec<u16>,
+    /// Likewise its time, 0 to 1, and its place on the lens, a disk of radius 1.
+    moment: Vec<[f32; 3]>,
+    /// For each stratum, least and greatest time, lens x and lens y.
+    pub bounds: Vec<[[f32; 2]; 3]>,
+}
+
+/// A number in [0, 1) of its own for every index.
+fn number(i: usize) -> f32 {
+    let mut h = (i as u32).wrapping_mul(0x9e37_79b9) ^ 0x5bd1_e995;
+    h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
+    h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
+    (h ^ (h >> 16)) as f32 / 4_294_967_808.0
+}
+
+/// A square, 0 to 1, on the unit disk, neighbours beside neighbours (Shirley and Chiu 1997).
+fn on_disk(x: f32, y: f32) -> [f32; 2] {
+    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let (r, angle) = match () {
+        () if a == 0.0 && b == 0.0 => return [0.0; 2],
+        () if a.abs() > b.abs() => (a, quarter * b / a),
+        () => (b, 2.0 * quarter - quarter * a / b),
+    };
+    [r * angle.cos(), r * angle.sin()]
+}
+
+impl Jitter {
+    /// For a number of samples along x and y; `blurred` if moments are wanted.
+    pub fn new(strata: [usize; 2], blurred: bool) -> Jitter {
+        let n = PERIOD * strata[0] * PERIOD * strata[1];
+        let offset =
+            (0..n).map(|i| if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] }).collect();
+        Jitter { strata, offset, moments: blurred.then(|| Moments::new(strata)) }
+    }
+
+    /// The place, pixels, of the sample in an absolute stratum.
+    #[inline]
+    pub fn place(&self, column: i64, row: i64) -> [f32; 2] {
+        let (nx, ny) = ((PERIOD * self.strata[0]) as i64, (PERIOD * self.strata[1]) as i64);
+        let [dx, dy] = self.offset[(row.rem_euclid(ny) * nx + column.rem_euclid(nx)) as usize];
+        [(column as f32 + dx) / self.strata[0] as f32, (row as f32 + dy) / self.strata[1] as f32]
+    }
+}
+
+impl Moments {
+    fn new(strata: [usize; 2]) -> Moments {
+        let n = strata[0] * strata[1];
+        // A step that meets every cell of the lens and leaves no two strata that follow each other side by side.
+        let step = (1..=n).filter(|k| gcd(*k, n) == 1).min_by_key(|k| k.abs_diff(n * 5 / 13)).unwrap_or(1);
+        let mut moments = Moments { n, order: vec![], moment: vec![], bounds: vec![[[1.0, -1.0]; 3]; n] };
+        for pixel in 0..PERIOD * PERIOD {
+            let random = |k: usize| number((pixel * n + k) * 4 + 0x51ed_270b);
+            let mut order: Vec<u16> = (0..n as u16).collect();
+            (1..n).rev().for_each(|k| order.swap(k, (random(k) * (k + 1) as f32) as usize));
+            for s in 0..n {
+                let r = |c: usize| number((pixel * n + s) * 4 + c);
+                let cell = s * step % n;
+                let [x, y] = on_disk(
+                    ((cell % strata[0]) as f32 + r(1)) / strata[0] as f32,
+                    ((cell / strata[0]) as f32 + r(2)) / strata[1] as f32,
+                );
+                let moment = [(s as f32 + r(3)) / n as f32, x, y];
+                for (bound, m) in moments.bounds[s].iter_mut().zip(moment) {
+                    *bound = if bound[0] > bound[1] { [m, m] } else { [bound[0].min(m), bound[1].max(m)] };
+                }
+                moments.moment.push(moment);
+            }
+            moments.order.extend(order);
+        }
+        moments
+    }
+
+    /// The sample of an absolute pixel that is taken in a stratum of time: its place in the pixel, its time, its place on the
+    /// lens.
+    #[inline]
+    pub fn of(&self, x: i64, y: i64, stratum: usize) -> (usize, [f32; 3]) {
+        let period = PERIOD as i64;
+        let at = (y.rem_euclid(period) * period + x.rem_euclid(period)) as usize * self.n + stratum;
+        (self.order[at] as usize, self.moment[at])
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_has_one_moment() {
+        for strata in [[1, 1], [4, 4], [3, 5]] {
+            let n = strata[0] * strata[1];
+            let jitter = Jitter::new(strata, true);
+            let moments = jitter.moments.unwrap();
+            let (mut mean, mut area) = ([0.0; 3], 0.0);
+            for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x - 16, y - 40))) {
+                let mut places: Vec<usize> = (0..n).map(|s| moments.of(x, y, s).0).collect();
+                places.sort();
+                assert_eq!(places, (0..n).collect::<Vec<_>>());
+                for s in 0..n {
+                    let m = moments.of(x, y, s).1;
+                    assert!((s as f32..=(s + 1) as f32).contains(&(m[0] * n as f32)), "{m:?}");
+                    (0..3).for_each(|c| mean[c] += m[c] / (1024 * n) as f32);
+                    area += (m[1] * m[1] + m[2] * m[2]) / (1024 * n) as f32;
+                }
+            }
+            // Time is even, the lens is even over a disk: the mean of r² is ½.
+            assert!((mean[0] - 0.5).abs() < 0.02 && mean[1].abs() < 0.03 && mean[2].abs() < 0.03, "{mean:?}");
+            assert!((area - 0.5).abs() < 0.02, "{area}");
+        }
+    }
+}
