@@ -302,6 +302,18 @@ pub enum BenchCommand {
         n: usize,
         #[arg(long, default_value = "cpu")]
         backend: Backend,
+        /// The spheres move while the shutter is open: by about a third of their radius.
+        #[arg(long)]
+        motion: bool,
+        /// A lens of this f-stop, sharp in the middle of the picture.
+        #[arg(long, value_name = "F")]
+        f_stop: Option<f32>,
+        /// Pixels a micropolygon.
+        #[arg(long, default_value_t = 1.0)]
+        shading_rate: f32,
+        /// Pixels.
+        #[arg(long, value_name = "WxH", value_parser = resolution, default_value = "1280x720")]
+        res: [u32; 2],
         /// Keep the picture.
         #[arg(long, value_name = "FILE")]
         image: Option<PathBuf>,

@@ -34,8 +34,10 @@ pub fn command(args: &BenchArgs) -> Outcome {
             print(bench_sim(workload, *n, *steps, *step, solver), *json);
             Ok(())
         }
-        BenchCommand::Render { n, image, json, .. } => {
-            print(bench_render((*n).max(1), image.as_ref())?, *json);
+        BenchCommand::Render { n, motion, f_stop, shading_rate, res, image, json, .. } => {
+            let bed =
+                Bed { n: (*n).max(1), motion: *motion, f_stop: *f_stop, shading_rate: *shading_rate, resolution: *res };
+            print(bench_render(&bed, image.as_ref())?, *json);
             Ok(())
         }
     }
@@ -96,11 +98,20 @@ fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver
     })
 }
 
-fn bench_render(n: usize, image: Option<&PathBuf>) -> Outcome<serde_json::Value> {
+/// A bed of spheres to draw, and how.
+struct Bed {
+    n: usize,
+    motion: bool,
+    f_stop: Option<f32>,
+    shading_rate: f32,
+    resolution: [u32; 2],
+}
+
+fn bench_render(bed: &Bed, image: Option<&PathBuf>) -> Outcome<serde_json::Value> {
     let (cpu, wall) = (cpu_seconds(), Instant::now());
     let fault = |f: Fail| Failure::new(Exit::Fault, f.message);
     let mut context = Context::new(library::files(Path::new("."))).map_err(fault)?;
-    draw_bed(&mut context, n).map_err(fault)?;
+    draw_bed(&mut context, bed).map_err(fault)?;
     let finished = context.finished.pop().ok_or_else(|| Failure::new(Exit::Fault, "no picture was made"))?;
     let bytes = finished.image.encode("png", false, &finished.options).map_err(|m| Failure::new(Exit::Fault, m))?;
     if let Some(path) = image {
@@ -108,7 +119,8 @@ fn bench_render(n: usize, image: Option<&PathBuf>) -> Outcome<serde_json::Value>
     }
     let s = finished.stats;
     Ok(json!({
-        "n": n, "backend": "cpu", "threads": rayon::current_num_threads(), "resolution": [1280, 720],
+        "n": bed.n, "backend": "cpu", "threads": rayon::current_num_threads(), "resolution": bed.resolution,
+        "motion": bed.motion, "f_stop": bed.f_stop, "shading_rate": bed.shading_rate,
         "cpu_seconds": cpu_seconds() - cpu, "wall_seconds": wall.elapsed().as_secs_f64(),
         "micropolygons": s.micropolygons, "samples": s.samples, "shaded_points": s.shaded_points,
         "grids": s.grids, "grids_hidden": s.grids_hidden, "peak_bytes": peak_bytes(),
@@ -117,8 +129,9 @@ fn bench_render(n: usize, image: Option<&PathBuf>) -> Outcome<serde_json::Value>
 
 /// G(n): twelve layers of spheres of 0.075 m with some jitter and a gentle swell, a colour each, seen at 30° from above, one
 /// distant light with shadows, on a grey ground. The same bed as the peers' scenes but for the jitter's random numbers.
-fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
+fn draw_bed(ri: &mut impl Ri, bed: &Bed) -> Result<(), Fail> {
     const R: f64 = 0.075;
+    let n = bed.n;
     let per = n.div_ceil(12);
     let d = 2.0 * R;
     let h = (per as f64 * d * d * 3f64.sqrt() / 2.0 / 7.614).sqrt();
@@ -142,7 +155,16 @@ fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
         color.extend([0, 1, 2].map(|_| random.between(0.15, 1.0) as f32));
     }
     let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
-    ri.format(1280, 720, 1.0)?;
+    // A bell of numbers with the deviation 0.35 R, as the sum of twelve even ones less six has it.
+    let mut step = || (0.35 * R * ((0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0)) as f32;
+    let moved = bed.motion.then(|| ([0.0, 1.0], position.iter().map(|p: &[f32; 3]| p.map(|x| x + step())).collect()));
+    let [width, height] = bed.resolution.map(|n| n as i32);
+    ri.format(width, height, 1.0)?;
+    ri.shutter(0.0, 1.0)?;
+    if let Some(f_stop) = bed.f_stop {
+        // The ray through the middle meets the bed at twice the height of the eye.
+        ri.depth_of_field(f_stop, 0.05 * h as f32, 2.0 * h as f32)?;
+    }
     ri.pixel_samples(4.0, 4.0)?;
     ri.pixel_filter("box", 1.0, 1.0)?;
     ri.exposure(1.0, 2.2)?;
@@ -163,7 +185,7 @@ fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
     matrix[15] = 1.0;
     ri.concat_transform(matrix)?;
     ri.world_begin()?;
-    ri.shading_rate(1.0)?;
+    ri.shading_rate(bed.shading_rate)?;
     let way = Param::floats("to", Class::Uniform, Type::Point, [0.5, 0.4, -0.8]);
     let from = Param::floats("from", Class::Uniform, Type::Point, [0.0; 3]);
     ri.light_source("distantlight", "sun", vec![number("intensity", 1.0), from, way])?;
@@ -179,7 +201,7 @@ fn draw_bed(ri: &mut impl Ri, n: usize) -> Result<(), Fail> {
     )])?;
     ri.attribute_end()?;
     ri.instances(Instances {
-        moved: None,
+        moved,
         shape: InstanceShape::Sphere,
         scale: vec![[R as f32; 3]; position.len()],
         position,

@@ -54,18 +54,33 @@ fn a_run_goes_on_from_a_checkpoint_bit_for_bit() {
 
 #[test]
 fn pictures_do_not_depend_on_the_bucket() {
+    buckets_make_no_difference("", "");
+}
+
+#[test]
+fn blurred_pictures_do_not_depend_on_the_bucket() {
+    buckets_make_no_difference(
+        "Shutter 0 1 DepthOfField 2 0.5 5",
+        "MotionBegin [0 0.3 1] Translate 0 0 0 Translate 0.2 0 0 Translate 0.3 0.2 0 MotionEnd",
+    );
+}
+
+/// Draw with buckets of several sizes and numbers of threads: the same bits.
+fn buckets_make_no_difference(options: &str, moves: &str) {
     let work = scratch();
     let mut pictures = Vec::new();
-    for size in [8, 16, 37, 64, 200] {
+    for (size, threads) in [(8, "1"), (16, "2"), (37, "3"), (64, "7"), (200, "2")] {
         let scene = format!(
             "Option \"limits\" \"uniform integer bucketsize\" [{size}]
 Format 150 100 1 PixelSamples 3 3 PixelFilter \"catmull-rom\" 4 4 Display \"p{size}.png\" \"file\" \"rgba\"
-Projection \"perspective\" \"fov\" 40 Translate 0 0 5
+{options} Projection \"perspective\" \"fov\" 40 Translate 0 0 5
 WorldBegin
 LightSource \"distantlight\" 1 \"to\" [1 -1 2]
+TransformBegin {moves}
 Displacement \"rock\" \"uniform float Km\" [0.1] \"uniform float size\" [0.4]
 Color 1 .5 .2 Sphere 1 -1 1 360
 TransformBegin Translate 0.8 0.2 -1 Opacity .5 .5 .5 Color .2 .5 1 Sphere .6 -.6 .6 360 TransformEnd
+TransformEnd
 Displacement \"null\" Opacity 1 1 1
 Polygon \"P\" [-5 -1 -2 5 -1 -2 5 -1 30 -5 -1 30]
 WorldEnd
@@ -73,7 +88,8 @@ WorldEnd
         );
         let path = work.path().join("t.rib");
         std::fs::write(&path, scene).unwrap();
-        scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
+        let out = work.path().to_str().unwrap();
+        scree(&["render", path.to_str().unwrap(), "--threads", threads, "-o", out]).ok();
         pictures.push(std::fs::read(work.path().join(format!("p{size}.png"))).unwrap());
     }
     assert!(pictures.iter().all(|p| *p == pictures[0]));

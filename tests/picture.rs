@@ -14,7 +14,7 @@ impl Picture {
         self.pixels[y * self.width + x]
     }
 
-    fn coverage(&self) -> f32 {
+    pub fn coverage(&self) -> f32 {
         self.pixels.iter().map(|p| p[3]).sum()
     }
 }

@@ -1,6 +1,7 @@
 //! The one test binary: each file of `tests/` is a module of it.
 
 mod analytic;
+mod blur;
 mod cli;
 mod corpus;
 mod determinism;

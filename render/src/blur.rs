@@ -5,7 +5,7 @@
 //! sample of each pixel that belongs to the stratum is tried.
 
 use crate::camera::Camera;
-use crate::jitter::Jitter;
+use crate::jitter::{Jitter, Moments};
 use crate::sample::{EDGE, Look, Samples, within};
 
 /// The points of a grid over time.
@@ -20,75 +20,171 @@ pub struct Track<'a> {
     pub jitter: &'a Jitter,
 }
 
-impl Track<'_> {
-    /// A point at a time; straight between the keys.
-    #[inline]
-    fn at(&self, point: usize, time: f32) -> [f32; 3] {
-        let last = self.times.len() - 1;
-        let mut i = 1;
-        while i < last && self.times[i] <= time {
-            i += 1;
+/// A sample that has a moment.
+#[derive(Clone, Copy)]
+pub struct Moment {
+    /// Place, pixels of the whole picture: what is decided by it is decided alike in every bucket.
+    x: f32,
+    y: f32,
+    /// Part of the time that the shutter is open.
+    time: f32,
+    /// Place on the lens.
+    lens: [f32; 2],
+    /// The sample among all of the bucket.
+    sample: u32,
+}
+
+/// A micropolygon that moves straight between two times: each number of its corners is one at time 0 plus one a unit of time.
+struct Quad {
+    x: [[f32; 4]; 2],
+    y: [[f32; 4]; 2],
+    z: [[f32; 4]; 2],
+    /// How far the lens spreads each.
+    spread: [[f32; 4]; 2],
+    /// Least and greatest x and y of all corners without the lens, at time 0 and a unit of time; and of the spread at all times.
+    low: [[f32; 2]; 2],
+    high: [[f32; 2]; 2],
+    spreads: [f32; 2],
+    /// The least depth.
+    near: f32,
+}
+
+impl Quad {
+    fn new(points: [usize; 4], track: &Track<'_>, key: usize) -> Quad {
+        let next = (key + 1).min(track.times.len() - 1);
+        let (from, to) = (&track.raster[key], &track.raster[next]);
+        let (start, length) = (track.times[key], track.times[next] - track.times[key]);
+        let rate = if next > key { 1.0 / length } else { 0.0 };
+        // Of two values at the keys, the one at time 0 and the change.
+        let line = |a: f32, b: f32| {
+            let change = (b - a) * rate;
+            (a - change * start, change)
+        };
+        let lines = |v: &dyn Fn(&[f32; 3]) -> f32| {
+            let both = points.map(|p| line(v(&from[p]), v(&to[p])));
+            [both.map(|b| b.0), both.map(|b| b.1)]
+        };
+        let (x, y, z) = (lines(&|p| p[0]), lines(&|p| p[1]), lines(&|p| p[2]));
+        let near = points.iter().map(|p| from[*p][2].min(to[*p][2])).fold(f32::INFINITY, f32::min);
+        let mut quad =
+            Quad { x, y, z, spread: [[0.0; 4]; 2], low: [[0.0; 2]; 2], high: [[0.0; 2]; 2], spreads: [0.0; 2], near };
+        if track.camera.has_lens() {
+            let of = |p: &[f32; 3]| track.camera.confusion(p[2]);
+            quad.spread = lines(&of);
+            let all = points.iter().flat_map(|p| [of(&from[*p]), of(&to[*p])]);
+            quad.spreads = all.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], c| [lo.min(c), hi.max(c)]);
         }
-        if i > last {
-            return self.raster[last][point];
+        let ends = |raster: &[[f32; 3]], c: usize| {
+            points
+                .iter()
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], p| [lo.min(raster[*p][c]), hi.max(raster[*p][c])])
+        };
+        // The least of straight lines is nowhere below the line between the least at either end.
+        for c in 0..2 {
+            let ([lo0, hi0], [lo1, hi1]) = (ends(from, c), ends(to, c));
+            (quad.low[c], quad.high[c]) = (line(lo0, lo1).into(), line(hi0, hi1).into());
         }
-        let (a, b) = (self.raster[i - 1][point], self.raster[i][point]);
-        let t = ((time - self.times[i - 1]) / (self.times[i] - self.times[i - 1])).min(1.0);
-        [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
+        quad
     }
 
-    /// A point at a moment as it is seen from a place on the lens.
+    /// Its least and greatest x and y over a stratum.
     #[inline]
-    fn seen(&self, point: usize, [time, x, y]: [f32; 3]) -> [f32; 3] {
-        let p = self.at(point, time);
-        let spread = self.camera.confusion(p[2]);
-        [p[0] + x * spread, p[1] + y * spread, p[2]]
-    }
-
-    /// The raster rectangle of some points over a stratum.
-    fn bound(&self, points: [usize; 4], [times, xs, ys]: [[f32; 2]; 3]) -> [[f32; 2]; 2] {
-        let mut bound = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
-        let inner = self.times.iter().copied().filter(|t| *t > times[0] && *t < times[1]);
-        for time in times.into_iter().chain(inner) {
-            for point in points {
-                let p = self.at(point, time);
-                let spread = self.camera.confusion(p[2]);
-                for (axis, lens) in [xs, ys].into_iter().enumerate() {
-                    let (a, b) = (lens[0] * spread, lens[1] * spread);
-                    bound[axis] = [bound[axis][0].min(p[axis] + a.min(b)), bound[axis][1].max(p[axis] + a.max(b))];
-                }
-            }
+    fn bound(&self, [times, lens @ ..]: [[f32; 2]; 3]) -> [[f32; 2]; 2] {
+        let mut bound = [[0.0; 2]; 2];
+        for c in 0..2 {
+            let at = |line: [f32; 2], t: f32| line[0] + line[1] * t;
+            let (low, high) = (self.low[c], self.high[c]);
+            let [a, b, d, e] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| lens[c][i] * self.spreads[j]);
+            bound[c] = [
+                at(low, times[0]).min(at(low, times[1])) + a.min(b).min(d.min(e)),
+                at(high, times[0]).max(at(high, times[1])) + a.max(b).max(d.max(e)),
+            ];
         }
         bound
     }
-}
 
-/// Weights of a raster point in a triangle, its edges a little widened.
-#[inline]
-fn weights([a, b, c]: [[f32; 3]; 3], x: f32, y: f32) -> Option<[f32; 3]> {
-    let (ux, uy, vx, vy) = (b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]);
-    let area = ux * vy - vx * uy;
-    if area == 0.0 || !area.is_finite() {
-        return None;
+    /// Where it is met by a sample at (x, y) of a moment: the corners of a triangle of it, the weights of the place, its depth.
+    #[inline]
+    fn meet(&self, x: f32, y: f32, t: f32, [lens_x, lens_y]: [f32; 2]) -> Option<([usize; 3], [f32; 3], f32)> {
+        let (mut dx, mut dy) = ([0.0; 4], [0.0; 4]);
+        for i in 0..4 {
+            let spread = self.spread[0][i] + self.spread[1][i] * t;
+            dx[i] = self.x[0][i] + self.x[1][i] * t + lens_x * spread - x;
+            dy[i] = self.y[0][i] + self.y[1][i] * t + lens_y * spread - y;
+        }
+        let cross = |i: usize, j: usize| dx[i] * dy[j] - dx[j] * dy[i];
+        let size = |v: &[f32; 4]| {
+            let (a, b) = (v[0].min(v[1]).min(v[2].min(v[3])), v[0].max(v[1]).max(v[2].max(v[3])));
+            b - a
+        };
+        let slack = -EDGE * (size(&dx).max(size(&dy)) + 2.0 * EDGE);
+        let diagonal = cross(0, 2);
+        for (corners, parts) in
+            [([0, 1, 2], [cross(1, 2), -diagonal, cross(0, 1)]), ([0, 2, 3], [cross(2, 3), cross(3, 0), diagonal])]
+        {
+            let area = parts[0] + parts[1] + parts[2];
+            let side = area.signum();
+            if (parts[0] * side).min(parts[1] * side).min(parts[2] * side) >= slack && area != 0.0 {
+                let w = within(parts.map(|p| p / area));
+                let z = corners.iter().zip(w).map(|(i, w)| (self.z[0][*i] + self.z[1][*i] * t) * w).sum();
+                return Some((corners, w, z));
+            }
+        }
+        None
     }
-    let inv = 1.0 / area;
-    let (px, py) = (x - a[0], y - a[1]);
-    let (w1, w2) = ((px * vy - vx * py) * inv, (ux * py - px * uy) * inv);
-    let w = [1.0 - w1 - w2, w1, w2];
-    let size = ux.abs().max(uy.abs()).max(vx.abs()).max(vy.abs()) + 2.0 * EDGE;
-    let slack = -EDGE * size * inv.abs();
-    (w[0].min(w1).min(w2) >= slack).then(|| within(w))
 }
 
 impl Samples {
+    /// Give the samples of a bucket their moments: pixel after pixel, in each by strata of time.
+    pub fn set_moments(&mut self, jitter: &Jitter) {
+        let Some(moments) = &jitter.moments else { return };
+        let [sx, sy] = self.strata;
+        self.moments.clear();
+        for py in 0..self.height {
+            for px in 0..self.width {
+                for stratum in 0..sx * sy {
+                    let ([column, row], [time, lens @ ..]) =
+                        moments.of(px as i64 + self.x0, py as i64 + self.y0, stratum);
+                    let k = (py * sy + row as usize) * self.columns + px * sx + column as usize;
+                    let (x, y) = (self.x[k] + self.x0 as f32, self.y[k] + self.y0 as f32);
+                    self.moments.push(Moment { x, y, time, lens, sample: k as u32 });
+                }
+            }
+        }
+    }
+
     /// Sample a micropolygon given by points of a grid in the order around it. Returns the samples tried.
     pub fn blurred_quad(&mut self, points: [usize; 4], track: &Track<'_>, look: &Look<'_>) -> usize {
         let Some(moments) = &track.jitter.moments else { return 0 };
-        let [sx, sy] = self.strata;
+        let last = track.times.len() - 1;
+        let mut tried = 0;
+        for key in 0..last.max(1) {
+            let quad = Quad::new(points, track, key);
+            // The last key lasts to the end.
+            let until = if key + 1 < last { track.times[key + 1] } else { f32::INFINITY };
+            tried += self.straight(&quad, [track.times[key], until], moments, points, look);
+        }
+        tried
+    }
+
+    /// Sample a micropolygon between two times.
+    fn straight(
+        &mut self,
+        quad: &Quad,
+        [from, until]: [f32; 2],
+        moments: &Moments,
+        points: [usize; 4],
+        look: &Look<'_>,
+    ) -> usize {
+        let n = self.strata[0] * self.strata[1];
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
         let mut tried = 0;
-        for stratum in 0..sx * sy {
-            let [xs, ys] = track.bound(points, moments.bounds[stratum]);
+        for (stratum, bounds) in moments.bounds.iter().enumerate() {
+            if bounds[0][1] < from || bounds[0][0] >= until {
+                continue;
+            }
+            let [xs, ys] = quad.bound(*bounds).map(|[lo, hi]| [lo - EDGE, hi + EDGE]);
+            // Pixels of the bucket, with some room for rounding.
             let (x0, x1) = (xs[0] - ox - EDGE, xs[1] - ox + EDGE);
             let (y0, y1) = (ys[0] - oy - EDGE, ys[1] - oy + EDGE);
             if !(x1 >= 0.0 && y1 >= 0.0 && x0 < self.width as f32 && y0 < self.height as f32) {
@@ -97,25 +193,20 @@ impl Samples {
             let (px0, px1) = (x0.max(0.0) as usize, (x1 as usize).min(self.width - 1));
             let (py0, py1) = (y0.max(0.0) as usize, (y1 as usize).min(self.height - 1));
             for py in py0..=py1 {
-                for px in px0..=px1 {
-                    let (place, moment) = moments.of(px as i64 + self.x0, py as i64 + self.y0, stratum);
-                    let k = (py * sy + place / sx) * self.columns + px * sx + place % sx;
-                    let (x, y) = (self.x[k], self.y[k]);
-                    if x < x0 || x > x1 || y < y0 || y > y1 {
+                let first = (py * self.width + px0) * n + stratum;
+                for px in 0..=px1 - px0 {
+                    let Moment { x, y, time, lens, sample } = self.moments[first + px * n];
+                    let k = sample as usize;
+                    let outside =
+                        (x < xs[0]) | (x > xs[1]) | (y < ys[0]) | (y > ys[1]) | (time < from) | (time >= until);
+                    if outside || self.z[k] <= quad.near {
                         continue;
                     }
                     tried += 1;
-                    let q = points.map(|p| track.seen(p, moment));
-                    let (x, y) = (x + ox, y + oy);
-                    let first = weights([q[0], q[1], q[2]], x, y).map(|w| ([0, 1, 2], w));
-                    let Some((i, w)) = first.or_else(|| weights([q[0], q[2], q[3]], x, y).map(|w| ([0, 2, 3], w)))
-                    else {
-                        continue;
-                    };
-                    let z = i.iter().zip(w).map(|(i, w)| q[*i][2] * w).sum::<f32>();
+                    let Some((i, w, z)) = quad.meet(x, y, time, lens) else { continue };
                     if z < self.z[k] {
                         self.keep(k, z, i.map(|i| points[i] as u32), w, points[0] as u32, look);
-                        self.mark(px, px, py, py);
+                        self.mark(px0 + px, px0 + px, py, py);
                     }
                 }
             }

@@ -1,13 +1,17 @@
 //! Where and when samples are taken: jittered places in the strata of a pixel, moments while the shutter is open, places on the
 //! lens. All depend on the pixel alone, so that every bucket sees the same samples.
 
-/// Pixels after which the pattern repeats.
+/// Pixels after which the pattern repeats, a power of two.
 const PERIOD: usize = 32;
+
+/// Steps of a pixel that samples lie on.
+const STEPS: f32 = 1024.0;
 
 /// The pattern.
 pub struct Jitter {
     /// Samples along x and y of a pixel.
     pub strata: [usize; 2],
+    /// For each stratum of the pattern, the sample's place from its pixel's corner on.
     offset: Vec<[f32; 2]>,
     /// Where pictures are blurred by motion or a lens.
     pub moments: Option<Moments>,
@@ -17,8 +21,8 @@ pub struct Jitter {
 /// which sample of a pixel has which stratum is shuffled from pixel to pixel.
 pub struct Moments {
     n: usize,
-    /// For each pixel of the pattern and each stratum of time, the sample's place in the pixel.
-    order: Vec<u16>,
+    /// For each pixel of the pattern and each stratum of time, the sample's column and row in the pixel.
+    order: Vec<[u8; 2]>,
     /// Likewise its time, 0 to 1, and its place on the lens, a disk of radius 1.
     moment: Vec<[f32; 3]>,
     /// For each stratum, least and greatest time, lens x and lens y.
@@ -48,18 +52,23 @@ fn on_disk(x: f32, y: f32) -> [f32; 2] {
 impl Jitter {
     /// For a number of samples along x and y; `blurred` if moments are wanted.
     pub fn new(strata: [usize; 2], blurred: bool) -> Jitter {
-        let n = PERIOD * strata[0] * PERIOD * strata[1];
-        let offset =
-            (0..n).map(|i| if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] }).collect();
+        let (nx, ny) = (PERIOD * strata[0], PERIOD * strata[1]);
+        // Of steps that single precision adds to any pixel's number without rounding, so that it matters to no sum whether places
+        // are counted from the picture's corner or a bucket's.
+        let step = |k: usize, n: usize, random: f32| (((k % n) as f32 + random) / n as f32 * STEPS).floor() / STEPS;
+        let place = |i: usize| {
+            let random = if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] };
+            [step(i % nx, strata[0], random[0]), step(i / nx, strata[1], random[1])]
+        };
+        let offset = (0..nx * ny).map(place).collect();
         Jitter { strata, offset, moments: blurred.then(|| Moments::new(strata)) }
     }
 
-    /// The place, pixels, of the sample in an absolute stratum.
+    /// The place of the sample in an absolute stratum, from its pixel's corner on.
     #[inline]
-    pub fn place(&self, column: i64, row: i64) -> [f32; 2] {
+    pub fn in_pixel(&self, column: i64, row: i64) -> [f32; 2] {
         let (nx, ny) = ((PERIOD * self.strata[0]) as i64, (PERIOD * self.strata[1]) as i64);
-        let [dx, dy] = self.offset[(row.rem_euclid(ny) * nx + column.rem_euclid(nx)) as usize];
-        [(column as f32 + dx) / self.strata[0] as f32, (row as f32 + dy) / self.strata[1] as f32]
+        self.offset[(row.rem_euclid(ny) * nx + column.rem_euclid(nx)) as usize]
     }
 }
 
@@ -86,18 +95,19 @@ impl Moments {
                 }
                 moments.moment.push(moment);
             }
-            moments.order.extend(order);
+            let place = |k: u16| [(k as usize % strata[0]) as u8, (k as usize / strata[0]) as u8];
+            moments.order.extend(order.into_iter().map(place));
         }
         moments
     }
 
-    /// The sample of an absolute pixel that is taken in a stratum of time: its place in the pixel, its time, its place on the
-    /// lens.
+    /// The sample of an absolute pixel that is taken in a stratum of time: its column and row in the pixel, its time, its place on
+    /// the lens.
     #[inline]
-    pub fn of(&self, x: i64, y: i64, stratum: usize) -> (usize, [f32; 3]) {
-        let period = PERIOD as i64;
-        let at = (y.rem_euclid(period) * period + x.rem_euclid(period)) as usize * self.n + stratum;
-        (self.order[at] as usize, self.moment[at])
+    pub fn of(&self, x: i64, y: i64, stratum: usize) -> ([u8; 2], [f32; 3]) {
+        let last = PERIOD as i64 - 1;
+        let at = ((y & last) as usize * PERIOD + (x & last) as usize) * self.n + stratum;
+        (self.order[at], self.moment[at])
     }
 }
 
@@ -117,7 +127,8 @@ mod tests {
             let moments = jitter.moments.unwrap();
             let (mut mean, mut area) = ([0.0; 3], 0.0);
             for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x - 16, y - 40))) {
-                let mut places: Vec<usize> = (0..n).map(|s| moments.of(x, y, s).0).collect();
+                let place = |s: usize| moments.of(x, y, s).0.map(usize::from);
+                let mut places: Vec<usize> = (0..n).map(|s| place(s)[1] * strata[0] + place(s)[0]).collect();
                 places.sort();
                 assert_eq!(places, (0..n).collect::<Vec<_>>());
                 for s in 0..n {

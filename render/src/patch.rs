@@ -110,9 +110,13 @@ fn draw_piece(
     let blurred = last.is_some() || camera.has_lens();
     let pixels = |a: usize, stride: usize| {
         let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
-        let coarser =
-            if blurred { coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min)) } else { 1.0 };
-        path(&leg.map(|k| raster[k])) / (step * coarser)
+        let fine = path(&leg.map(|k| raster[k])) / step;
+        if !blurred {
+            return fine;
+        }
+        // A bent edge keeps its shape however much it is blurred.
+        let coarser = coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min));
+        (fine / coarser).max(fine.min(4.0))
     };
     let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
     let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
@@ -133,7 +137,7 @@ fn draw_piece(
 
 /// How much wider micropolygons may be that are blurred over so many pixels.
 pub fn coarsening(blur: f32) -> f32 {
-    1.0 + blur / 8.0
+    1.0 + blur / 5.0
 }
 
 /// Length of a control polygon's leg.

@@ -3,6 +3,7 @@
 //! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata and a micropolygon looks
 //! only at the strata that its bound touches.
 
+use crate::blur::Moment;
 use crate::filter::Filter;
 use crate::jitter::Jitter;
 
@@ -66,6 +67,8 @@ pub struct Samples {
     alpha: Vec<f32>,
     list: Vec<u32>,
     pool: Vec<Visible>,
+    /// Where the picture is blurred.
+    pub(crate) moments: Vec<Moment>,
     block_z: Vec<f32>,
     block_dirty: Vec<bool>,
     blocks: usize,
@@ -114,16 +117,18 @@ impl Samples {
         let n = self.columns * self.rows;
         self.x.clear();
         self.y.clear();
-        for row in 0..self.rows as i64 {
-            for column in 0..self.columns as i64 {
-                let [x, y] = jitter.place(column + x0 * sx as i64, row + y0 * sy as i64);
-                self.x.push(x - x0 as f32);
-                self.y.push(y - y0 as f32);
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                let (px, py) = (column / sx, row / sy);
+                let [x, y] = jitter.in_pixel(column as i64 + x0 * sx as i64, row as i64 + y0 * sy as i64);
+                self.x.push(px as f32 + x);
+                self.y.push(py as f32 + y);
             }
         }
         // The last samples are tested with lanes beyond them.
         self.x.resize(n + LANES, f32::INFINITY);
         self.y.resize(n + LANES, f32::INFINITY);
+        self.set_moments(jitter);
         self.z.clear();
         self.z.resize(n, f32::INFINITY);
         self.color.clear();
@@ -213,9 +218,8 @@ impl Samples {
         let row = |y: f32| (y * sy as f32).max(0.0) as usize;
         let (c0, c1) = (column(min_x), column(max_x).min(self.columns - 1));
         let (r0, r1) = (row(min_y), row(max_y).min(self.rows - 1));
-        // Weights of the second and third corner, as planes over the raster.
+        // Weights of the second and third corner, as planes over the raster from the first corner: the same bits in every bucket.
         let (ax, ay, bx, by) = (vy * inv, -vx * inv, -uy * inv, ux * inv);
-        let (a, b) = (-(ax * x0 + ay * y0), -(bx * x0 + by * y0));
         let mut hit = false;
         for r in r0..=r1 {
             for first in (c0..=c1).step_by(LANES) {
@@ -223,8 +227,9 @@ impl Samples {
                 let (xs, ys) = (lanes(&self.x, k), lanes(&self.y, k));
                 let (mut w1, mut w2, mut least) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
                 for i in 0..LANES {
-                    w1[i] = ax * xs[i] + ay * ys[i] + a;
-                    w2[i] = bx * xs[i] + by * ys[i] + b;
+                    let (dx, dy) = (xs[i] - x0, ys[i] - y0);
+                    w1[i] = ax * dx + ay * dy;
+                    w2[i] = bx * dx + by * dy;
                     let w0 = 1.0 - w1[i] - w2[i];
                     let w = if w1[i] < w2[i] { w1[i] } else { w2[i] };
                     least[i] = if w0 < w { w0 } else { w };

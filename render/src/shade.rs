@@ -7,7 +7,7 @@ use crate::motion::Instant;
 use crate::sample::Look;
 use crate::scene::{Item, ItemView, instance_inputs};
 use crate::view::View;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use sl::ir::{Op, Program};
 use sl::machine::Points;
 
@@ -184,7 +184,7 @@ impl Grid {
                     raster.push([0.0, 0.0, f32::NEG_INFINITY]);
                     continue;
                 }
-                let r = camera.project(c);
+                let r = on_steps(camera.project(c));
                 let spread = camera.confusion(c.z).abs();
                 raster.push([r.x, r.y, c.z]);
                 min = [min[0].min(r.x - spread), min[1].min(r.y - spread)];
@@ -194,6 +194,14 @@ impl Grid {
         }
         (z <= camera.far).then_some((min, max, z))
     }
+}
+
+/// A raster point on steps of 1/1024 pixel: single precision then takes differences of places without rounding, so that pictures
+/// do not depend on how they are cut to buckets.
+fn on_steps(r: Vec2) -> Vec2 {
+    // Of a sum of this size the last place is worth a step.
+    const SHIFT: f32 = 12_288.0;
+    (r + SHIFT) - SHIFT
 }
 
 /// I at every point, and a uniform P or N made varying, as projection wants it.

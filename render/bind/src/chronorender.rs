@@ -435,6 +435,7 @@ impl Job<'_> {
                 geometry,
                 position: ["pos_x", "pos_y", "pos_z"].map(|c| Quantity::Expression(c.into())),
                 orientation: orientation(columns),
+                velocity: None,
                 surface: surface.clone(),
                 displacement: displacement.clone(),
                 color: color.clone(),

@@ -55,6 +55,9 @@ pub fn frame(checked: &Checked, frame: &Frame, image: &str, files: &Files, ri: &
         files.read(&m.scene, &["scenes"]).map_err(|e| checked.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(checked, &text)?;
     let mut drawn = false;
+    if m.output.shutter > 0.0 {
+        ri.shutter(0.0, m.output.shutter as f32).map_err(|f| checked.doc.fault("output.shutter", f.message))?;
+    }
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
@@ -170,6 +173,10 @@ fn inject_camera(checked: &Checked, frame: &Frame, files: &Files, ri: &mut dyn R
             eye[k] += middle as f32;
             at[k] += middle as f32;
         }
+    }
+    if let Some(lens) = &camera.lens {
+        let focus = lens.focus.unwrap_or((Vec3::from(at) - Vec3::from(eye)).length());
+        ri.depth_of_field(lens.f_stop, lens.focal_length, focus)?;
     }
     ri.concat_transform(look_at(eye, at, up).to_cols_array())
 }
@@ -416,6 +423,12 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
         let colors = values.iter().flat_map(|x| colormap::color(&by.map, (x - lo) / width).unwrap_or([1.0; 3]));
         instances.params.push(Param::floats("Cs", Class::Uniform, Type::Color, colors.collect::<Vec<f32>>()));
     }
+    if let Some(velocity) = velocity(object, frame).filter(|_| checked.metadata.output.shutter > 0.0) {
+        let shutter = checked.metadata.output.shutter as f32;
+        let steps = three("velocity", &velocity)?;
+        let to = instances.position.iter().zip(steps).map(|(p, v)| [0, 1, 2].map(|c| p[c] + v[c] * shutter));
+        instances.moved = Some(([0.0, shutter], to.collect()));
+    }
     let ends = if g.capsule.is_some() { capsule_ends(&instances) } else { vec![] };
     let instances = std::iter::once(instances).chain(ends).collect();
     Ok(Prepared { object, instances, handle })
@@ -423,14 +436,16 @@ fn prepare<'a>(checked: &Checked, i: usize, object: &'a Object, frame: &Frame) -
 
 /// The balls at a capsule's ends.
 fn capsule_ends(middle: &Instances) -> Vec<Instances> {
-    let along = |i: usize, side: f32| {
+    let along = |places: &[[f32; 3]], i: usize, side: f32| {
         let q = middle.orientation.get(i).map_or(glam::Quat::IDENTITY, |q| glam::Quat::from_array(*q));
         let [_, _, half] = middle.scale[i];
-        (Vec3::from(middle.position[i]) + q * Vec3::new(0.0, 0.0, side * half)).to_array()
+        (Vec3::from(places[i]) + q * Vec3::new(0.0, 0.0, side * half)).to_array()
     };
+    let all = |places: &[[f32; 3]], side: f32| (0..middle.len()).map(|i| along(places, i, side)).collect::<Vec<_>>();
     let ball = |side: f32| Instances {
         shape: InstanceShape::Sphere,
-        position: (0..middle.len()).map(|i| along(i, side)).collect(),
+        position: all(&middle.position, side),
+        moved: middle.moved.as_ref().map(|(times, to)| (*times, all(to, side))),
         scale: middle.scale.iter().map(|[r, _, _]| [*r; 3]).collect(),
         ..middle.clone()
     };
@@ -439,6 +454,13 @@ fn capsule_ends(middle: &Instances) -> Vec<Instances> {
 
 fn range_of(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(*x), hi.max(*x)))
+}
+
+/// The velocities of an object's rows: its own, or those of the standard columns where the data has them.
+fn velocity(object: &Object, frame: &Frame) -> Option<[Quantity; 3]> {
+    let standard = ["vel_x", "vel_y", "vel_z"];
+    let has = standard.iter().all(|c| frame.column(c).is_some());
+    object.velocity.clone().or_else(|| has.then(|| standard.map(|c| Quantity::Expression(c.into()))))
 }
 
 /// Quaternions (x, y, z, w), made unit; none if neither the metadata nor the data has any.

@@ -111,9 +111,25 @@ pub struct CameraSpec {
     /// Rows that it goes with: `eye` and `look_at` are then from the middle of these.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follow: Option<String>,
+    /// A lens: what is not where it is sharp is blurred. Without it all is sharp.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
     /// Parallel projection, this many metres across the shorter side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f32>,
+}
+
+/// A camera's lens.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Lens {
+    /// f-stop: the focal length over the width of the opening.
+    pub f_stop: f32,
+    /// Focal length, m.
+    pub focal_length: f32,
+    /// How far away it is sharp, m; if not given, as far as what the camera looks at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub focus: Option<f32>,
 }
 
 /// A straight view.
@@ -159,6 +175,9 @@ pub struct Object {
     /// The quaternion's w, x, y, z: columns or expressions. If not given: quat_w … quat_z where the data has them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[Quantity; 4]>,
+    /// Three columns or expressions, m/s, for motion blur. If not given: vel_x, vel_y, vel_z where the data has them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<[Quantity; 3]>,
     /// Surface shader and its parameters; `matte` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Shader>,
@@ -321,6 +340,8 @@ pub struct Output {
     pub format: ImageFormat,
     /// Bits of a PNG's channel: 8 or 16.
     pub bits: u32,
+    /// How long the shutter is open, s: what moves is blurred by as far as it comes in that time.
+    pub shutter: f64,
     /// Frames to draw, as for `-f`; all if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<String>,
@@ -363,6 +384,7 @@ impl Default for Output {
             resolution: [640, 360],
             samples: [4, 4],
             shading_rate: 1.0,
+            shutter: 0.0,
             format: ImageFormat::Png,
             bits: 8,
             frames: None,
@@ -538,6 +560,9 @@ impl Checked {
         if !(o.shading_rate > 0.0 && o.shading_rate.is_finite()) {
             return Err(doc.fault("output.shading_rate", "expected a number above 0"));
         }
+        if !(o.shutter >= 0.0 && o.shutter.is_finite()) {
+            return Err(doc.fault("output.shutter", "expected seconds, 0 or more"));
+        }
         if !matches!(o.bits, 8 | 16) {
             return Err(doc.fault("output.bits", format!("is {}, expected 8 or 16", o.bits)));
         }
@@ -568,6 +593,19 @@ impl Checked {
             }
             if c.file.is_some() && (c.orbit.is_some() || c.follow.is_some() || c.view.is_some()) {
                 return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
+            }
+            if let Some(lens) = &c.lens {
+                if c.file.is_some() || c.orthographic.is_some() {
+                    return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
+                }
+                let numbers = [
+                    ("f_stop", lens.f_stop),
+                    ("focal_length", lens.focal_length),
+                    ("focus", lens.focus.unwrap_or(1.0)),
+                ];
+                if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+                    return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
+                }
             }
             if c.orbit.is_some_and(|o| !o.is_finite()) {
                 return Err(doc.fault("camera.orbit", "expected degrees a frame"));
@@ -646,6 +684,9 @@ impl Checked {
             list.extend(halves.map(|(k, q)| (format!("{key}.geometry.{name}.half.{k}"), q.clone())));
         }
         list.extend(object.position.iter().enumerate().map(|(k, q)| (format!("{key}.position.{k}"), q.clone())));
+        if let Some(velocity) = &object.velocity {
+            list.extend(velocity.iter().enumerate().map(|(k, q)| (format!("{key}.velocity.{k}"), q.clone())));
+        }
         if let Some(orientation) = &object.orientation {
             list.extend(orientation.iter().enumerate().map(|(k, q)| (format!("{key}.orientation.{k}"), q.clone())));
         }

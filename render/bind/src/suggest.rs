@@ -147,6 +147,7 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
         geometry,
         position,
         orientation: None,
+        velocity: None,
         surface,
         displacement: None,
         color: Color::default(),
