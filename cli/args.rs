@@ -1,6 +1,7 @@
 //! The words of the command line, as clap has them; nothing here is checked beyond their form.
 
 use clap::{Parser, Subcommand, ValueEnum};
+use render::bucket::Share;
 use std::path::PathBuf;
 
 /// Simulate granular material and vehicles, and turn the runs into pictures and movies.
@@ -27,6 +28,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Print a frame as RIB, for any RenderMan renderer.
     Rib(RibArgs),
+    /// Join the parts of pictures that `render --bucket` has written.
+    Stitch(StitchArgs),
     /// Encode the pictures of a folder to a movie.
     Movie(MovieArgs),
     /// Check models, metadata, RIB scenes and shaders, and say what is wrong with them and where.
@@ -162,6 +165,23 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("`{text}` is not a size: expected 1280x720"))
 }
 
+/// `2/8`: the second of eight shares.
+fn share(text: &str) -> Result<Share, String> {
+    let parsed = text.split_once('/').and_then(|(i, n)| Some(Share { part: i.parse().ok()?, parts: n.parse().ok()? }));
+    parsed
+        .filter(|s| (1..=s.parts).contains(&s.part) && s.parts <= 100_000)
+        .ok_or_else(|| format!("`{text}` is not a share: expected 2/8, from 1/8 to 8/8"))
+}
+
+#[derive(Parser, Debug)]
+pub struct StitchArgs {
+    /// The folder of the parts; the pictures go there too.
+    pub folder: PathBuf,
+    /// Keep the parts.
+    #[arg(long)]
+    pub keep: bool,
+}
+
 #[derive(Parser, Debug)]
 pub struct RenderArgs {
     /// A run directory, a metadata file (YAML) or a scene (.rib).
@@ -171,6 +191,9 @@ pub struct RenderArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub pictures: PictureArgs,
+    /// Draw one share of each picture's buckets to a part file, such as 2/8, for `scree stitch` to join.
+    #[arg(long, value_name = "I/N", value_parser = share)]
+    pub bucket: Option<Share>,
     /// Say what every picture took.
     #[arg(short, long)]
     pub verbose: bool,

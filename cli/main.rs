@@ -22,6 +22,7 @@ mod shader;
 mod simulate;
 mod solve;
 mod source;
+mod stitch;
 mod sweep;
 
 use args::{Args, Command};
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         Command::Simulate(a) => simulate::command(&a),
         Command::Render(a) => render::command(&a),
         Command::Rib(a) => rib::command(&a),
+        Command::Stitch(a) => stitch::command(&a),
         Command::Movie(a) => movie::command(&a),
         Command::Check(a) => check::command(&a),
         Command::Shader(a) => shader::command(&a),

@@ -5,10 +5,10 @@ use crate::job::Pictures;
 use crate::library;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
-use crate::source;
+use crate::{source, stitch};
 use bind::emit;
 use frame::FaultKind;
-use render::bucket::Stats;
+use render::bucket::{Share, Stats};
 use render::ri::reader;
 use render::{Context, Finished};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub fn command(args: &RenderArgs) -> Outcome {
     let (checked, data, home) = source::open(&args.input)?;
     let folder = args.output.clone().unwrap_or_else(|| home.join("images"));
     let pictures = Pictures::resolve(checked, data, folder, &args.pictures)?;
-    pictures_of(&pictures, args.pictures.missing, args.verbose)?;
+    pictures_of(&pictures, args.bucket, args.pictures.missing, args.verbose)?;
     println!("{}", pictures.folder.display());
     pictures.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
     missing_frames(&pictures)
@@ -33,27 +33,31 @@ pub fn is_scene(input: &Path) -> bool {
     name == "-" || [".rib", ".rib.gz", ".ribz"].iter().any(|e| name.ends_with(e))
 }
 
-/// Draw the frames of a job; with `missing`, only those whose picture is not there.
-pub fn pictures_of(pictures: &Pictures, missing: bool, verbose: bool) -> Outcome {
-    let wanted = |f: &&u64| !(missing && is_picture(&pictures.image(**f), pictures.checked.metadata.output.resolution));
+/// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
+pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, verbose: bool) -> Outcome {
+    let size = pictures.checked.metadata.output.resolution;
+    let there =
+        |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
+    let wanted = |f: &&u64| !(missing && there(&pictures.image(**f)));
     let frames: Vec<u64> = pictures.frames.iter().filter(wanted).copied().collect();
     let progress = Progress::start("rendering", frames.len() as u64);
     for (done, number) in frames.iter().enumerate() {
-        let finished = picture(pictures, *number)?;
+        let finished = picture(pictures, *number, share)?;
         if verbose {
             print_stats(*number, &finished.stats);
         }
         progress.at(done as u64 + 1);
     }
     progress.finish();
-    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, missing, verbose))
+    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, share, missing, verbose))
 }
 
 /// Draw a frame and write its picture.
-fn picture(pictures: &Pictures, number: u64) -> Outcome<Finished> {
+fn picture(pictures: &Pictures, number: u64, share: Option<Share>) -> Outcome<Finished> {
     let table = pictures.source.read(number)?;
     pictures.checked.check_columns(&table)?;
     let mut context = context(&pictures.files)?;
+    context.share = share;
     let image = pictures.image(number);
     emit::frame(&pictures.checked, &table, &image.to_string_lossy(), &pictures.files, &mut context)?;
     write_all(context, Path::new("."))?
@@ -76,6 +80,7 @@ fn scene(args: &RenderArgs) -> Outcome {
     let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
     let mut context = context(&files)?;
+    context.share = args.bucket;
     let progress = std::sync::Arc::new(Progress::start("rendering", 100));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
@@ -101,7 +106,8 @@ fn scene(args: &RenderArgs) -> Outcome {
             print_stats(f.frame as u64, &f.stats);
         }
         for d in &f.options.displays {
-            println!("{}", folder.join(&d.name).display());
+            let picture = folder.join(&d.name);
+            println!("{}", args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share)).display());
         }
     }
     Ok(())
@@ -121,6 +127,10 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
             f.options.displays.push(render::Display { name: "ri.png".into(), kind: "file".into(), mode: "rgb".into() });
         }
         for display in &f.options.displays {
+            if let Some(share) = f.options.share {
+                stitch::write_part(f, display, &folder.join(&display.name), share)?;
+                continue;
+            }
             let bytes = f.image.encode(display.format(), display.mode == "rgba", &f.options);
             let bytes = bytes.map_err(|m| Failure::new(Exit::Fault, m))?;
             frame::atomic::write(&folder.join(&display.name), &bytes)?;

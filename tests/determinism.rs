@@ -94,3 +94,45 @@ WorldEnd
     }
     assert!(pictures.iter().all(|p| *p == pictures[0]));
 }
+
+#[test]
+fn shares_are_stitched_to_the_picture_of_one_run() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    let text = |name: &str| at(name).to_str().unwrap().to_string();
+    let scene = "Option \"limits\" \"integer bucketsize\" [16] Format 150 100 1 PixelSamples 3 3 PixelFilter \"mitchell\" 4 4 Shutter 0 1
+Display \"a.png\" \"file\" \"rgba\" Display \"+b.exr\" \"file\" \"rgb\" Imager \"background\" \"bgcolor\" [.1 .2 .3]
+Projection \"perspective\" \"fov\" 40 Translate 0 0 5
+WorldBegin
+LightSource \"distantlight\" 1 \"to\" [1 -1 2]
+MotionBegin [0 1] Translate 0 0 0 Translate 0.2 0 0 MotionEnd
+Displacement \"rock\" \"uniform float Km\" [0.1] \"uniform float size\" [0.4] Color 1 .5 .2 Sphere 1 -1 1 360
+WorldEnd
+";
+    std::fs::write(at("t.rib"), scene).unwrap();
+    scree(&["render", &text("t.rib"), "-o", &text("whole")]).ok();
+    // More shares than buckets, too: the last ones have none.
+    for parts in [1, 2, 3, 16, 80] {
+        let folder = text(&format!("in{parts}"));
+        for part in (1..=parts).rev() {
+            let share = format!("{part}/{parts}");
+            scree(&["render", &text("t.rib"), "--bucket", &share, "--threads", "2", "-o", &folder]).ok();
+        }
+        scree(&["stitch", &folder]).ok();
+        assert!(bytes(Path::new(&folder)) == bytes(&at("whole")), "{parts} parts");
+    }
+    // What is missing or torn is said, and no picture is made.
+    let folder = text("broken");
+    for part in [1, 3] {
+        scree(&["render", &text("t.rib"), "--bucket", &format!("{part}/3"), "-o", &folder]).ok();
+    }
+    let said = scree(&["stitch", &folder]).fails(5);
+    assert!(said.contains("a.png: part 2 of 3") && !at("broken/a.png").exists(), "{said}");
+    scree(&["render", &text("t.rib"), "--bucket", "2/3", "-o", &folder]).ok();
+    let torn = at("broken/a.png.part-2-of-3");
+    let whole = std::fs::read(&torn).unwrap();
+    std::fs::write(&torn, &whole[..whole.len() - 7]).unwrap();
+    let said = scree(&["stitch", &folder]).fails(4);
+    assert!(said.contains("torn") && !at("broken/a.png").exists(), "{said}");
+    scree(&["render", &text("t.rib"), "--bucket", "4/3"]).fails(2);
+}

@@ -42,6 +42,40 @@ impl Stats {
     }
 }
 
+/// One of several equal parts of a picture's buckets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Which, from 1.
+    pub part: usize,
+    /// How many there are.
+    pub parts: usize,
+}
+
+/// The pixels of a bucket.
+#[derive(Clone, Copy, Debug)]
+pub struct Tile {
+    /// The first.
+    pub x: usize,
+    /// The first.
+    pub y: usize,
+    /// How many along x.
+    pub width: usize,
+    /// How many along y.
+    pub height: usize,
+    /// The bucket's number, row by row.
+    bucket: usize,
+}
+
+/// The buckets of a picture, or of a share of it: every so many-th, so that shares take about as long.
+pub fn tiles(width: usize, height: usize, size: usize, share: Option<Share>) -> impl Iterator<Item = Tile> {
+    let (columns, rows) = (width.div_ceil(size), height.div_ceil(size));
+    let (first, step) = share.map_or((0, 1), |s| (s.part - 1, s.parts));
+    (first..columns * rows).step_by(step).map(move |bucket| {
+        let (x, y) = (bucket % columns * size, bucket / columns * size);
+        Tile { x, y, width: size.min(width - x), height: size.min(height - y), bucket }
+    })
+}
+
 /// What all buckets share.
 pub struct Frame<'a> {
     /// The scene.
@@ -125,8 +159,9 @@ pub fn render(
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let lists = items_of_buckets(&frame, columns, rows);
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let tiles: Vec<(Vec<[f32; 4]>, Stats)> = (0..columns * rows)
-        .into_par_iter()
+    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).collect();
+    let drawn: Vec<(Vec<[f32; 4]>, Stats)> = own
+        .par_iter()
         .with_max_len(1)
         .map_init(
             || Job {
@@ -141,34 +176,31 @@ pub fn render(
                 stats: Stats::default(),
                 rect: [0.0; 4],
             },
-            |job, b| {
-                let tile = one_bucket(job, [b % columns * size, b / columns * size], &lists[b]);
-                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, columns * rows);
-                tile
+            |job, tile| {
+                let drawn = one_bucket(job, tile, &lists[tile.bucket]);
+                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, own.len());
+                drawn
             },
         )
         .collect();
     let mut image = Image::new(options.width, options.height);
     let mut stats = Stats { items: scene.sources.iter().map(|s| s.len() as u64).sum(), ..Stats::default() };
-    for (b, (pixels, own)) in tiles.into_iter().enumerate() {
-        stats = stats.add(own);
-        let (x0, y0) = (b % columns * size, b / columns * size);
-        let width = size.min(options.width - x0);
-        for (row, line) in pixels.chunks(width).enumerate() {
-            let at = (y0 + row) * options.width + x0;
-            image.pixels[at..at + width].copy_from_slice(line);
+    for (tile, (pixels, took)) in own.iter().zip(drawn) {
+        stats = stats.add(took);
+        for (row, line) in pixels.chunks(tile.width).enumerate() {
+            let at = (tile.y + row) * options.width + tile.x;
+            image.pixels[at..at + tile.width].copy_from_slice(line);
         }
     }
     (image, stats)
 }
 
 /// The picture of a bucket: its items front to back, then its samples filtered.
-fn one_bucket(job: &mut Job<'_>, [x0, y0]: [usize; 2], items: &[(f32, Item)]) -> (Vec<[f32; 4]>, Stats) {
+fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Vec<[f32; 4]>, Stats) {
     let frame = job.frame;
     let (options, margin) = (frame.options, [frame.filter[0].margin(), frame.filter[1].margin()]);
-    let width = options.bucket_size.min(options.width - x0) + 2 * margin[0];
-    let height = options.bucket_size.min(options.height - y0) + 2 * margin[1];
-    let (left, top) = (x0 as i64 - margin[0] as i64, y0 as i64 - margin[1] as i64);
+    let (width, height) = (tile.width + 2 * margin[0], tile.height + 2 * margin[1]);
+    let (left, top) = (tile.x as i64 - margin[0] as i64, tile.y as i64 - margin[1] as i64);
     job.samples.start(&frame.jitter, left, top, width, height);
     job.rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
     job.stats = Stats::default();
@@ -179,8 +211,8 @@ fn one_bucket(job: &mut Job<'_>, [x0, y0]: [usize; 2], items: &[(f32, Item)]) ->
     let mut pixels = Vec::new();
     job.samples.filter(&frame.filter[0], &frame.filter[1], margin, &mut pixels);
     if let Some(imager) = &options.imager {
-        let row = width - 2 * margin[0];
-        imager::develop(imager, frame.scene, &mut job.machine, &mut job.grid.points, [x0, y0], row, &mut pixels);
+        let (machine, points) = (&mut job.machine, &mut job.grid.points);
+        imager::develop(imager, frame.scene, machine, points, [tile.x, tile.y], tile.width, &mut pixels);
     }
     (pixels, job.stats)
 }

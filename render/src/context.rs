@@ -1,7 +1,7 @@
 //! The renderer's side of the RenderMan Interface: calls become the scene; `WorldEnd` makes the picture.
 
 use crate::blobby::Field;
-use crate::bucket::{self, Stats};
+use crate::bucket::{self, Share, Stats};
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::filter::FilterKind;
@@ -94,6 +94,8 @@ pub struct Context {
     objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
     progress: Progress,
+    /// The share of each picture's buckets that is drawn.
+    pub share: Option<Share>,
     /// Take all calls but make no picture: for checking a scene.
     pub dry: bool,
     /// Pictures that are done, for the caller to take.
@@ -179,6 +181,7 @@ impl Context {
             objects: HashMap::new(),
             open_object: None,
             progress: Box::new(|_, _| {}),
+            share: None,
             dry: false,
             finished: vec![],
         };
@@ -539,6 +542,7 @@ impl Ri for Context {
             keys => motion::in_shutter(keys, self.options.shutter).1,
         };
         let camera = Camera::new(&self.options, to_camera, moves);
+        self.options.share = self.share;
         let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));

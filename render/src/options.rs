@@ -1,5 +1,6 @@
 //! Options and attributes: the graphics state of RISpec sections 4 and 5, as far as it is built.
 
+use crate::bucket::Share;
 use crate::filter::FilterKind;
 use glam::Mat4;
 use sl::machine::BoundShader;
@@ -69,6 +70,8 @@ pub struct Options {
     pub passed_over: bool,
     /// Pixels along a bucket's edge.
     pub bucket_size: usize,
+    /// The share of the buckets that is drawn; all if not given.
+    pub share: Option<Share>,
     /// What the filtered pixels go through.
     pub imager: Option<Arc<BoundShader>>,
 }
@@ -94,6 +97,7 @@ impl Default for Options {
             displays: vec![],
             passed_over: false,
             bucket_size: 64,
+            share: None,
             imager: None,
         }
     }
