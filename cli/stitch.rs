@@ -32,6 +32,7 @@ struct Head {
     mode: String,
     one: i32,
     dither: f32,
+    crop: [f32; 4],
     /// blake3 of the pixels, hexadecimal.
     hash: String,
 }
@@ -63,6 +64,7 @@ pub fn write_part(finished: &Finished, display: &Display, picture: &Path, share:
         mode: display.mode.clone(),
         one: options.quantize_one,
         dither: options.dither,
+        crop: options.crop,
         hash: blake3::hash(&pixels).to_hex().to_string(),
     };
     let mut bytes = serde_json::to_vec(&head).map_err(|e| Failure::new(Exit::Fault, e.to_string()))?;
@@ -165,7 +167,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
     }
     let Some(head) = first else { return Ok(()) };
     let display = Display { name: picture.to_string_lossy().into_owned(), kind: head.driver, mode: head.mode };
-    let options = Options { quantize_one: head.one, dither: head.dither, ..Options::default() };
+    let options = Options { quantize_one: head.one, dither: head.dither, crop: head.crop, ..Options::default() };
     let bytes = image.encode(display.format(), display.mode == "rgba", &options);
     frame::atomic::write(picture, &bytes.map_err(|m| Failure::new(Exit::Fault, m))?)?;
     if !keep {

@@ -92,6 +92,18 @@ fn a_half_plane_covers_half_through_every_filter() {
 }
 
 #[test]
+fn a_crop_window_is_cut_from_the_whole_picture() {
+    let world = "Surface \"constant\" Color 1 .5 .25 Sphere .9 -.9 .9 360";
+    let whole = render(ORTHO, world);
+    // 80 pixels: 0.21 and 0.6 start at pixels 17 and 48, 0.5 and 0.99 at 40 and 80.
+    let part = render(&format!("{ORTHO} CropWindow 0.21 0.6 0.5 0.99"), world);
+    assert_eq!((part.width, part.pixels.len()), (31, 31 * 40));
+    for y in 0..40 {
+        (0..31).for_each(|x| assert_eq!(part.at(x, y), whole.at(x + 17, y + 40)));
+    }
+}
+
+#[test]
 fn half_transparent_layers_multiply() {
     let square = |z: f32| format!("Polygon \"P\" [-2 -2 {z} 2 -2 {z} 2 2 {z} -2 2 {z}]");
     let world = format!(

@@ -159,7 +159,9 @@ pub fn render(
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let lists = items_of_buckets(&frame, columns, rows);
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).collect();
+    let [[x0, y0], [x1, y1]] = options.window();
+    let drawn = |t: &Tile| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
+    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).filter(drawn).collect();
     let drawn: Vec<(Vec<[f32; 4]>, Stats)> = own
         .par_iter()
         .with_max_len(1)

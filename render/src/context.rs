@@ -898,9 +898,7 @@ impl Ri for Context {
     fn crop_window(&mut self, x_min: f32, x_max: f32, y_min: f32, y_max: f32) -> RiResult {
         positive(x_max - x_min, "the crop window's width")?;
         positive(y_max - y_min, "the crop window's height")?;
-        if [x_min, x_max, y_min, y_max] != [0.0, 1.0, 0.0, 1.0] {
-            self.scene.warn("CropWindow is not supported yet: the whole picture is made".into());
-        }
+        self.options.crop = [x_min, x_max, y_min, y_max];
         Ok(())
     }
     fn depth_of_field(&mut self, f_stop: f32, length: f32, distance: f32) -> RiResult {

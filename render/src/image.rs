@@ -37,11 +37,12 @@ impl Image {
     /// TIFF where colours are not quantized.
     pub fn encode(&self, kind: &str, with_alpha: bool, options: &Options) -> Result<Vec<u8>, String> {
         let mut bytes = Vec::new();
-        let (w, h) = (self.width as u32, self.height as u32);
+        let [[x0, y0], [x1, y1]] = Options { width: self.width, height: self.height, ..options.clone() }.window();
+        let (w, h) = ((x1 - x0) as u32, (y1 - y0) as u32);
         let n = if with_alpha { 4 } else { 3 };
+        let window = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x)).map(|i| (i, &self.pixels[i]));
         if kind == "exr" || (kind == "tiff" && options.quantize_one == 0) {
-            let floats: Vec<u8> =
-                self.pixels.iter().flat_map(|p| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
+            let floats: Vec<u8> = window.flat_map(|(_, p)| p[..n].iter().flat_map(|x| x.to_ne_bytes())).collect();
             let color = if with_alpha { ExtendedColorType::Rgba32F } else { ExtendedColorType::Rgb32F };
             let goal = std::io::Cursor::new(&mut bytes);
             let done = match kind {
@@ -61,7 +62,7 @@ impl Image {
             );
             (x * one + options.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
         };
-        let values = self.pixels.iter().enumerate().flat_map(|(i, p)| (0..n).map(move |c| (i, c, p[c])));
+        let values = window.flat_map(|(i, p)| (0..n).map(move |c| (i, c, p[c])));
         let data: Vec<u8> = if deep {
             values.flat_map(|(i, c, x)| (quantize(i, c, x) as u16).to_ne_bytes()).collect()
         } else {

@@ -70,6 +70,8 @@ pub struct Options {
     pub passed_over: bool,
     /// Pixels along a bucket's edge.
     pub bucket_size: usize,
+    /// The part of the picture that is drawn and written: left, right, top and bottom, parts of its width and height.
+    pub crop: [f32; 4],
     /// The share of the buckets that is drawn; all if not given.
     pub share: Option<Share>,
     /// What the filtered pixels go through.
@@ -97,9 +99,24 @@ impl Default for Options {
             displays: vec![],
             passed_over: false,
             bucket_size: 64,
+            crop: [0.0, 1.0, 0.0, 1.0],
             share: None,
             imager: None,
         }
+    }
+}
+
+impl Options {
+    /// The pixels that are drawn: the first along x and y, and one after the last (RISpec 4.1.1).
+    pub fn window(&self) -> [[usize; 2]; 2] {
+        let range = |n: usize, lo: f32, hi: f32| {
+            let pixel = |part: f32| ((n as f32 * part).ceil().max(0.0) as usize).min(n);
+            let first = pixel(lo).min(n - 1);
+            [first, pixel(hi).max(first + 1)]
+        };
+        let ([x0, x1], [y0, y1]) =
+            (range(self.width, self.crop[0], self.crop[1]), range(self.height, self.crop[2], self.crop[3]));
+        [[x0, y0], [x1, y1]]
     }
 }
 
