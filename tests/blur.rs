@@ -171,3 +171,36 @@ output: {{resolution: [80, 80], samples: [8, 8], format: exr{more}}}
     assert!((total(&moved) - total(&still)).abs() < 0.03 * total(&still));
     assert!(widest(&blurred) > a + 10 && (total(&blurred) - total(&still)).abs() < 0.1 * total(&still));
 }
+
+#[test]
+fn what_moves_through_the_camera_comes_to_an_end() {
+    let view = "Format 64 48 1 PixelSamples 2 2 Projection \"perspective\" \"fov\" 40";
+    let through = "MotionBegin [0 1] Translate 0 0 0 Translate 0 0 8 MotionEnd";
+    let ground = "Polygon \"P\" [-9 -1 -9 9 -1 -9 9 -1 90 -9 -1 90]";
+    let cases = [
+        // The camera goes through a ball and along a ground; a ball comes through the camera, displaced far more than it says.
+        (format!("Shutter 0 1 DepthOfField 2 1 3 {view} {through}"), format!("{ground} Sphere 1 -1 1 360")),
+        (
+            format!("Shutter 0 1 {view}"),
+            "MotionBegin [0 1] Translate 0 0 -3 Translate 0 0 3 MotionEnd Displacement \"rock\" \"uniform float Km\" 100
+            Attribute \"displacementbound\" \"sphere\" 1 Sphere 1 -1 1 360"
+                .to_string(),
+        ),
+        // It shrinks to nothing, and goes where single precision ends.
+        (
+            format!("Shutter 0 1 {view} Translate 0 0 5"),
+            "MotionBegin [0 1] Scale 1 1 1 Scale 0 0 0 MotionEnd Sphere 1 -1 1 360 Identity
+            MotionBegin [0 1] Translate 0 0 0 Translate 1e30 0 5 MotionEnd Sphere 1 -1 1 360"
+                .to_string(),
+        ),
+    ];
+    for (options, world) in cases {
+        let p = render_with(&[], &options, &format!("Surface \"constant\" {world}"));
+        assert!(p.pixels.iter().flatten().all(|x| x.is_finite()));
+    }
+    let work = scratch();
+    let path = work.path().join("t.rib");
+    std::fs::write(&path, "WorldBegin\nMotionBegin [0 1]\nTranslate 0 0 0\nMotionEnd\nWorldEnd\n").unwrap();
+    let said = scree(&["render", path.to_str().unwrap()]).fails(3);
+    assert!(said.contains("t.rib:4:1") && said.contains("2 times"), "{said}");
+}

@@ -160,38 +160,36 @@ pub fn render(
     let lists = items_of_buckets(&frame, columns, rows);
     let done = std::sync::atomic::AtomicUsize::new(0);
     let [[x0, y0], [x1, y1]] = options.window();
-    let drawn = |t: &Tile| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
-    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).filter(drawn).collect();
-    let drawn: Vec<(Vec<[f32; 4]>, Stats)> = own
-        .par_iter()
-        .with_max_len(1)
-        .map_init(
-            || Job {
-                frame: &frame,
-                samples: Samples::default(),
-                instants: vec![],
-                deformed: vec![],
-                grid: Grid::default(),
-                machine: Machine::new(),
-                varying: Vec::new(),
-                trimmed: vec![],
-                stats: Stats::default(),
-                rect: [0.0; 4],
-            },
-            |job, tile| {
-                let drawn = one_bucket(job, tile, &lists[tile.bucket]);
-                progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, own.len());
-                drawn
-            },
-        )
-        .collect();
+    let inside = |t: &Tile| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
+    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).filter(inside).collect();
+    let job = || Job {
+        frame: &frame,
+        samples: Samples::default(),
+        instants: vec![],
+        deformed: vec![],
+        grid: Grid::default(),
+        machine: Machine::new(),
+        varying: Vec::new(),
+        trimmed: vec![],
+        stats: Stats::default(),
+        rect: [0.0; 4],
+    };
     let mut image = Image::new(options.width, options.height);
     let mut stats = Stats { items: scene.sources.iter().map(|s| s.len() as u64).sum(), ..Stats::default() };
-    for (tile, (pixels, took)) in own.iter().zip(drawn) {
-        stats = stats.add(took);
-        for (row, line) in pixels.chunks(tile.width).enumerate() {
-            let at = (tile.y + row) * options.width + tile.x;
-            image.pixels[at..at + tile.width].copy_from_slice(line);
+    // So many at a time that what is held beside the picture itself stays small.
+    for batch in own.chunks(1024) {
+        let draw = |job: &mut Job<'_>, tile: &Tile| {
+            let drawn = one_bucket(job, tile, &lists[tile.bucket]);
+            progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, own.len());
+            drawn
+        };
+        let drawn: Vec<(Vec<[f32; 4]>, Stats)> = batch.par_iter().with_max_len(1).map_init(job, draw).collect();
+        for (tile, (pixels, took)) in batch.iter().zip(drawn) {
+            stats = stats.add(took);
+            for (row, line) in pixels.chunks(tile.width).enumerate() {
+                let at = (tile.y + row) * options.width + tile.x;
+                image.pixels[at..at + tile.width].copy_from_slice(line);
+            }
         }
     }
     (image, stats)

@@ -42,6 +42,9 @@ pub struct Finished {
 /// The largest picture, pixels along a side.
 const LARGEST: i32 = 65_536;
 
+/// The most pixels of a picture: it is held whole, 16 bytes each.
+const MOST_PIXELS: i64 = 1 << 28;
+
 /// A transformation at rising times.
 type Keys = Vec<(f32, Mat4)>;
 
@@ -600,6 +603,10 @@ impl Ri for Context {
     fn format(&mut self, width: i32, height: i32, aspect: f32) -> RiResult {
         if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
             return Err(Fail::new(format!("format {width}×{height}: expected 1 to {LARGEST} pixels along each side")));
+        }
+        if width as i64 * height as i64 > MOST_PIXELS {
+            let most = MOST_PIXELS / 1_000_000;
+            return Err(Fail::new(format!("format {width}×{height}: expected at most {most} million pixels")));
         }
         self.options.width = width as usize;
         self.options.height = height as usize;

@@ -54,7 +54,8 @@ fn draw_piece(
     let hull =
         |p: &[Vec3; 16]| p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     let (min, max) = hull(&p);
-    if !min.is_finite() || !max.is_finite() {
+    // What is wholly behind the near plane as the shutter opens is not seen, wherever it moves.
+    if !min.is_finite() || !max.is_finite() || max.z + reach < job.frame.camera.near {
         return;
     }
     // Control points in camera space at a moment.
@@ -85,9 +86,14 @@ fn draw_piece(
     let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
     let crosses = camera.perspective && min.z <= camera.near;
     if crosses {
-        // What displacement may move about is not worth looking at more closely than that.
+        // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
+        // than half a pixel there.
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
-        if piece.depth < DEEPEST && u.max(v) > 0.5 * reach {
+        let into_view = job.instants.last().filter(|i| i.time > 0.0).map(|last| {
+            let (min, _) = hull(&moved(last));
+            0.5 / camera.pixels_at(min.z)
+        });
+        if piece.depth < DEEPEST && u.max(v) > into_view.unwrap_or(0.0).max(0.5 * reach) {
             split(u >= v, stack);
         }
         return;

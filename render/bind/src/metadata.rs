@@ -554,6 +554,9 @@ impl Checked {
         if o.resolution.iter().any(|n| !(1..=65_536).contains(n)) {
             return Err(doc.fault("output.resolution", "expected two numbers from 1 to 65536"));
         }
+        if o.resolution[0] as u64 * o.resolution[1] as u64 > 1 << 28 {
+            return Err(doc.fault("output.resolution", "expected at most 268 million pixels"));
+        }
         if o.samples.iter().any(|n| !(1..=64).contains(n)) {
             return Err(doc.fault("output.samples", "expected two numbers from 1 to 64"));
         }
