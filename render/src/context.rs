@@ -1,5 +1,8 @@
 //! The renderer's side of the RenderMan Interface: calls become the scene; `WorldEnd` makes the picture.
 
+mod moving;
+
+use self::moving::{Keys, MotionBlock, Moving, Place};
 use crate::blobby::Field;
 use crate::bucket::{self, Share, Stats};
 use crate::bvh::Bvh;
@@ -44,28 +47,6 @@ const LARGEST: i32 = 65_536;
 
 /// The most pixels of a picture: it is held whole, 16 bytes each.
 const MOST_PIXELS: i64 = 1 << 28;
-
-/// A transformation at rising times.
-type Keys = Vec<(f32, Mat4)>;
-
-/// A transformation as the shutter opens, and its keys if it moves.
-type Place = (Mat4, Keys);
-
-/// An open `MotionBegin`: its times, and what its calls were.
-struct MotionBlock {
-    times: Vec<f32>,
-    calls: Vec<Moving>,
-}
-
-/// A call within a motion block.
-enum Moving {
-    /// A transformation after the current one.
-    Concat(Mat4),
-    /// One in its place.
-    Set(Mat4),
-    Patches(Vec<Patch>),
-    Spheres(Instances, Vec<(String, Vec<f32>)>),
-}
 
 /// Told buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
@@ -315,98 +296,6 @@ impl Context {
         }
         self.transform *= m;
         self.moves.iter_mut().for_each(|(_, key)| *key *= m);
-        Ok(())
-    }
-
-    /// Another transformation in place of the current one.
-    fn set_transform(&mut self, m: Mat4) -> RiResult {
-        match &mut self.motion {
-            Some(block) => block.calls.push(Moving::Set(m)),
-            None => (self.transform, self.moves) = (m, vec![]),
-        }
-        Ok(())
-    }
-
-    fn place(&self) -> Place {
-        (self.transform, self.moves.clone())
-    }
-
-    /// The transformations of a motion block, over what holds before it.
-    fn moving_transform(&mut self, times: &[f32], calls: &[Moving]) {
-        let before = |time: f32| if self.moves.is_empty() { self.transform } else { motion::at(&self.moves, time) };
-        let keys = times.iter().zip(calls).map(|(time, call)| match call {
-            Moving::Concat(m) => (*time, before(*time) * *m),
-            Moving::Set(m) => (*time, *m),
-            _ => (*time, before(*time)),
-        });
-        self.moves = keys.collect();
-        self.transform = motion::at(&self.moves, self.options.shutter[0]);
-    }
-
-    /// The patches of a motion block: the same primitive at its times.
-    fn moving_patches(&mut self, times: &[f32], mut calls: Vec<Vec<Patch>>) -> RiResult {
-        let mut first = calls.remove(0);
-        if calls.iter().any(|later| later.len() != first.len()) {
-            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
-            return self.add_patches(first);
-        }
-        for (k, patch) in first.iter_mut().enumerate() {
-            let keys: Vec<_> =
-                times.iter().copied().zip(std::iter::once(patch.p).chain(calls.iter().map(|c| c[k].p))).collect();
-            (patch.p, patch.moves) = motion::in_shutter(&keys, self.options.shutter);
-            patch.flat &= patch.moves.is_empty();
-        }
-        self.add_patches(first)
-    }
-
-    /// The spheres of a motion block.
-    fn moving_spheres(
-        &mut self,
-        times: &[f32],
-        mut calls: Vec<Instances>,
-        uniform: Vec<(String, Vec<f32>)>,
-    ) -> RiResult {
-        let mut first = calls.remove(0);
-        let (Some(last), Some([open, close])) = (calls.pop(), times.first().zip(times.last()).map(|(a, b)| [*a, *b]))
-        else {
-            return self.add_spheres(first, uniform);
-        };
-        if last.len() != first.len() {
-            self.scene.warn("the primitives of a motion block are not as many: the first alone is drawn".into());
-            return self.add_spheres(first, uniform);
-        }
-        let (a, b) = (first.scale[0][0], last.scale[0][0]);
-        if first.len() == 1 && a != b {
-            // A ball that grows is one whose space does.
-            let before = self.place();
-            let grow = [Moving::Concat(Mat4::IDENTITY), Moving::Concat(Mat4::from_scale(Vec3::splat(b / a)))];
-            self.moving_transform(&[open, close], &grow);
-            let done = self.add_spheres(first, uniform);
-            (self.transform, self.moves) = before;
-            return done;
-        }
-        if first.scale != last.scale {
-            self.scene.warn("points keep their first width while they move".into());
-        }
-        first.moved = Some(([open, close], last.position));
-        self.add_spheres(first, uniform)
-    }
-
-    /// Spheres by columns, or as parts of the object that is open.
-    fn add_spheres(&mut self, instances: Instances, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
-        if let Some(block) = &mut self.motion {
-            block.calls.push(Moving::Spheres(instances, uniform));
-            return Ok(());
-        }
-        if self.open_object.is_none() {
-            return self.push(SourceShape::Spheres(instances), uniform);
-        }
-        let outer = self.transform;
-        for i in 0..instances.len() {
-            self.transform = outer * instances.matrix(i);
-            self.add(Shape::Sphere, uniform.clone())?;
-        }
-        self.transform = outer;
         Ok(())
     }
 
@@ -865,42 +754,8 @@ impl Ri for Context {
         Ok(())
     }
     fn motion_end(&mut self) -> RiResult {
-        let MotionBlock { times, calls } = self.motion.take().ok_or(Fail::new("MotionEnd without MotionBegin"))?;
-        if calls.len() != times.len() {
-            return Err(Fail::new(format!(
-                "a motion block of {} times has {} calls that can move",
-                times.len(),
-                calls.len()
-            )));
-        }
-        let kind = |call: &Moving| match call {
-            Moving::Concat(_) | Moving::Set(_) => 0,
-            Moving::Patches(_) => 1,
-            Moving::Spheres(..) => 2,
-        };
-        let Some(first) = calls.first().map(kind) else { return Ok(()) };
-        if calls.iter().any(|call| kind(call) != first) {
-            if calls.iter().any(|call| kind(call) == 0) {
-                return Err(Fail::new("a motion block has transformations and primitives"));
-            }
-            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
-        }
-        let (mut patches, mut spheres, mut numbers) = (vec![], vec![], vec![]);
-        if first == 0 {
-            self.moving_transform(&times, &calls);
-            return Ok(());
-        }
-        for call in calls {
-            match call {
-                Moving::Patches(p) => patches.push(p),
-                Moving::Spheres(s, uniform) => {
-                    spheres.push(s);
-                    numbers = uniform;
-                }
-                Moving::Concat(_) | Moving::Set(_) => {}
-            }
-        }
-        if first == 1 { self.moving_patches(&times, patches) } else { self.moving_spheres(&times, spheres, numbers) }
+        let block = self.motion.take().ok_or(Fail::new("MotionEnd without MotionBegin"))?;
+        self.close(block)
     }
     fn crop_window(&mut self, x_min: f32, x_max: f32, y_min: f32, y_max: f32) -> RiResult {
         positive(x_max - x_min, "the crop window's width")?;
