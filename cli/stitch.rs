@@ -79,12 +79,12 @@ pub fn is_part(picture: &Path, share: Share, [width, height]: [u32; 2]) -> bool 
 }
 
 fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
-    let bytes = frame::read_bytes(FaultKind::Data, path)?;
+    let mut bytes = frame::read_bytes(FaultKind::Data, path)?;
     let fault = |message: &str| Fault::whole(FaultKind::Data, path, message).hint("render this part again");
     let end = bytes.iter().position(|b| *b == b'\n').ok_or_else(|| fault("is no part of a picture"))?;
     let head: Head =
         serde_json::from_slice(&bytes[..end]).map_err(|e| fault(&format!("is no part of a picture: {e}")))?;
-    let pixels = bytes[end + 1..].to_vec();
+    let pixels = bytes.split_off(end + 1);
     let sound = head.scree_part == 1
         && (1..=head.parts).contains(&head.part)
         && head.bucket > 0
@@ -167,7 +167,14 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
     }
     let Some(head) = first else { return Ok(()) };
     let display = Display { name: picture.to_string_lossy().into_owned(), kind: head.driver, mode: head.mode };
-    let options = Options { quantize_one: head.one, dither: head.dither, crop: head.crop, ..Options::default() };
+    let options = Options {
+        width: head.width,
+        height: head.height,
+        quantize_one: head.one,
+        dither: head.dither,
+        crop: head.crop,
+        ..Options::default()
+    };
     let bytes = image.encode(display.format(), display.mode == "rgba", &options);
     frame::atomic::write(picture, &bytes.map_err(|m| Failure::new(Exit::Fault, m))?)?;
     if !keep {

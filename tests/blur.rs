@@ -64,6 +64,12 @@ fn everything_that_can_move_covers_its_mean_area() {
         let error = (p.coverage() - pixels(area)).abs() / pixels(area);
         assert!(error < 0.012, "{two}: {} pixels, expected {}", p.coverage(), pixels(area));
     }
+    // A ball that grows and shrinks again, and comes to the side meanwhile, has the same mean.
+    let thrice = "Points \"P\" [0 0 0] \"constantwidth\" .6 Points \"P\" [.2 0 0] \"constantwidth\" 1.2
+        Points \"P\" [0 0 0] \"constantwidth\" .6";
+    let p = moving(&format!("MotionBegin [0 0.5 1] {thrice} MotionEnd"));
+    let error = (p.coverage() - pixels(pi * 0.21)).abs() / pixels(pi * 0.21);
+    assert!(error < 0.012, "{} pixels, expected {}", p.coverage(), pixels(pi * 0.21));
 }
 
 #[test]

@@ -6,13 +6,14 @@
 
 use crate::camera::Camera;
 use crate::jitter::{Jitter, Moments};
+use crate::motion::Instant;
 use crate::sample::{EDGE, Look, Samples, within};
 
 /// The points of a grid over time.
 pub struct Track<'a> {
-    /// Rising, from 0 on.
-    pub times: &'a [f32],
-    /// Raster x, y and depth of every point at each of these times.
+    /// The item's moments.
+    pub instants: &'a [Instant],
+    /// Raster x, y and depth of every point at each of them.
     pub raster: &'a [Vec<[f32; 3]>],
     /// The camera, for its lens.
     pub camera: &'a Camera,
@@ -51,9 +52,10 @@ struct Quad {
 
 impl Quad {
     fn new(points: [usize; 4], track: &Track<'_>, key: usize) -> Quad {
-        let next = (key + 1).min(track.times.len() - 1);
+        let next = (key + 1).min(track.instants.len() - 1);
         let (from, to) = (&track.raster[key], &track.raster[next]);
-        let (start, length) = (track.times[key], track.times[next] - track.times[key]);
+        let start = track.instants[key].time;
+        let length = track.instants[next].time - start;
         let rate = if next > key { 1.0 / length } else { 0.0 };
         // Of two values at the keys, the one at time 0 and the change.
         let line = |a: f32, b: f32| {
@@ -156,13 +158,13 @@ impl Samples {
     /// Sample a micropolygon given by points of a grid in the order around it. Returns the samples tried.
     pub fn blurred_quad(&mut self, points: [usize; 4], track: &Track<'_>, look: &Look<'_>) -> usize {
         let Some(moments) = &track.jitter.moments else { return 0 };
-        let last = track.times.len() - 1;
+        let last = track.instants.len() - 1;
         let mut tried = 0;
         for key in 0..last.max(1) {
             let quad = Quad::new(points, track, key);
             // The last key lasts to the end.
-            let until = if key + 1 < last { track.times[key + 1] } else { f32::INFINITY };
-            tried += self.straight(&quad, [track.times[key], until], moments, points, look);
+            let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
+            tried += self.straight(&quad, [track.instants[key].time, until], moments, points, look);
         }
         tried
     }

@@ -73,8 +73,7 @@ impl Camera {
             .filter(|_| options.fov.is_some())
             .map(|[f_stop, length, distance]| [0.5 * length / f_stop * scale.x.abs().max(scale.y.abs()), distance]);
         // As far as filters reach, and what is blurred beside the view.
-        let spread = lens.map_or(0.0, |[reach, sharp]| (reach * (1.0 / sharp - 1.0 / options.clipping[0])).abs());
-        let room = Vec2::splat(32.0 + spread);
+        let room = Vec2::splat(32.0 + confusion(lens, options.clipping[0]).abs());
         let view = [(-center - room) / scale, (Vec2::new(w, h) - center + room) / scale];
         Camera {
             // Raster y runs downwards, camera y upwards.
@@ -127,7 +126,12 @@ impl Camera {
     /// sharp.
     #[inline]
     pub fn confusion(&self, z: f32) -> f32 {
-        self.lens.map_or(0.0, |[reach, sharp]| reach * (1.0 / sharp - 1.0 / z.max(self.near)))
+        confusion(self.lens, z.max(self.near))
+    }
+
+    /// How far a camera-space point moves on the raster; 0 if it goes behind the near plane.
+    pub fn shift(&self, from: Vec3, to: Vec3) -> f32 {
+        if to.z > self.near { (self.project(to) - self.project(from)).length() } else { 0.0 }
     }
 
     /// Whether there is a lens.
@@ -177,4 +181,9 @@ impl Camera {
     pub fn incident(&self, p: Vec3) -> Vec3 {
         if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
     }
+}
+
+/// The radius of a lens's circle of confusion at a depth, as [`Camera::confusion`] has it.
+fn confusion(lens: Option<[f32; 2]>, z: f32) -> f32 {
+    lens.map_or(0.0, |[reach, sharp]| reach * (1.0 / sharp - 1.0 / z))
 }

@@ -34,10 +34,10 @@ impl Image {
     }
 
     /// The picture as the bytes of a file of `kind` (`png`, `tiff` or `exr`) with or without coverage. EXR has floats, and so has
-    /// TIFF where colours are not quantized.
+    /// TIFF where colours are not quantized. `options` are those that it was made with.
     pub fn encode(&self, kind: &str, with_alpha: bool, options: &Options) -> Result<Vec<u8>, String> {
         let mut bytes = Vec::new();
-        let [[x0, y0], [x1, y1]] = Options { width: self.width, height: self.height, ..options.clone() }.window();
+        let [[x0, y0], [x1, y1]] = options.window();
         let (w, h) = ((x1 - x0) as u32, (y1 - y0) as u32);
         let n = if with_alpha { 4 } else { 3 };
         let window = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x)).map(|i| (i, &self.pixels[i]));

@@ -20,7 +20,6 @@ pub struct Jitter {
 /// Times and places on the lens. Time has as many strata as a pixel has samples, and each of them a cell of the lens of its own;
 /// which sample of a pixel has which stratum is shuffled from pixel to pixel.
 pub struct Moments {
-    n: usize,
     /// For each pixel of the pattern and each stratum of time, the sample's column and row in the pixel.
     order: Vec<[u8; 2]>,
     /// Likewise its time, 0 to 1, and its place on the lens, a disk of radius 1.
@@ -77,7 +76,7 @@ impl Moments {
         let n = strata[0] * strata[1];
         // A step that meets every cell of the lens and leaves no two strata that follow each other side by side.
         let step = (1..=n).filter(|k| gcd(*k, n) == 1).min_by_key(|k| k.abs_diff(n * 5 / 13)).unwrap_or(1);
-        let mut moments = Moments { n, order: vec![], moment: vec![], bounds: vec![[[1.0, -1.0]; 3]; n] };
+        let mut moments = Moments { order: vec![], moment: vec![], bounds: vec![[[1.0, -1.0]; 3]; n] };
         for pixel in 0..PERIOD * PERIOD {
             let random = |k: usize| number((pixel * n + k) * 4 + 0x51ed_270b);
             let mut order: Vec<u16> = (0..n as u16).collect();
@@ -106,7 +105,7 @@ impl Moments {
     #[inline]
     pub fn of(&self, x: i64, y: i64, stratum: usize) -> ([u8; 2], [f32; 3]) {
         let last = PERIOD as i64 - 1;
-        let at = ((y & last) as usize * PERIOD + (x & last) as usize) * self.n + stratum;
+        let at = ((y & last) as usize * PERIOD + (x & last) as usize) * self.bounds.len() + stratum;
         (self.order[at], self.moment[at])
     }
 }

@@ -34,12 +34,14 @@ impl Blend for [f32; 3] {
 
 /// The value at a time of keys, of which there is at least one; before the first and after the last it rests.
 pub fn at<T: Blend>(keys: &[(f32, T)], time: f32) -> T {
+    if time <= keys[0].0 { keys[0].1 } else { from(keys[0], &keys[1..], time) }
+}
+
+/// The value at a time from a first key on.
+fn from<T: Blend>(first: (f32, T), keys: &[(f32, T)], time: f32) -> T {
     let next = keys.partition_point(|(t, _)| *t <= time);
-    match (next.checked_sub(1).map(|i| keys[i]), keys.get(next)) {
-        (Some((a, x)), Some((b, y))) => x.blend(*y, (time - a) / (b - a)),
-        (Some((_, x)), None) => x,
-        (None, _) => keys[0].1,
-    }
+    let (start, value) = next.checked_sub(1).map_or(first, |i| keys[i]);
+    keys.get(next).map_or(value, |(end, to)| value.blend(*to, (time - start) / (end - start)))
 }
 
 /// Keys of a stream's time as the scene has them: the value as the shutter opens, and the keys after that up to when it closes.
@@ -55,11 +57,7 @@ pub fn in_shutter<T: Blend>(keys: &[(f32, T)], [open, close]: [f32; 2]) -> (T, V
 
 /// The value at a part of the time that the shutter is open, of a scene's keys.
 pub fn later<T: Blend>(first: T, moves: &[(f32, T)], time: f32) -> T {
-    let before = moves.iter().rev().find(|(t, _)| *t <= time).copied().unwrap_or((0.0, first));
-    match moves.iter().find(|(t, _)| *t > time) {
-        Some((t, next)) => before.1.blend(*next, (time - before.0) / (t - before.0)),
-        None => before.1,
-    }
+    from((0.0, first), moves, time)
 }
 
 /// A moment of an item's motion.

@@ -6,7 +6,7 @@
 
 use crate::bucket::Job;
 use crate::motion::{Instant, later};
-use crate::scene::{Item, ItemView, Patch, bilinear};
+use crate::scene::{Item, ItemView, Patch, bilinear, point_of};
 use crate::shade::{Diced, displacement_reach, finish};
 use glam::{Mat4, Vec3};
 
@@ -84,33 +84,26 @@ fn draw_piece(
     };
     let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
     let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
+    let last = job.instants[1..].last().map(&moved);
     let crosses = camera.perspective && min.z <= camera.near;
     if crosses {
         // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
         // than half a pixel there.
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
-        let into_view = job.instants.last().filter(|i| i.time > 0.0).map(|last| {
-            let (min, _) = hull(&moved(last));
-            0.5 / camera.pixels_at(min.z)
-        });
-        if piece.depth < DEEPEST && u.max(v) > into_view.unwrap_or(0.0).max(0.5 * reach) {
+        let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
+        if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
             split(u >= v, stack);
         }
         return;
     }
     let step = view.attributes.shading_rate.sqrt();
-    let raster = p.map(|p| {
-        // Nearer than it may be displaced, its size on the raster says nothing.
-        let r = camera.project(Vec3::new(p.x, p.y, p.z.max(reach)));
-        Vec3::new(r.x, r.y, 0.0)
-    });
+    // Nearer than it may be displaced, its size on the raster says nothing.
+    let ahead = p.map(|p| Vec3::new(p.x, p.y, p.z.max(reach)));
+    let raster = ahead.map(|p| camera.project(p).extend(0.0));
     // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
     // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
-    let last = job.instants.last().filter(|i| i.time > 0.0).map(&moved);
     let blur = |k: usize| {
-        let shift = last.as_ref().map_or(0.0, |last| {
-            if last[k].z > camera.near { (camera.project(last[k]) - raster[k].truncate()).length() } else { 0.0 }
-        });
+        let shift = last.map_or(0.0, |last| camera.shift(ahead[k], last[k]));
         shift + 2.0 * camera.confusion(p[k].z).abs()
     };
     let blurred = last.is_some() || camera.has_lens();
@@ -262,10 +255,10 @@ fn deform(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, [us, vs]: [&[f3
     let (us, vs) = (&us[ring..us.len() - ring], &vs[ring..vs.len() - ring]);
     let n = us.len() * vs.len();
     for instant in &job.instants[1..] {
-        let moved = Patch { p: later(patch.p, &patch.moves, instant.time), ..patch.clone() };
+        let moved = later(patch.p, &patch.moves, instant.time);
         let mut all = vec![0.0; 3 * n];
         for (k, (v, u)) in vs.iter().flat_map(|v| us.iter().map(move |u| (*v, *u))).enumerate() {
-            let off = view.to_world.transform_vector3(moved.at(u, v) - patch.at(u, v));
+            let off = view.to_world.transform_vector3(point_of(&moved, u, v) - patch.at(u, v));
             (all[k], all[n + k], all[2 * n + k]) = (off.x, off.y, off.z);
         }
         job.deformed.push(all);

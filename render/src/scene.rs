@@ -283,8 +283,7 @@ impl Patch {
 
     /// The point at (u, v).
     pub fn at(&self, u: f32, v: f32) -> Vec3 {
-        let (bu, bv) = (bernstein(u), bernstein(v));
-        (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
+        point_of(&self.p, u, v)
     }
 
     /// Derivatives along u and v.
@@ -314,6 +313,12 @@ impl Patch {
 /// u and v of the specification's sphere in a direction of object space: u around, v from the south pole up (RISpec 5.2).
 pub(crate) fn sphere_uv(d: Vec3) -> [f32; 2] {
     [(d.y.atan2(d.x) / std::f32::consts::TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).asin() / std::f32::consts::PI + 0.5]
+}
+
+/// The point at (u, v) of the bicubic Bézier patch of some control points.
+pub(crate) fn point_of(p: &[Vec3; 16], u: f32, v: f32) -> Vec3 {
+    let (bu, bv) = (bernstein(u), bernstein(v));
+    (0..4).map(|j| (0..4).map(|i| p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
 }
 
 /// A number between those of four corners.

@@ -59,10 +59,7 @@ pub fn displacement_reach(view: &ItemView<'_>, size: f32) -> f32 {
 pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced, reach: f32) {
     let a = view.attributes;
     let frame = job.frame;
-    job.grid.points.inputs.clear();
-    let source_inputs = view.source.uniform.iter().cloned();
-    let own_inputs = view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i));
-    job.grid.points.inputs.extend(source_inputs.chain(own_inputs));
+    uniform_inputs(&mut job.grid.points, view);
     let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
     scene.shader_to_world = a.displacement_space;
     if let Some(displacement) = &a.displacement {
@@ -91,20 +88,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     let bias = 2.0 / frame.camera.pixels_at(z);
     scene.bias = [bias, bias + 2.0 * reach];
     fill_incident(&mut job.grid.points, &frame.camera);
-    let varies = |name: &str| job.grid.points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
-    let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));
-    job.grid.points.refill("Cs").extend_from_slice(&cs);
-    job.grid.points.refill("Os").extend_from_slice(&os);
-    job.grid.points.refill("Ci").extend_from_slice(&[0.0; 3]);
-    job.grid.points.refill("Oi").extend_from_slice(&os);
-    if a.surface.program.global("Ng").is_some() {
-        let normal = job.grid.points.get("N").unwrap_or(&[]).to_vec();
-        job.grid.points.refill("Ng").extend(normal);
-    }
-    if a.surface.program.global("E").is_some() {
-        let eye = frame.camera.eye.to_array();
-        job.grid.points.refill("E").extend_from_slice(&eye);
-    }
+    surface_globals(&mut job.grid.points, view, frame.camera.eye);
     job.machine.run(&a.surface, &mut job.grid.points, &scene);
     if let Some(atmosphere) = &a.atmosphere {
         scene.shader_to_world = a.atmosphere_space;
@@ -135,8 +119,9 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let nu = points.nu;
     let stats: &mut Stats = &mut job.stats;
     let blurred = job.instants.len() > 1 || job.frame.camera.has_lens();
-    let times: Vec<f32> = job.instants.iter().map(|i| i.time).collect();
-    let track = Track { times: &times, raster: &job.grid.raster, camera: &job.frame.camera, jitter: &job.frame.jitter };
+    let frame = job.frame;
+    let track =
+        Track { instants: &job.instants, raster: &job.grid.raster, camera: &frame.camera, jitter: &frame.jitter };
     for j in 0..points.nv - 1 {
         for i in 0..nu - 1 {
             let k = j * nu + i;
@@ -202,6 +187,31 @@ fn on_steps(r: Vec2) -> Vec2 {
     // Of a sum of this size the last place is worth a step.
     const SHIFT: f32 = 12_288.0;
     (r + SHIFT) - SHIFT
+}
+
+/// The variables of a primitive that are the same all over, for whichever of its shaders runs.
+pub fn uniform_inputs(points: &mut Points, view: &ItemView<'_>) {
+    let own = view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i));
+    points.inputs.clear();
+    points.inputs.extend(view.source.uniform.iter().cloned().chain(own));
+}
+
+/// What a surface shader starts with besides where it is: colours, and Ng and E if it asks for them.
+pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
+    let a = view.attributes;
+    let varies = |name: &str| points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+    let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));
+    points.refill("Cs").extend_from_slice(&cs);
+    points.refill("Os").extend_from_slice(&os);
+    points.refill("Ci").extend_from_slice(&[0.0; 3]);
+    points.refill("Oi").extend_from_slice(&os);
+    if a.surface.program.global("Ng").is_some() {
+        let normal = points.get("N").unwrap_or(&[]).to_vec();
+        points.refill("Ng").extend(normal);
+    }
+    if a.surface.program.global("E").is_some() {
+        points.refill("E").extend_from_slice(&eye.to_array());
+    }
 }
 
 /// I at every point, and a uniform P or N made varying, as projection wants it.

@@ -82,21 +82,13 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::length);
     let radius = x.max(y).max(z);
     let camera = &job.frame.camera;
-    let depth = camera.to_camera.transform_point3(center).z;
     let reach = displacement_reach(view, radius);
     let moved = |i: &Instant| i.to_camera.transform_point3(center);
-    let blur = job.instants.last().map_or(0.0, |last| {
-        let z = moved(last).z;
-        let on_raster = |p: Vec3| if p.z > camera.near { camera.project(p) } else { Default::default() };
-        let shift = if job.instants.len() > 1 && z > camera.near {
-            (on_raster(moved(last)) - on_raster(moved(&job.instants[0]))).length()
-        } else {
-            0.0
-        };
-        shift + 2.0 * camera.confusion(depth).abs()
-    });
-    let step = view.attributes.shading_rate.sqrt() * coarsening(blur);
-    let nearest = job.instants.iter().map(|i| moved(i).z).fold(depth, f32::min);
+    let first = moved(&job.instants[0]);
+    let depth = first.z;
+    let shift = job.instants[1..].last().map_or(0.0, |last| camera.shift(first, moved(last)));
+    let step = view.attributes.shading_rate.sqrt() * coarsening(shift + 2.0 * camera.confusion(depth).abs());
+    let nearest = job.instants.iter().map(|i| moved(i).z).fold(f32::INFINITY, f32::min);
     let lines = (std::f32::consts::FRAC_PI_2 * radius * camera.pixels_at(depth - radius) / step).ceil();
     if !(nearest - radius - reach > camera.near) || lines > FINEST as f32 || linear.determinant() == 0.0 {
         return patch::draw_all(job, item, view, whole_sphere());

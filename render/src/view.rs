@@ -5,7 +5,8 @@
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::options::Attributes;
-use crate::scene::{Item, ItemView, Scene, Shape, bilinear, instance_inputs, sphere_uv};
+use crate::scene::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
+use crate::shade::{surface_globals, uniform_inputs};
 use glam::{Mat3, Mat4, Vec3};
 use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
@@ -69,36 +70,27 @@ impl<'a> View<'a> {
     fn shade(&self, item: Item, from: Vec3, dir: Vec3, distance: f32, diffuse: bool) -> ([f32; 3], [f32; 3]) {
         let view = self.scene.view(item);
         let a = view.attributes;
-        let (mut machine, mut points) = SPARE.take_one();
+        let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
         let met = meet(&view, from + dir * distance, from, dir);
         (points.nu, points.nv) = (1, 1);
         points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
-        points.inputs.clear();
-        points.inputs.extend(view.source.uniform.iter().cloned());
-        points.inputs.extend(view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i)));
+        uniform_inputs(&mut points, &view);
         points.inputs.extend(met.inputs);
-        let given = |name: &str| points.inputs.iter().find(|(n, v)| n == name && v.len() == 3).map(|(_, v)| v.clone());
-        let (cs, os) = (given("Cs").unwrap_or(view.color.to_vec()), given("Os").unwrap_or(a.opacity.to_vec()));
         let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
         let way = (dir * distance).to_array();
-        let values: [(&'static str, &[f32]); 13] = [
+        let values: [(&'static str, &[f32]); 7] = [
             ("P", &met.place.to_array()),
             ("N", &normal),
-            ("Ng", &normal),
             ("I", &way),
-            ("E", &from.to_array()),
             ("u", &[met.uv[0]]),
             ("v", &[met.uv[1]]),
             ("s", &[met.st[0]]),
             ("t", &[met.st[1]]),
-            ("Cs", &cs),
-            ("Os", &os),
-            ("Ci", &[0.0; 3]),
-            ("Oi", &os),
         ];
         for (name, value) in values {
             points.refill(name).extend_from_slice(value);
         }
+        surface_globals(&mut points, &view, from);
         let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, item, &view, self.bias) };
         machine.run(&a.surface, &mut points, &scene);
         let three = |name: &str| points.get(name).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
@@ -130,17 +122,6 @@ fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
     let [patch] = patches.as_slice() else { return None };
     let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
     patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
-}
-
-/// A machine from those to spare.
-trait TakeOne {
-    fn take_one(&'static self) -> (Machine, Points);
-}
-
-impl TakeOne for std::thread::LocalKey<RefCell<Vec<(Machine, Points)>>> {
-    fn take_one(&'static self) -> (Machine, Points) {
-        self.with(|s| s.borrow_mut().pop()).unwrap_or_default()
-    }
 }
 
 /// A surface where a ray meets it, world space.

@@ -468,18 +468,18 @@ impl Job<'_> {
         .map(|(kind, geometry)| (Some(format!("type == '{kind}'")), geometry))
         .collect();
         // Files of meshes are named in the rows: those of the first frame are taken for all.
-        let first = first_file(data).and_then(|path| std::fs::read_to_string(path).ok()).unwrap_or_default();
-        let mut files: Vec<&str> = Vec::new();
-        for line in first.lines() {
-            let cells: Vec<&str> = line.split(data.delimiter.unwrap_or(',')).map(str::trim).collect();
-            if let (Some(&"obj"), Some(file)) = (cells.get(9), cells.get(10))
-                && !files.contains(file)
-            {
-                files.push(file);
+        let Some(path) = first_file(data) else { return Ok(shapes) };
+        let table = frame::csv::read(&path, 0, &data.layout())?;
+        let mut files: Vec<String> = Vec::new();
+        if let (Some(kinds), Some(sizes)) = (table.column("type"), table.column("ep1")) {
+            for file in (0..table.rows()).filter(|row| kinds.text(*row) == "obj").map(|row| sizes.text(row)) {
+                if !files.contains(&file) {
+                    files.push(file);
+                }
             }
         }
         for file in files {
-            let found = locate(places, Path::new(file))
+            let found = locate(places, Path::new(&file))
                 .ok_or_else(|| self.doc.fault(key, format!("there is no file `{file}` in the search paths")))?;
             let archive = ArchiveSpec { file: found.to_string_lossy().into_owned(), scale: Quantity::Number(1.0) };
             let geometry = Geometry { archive: Some(archive), ..none() };

@@ -2,7 +2,7 @@
 
 use crate::chronorender;
 use crate::data::{Source, Store};
-use crate::expr::Expr;
+use crate::expr::{Expr, ExprError};
 use frame::csv::Layout;
 use frame::yaml::Document;
 use frame::{Fault, Frame, nearest, run, sequence};
@@ -71,6 +71,18 @@ pub struct Data {
     /// Which rows there are at all: a condition on columns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub select: Option<String>,
+}
+
+impl Data {
+    /// How CSV files are laid out, as far as it says.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout {
+            delimiter: self.delimiter.map(|c| c as u8),
+            header: self.header,
+            names: self.columns.clone(),
+            least: self.least_cells,
+        }
+    }
 }
 
 /// A column worked out of others.
@@ -516,14 +528,8 @@ impl Checked {
         let store = match (&data.run, &data.csv) {
             (Some(folder), None) => Store::Run(run::RunReader::open(&self.folder().join(folder))?),
             (None, Some(pattern)) => {
-                let layout = Layout {
-                    delimiter: data.delimiter.map(|c| c as u8),
-                    header: data.header,
-                    names: data.columns.clone(),
-                    least: data.least_cells,
-                };
                 let files = sequence::find(&self.folder().join(pattern))?;
-                Store::Csv { files, layout, rename: data.rename.clone() }
+                Store::Csv { files, layout: data.layout(), rename: data.rename.clone() }
             }
             _ => return Err(self.doc.fault("data", "needs exactly one of `run` and `csv`")),
         };
@@ -534,12 +540,7 @@ impl Checked {
     /// Derived columns and the condition of the data, parsed.
     fn processes(&self) -> Result<(Vec<(String, Expr)>, Option<Expr>), Fault> {
         let Some(data) = &self.metadata.data else { return Ok((vec![], None)) };
-        let parse = |key: String, text: &str| {
-            Expr::parse(text).map_err(|e| {
-                let message = format!("in the expression, at character {}: {}", e.at + 1, e.message);
-                self.doc.fault(&key, message)
-            })
-        };
+        let parse = |key: String, text: &str| Expr::parse(text).map_err(|e| self.in_expression(&key, &e));
         let derived = data.derive.iter().enumerate();
         let derive = derived
             .map(|(k, d)| Ok((d.column.clone(), parse(format!("data.derive.{k}.formula"), &d.formula)?)))
@@ -699,20 +700,20 @@ impl Checked {
         list.into_iter()
             .map(|(key, q)| match q.expr() {
                 Ok(e) => Ok((key, e)),
-                Err(e) => {
-                    Err(self.doc.fault(&key, format!("in the expression, at character {}: {}", e.at + 1, e.message)))
-                }
+                Err(e) => Err(self.in_expression(&key, &e)),
             })
             .collect()
+    }
+
+    /// What is wrong with the expression of a key.
+    fn in_expression(&self, key: &str, e: &ExprError) -> Fault {
+        self.doc.fault(key, format!("in the expression, at character {}: {}", e.at + 1, e.message))
     }
 
     /// The condition of the rows that the camera goes with.
     pub fn followed(&self) -> Result<Option<Expr>, Fault> {
         let Some(text) = self.metadata.camera.as_ref().and_then(|c| c.follow.as_ref()) else { return Ok(None) };
-        Expr::parse(text).map(Some).map_err(|e| {
-            let message = format!("in the expression, at character {}: {}", e.at + 1, e.message);
-            self.doc.fault("camera.follow", message)
-        })
+        Expr::parse(text).map(Some).map_err(|e| self.in_expression("camera.follow", &e))
     }
 
     /// Check that every column that is named exists in the data.

@@ -31,25 +31,30 @@ fn assigned(program: &Program) -> Vec<bool> {
     program.globals.iter().for_each(|(_, r)| mark(*r));
     let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
     for block in blocks {
-        visit(block, &mut |op| match op {
-            Op::Assign(r, _) => mark(*r),
-            Op::Store(first, len, ..) => (*first..first + len).for_each(&mut mark),
-            Op::Ask { out: Operand::Number(first), len, .. } => (*first..first + len).for_each(&mut mark),
-            Op::Illuminance { l, cl, wanted, .. } => {
-                mark(*l);
-                mark(*cl);
-                wanted.iter().for_each(|(_, r)| mark(*r));
+        visit(block, &mut |op| {
+            if let Op::Assign(r, _) = op {
+                mark(*r);
             }
-            Op::Gather { out, .. } => out.iter().for_each(|(_, r)| mark(*r)),
-            Op::Solar { l, .. } => mark(*l),
-            Op::Illuminate { l, ps, .. } => {
-                mark(*l);
-                mark(*ps);
-            }
-            _ => {}
+            writes_besides(op, &mut mark);
         });
     }
     found
+}
+
+/// The registers that an operation writes besides its result: elements of arrays, and what comes from outside the shader.
+fn writes_besides(op: &Op, f: &mut dyn FnMut(Reg)) {
+    match op {
+        Op::Store(first, len, ..) | Op::Ask { out: Operand::Number(first), len, .. } => {
+            (*first..first + len).for_each(f);
+        }
+        Op::Illuminance { l, cl, wanted, .. } => {
+            [*l, *cl].into_iter().chain(wanted.iter().map(|(_, r)| *r)).for_each(f);
+        }
+        Op::Gather { out, .. } => out.iter().for_each(|(_, r)| f(*r)),
+        Op::Solar { l, .. } => f(*l),
+        Op::Illuminate { l, ps, .. } => [*l, *ps].into_iter().for_each(f),
+        _ => {}
+    }
 }
 
 /// Where a variable is but another name for a value, its readers read the value: such are the parameters of inlined functions.
@@ -69,18 +74,10 @@ fn drop_copies(program: &mut Program) -> bool {
             written_at[r as usize] = at;
         }
         let mut mark = |r: Reg| writes[r as usize] = 2;
-        match op {
-            Op::Load(_, first, len, _)
-            | Op::Store(first, len, ..)
-            | Op::Ask { out: Operand::Number(first), len, .. } => (*first..first + len).for_each(mark),
-            Op::Illuminance { l, cl, wanted, .. } => {
-                [*l, *cl].into_iter().chain(wanted.iter().map(|(_, r)| *r)).for_each(mark);
-            }
-            Op::Gather { out, .. } => out.iter().for_each(|(_, r)| mark(*r)),
-            Op::Solar { l, .. } => mark(*l),
-            Op::Illuminate { l, ps, .. } => [*l, *ps].into_iter().for_each(mark),
-            _ => {}
+        if let Op::Load(_, first, len, _) = op {
+            (*first..first + len).for_each(&mut mark);
         }
+        writes_besides(op, &mut mark);
         let own = if let Op::Assign(dst, _) = op { Some(*dst) } else { None };
         reads(op, &mut |o| {
             if let Operand::Number(r) = o
@@ -119,7 +116,7 @@ fn drop_copies(program: &mut Program) -> bool {
         }
         r
     };
-    rename(&mut program.body, &|r| last(r), &values);
+    rename(&mut program.body, &last, &values);
     true
 }
 

@@ -3,7 +3,7 @@
 use super::Context;
 use crate::motion;
 use crate::scene::{Patch, Shape, SourceShape};
-use glam::{Mat4, Vec3};
+use glam::Mat4;
 use ri::{Fail, Instances, RiResult};
 
 /// A transformation at rising times.
@@ -17,6 +17,9 @@ pub(super) struct MotionBlock {
     pub(super) times: Vec<f32>,
     pub(super) calls: Vec<Moving>,
 }
+
+/// What is said where a block's primitives cannot be matched.
+const CUT_DIFFERENTLY: &str = "the primitives of a motion block are cut differently: the first alone is drawn";
 
 /// A call within a motion block.
 pub(super) enum Moving {
@@ -39,34 +42,32 @@ impl Context {
                 calls.len()
             )));
         }
-        let kind = |call: &Moving| match call {
-            Moving::Concat(_) | Moving::Set(_) => 0,
-            Moving::Patches(_) => 1,
-            Moving::Spheres(..) => 2,
-        };
-        let Some(first) = calls.first().map(kind) else { return Ok(()) };
-        if calls.iter().any(|call| kind(call) != first) {
-            if calls.iter().any(|call| kind(call) == 0) {
-                return Err(Fail::new("a motion block has transformations and primitives"));
-            }
-            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
+        if calls.is_empty() {
+            return Ok(());
         }
-        let (mut patches, mut spheres, mut numbers) = (vec![], vec![], vec![]);
-        if first == 0 {
+        let transforms = calls.iter().filter(|call| matches!(call, Moving::Concat(_) | Moving::Set(_))).count();
+        if transforms == calls.len() {
             self.moving_transform(&times, &calls);
             return Ok(());
         }
+        if transforms > 0 {
+            return Err(Fail::new("a motion block has transformations and primitives"));
+        }
+        let first_is_spheres = matches!(calls[0], Moving::Spheres(..));
+        let (mut patches, mut spheres) = (vec![], vec![]);
         for call in calls {
             match call {
                 Moving::Patches(p) => patches.push(p),
-                Moving::Spheres(s, uniform) => {
-                    spheres.push(s);
-                    numbers = uniform;
-                }
+                Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
                 Moving::Concat(_) | Moving::Set(_) => {}
             }
         }
-        if first == 1 { self.moving_patches(&times, patches) } else { self.moving_spheres(&times, spheres, numbers) }
+        if !patches.is_empty() && !spheres.is_empty() {
+            self.scene.warn(CUT_DIFFERENTLY.into());
+            patches.truncate(1);
+            spheres.truncate(1);
+        }
+        if first_is_spheres { self.moving_spheres(&times, spheres) } else { self.moving_patches(&times, patches) }
     }
 
     /// Another transformation in place of the current one.
@@ -98,7 +99,10 @@ impl Context {
     fn moving_patches(&mut self, times: &[f32], mut calls: Vec<Vec<Patch>>) -> RiResult {
         let mut first = calls.remove(0);
         if calls.iter().any(|later| later.len() != first.len()) {
-            self.scene.warn("the primitives of a motion block are cut differently: the first alone is drawn".into());
+            self.scene.warn(CUT_DIFFERENTLY.into());
+            calls.clear();
+        }
+        if calls.is_empty() {
             return self.add_patches(first);
         }
         for (k, patch) in first.iter_mut().enumerate() {
@@ -110,36 +114,33 @@ impl Context {
         self.add_patches(first)
     }
 
-    /// The spheres of a motion block.
-    fn moving_spheres(
-        &mut self,
-        times: &[f32],
-        mut calls: Vec<Instances>,
-        uniform: Vec<(String, Vec<f32>)>,
-    ) -> RiResult {
-        let mut first = calls.remove(0);
-        let (Some(last), Some([open, close])) = (calls.pop(), times.first().zip(times.last()).map(|(a, b)| [*a, *b]))
-        else {
-            return self.add_spheres(first, uniform);
-        };
-        if last.len() != first.len() {
+    /// The spheres of a motion block, with the variables of each call: those of the first hold.
+    fn moving_spheres(&mut self, times: &[f32], calls: Vec<(Instances, Vec<(String, Vec<f32>)>)>) -> RiResult {
+        let later: Vec<Instances> = calls[1..].iter().map(|(spheres, _)| spheres.clone()).collect();
+        let Some((mut first, uniform)) = calls.into_iter().next() else { return Ok(()) };
+        let Some(last) = later.last() else { return self.add_spheres(first, uniform) };
+        if later.iter().any(|spheres| spheres.len() != first.len()) {
             self.scene.warn("the primitives of a motion block are not as many: the first alone is drawn".into());
             return self.add_spheres(first, uniform);
         }
-        let (a, b) = (first.scale[0][0], last.scale[0][0]);
-        if first.len() == 1 && a != b {
-            // A ball that grows is one whose space does.
+        if first.len() == 1 {
+            // One ball moves and grows as its space does.
             let before = self.place();
-            let grow = [Moving::Concat(Mat4::IDENTITY), Moving::Concat(Mat4::from_scale(Vec3::splat(b / a)))];
-            self.moving_transform(&[open, close], &grow);
+            let home = first.matrix(0).inverse();
+            let places = later.iter().map(|spheres| Moving::Concat(spheres.matrix(0) * home));
+            let places: Vec<Moving> = std::iter::once(Moving::Concat(Mat4::IDENTITY)).chain(places).collect();
+            self.moving_transform(times, &places);
             let done = self.add_spheres(first, uniform);
             (self.transform, self.moves) = before;
             return done;
         }
-        if first.scale != last.scale {
+        if later.iter().any(|spheres| spheres.scale != first.scale) {
             self.scene.warn("points keep their first width while they move".into());
         }
-        first.moved = Some(([open, close], last.position));
+        if later.len() > 1 {
+            self.scene.warn("points move straight from the first time of a motion block to the last".into());
+        }
+        first.moved = Some(([times[0], times[times.len() - 1]], last.position.clone()));
         self.add_spheres(first, uniform)
     }
 
