@@ -7,7 +7,8 @@
 use crate::camera::Camera;
 use crate::jitter::{Jitter, Moments};
 use crate::motion::Instant;
-use crate::sample::{EDGE, Look, Samples, within};
+use crate::sample::{EDGE, Kind, Samples, Tally, within};
+use crate::seen::Micropolygon;
 
 /// The points of a grid over time.
 pub struct Track<'a> {
@@ -105,9 +106,10 @@ impl Quad {
         bound
     }
 
-    /// Where it is met by a sample at (x, y) of a moment: the corners of a triangle of it, the weights of the place, its depth.
+    /// Where it is met by a sample at (x, y) of a moment: whether in the second of its triangles, the weights of the place, its
+    /// depth.
     #[inline]
-    fn meet(&self, x: f32, y: f32, t: f32, [lens_x, lens_y]: [f32; 2]) -> Option<([usize; 3], [f32; 3], f32)> {
+    fn meet(&self, x: f32, y: f32, t: f32, [lens_x, lens_y]: [f32; 2]) -> Option<(bool, [f32; 3], f32)> {
         let (mut dx, mut dy) = ([0.0; 4], [0.0; 4]);
         for i in 0..4 {
             let spread = self.spread[0][i] + self.spread[1][i] * t;
@@ -129,7 +131,7 @@ impl Quad {
             if (parts[0] * side).min(parts[1] * side).min(parts[2] * side) >= slack && area != 0.0 {
                 let w = within(parts.map(|p| p / area));
                 let z = corners.iter().zip(w).map(|(i, w)| (self.z[0][*i] + self.z[1][*i] * t) * w).sum();
-                return Some((corners, w, z));
+                return Some((corners[1] == 2, w, z));
             }
         }
         None
@@ -155,18 +157,21 @@ impl Samples {
         }
     }
 
-    /// Sample a micropolygon given by points of a grid in the order around it. Returns the samples tried.
-    pub fn blurred_quad(&mut self, points: [usize; 4], track: &Track<'_>, look: &Look<'_>) -> usize {
-        let Some(moments) = &track.jitter.moments else { return 0 };
+    /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point.
+    pub fn blurred(&mut self, nu: usize, micropolygons: &[u32], track: &Track<'_>, kind: &Kind) -> Tally {
+        let mut tally = Tally::default();
+        let Some(moments) = &track.jitter.moments else { return tally };
         let last = track.instants.len() - 1;
-        let mut tried = 0;
-        for key in 0..last.max(1) {
-            let quad = Quad::new(points, track, key);
-            // The last key lasts to the end.
-            let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
-            tried += self.straight(&quad, [track.instants[key].time, until], moments, points, look);
+        for point in micropolygons {
+            let k = *point as usize;
+            for key in 0..last.max(1) {
+                let quad = Quad::new([k, k + 1, k + nu + 1, k + nu], track, key);
+                // The last key lasts to the end.
+                let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
+                self.straight(&quad, [track.instants[key].time, until], moments, k, kind, &mut tally);
+            }
         }
-        tried
+        tally
     }
 
     /// Sample a micropolygon between two times.
@@ -175,12 +180,12 @@ impl Samples {
         quad: &Quad,
         [from, until]: [f32; 2],
         moments: &Moments,
-        points: [usize; 4],
-        look: &Look<'_>,
-    ) -> usize {
+        point: usize,
+        kind: &Kind,
+        tally: &mut Tally,
+    ) {
         let n = self.strata[0] * self.strata[1];
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
-        let mut tried = 0;
         for (stratum, bounds) in moments.bounds.iter().enumerate() {
             if bounds[0][1] < from || bounds[0][0] >= until {
                 continue;
@@ -204,15 +209,15 @@ impl Samples {
                     if outside || self.z[k] <= quad.near {
                         continue;
                     }
-                    tried += 1;
-                    let Some((i, w, z)) = quad.meet(x, y, time, lens) else { continue };
+                    tally.tried += 1;
+                    let Some((second, w, z)) = quad.meet(x, y, time, lens) else { continue };
                     if z < self.z[k] {
-                        self.keep(k, z, i.map(|i| points[i] as u32), w, points[0] as u32, look);
+                        tally.hit = true;
+                        self.keep(k, z, Micropolygon::new(kind.grid, point, second), [w[1], w[2]], kind);
                         self.mark(px0 + px, px0 + px, py, py);
                     }
                 }
             }
         }
-        tried
     }
 }

@@ -6,13 +6,17 @@ use crate::image::Image;
 use crate::jitter::Jitter;
 use crate::motion::{Instant, instants};
 use crate::options::Options;
+use crate::patch::Waiting;
 use crate::sample::Samples;
 use crate::scene::{Item, ItemView, Scene, Shape};
+use crate::seen::{Held, settle};
 use crate::shade::{Grid, displacement_reach};
+use crate::sphere::Disk;
 use crate::{imager, patch, sphere};
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
+use std::collections::BinaryHeap;
 
 /// What a picture took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,8 +107,18 @@ pub struct Job<'a> {
     pub grid: Grid,
     /// The grid machine.
     pub machine: Machine,
+    /// Variables of the grid at hand that are the same all over, besides the primitive's.
+    pub uniform: Vec<(String, Vec<f32>)>,
     /// Varying variables of the grid at hand.
     pub varying: Vec<(String, Vec<f32>)>,
+    /// Directions and normals of the sphere's grid at hand.
+    pub directions: Vec<(Vec3, Vec3)>,
+    /// For spheres.
+    pub disk: Disk,
+    /// Pieces of patches that wait for their turn.
+    pub waiting: BinaryHeap<Waiting>,
+    /// Grids that samples see.
+    pub held: Held,
     /// Micropolygons of the grid at hand that are cut away; none if empty.
     pub trimmed: Vec<bool>,
     /// What it took.
@@ -134,13 +148,6 @@ impl Job<'_> {
     pub fn touches(&self, min: [f32; 2], max: [f32; 2]) -> bool {
         max[0] >= self.rect[0] && max[1] >= self.rect[1] && min[0] <= self.rect[2] && min[1] <= self.rect[3]
     }
-
-    /// Whether a shader of the primitive reads u, v, s or t.
-    pub fn needs_parameters(&self, view: &ItemView<'_>) -> bool {
-        let reads = |p: &sl::ir::Program| ["u", "v", "s", "t"].iter().any(|n| p.global(n).is_some());
-        reads(&view.attributes.surface.program)
-            || view.attributes.displacement.as_ref().is_some_and(|d| reads(&d.program))
-    }
 }
 
 /// Make the picture; `progress` is told buckets done and in all.
@@ -169,7 +176,12 @@ pub fn render(
         deformed: vec![],
         grid: Grid::default(),
         machine: Machine::new(),
+        uniform: Vec::new(),
         varying: Vec::new(),
+        directions: vec![],
+        disk: Disk::default(),
+        waiting: BinaryHeap::new(),
+        held: Held::default(),
         trimmed: vec![],
         stats: Stats::default(),
         rect: [0.0; 4],
@@ -204,9 +216,19 @@ fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Vec<[f3
     job.samples.start(&frame.jitter, left, top, width, height);
     job.rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
     job.stats = Stats::default();
-    for (_, item) in items {
-        draw(job, *item);
+    // What has waited goes before the next item if it is nearer.
+    let mut items = items.iter().peekable();
+    loop {
+        let waiting = job.waiting.peek().filter(|w| items.peek().is_none_or(|(z, item)| w.before(*z, *item)));
+        if waiting.is_some() {
+            draw_waiting(job);
+        } else if let Some((_, item)) = items.next() {
+            draw(job, *item);
+        } else {
+            break;
+        }
     }
+    settle(job);
     job.samples.resolve();
     let mut pixels = Vec::new();
     job.samples.filter(&frame.filter[0], &frame.filter[1], margin, &mut pixels);
@@ -226,11 +248,17 @@ fn draw(job: &mut Job<'_>, item: Item) {
     job.deformed.clear();
     match view.shape {
         Shape::Sphere => {
-            job.varying.clear();
             sphere::draw(job, item, &view);
         }
         Shape::Patches(patches) => patch::draw_all(job, item, &view, patches),
     }
+}
+
+fn draw_waiting(job: &mut Job<'_>) {
+    let Some(waiting) = job.waiting.pop() else { return };
+    let view = job.frame.scene.view(waiting.item());
+    instants(&job.frame.camera, &view, &mut job.instants);
+    patch::draw_waiting(job, &view, &waiting);
 }
 
 /// The raster bound of an item over all its moments, displacement included; none where it is never in the depth range.

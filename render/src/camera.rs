@@ -13,6 +13,8 @@ pub struct Camera {
     /// Of a lens: how far blur reaches, pixels, at infinity if all is sharp there, times a unit of depth, and the depth that is
     /// sharp.
     lens: Option<[f32; 2]>,
+    /// Radius of the lens, world.
+    aperture: f32,
     /// Camera to world.
     pub to_world: Mat4,
     /// Where the eye is, world.
@@ -81,6 +83,7 @@ impl Camera {
             to_camera,
             moves,
             lens,
+            aperture: options.lens.map_or(0.0, |[f_stop, length, _]| 0.5 * length / f_stop),
             to_world,
             eye: to_world.transform_point3(Vec3::ZERO),
             perspective: options.fov.is_some(),
@@ -132,6 +135,11 @@ impl Camera {
     /// How far a camera-space point moves on the raster; 0 if it goes behind the near plane.
     pub fn shift(&self, from: Vec3, to: Vec3) -> f32 {
         if to.z > self.near { (self.project(to) - self.project(from)).length() } else { 0.0 }
+    }
+
+    /// The radius of the lens, if there is one.
+    pub fn lens_radius(&self) -> Option<f32> {
+        self.lens.map(|_| self.aperture)
     }
 
     /// Whether there is a lens.

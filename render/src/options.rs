@@ -164,3 +164,24 @@ pub struct Attributes {
     /// It casts shadows.
     pub casts_shadows: bool,
 }
+
+impl Attributes {
+    /// Whether it is opaque and no shader makes it less.
+    pub fn stays_opaque(&self) -> bool {
+        let kept = |shader: &BoundShader| shader.program.keeps_opacity;
+        self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
+    }
+
+    /// Whether the colour of a point hangs on the points beside it.
+    pub fn reads_neighbours(&self) -> bool {
+        let shaders = self.light_list.iter().chain(&self.atmosphere).chain([&self.surface]);
+        shaders.into_iter().any(|shader| shader.program.reads_neighbours)
+    }
+
+    /// Whether a shader of the primitive reads u, v, s or t.
+    pub fn reads_parameters(&self) -> bool {
+        let mut shaders =
+            [Some(&self.surface), self.displacement.as_ref(), self.atmosphere.as_ref()].into_iter().flatten();
+        shaders.any(|shader| ["u", "v", "s", "t"].iter().any(|name| shader.program.global(name).is_some()))
+    }
+}

@@ -6,9 +6,12 @@
 
 use crate::bucket::Job;
 use crate::motion::{Instant, later};
-use crate::scene::{Item, ItemView, Patch, bilinear, point_of};
+use crate::scene::{Item, ItemView, Patch, Shape, bilinear, point_of};
 use crate::shade::{Diced, displacement_reach, finish};
-use glam::{Mat4, Vec3};
+use crate::sphere::whole_sphere;
+use glam::Vec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
 /// Micropolygons along a grid's edge.
 const TILE: usize = 16;
@@ -17,38 +20,82 @@ const TILE: usize = 16;
 const DEEPEST: u32 = 40;
 
 /// A piece of a patch, in its parameters.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
     u: [f32; 2],
     v: [f32; 2],
     depth: u32,
 }
 
-/// Draw the patches of an item.
-pub fn draw_all(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch]) {
-    for patch in patches {
-        let size = patch.p.iter().map(|p| (*p - patch.p[0]).length()).fold(0.0, f32::max);
-        let scale = view.to_world.x_axis.truncate().length();
-        let reach = displacement_reach(view, size * scale);
-        let to_camera = job.frame.camera.to_camera * view.to_world;
-        let mut stack = vec![Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 }];
-        while let Some(piece) = stack.pop() {
-            draw_piece(job, item, view, patch, &to_camera, reach, piece, &mut stack);
-        }
+/// A piece of a patch of an item that waits for its turn, which comes by its least depth.
+#[derive(Clone, Copy, Debug)]
+pub struct Waiting {
+    z: f32,
+    item: Item,
+    patch: u32,
+    piece: Piece,
+}
+
+impl Waiting {
+    fn key(&self) -> (u32, u32, u32) {
+        (self.item.source, self.item.index, self.patch)
+    }
+
+    /// The item.
+    pub fn item(&self) -> Item {
+        self.item
+    }
+
+    /// Whether its turn comes before that of an item whose least depth is `z`.
+    pub fn before(&self, z: f32, item: Item) -> bool {
+        self.z.total_cmp(&z).then((self.item.source, self.item.index).cmp(&(item.source, item.index))).is_lt()
     }
 }
 
-#[allow(clippy::too_many_arguments)]
-fn draw_piece(
-    job: &mut Job<'_>,
-    item: Item,
-    view: &ItemView<'_>,
-    patch: &Patch,
-    to_camera: &Mat4,
-    reach: f32,
-    piece: Piece,
-    stack: &mut Vec<Piece>,
-) {
+impl Ord for Waiting {
+    /// The nearest is the greatest.
+    fn cmp(&self, o: &Waiting) -> Ordering {
+        let start = |w: &Waiting| w.piece.u[0] + 2.0 * w.piece.v[0];
+        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(start(o).total_cmp(&start(self)))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, o: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(o))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, o: &Waiting) -> bool {
+        self.cmp(o).is_eq()
+    }
+}
+
+impl Eq for Waiting {}
+
+/// Draw the patches of an item.
+pub fn draw_all(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch]) {
+    for k in 0..patches.len() {
+        draw_piece(job, item, view, patches, k, Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 });
+    }
+}
+
+/// Draw a piece whose turn has come; `job` has the moments of its item.
+pub fn draw_waiting(job: &mut Job<'_>, view: &ItemView<'_>, waiting: &Waiting) {
+    let patches = match view.shape {
+        Shape::Patches(patches) => patches,
+        Shape::Sphere => whole_sphere(),
+    };
+    draw_piece(job, waiting.item, view, patches, waiting.patch as usize, waiting.piece);
+}
+
+fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch], k: usize, piece: Piece) {
+    let patch = &patches[k];
+    let size = patch.p.iter().map(|p| (*p - patch.p[0]).length()).fold(0.0, f32::max);
+    let scale = view.to_world.x_axis.truncate().length();
+    let reach = displacement_reach(view, size * scale);
+    let to_camera = job.frame.camera.to_camera * view.to_world;
     let own = sub_patch(&patch.p, piece);
     let p = own.map(|p| to_camera.transform_point3(p));
     let hull =
@@ -73,13 +120,15 @@ fn draw_piece(
         return;
     }
     let camera = &job.frame.camera;
-    let split = |along_u: bool, stack: &mut Vec<Piece>| {
+    let split = |along_u: bool, waiting: &mut BinaryHeap<Waiting>| {
         let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
-        let depth = piece.depth + 1;
-        if along_u {
-            stack.extend(halves(piece.u).map(|u| Piece { u, depth, ..piece }));
-        } else {
-            stack.extend(halves(piece.v).map(|v| Piece { v, depth, ..piece }));
+        let (depth, whole) = (piece.depth + 1, [0.0, 1.0]);
+        for half in 0..2 {
+            let part = |r: [f32; 2], divided: bool| if divided { halves(r)[half] } else { r };
+            let [u, v] = [(whole, along_u), (whole, !along_u)].map(|(r, divided)| part(r, divided));
+            let z = hull(&sub_patch(&p, Piece { u, v, depth })).0.z - reach;
+            let piece = Piece { u: part(piece.u, along_u), v: part(piece.v, !along_u), depth };
+            waiting.push(Waiting { z, item, patch: k as u32, piece });
         }
     };
     let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
@@ -92,7 +141,7 @@ fn draw_piece(
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
         if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
-            split(u >= v, stack);
+            split(u >= v, &mut job.waiting);
         }
         return;
     }
@@ -124,7 +173,7 @@ fn draw_piece(
     let uneven = camera.perspective && max.z > 2.0 * min.z;
     let deep = piece.depth >= DEEPEST;
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
-        return split(nu >= nv, stack);
+        return split(nu >= nv, &mut job.waiting);
     }
     let (nu, nv) = (nu.min(TILE), nv.min(TILE));
     let apron = view.attributes.displacement.is_some();
@@ -205,7 +254,7 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     *points.refill("P") = p;
     *points.refill("N") = normal;
     deform(job, view, patch, [&us, &vs], ring as usize);
-    if job.needs_parameters(view) {
+    if view.attributes.reads_parameters() {
         let points = &mut job.grid.points;
         for (name, corner) in [
             ("u", patch.uv.map(|c| c[0])),
@@ -243,7 +292,8 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
         });
         job.varying.push((name.clone(), all.collect()));
     }
-    job.varying.extend(patch.uniform.iter().cloned());
+    job.uniform.clear();
+    job.uniform.extend(patch.uniform.iter().cloned());
 }
 
 /// How far the points of the grid, without the apron, are from where they were first, at each later moment.

@@ -1,35 +1,67 @@
 //! Samples of a bucket: jittered places, the nearest opaque surface at each, and lists of what is half transparent.
 //!
 //! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata and a micropolygon looks
-//! only at the strata that its bound touches.
+//! only at the strata that its bound touches. A sample holds which micropolygon it sees; what that looks like is asked when
+//! nothing more will hide it ([`crate::seen`]).
 
 use crate::blur::Moment;
 use crate::filter::Filter;
 use crate::jitter::Jitter;
+use crate::seen::Micropolygon;
+use glam::Vec3A;
 
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
 pub(crate) const EDGE: f32 = 1.5e-3;
 
 /// Samples that are tested together.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
-/// `LANES` values from `k` on.
-#[inline]
-fn lanes(v: &[f32], k: usize) -> &[f32; LANES] {
-    v[k..k + LANES].try_into().expect("the columns are padded")
-}
-
-/// Something half transparent at a sample.
+/// Something that may be half transparent at a sample.
 #[derive(Clone, Copy)]
-struct Visible {
+struct Layer {
     z: f32,
+    micropolygon: Micropolygon,
+    weights: [f32; 2],
     color: [f32; 3],
     opacity: [f32; 3],
-    id: u64,
+    primitive: u64,
     next: u32,
 }
 
 const NONE: u32 = u32::MAX;
+
+/// What is sampled, as far as samples care.
+#[derive(Clone, Copy)]
+pub struct Kind {
+    /// The grid's number in the bucket.
+    pub grid: usize,
+    /// All opaque.
+    pub opaque: bool,
+    /// Colour is interpolated over a micropolygon.
+    pub smooth: bool,
+    /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
+    pub primitive: u64,
+}
+
+/// What sampling came to.
+#[derive(Clone, Copy, Default)]
+pub struct Tally {
+    /// Samples tried.
+    pub tried: u64,
+    /// Whether any took something.
+    pub hit: bool,
+}
+
+/// What a visible point looks like.
+#[derive(Clone, Copy, Default)]
+pub struct Paint {
+    /// Its colour, by its opacity already.
+    pub color: Vec3A,
+    /// Its opacity.
+    pub opacity: Vec3A,
+    /// It leaves a hole.
+    pub matte: bool,
+}
 
 /// Weights of a point in a triangle; of one on the widened edge, those of a point inside nearby, since a sliver's own weights
 /// run wild there.
@@ -44,7 +76,7 @@ pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
 }
 
 /// Pixels along the edge of a block whose greatest depth is kept for culling.
-const BLOCK: usize = 8;
+const BLOCK: usize = 4;
 
 /// The samples of a bucket and of the margin that its filter reaches into.
 #[derive(Default)]
@@ -57,55 +89,26 @@ pub struct Samples {
     pub(crate) height: usize,
     pub(crate) strata: [usize; 2],
     pub(crate) columns: usize,
-    rows: usize,
+    pub(crate) rows: usize,
     /// Places, pixels from the bucket's first one.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
+    /// Depth of the nearest thing that is opaque.
     pub(crate) z: Vec<f32>,
+    /// Which micropolygon that is; none of it, once its colour is known.
+    pub(crate) seen: Vec<Micropolygon>,
+    /// Where it is met: weights of its second and third corner, if it is smooth.
+    pub(crate) weights: [Vec<f32>; 2],
     color: Vec<[f32; 3]>,
     /// Nothing but a hole for `Matte`.
     alpha: Vec<f32>,
     list: Vec<u32>,
-    pool: Vec<Visible>,
+    layers: Vec<Layer>,
     /// Where the picture is blurred.
     pub(crate) moments: Vec<Moment>,
     block_z: Vec<f32>,
     block_dirty: Vec<bool>,
     blocks: usize,
-}
-
-/// A corner of a micropolygon: raster x, y (pixels), depth, and its index in the grid.
-pub type Corner = ([f32; 3], u32);
-
-/// What a grid looks like: colour and opacity, one or one a corner.
-pub struct Look<'a> {
-    /// Ci: one colour, or all reds, all greens, all blues.
-    pub color: &'a [f32],
-    /// Oi likewise.
-    pub opacity: &'a [f32],
-    /// Corners in the grid.
-    pub n: usize,
-    /// Interpolate over the micropolygon.
-    pub smooth: bool,
-    /// All opaque.
-    pub opaque: bool,
-    /// It leaves a hole.
-    pub matte: bool,
-    /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
-    pub id: u64,
-}
-
-impl Look<'_> {
-    #[inline]
-    fn of(v: &[f32], n: usize, i: u32) -> [f32; 3] {
-        if v.len() == 3 { [v[0], v[1], v[2]] } else { [v[i as usize], v[n + i as usize], v[2 * n + i as usize]] }
-    }
-
-    #[inline]
-    fn mix(v: &[f32], n: usize, i: [u32; 3], w: [f32; 3]) -> [f32; 3] {
-        let [a, b, c] = i.map(|i| Self::of(v, n, i));
-        [0, 1, 2].map(|k| a[k] * w[0] + b[k] * w[1] + c[k] * w[2])
-    }
 }
 
 impl Samples {
@@ -130,14 +133,17 @@ impl Samples {
         self.y.resize(n + LANES, f32::INFINITY);
         self.set_moments(jitter);
         self.z.clear();
-        self.z.resize(n, f32::INFINITY);
+        self.z.resize(n + LANES, f32::INFINITY);
+        self.seen.clear();
+        self.seen.resize(n + LANES, Micropolygon::NONE);
+        self.weights.iter_mut().for_each(|w| w.resize(n + LANES, 0.0));
         self.color.clear();
         self.color.resize(n, [0.0; 3]);
         self.alpha.clear();
         self.alpha.resize(n, 0.0);
         self.list.clear();
         self.list.resize(n, NONE);
-        self.pool.clear();
+        self.layers.clear();
         self.blocks = width.div_ceil(BLOCK);
         self.block_z.clear();
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
@@ -189,93 +195,76 @@ impl Samples {
         rows.map(row_max).fold(0.0, f32::max)
     }
 
-    /// Sample a micropolygon: corners in the order around it. Returns the samples tried.
-    #[inline]
-    pub fn quad(&mut self, corners: [Corner; 4], look: &Look<'_>) -> usize {
-        let [a, b, c, d] = corners;
-        self.triangle([a, b, c], a.1, look) + self.triangle([a, c, d], a.1, look)
-    }
-
-    #[inline]
-    fn triangle(&mut self, corners: [Corner; 3], flat: u32, look: &Look<'_>) -> usize {
-        let (ox, oy) = (self.x0 as f32, self.y0 as f32);
-        let [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2]] = corners.map(|(p, _)| [p[0] - ox, p[1] - oy, p[2]]);
-        let (ux, uy, vx, vy) = (x1 - x0, y1 - y0, x2 - x0, y2 - y0);
-        let area = ux * vy - vx * uy;
-        if area == 0.0 || !area.is_finite() {
-            return 0;
-        }
-        let inv = 1.0 / area;
-        let (min_x, max_x) = (x0.min(x1).min(x2) - EDGE, x0.max(x1).max(x2) + EDGE);
-        let (min_y, max_y) = (y0.min(y1).min(y2) - EDGE, y0.max(y1).max(y2) + EDGE);
-        if max_x < 0.0 || max_y < 0.0 || min_x >= self.width as f32 || min_y >= self.height as f32 {
-            return 0;
-        }
-        // The edge's width in barycentric terms.
-        let slack = -EDGE * (max_x - min_x).max(max_y - min_y) * inv.abs();
-        let [sx, sy] = self.strata;
-        let column = |x: f32| (x * sx as f32).max(0.0) as usize;
-        let row = |y: f32| (y * sy as f32).max(0.0) as usize;
-        let (c0, c1) = (column(min_x), column(max_x).min(self.columns - 1));
-        let (r0, r1) = (row(min_y), row(max_y).min(self.rows - 1));
-        // Weights of the second and third corner, as planes over the raster from the first corner: the same bits in every bucket.
-        let (ax, ay, bx, by) = (vy * inv, -vx * inv, -uy * inv, ux * inv);
-        let mut hit = false;
-        for r in r0..=r1 {
-            for first in (c0..=c1).step_by(LANES) {
-                let k = r * self.columns + first;
-                let (xs, ys) = (lanes(&self.x, k), lanes(&self.y, k));
-                let (mut w1, mut w2, mut least) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-                for i in 0..LANES {
-                    let (dx, dy) = (xs[i] - x0, ys[i] - y0);
-                    w1[i] = ax * dx + ay * dy;
-                    w2[i] = bx * dx + by * dy;
-                    let w0 = 1.0 - w1[i] - w2[i];
-                    let w = if w1[i] < w2[i] { w1[i] } else { w2[i] };
-                    least[i] = if w0 < w { w0 } else { w };
-                }
-                let inside = (0..LANES).fold(0u32, |m, i| m | ((least[i] >= slack) as u32) << i);
-                let mut inside = inside & (u32::MAX >> (31 - (c1 - first).min(31)));
-                while inside != 0 {
-                    let i = inside.trailing_zeros() as usize;
-                    inside &= inside - 1;
-                    let w = within([1.0 - w1[i] - w2[i], w1[i], w2[i]]);
-                    let z = z0 * w[0] + z1 * w[1] + z2 * w[2];
-                    if z < self.z[k + i] {
-                        hit = true;
-                        self.keep(k + i, z, corners.map(|c| c.1), w, flat, look);
-                    }
-                }
-            }
-        }
-        if hit {
-            self.mark(c0 / sx, c1 / sx, r0 / sy, r1 / sy);
-        }
-        (r1 + 1 - r0) * (c1 + 1 - c0)
-    }
-
     /// Something is met at a sample, nearer than what is opaque there.
     #[inline]
-    pub(crate) fn keep(&mut self, k: usize, z: f32, i: [u32; 3], w: [f32; 3], flat: u32, look: &Look<'_>) {
-        let value = |v: &[f32]| if look.smooth { Look::mix(v, look.n, i, w) } else { Look::of(v, look.n, flat) };
-        let color = value(look.color);
-        if look.opaque {
+    pub(crate) fn keep(&mut self, k: usize, z: f32, micropolygon: Micropolygon, weights: [f32; 2], kind: &Kind) {
+        if kind.opaque {
             self.z[k] = z;
-            self.color[k] = if look.matte { [0.0; 3] } else { color };
-            self.alpha[k] = if look.matte { 0.0 } else { 1.0 };
+            self.seen[k] = micropolygon;
+            (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
             return;
         }
         let mut at = self.list[k];
         while at != NONE {
-            let other = &self.pool[at as usize];
-            if other.id == look.id && (other.z - z).abs() <= 1e-4 * z {
+            let other = &self.layers[at as usize];
+            if other.primitive == kind.primitive && (other.z - z).abs() <= 1e-4 * z {
                 return;
             }
             at = other.next;
         }
-        let opacity = value(look.opacity);
-        self.pool.push(Visible { z, color, opacity, id: look.id, next: self.list[k] });
-        self.list[k] = self.pool.len() as u32 - 1;
+        let (primitive, next) = (kind.primitive, self.list[k]);
+        let (color, opacity) = ([0.0; 3], [0.0; 3]);
+        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next });
+        self.list[k] = self.layers.len() as u32 - 1;
+    }
+
+    /// Visit what is seen and has no colour yet.
+    pub fn for_each_seen(&self, mut visit: impl FnMut(Micropolygon)) {
+        let n = self.list.len();
+        self.seen[..n].iter().filter(|m| **m != Micropolygon::NONE).for_each(|m| visit(*m));
+        if self.layers.is_empty() {
+            return;
+        }
+        for k in 0..n {
+            let mut at = self.list[k];
+            while at != NONE {
+                let layer = &self.layers[at as usize];
+                if layer.micropolygon != Micropolygon::NONE && layer.z < self.z[k] {
+                    visit(layer.micropolygon);
+                }
+                at = layer.next;
+            }
+        }
+    }
+
+    /// Give what is seen its colours.
+    pub fn paint(&mut self, paint: impl Fn(Micropolygon, [f32; 2]) -> Paint) {
+        let n = self.list.len();
+        for k in 0..n {
+            if self.seen[k] != Micropolygon::NONE {
+                let found = paint(self.seen[k], [self.weights[0][k], self.weights[1][k]]);
+                self.color[k] = if found.matte { [0.0; 3] } else { found.color.to_array() };
+                self.alpha[k] = if found.matte { 0.0 } else { 1.0 };
+                self.seen[k] = Micropolygon::NONE;
+            }
+        }
+        if self.layers.is_empty() {
+            return;
+        }
+        for k in 0..n {
+            let mut at = self.list[k];
+            while at != NONE {
+                let layer = &mut self.layers[at as usize];
+                if layer.micropolygon != Micropolygon::NONE {
+                    if layer.z < self.z[k] {
+                        let found = paint(layer.micropolygon, layer.weights);
+                        (layer.color, layer.opacity) = (found.color.to_array(), found.opacity.to_array());
+                    }
+                    layer.micropolygon = Micropolygon::NONE;
+                }
+                at = layer.next;
+            }
+        }
     }
 
     /// The depths of these pixels have changed.
@@ -289,7 +278,7 @@ impl Samples {
 
     /// Composite the lists: each sample's colour, premultiplied, and its coverage.
     pub fn resolve(&mut self) {
-        let mut stack: Vec<Visible> = Vec::new();
+        let mut stack: Vec<Layer> = Vec::new();
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -297,7 +286,7 @@ impl Samples {
             stack.clear();
             let mut at = self.list[k];
             while at != NONE {
-                let v = self.pool[at as usize];
+                let v = self.layers[at as usize];
                 if v.z < self.z[k] {
                     stack.push(v);
                 }

@@ -162,6 +162,11 @@ impl Scene {
             })
     }
 
+    /// The attributes of an item.
+    pub fn attributes(&self, item: Item) -> &Attributes {
+        &self.sources[item.source as usize].attributes
+    }
+
     /// Look an item up.
     pub fn view(&self, item: Item) -> ItemView<'_> {
         let source = &self.sources[item.source as usize];

@@ -1,14 +1,14 @@
 //! A grid of micropolygons: displaced, projected, shaded and handed to the samples.
 
 use crate::blur::Track;
-use crate::bucket::{Job, Stats};
+use crate::bucket::Job;
 use crate::camera::Camera;
 use crate::motion::Instant;
-use crate::sample::Look;
+use crate::sample::Kind;
 use crate::scene::{Item, ItemView, instance_inputs};
+use crate::seen::hold;
 use crate::view::View;
 use glam::{Vec2, Vec3};
-use sl::ir::{Op, Program};
 use sl::machine::Points;
 
 /// A grid: points in rows, in world space, and where they fall on the raster.
@@ -18,6 +18,10 @@ pub struct Grid {
     pub points: Points,
     /// Raster x and y, pixels, and depth, at each moment of the item.
     raster: Vec<Vec<[f32; 3]>>,
+    /// Of its primitive variables, how many are the same all over; they come first.
+    pub uniform: usize,
+    /// Micropolygons that are sampled, by their first points.
+    micropolygons: Vec<u32>,
 }
 
 /// What a dicer says of its grid.
@@ -27,23 +31,6 @@ pub struct Diced {
     /// After displacement, points of an edge that its neighbour does not have are put onto the line between those that it has:
     /// every how many points of the edges at the first row, last row, first column, last column are kept.
     pub keep: [usize; 4],
-}
-
-/// Whether a shader leaves Oi as Os, so that an opaque primitive stays opaque.
-pub fn keeps_opacity(program: &Program) -> bool {
-    fn plain(ops: &[Op], oi: u16, os: Option<u16>) -> bool {
-        ops.iter().all(|op| match op {
-            Op::Assign(dst, src) => *dst != oi || Some(*src) == os,
-            Op::If(_, a, b) => plain(a, oi, os) && plain(b, oi, os),
-            Op::Loop(a, _, b, c) => plain(a, oi, os) && plain(b, oi, os) && plain(c, oi, os),
-            Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
-                plain(body, oi, os)
-            }
-            Op::Gather { hit, miss, .. } => plain(hit, oi, os) && plain(miss, oi, os),
-            _ => true,
-        })
-    }
-    program.global("Oi").is_none_or(|oi| plain(&program.body, oi, program.global("Os")))
 }
 
 /// The greatest displacement of an item in world units.
@@ -60,9 +47,9 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     let a = view.attributes;
     let frame = job.frame;
     uniform_inputs(&mut job.grid.points, view);
-    let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
-    scene.shader_to_world = a.displacement_space;
     if let Some(displacement) = &a.displacement {
+        let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
+        scene.shader_to_world = a.displacement_space;
         fill_incident(&mut job.grid.points, &frame.camera);
         job.machine.run(displacement, &mut job.grid.points, &scene);
         spread(&mut job.grid.points);
@@ -70,6 +57,8 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     if diced.apron {
         strip_apron(&mut job.grid.points);
     }
+    job.grid.points.inputs.append(&mut job.uniform);
+    job.grid.uniform = job.grid.points.inputs.len();
     job.grid.points.inputs.append(&mut job.varying);
     if diced.keep != [1; 4] {
         let (nu, nv) = (job.grid.points.nu, job.grid.points.nv);
@@ -82,65 +71,79 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
         job.stats.grids_hidden += 1;
         return;
     }
-    let n = job.grid.points.n();
-    scene.shader_to_world = a.surface_space;
-    // A displaced surface does not shadow itself with what it was before.
-    let bias = 2.0 / frame.camera.pixels_at(z);
-    scene.bias = [bias, bias + 2.0 * reach];
-    fill_incident(&mut job.grid.points, &frame.camera);
-    surface_globals(&mut job.grid.points, view, frame.camera.eye);
-    job.machine.run(&a.surface, &mut job.grid.points, &scene);
-    if let Some(atmosphere) = &a.atmosphere {
-        scene.shader_to_world = a.atmosphere_space;
-        job.machine.run(atmosphere, &mut job.grid.points, &scene);
+    // What is surely opaque is shaded when the bucket knows what of it is seen.
+    let later = a.stays_opaque() && !job.grid.points.inputs.iter().any(|(name, _)| name == "Os");
+    if !later {
+        let mut points = std::mem::take(&mut job.grid.points);
+        shade(job, item, view, &mut points, reach, z);
+        job.grid.points = points;
     }
-    job.stats.shaded_points += n as u64;
-    sample(job, item, view);
+    let opaque = later || surface_opacity(&job.grid.points).iter().all(|o| *o >= 1.0);
+    if sample(job, item, view, opaque) {
+        hold(job, item, !later, reach, z);
+    }
 }
 
-fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
-    let points = &job.grid.points;
-    let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), points.get("Oi").unwrap_or(&[1.0; 3]));
-    let opaque = oi.iter().all(|o| *o >= 1.0);
-    let look = Look {
-        color: ci,
-        opacity: oi,
-        n: points.n(),
-        smooth: view.attributes.smooth,
-        opaque,
-        matte: view.attributes.matte,
-        id: (item.source as u64) << 32 | item.index as u64,
-    };
-    let near = job.frame.camera.near;
-    // Of a one-sided primitive, micropolygons that face away are not there.
-    let (normal, incident) = (points.get("N").unwrap_or(&[]), points.get("I").unwrap_or(&[]));
-    let n = points.n();
-    let away = |k: usize| (0..3).map(|c| normal[c * n + k] * incident[c * n + k]).sum::<f32>() > 0.0;
-    let nu = points.nu;
-    let stats: &mut Stats = &mut job.stats;
-    let blurred = job.instants.len() > 1 || job.frame.camera.has_lens();
+/// Shade points of an item, whose grid may be displaced by `reach` and is at depth `z` or behind.
+pub fn shade(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &mut Points, reach: f32, z: f32) {
+    let (a, frame) = (view.attributes, job.frame);
+    // A displaced surface does not shadow itself with what it was before.
+    let bias = 2.0 / frame.camera.pixels_at(z);
+    let mut scene = View::new(frame.scene, item, view, [bias, bias + 2.0 * reach]);
+    fill_incident(points, &frame.camera);
+    surface_globals(points, view, frame.camera.eye);
+    job.machine.run(&a.surface, points, &scene);
+    if let Some(atmosphere) = &a.atmosphere {
+        scene.shader_to_world = a.atmosphere_space;
+        job.machine.run(atmosphere, points, &scene);
+    }
+    job.stats.shaded_points += points.n() as u64;
+}
+
+/// The opacity that shading left: one, or one a point.
+pub fn surface_opacity(points: &Points) -> &[f32] {
+    points.get("Oi").unwrap_or(&[1.0; 3])
+}
+
+/// Sample the grid at hand; whether anything of it is seen.
+fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, opaque: bool) -> bool {
     let frame = job.frame;
-    let track =
-        Track { instants: &job.instants, raster: &job.grid.raster, camera: &frame.camera, jitter: &frame.jitter };
-    for j in 0..points.nv - 1 {
+    let points = &job.grid.points;
+    let (n, nu, nv) = (points.n(), points.nu, points.nv);
+    let (place, normal) = (points.get("P").unwrap_or(&[]), points.get("N").unwrap_or(&[]));
+    // Of a one-sided primitive, micropolygons that face away are not there.
+    let away = |k: usize| {
+        let at = |v: &[f32]| Vec3::new(v[k], v[n + k], v[2 * n + k]);
+        at(normal).dot(frame.camera.incident(at(place))) > 0.0
+    };
+    let raster = &job.grid.raster;
+    let behind = |k: usize| raster.iter().any(|raster| !(raster[k][2] >= frame.camera.near));
+    let any_behind = (0..n).any(behind);
+    let micropolygons = &mut job.grid.micropolygons;
+    micropolygons.clear();
+    for j in 0..nv - 1 {
         for i in 0..nu - 1 {
             let k = j * nu + i;
-            let corners = [k, k + 1, k + nu + 1, k + nu];
             if job.trimmed.get(j * (nu - 1) + i) == Some(&true)
-                || job.grid.raster.iter().any(|raster| corners.iter().any(|k| !(raster[*k][2] >= near)))
+                || (any_behind && [k, k + 1, k + nu + 1, k + nu].into_iter().any(behind))
                 || (!view.attributes.two_sided && away(k))
             {
                 continue;
             }
-            stats.micropolygons += 1;
-            let tried = if blurred {
-                job.samples.blurred_quad(corners, &track, &look)
-            } else {
-                job.samples.quad(corners.map(|k| (job.grid.raster[0][k], k as u32)), &look)
-            };
-            stats.samples += tried as u64;
+            micropolygons.push(k as u32);
         }
     }
+    let primitive = (item.source as u64) << 32 | item.index as u64;
+    let kind = Kind { grid: job.held.next(), opaque, smooth: view.attributes.smooth, primitive };
+    let tally = if job.instants.len() > 1 || frame.camera.has_lens() {
+        let track = Track { instants: &job.instants, raster, camera: &frame.camera, jitter: &frame.jitter };
+        job.samples.blurred(nu, micropolygons, &track, &kind)
+    } else {
+        job.samples.still(&raster[0], nu, micropolygons, &kind)
+    };
+    job.stats.micropolygons += micropolygons.len() as u64;
+    job.stats.samples += tally.tried;
+    tally.hit
 }
 
 impl Grid {

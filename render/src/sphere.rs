@@ -1,13 +1,14 @@
-//! Dicing spheres: six faces of a cube blown up to the sphere, as one lattice, so that no two of its grids can part.
+//! Dicing spheres: as one lattice that is the same from every bucket, so that no two of its grids can part.
 //!
-//! The lattice is even to a quarter, has no poles, and is the same from every bucket. Where a sphere crosses the near plane or
-//! fills the picture it is drawn as patches instead, which are split as they need.
+//! Of a sphere that keeps its form and hides its back, the half that the eye sees is diced, evenly as the eye sees it ([`Cap`]).
+//! Others are six faces of a cube blown up to the sphere, even to a quarter, without poles. Where a sphere crosses the near
+//! plane or fills the picture it is drawn as patches instead, which are split as they need.
 
 use crate::bucket::Job;
 use crate::motion::Instant;
 use crate::patch::{self, coarsening};
 use crate::scene::{Item, ItemView, Patch, sphere_uv};
-use crate::shade::{Diced, displacement_reach, finish, keeps_opacity};
+use crate::shade::{Diced, displacement_reach, finish};
 use crate::surfaces::{circle, revolve};
 use glam::{Mat3, Vec3};
 use std::sync::OnceLock;
@@ -74,6 +75,14 @@ struct Ball {
     n: usize,
 }
 
+impl Ball {
+    /// Its longest half axis, world.
+    fn longest(&self) -> f32 {
+        let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis].map(Vec3::length);
+        x.max(y).max(z)
+    }
+}
+
 /// Draw a sphere item.
 pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     let m = view.to_world;
@@ -111,7 +120,14 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
         reach,
         n,
     };
-    let seen_through = view.attributes.opacity != [1.0; 3] || !keeps_opacity(&view.attributes.surface.program);
+    let a = view.attributes;
+    let seen_through = !a.stays_opaque();
+    if !seen_through && a.displacement.is_none() && (a.two_sided || !a.reversed) {
+        let pixels = radius * camera.pixels_at(depth) / step;
+        if let Some(cap) = Cap::new(job, &ball, pixels) {
+            return cap.draw(job, item, view, Ball { linear: ball.linear / swell, ..ball });
+        }
+    }
     let tiles = ball.n.div_ceil(TILE);
     for face in 0..6 {
         for tile in 0..tiles * tiles {
@@ -121,8 +137,121 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     }
 }
 
+/// The half of a sphere that the eye sees: a square lattice on the disk that it is on the raster (Shirley and Chiu 1997), so that
+/// micropolygons are of one size there and the outline is a ring of the lattice.
+struct Cap {
+    /// Towards the eye, and two directions across, in the space of the sphere's lattice.
+    axes: [Vec3; 3],
+    /// Cosine and sine of the angle from the eye's direction, by rings from the middle.
+    rings: Vec<[f32; 2]>,
+    /// The ring of the outline, and the angle of its normals.
+    outline: (usize, [f32; 2]),
+}
+
+/// Normals at the outline lean this much towards the eye, radians, so that none is taken for one that faces away.
+const INWARDS: f32 = 2e-3;
+
+/// The most that a cap may reach round the outline, for eyes that move, radians.
+const ROUND: f32 = 0.5;
+
+impl Cap {
+    /// Of a sphere of so many micropolygons' radius; none where the eye is too near or moves too far.
+    fn new(job: &Job<'_>, ball: &Ball, radius: f32) -> Option<Cap> {
+        let camera = &job.frame.camera;
+        let eye = eye_in_lattice(job, ball, &job.instants[0]);
+        let distance = if camera.perspective { eye.length() } else { f32::INFINITY };
+        let to_eye = eye.normalize_or_zero();
+        let up = ball.to_lattice * camera.to_world.y_axis.truncate();
+        let across = up.cross(to_eye).normalize_or_zero();
+        // Angles between eyes are seen from the middle; from the surface they may be greater.
+        let turn = |i: &Instant| to_eye.angle_between(eye_in_lattice(job, ball, i));
+        let mut round = job.instants[1..].iter().map(turn).fold(0.0, f32::max);
+        if let Some(lens) = camera.lens_radius() {
+            round += lens / (ball.longest() * distance);
+        }
+        round *= 1.5;
+        if !(distance > 1.05 && round < ROUND) || across == Vec3::ZERO || !across.is_finite() {
+            return None;
+        }
+        // As many micropolygons as the disk has room for.
+        let count = (0.5 * std::f32::consts::PI.sqrt() * radius * (1.0 - distance.powi(-2)).powf(-0.5)).ceil().max(1.0);
+        let angle = |part: f32| {
+            if distance == f32::INFINITY {
+                return part.min(1.0).asin();
+            }
+            let slope = part / (distance * distance - 1.0).sqrt();
+            (distance * slope / (1.0 + slope * slope).sqrt()).min(1.0).asin() - slope.atan()
+        };
+        let pair = |angle: f32| [angle.cos(), angle.sin()];
+        let mut rings: Vec<[f32; 2]> = (0..=count as usize).map(|k| pair(angle(k as f32 / count))).collect();
+        let outline = (rings.len() - 1, pair(angle(1.0) - INWARDS));
+        if round > 0.0 {
+            let more = (round * radius).ceil();
+            let horizon = angle(1.0);
+            rings.extend((1..=more as usize).map(|k| pair(horizon + round * k as f32 / more)));
+        }
+        Some(Cap { axes: [to_eye, across, to_eye.cross(across)], rings, outline })
+    }
+
+    fn draw(&self, job: &mut Job<'_>, item: Item, view: &ItemView<'_>, mut ball: Ball) {
+        let half = self.rings.len() - 1;
+        // The outline has eight sides a ring.
+        let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;
+        ball.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
+        let tiles = (2 * half).div_ceil(TILE);
+        let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
+        for tile in 0..tiles * tiles {
+            self.dice(job, view, &ball, range(tile % tiles), range(tile / tiles));
+            finish(job, item, view, &Diced { apron: false, keep: [1; 4] }, 0.0);
+        }
+    }
+
+    fn dice(&self, job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, i: [usize; 2], j: [usize; 2]) {
+        let half = self.rings.len() as i32 - 1;
+        let size = [i, j].map(|[lo, hi]| hi - lo + 1);
+        let [to_eye, across, up] = self.axes;
+        let mut directions = std::mem::take(&mut job.directions);
+        directions.clear();
+        for b in j[0]..=j[1] {
+            for a in i[0]..=i[1] {
+                let (a, b) = (a as i32 - half, b as i32 - half);
+                let ring = a.abs().max(b.abs()) as usize;
+                let [x, y] = job.disk.direction(a, b);
+                let side = across * x + up * y;
+                let on = |[cos, sin]: [f32; 2]| to_eye * cos + side * sin;
+                let normal = if ring >= self.outline.0 { self.outline.1 } else { self.rings[ring] };
+                directions.push((on(self.rings[ring]), on(normal)));
+            }
+        }
+        fill(job, view, ball, size, &directions);
+        job.directions = directions;
+    }
+}
+
+/// Directions from the middle of a square lattice on a disk, by column and row from there, kept from sphere to sphere.
+#[derive(Default)]
+pub struct Disk {
+    /// For each ring, of an eighth of it: cosine and sine.
+    eighths: Vec<Vec<[f32; 2]>>,
+}
+
+impl Disk {
+    fn direction(&mut self, a: i32, b: i32) -> [f32; 2] {
+        let (x, y) = (a.unsigned_abs() as usize, b.unsigned_abs() as usize);
+        let (ring, along) = (x.max(y), x.min(y));
+        while self.eighths.len() <= ring {
+            let n = self.eighths.len();
+            let at = |k: usize| (std::f32::consts::FRAC_PI_4 * k as f32 / n.max(1) as f32).sin_cos();
+            self.eighths.push((0..=n).map(|k| [at(k).1, at(k).0]).collect());
+        }
+        let [near, far] = self.eighths[ring][along];
+        let (cos, sin) = if x >= y { (near, far) } else { (far, near) };
+        [if a < 0 { -cos } else { cos }, if b < 0 { -sin } else { sin }]
+    }
+}
+
 /// The patches of the unit sphere.
-fn whole_sphere() -> &'static [Patch] {
+pub fn whole_sphere() -> &'static [Patch] {
     static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
     PATCHES.get_or_init(|| {
         let quarter = 0.5 * std::f32::consts::PI;
@@ -167,9 +296,8 @@ fn draw_tile(
             return;
         }
     }
-    let longest = ball.linear.x_axis.length().max(ball.linear.y_axis.length()).max(ball.linear.z_axis.length());
     let around = ball.center + ball.linear * middle;
-    let half = 2.0 * (0.5 * spread).sin() * longest + ball.reach;
+    let half = 2.0 * (0.5 * spread).sin() * ball.longest() + ball.reach;
     let box_at = |instant: &Instant| {
         let c = instant.to_camera.transform_point3(around);
         (c - half, c + half)
@@ -186,8 +314,17 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [us
     let ring = apron as i32;
     let lines = |[lo, hi]: [usize; 2]| (lo as i32 - ring..=hi as i32 + ring).map(|k| line(k, ball.n as i32));
     let (s, t): (Vec<f32>, Vec<f32>) = (lines(i).collect(), lines(j).collect());
+    let mut directions = std::mem::take(&mut job.directions);
+    directions.clear();
+    directions.extend(t.iter().flat_map(|t| s.iter().map(|s| unit(on_cube(face, *s, *t)))).map(|d| (d, d)));
+    fill(job, view, ball, [s.len(), t.len()], &directions);
+    job.directions = directions;
+}
+
+/// Make the grid of the points of a sphere in some directions, with the normals of others, in rows.
+fn fill(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, [nu, nv]: [usize; 2], directions: &[(Vec3, Vec3)]) {
     let points = &mut job.grid.points;
-    (points.nu, points.nv) = (s.len(), t.len());
+    (points.nu, points.nv) = (nu, nv);
     points.orientation = if view.attributes.reversed { -ball.orientation } else { ball.orientation };
     let n = points.n();
     let mut p = std::mem::take(points.refill("P"));
@@ -195,39 +332,24 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [us
     p.resize(3 * n, 0.0);
     normal.resize(3 * n, 0.0);
     let outward = if view.attributes.reversed { -1.0 } else { 1.0 };
-    for (b, t) in t.iter().enumerate() {
-        for (a, s) in s.iter().enumerate() {
-            let k = b * points.nu + a;
-            let d = unit(on_cube(face, *s, *t));
-            let (q, m) = (ball.center + ball.linear * d, ball.normals * d * outward);
-            (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
-            (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
-        }
+    for (k, (d, m)) in directions.iter().enumerate() {
+        let (q, m) = (ball.center + ball.linear * *d, ball.normals * *m * outward);
+        (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
+        (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
     }
     *points.refill("P") = p;
     *points.refill("N") = normal;
     job.trimmed.clear();
-    if job.needs_parameters(view) {
-        parameters(job, ball, face, &s, &t);
-    }
-}
-
-/// u, v, s, t of the grid.
-fn parameters(job: &mut Job<'_>, ball: &Ball, face: usize, s: &[f32], t: &[f32]) {
-    let (mut us, mut vs) = (Vec::new(), Vec::new());
-    for t in t {
-        for s in s {
-            let d = ball.to_object * unit(on_cube(face, *s, *t));
-            let [u, v] = sphere_uv(d);
-            us.push(u);
-            vs.push(v);
+    job.uniform.clear();
+    job.varying.clear();
+    if view.attributes.reads_parameters() {
+        let of = |(d, _): &(Vec3, Vec3)| sphere_uv(ball.to_object * *d);
+        for (axis, names) in [["u", "s"], ["v", "t"]].into_iter().enumerate() {
+            for name in names {
+                points.refill(name).extend(directions.iter().map(|d| of(d)[axis]));
+            }
         }
     }
-    let points = &mut job.grid.points;
-    points.refill("s").extend_from_slice(&us);
-    points.refill("t").extend_from_slice(&vs);
-    *points.refill("u") = us;
-    *points.refill("v") = vs;
 }
 
 #[cfg(test)]

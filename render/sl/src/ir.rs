@@ -481,6 +481,10 @@ pub struct Program {
     pub body: Vec<Op>,
     /// A light without `solar` and `illuminate`.
     pub is_ambient: bool,
+    /// It leaves Oi as Os, so that what is opaque stays opaque.
+    pub keeps_opacity: bool,
+    /// What it does at a point hangs on the points beside it in the grid: by derivatives, or maps, whose filters go by them.
+    pub reads_neighbours: bool,
 }
 
 impl Program {

@@ -79,6 +79,8 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         globals: l.globals,
         body: l.ops,
         is_ambient: shader.kind == ShaderKind::Light && !l.directed,
+        keeps_opacity: false,
+        reads_neighbours: true,
     })
 }
 

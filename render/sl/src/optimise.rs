@@ -22,6 +22,29 @@ pub fn optimise(program: &mut Program) {
             break;
         }
     }
+    (program.keeps_opacity, program.reads_neighbours) = (keeps_opacity(program), reads_neighbours(program));
+}
+
+fn keeps_opacity(program: &Program) -> bool {
+    let Some(oi) = program.global("Oi") else { return true };
+    let os = program.global("Os");
+    let mut keeps = true;
+    visit(&program.body, &mut |op| {
+        keeps &= !matches!(op, Op::Assign(dst, src) if *dst == oi && Some(*src) != os);
+        writes_besides(op, &mut |r| keeps &= r != oi);
+    });
+    keeps
+}
+
+fn reads_neighbours(program: &Program) -> bool {
+    use Builtin::{Area, CalculateNormal, Du, Dv, Width};
+    let mut reads = false;
+    for block in program.params.iter().map(|p| &p.default).chain([&program.body]) {
+        visit(block, &mut |op| {
+            reads |= matches!(op, Op::Map { .. } | Op::Call(Du | Dv | CalculateNormal | Area | Width, ..));
+        });
+    }
+    reads
 }
 
 /// Registers that may be written more than once: they are variables, not values.
