@@ -159,8 +159,7 @@ pub fn render(
 ) -> (Image, Stats) {
     let filter =
         [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
-    let blurred = camera.has_lens() || scene.moves(&camera);
-    let jitter = Jitter::new(options.samples, blurred);
+    let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
     let frame = Frame { scene, camera, jitter, filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));

@@ -13,6 +13,8 @@ pub struct Jitter {
     pub strata: [usize; 2],
     /// For each stratum of the pattern, the sample's place from its pixel's corner on.
     offset: Vec<[f32; 2]>,
+    /// Whether there is a lens.
+    pub lens: bool,
     /// Where pictures are blurred by motion or a lens.
     pub moments: Option<Moments>,
 }
@@ -49,8 +51,8 @@ fn on_disk(x: f32, y: f32) -> [f32; 2] {
 }
 
 impl Jitter {
-    /// For a number of samples along x and y; `blurred` if moments are wanted.
-    pub fn new(strata: [usize; 2], blurred: bool) -> Jitter {
+    /// For a number of samples along x and y, before a lens or what moves.
+    pub fn new(strata: [usize; 2], lens: bool, moves: bool) -> Jitter {
         let (nx, ny) = (PERIOD * strata[0], PERIOD * strata[1]);
         // Of steps that single precision adds to any pixel's number without rounding, so that it matters to no sum whether places
         // are counted from the picture's corner or a bucket's.
@@ -60,14 +62,14 @@ impl Jitter {
             [step(i % nx, strata[0], random[0]), step(i / nx, strata[1], random[1])]
         };
         let offset = (0..nx * ny).map(place).collect();
-        Jitter { strata, offset, moments: blurred.then(|| Moments::new(strata)) }
+        Jitter { strata, offset, lens, moments: (lens || moves).then(|| Moments::new(strata)) }
     }
 
-    /// The place of the sample in an absolute stratum, from its pixel's corner on.
+    /// The place of the sample in a stratum of an absolute pixel, from the pixel's corner on.
     #[inline]
-    pub fn in_pixel(&self, column: i64, row: i64) -> [f32; 2] {
-        let (nx, ny) = ((PERIOD * self.strata[0]) as i64, (PERIOD * self.strata[1]) as i64);
-        self.offset[(row.rem_euclid(ny) * nx + column.rem_euclid(nx)) as usize]
+    pub fn in_pixel(&self, pixel: [i64; 2], stratum: [usize; 2]) -> [f32; 2] {
+        let [column, row] = [0, 1].map(|c| (pixel[c] & (PERIOD as i64 - 1)) as usize * self.strata[c] + stratum[c]);
+        self.offset[row * PERIOD * self.strata[0] + column]
     }
 }
 
@@ -122,7 +124,7 @@ mod tests {
     fn every_sample_has_one_moment() {
         for strata in [[1, 1], [4, 4], [3, 5]] {
             let n = strata[0] * strata[1];
-            let jitter = Jitter::new(strata, true);
+            let jitter = Jitter::new(strata, true, true);
             let moments = jitter.moments.unwrap();
             let (mut mean, mut area) = ([0.0; 3], 0.0);
             for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x - 16, y - 40))) {

@@ -17,6 +17,7 @@ mod gprim;
 pub mod image;
 mod imager;
 mod jitter;
+mod lanes;
 mod motion;
 mod options;
 mod patch;

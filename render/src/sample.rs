@@ -1,20 +1,21 @@
 //! Samples of a bucket: jittered places, the nearest opaque surface at each, and lists of what is half transparent.
 //!
-//! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata and a micropolygon looks
-//! only at the strata that its bound touches. A sample holds which micropolygon it sees; what that looks like is asked when
+//! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata, held in small cells,
+//! and a micropolygon looks only at the cells that its bound touches. A sample holds which micropolygon it sees; what that looks like is asked when
 //! nothing more will hide it ([`crate::seen`]).
 
-use crate::blur::Moment;
+use crate::blur::lens::Moments;
 use crate::filter::Filter;
 use crate::jitter::Jitter;
+use crate::lanes::LANES;
 use crate::seen::Micropolygon;
 use glam::Vec3A;
 
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
 pub(crate) const EDGE: f32 = 1.5e-3;
 
-/// Samples that are tested together.
-pub(crate) const LANES: usize = 8;
+/// Strata along x and y of a cell, whose samples are tested together. Whole cells make up a block.
+pub(crate) const CELL: [usize; 2] = [4, LANES / 4];
 
 /// Something that may be half transparent at a sample.
 #[derive(Clone, Copy)]
@@ -88,15 +89,21 @@ pub struct Samples {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) strata: [usize; 2],
+    /// In pictures of motion without a lens, a pixel's samples are held together by their times: so many, with those that make
+    /// the last cell whole. 0 elsewhere.
+    pub(crate) padded: usize,
+    /// Cells along x and y.
     pub(crate) columns: usize,
     pub(crate) rows: usize,
     /// Places, pixels from the bucket's first one.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
+    /// Part of the time that the shutter is open, in pictures of motion without a lens.
+    pub(crate) time: Vec<f32>,
     /// Depth of the nearest thing that is opaque.
     pub(crate) z: Vec<f32>,
-    /// Which micropolygon that is; none of it, once its colour is known.
-    pub(crate) seen: Vec<Micropolygon>,
+    /// The number of the micropolygon that it is; none, once its colour is known.
+    pub(crate) seen: Vec<u32>,
     /// Where it is met: weights of its second and third corner, if it is smooth.
     pub(crate) weights: [Vec<f32>; 2],
     color: Vec<[f32; 3]>,
@@ -104,8 +111,8 @@ pub struct Samples {
     alpha: Vec<f32>,
     list: Vec<u32>,
     layers: Vec<Layer>,
-    /// Where the picture is blurred.
-    pub(crate) moments: Vec<Moment>,
+    /// Of what is seen through a lens.
+    pub(crate) moments: Moments,
     block_z: Vec<f32>,
     block_dirty: Vec<bool>,
     blocks: usize,
@@ -116,27 +123,40 @@ impl Samples {
     pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
         let [sx, sy] = self.strata;
-        (self.columns, self.rows) = (width * sx, height * sy);
-        let n = self.columns * self.rows;
-        self.x.clear();
-        self.y.clear();
-        for row in 0..self.rows {
-            for column in 0..self.columns {
-                let (px, py) = (column / sx, row / sy);
-                let [x, y] = jitter.in_pixel(column as i64 + x0 * sx as i64, row as i64 + y0 * sy as i64);
-                self.x.push(px as f32 + x);
-                self.y.push(py as f32 + y);
+        self.padded = if jitter.moments.is_some() && !jitter.lens { (sx * sy).next_multiple_of(LANES) } else { 0 };
+        (self.columns, self.rows) = match self.padded {
+            0 => ((width * sx).div_ceil(CELL[0]), (height * sy).div_ceil(CELL[1])),
+            padded => (width * padded / LANES, height),
+        };
+        let n = self.columns * self.rows * LANES;
+        for places in [&mut self.x, &mut self.y] {
+            places.clear();
+            places.resize(n, f32::INFINITY);
+        }
+        // Lanes of a cell that lie beyond the last stratum are nowhere, and take nothing.
+        self.z.clear();
+        self.z.resize(n, 0.0);
+        let moments = jitter.moments.as_ref().filter(|_| self.padded > 0);
+        self.time.resize(if moments.is_some() { n } else { 0 }, 0.0);
+        for (px, py) in (0..height).flat_map(|py| (0..width).map(move |px| (px, py))) {
+            let pixel = [px as i64 + x0, py as i64 + y0];
+            for (row, column) in (0..sy).flat_map(|row| (0..sx).map(move |column| (row, column))) {
+                let k = self.index([px, py], [column, row]);
+                let mut place = [column, row];
+                if let Some(moments) = moments {
+                    // In the order of their times.
+                    let (sample, [time, ..]) = moments.of(pixel[0], pixel[1], row * sx + column);
+                    self.time[k] = time;
+                    place = sample.map(usize::from);
+                }
+                let [x, y] = jitter.in_pixel(pixel, place);
+                (self.x[k], self.y[k], self.z[k]) = (px as f32 + x, py as f32 + y, f32::INFINITY);
             }
         }
-        // The last samples are tested with lanes beyond them.
-        self.x.resize(n + LANES, f32::INFINITY);
-        self.y.resize(n + LANES, f32::INFINITY);
         self.set_moments(jitter);
-        self.z.clear();
-        self.z.resize(n + LANES, f32::INFINITY);
         self.seen.clear();
-        self.seen.resize(n + LANES, Micropolygon::NONE);
-        self.weights.iter_mut().for_each(|w| w.resize(n + LANES, 0.0));
+        self.seen.resize(n, Micropolygon::NONE.number());
+        self.weights.iter_mut().for_each(|w| w.resize(n, 0.0));
         self.color.clear();
         self.color.resize(n, [0.0; 3]);
         self.alpha.clear();
@@ -184,15 +204,36 @@ impl Samples {
     }
 
     fn greatest_depth(&self, bx: usize, by: usize) -> f32 {
-        let [sx, sy] = self.strata;
-        let columns = bx * BLOCK * sx..((bx + 1) * BLOCK).min(self.width) * sx;
-        let rows = by * BLOCK * sy..((by + 1) * BLOCK).min(self.height) * sy;
-        let row_max = |row: usize| {
-            self.z[row * self.columns + columns.start..row * self.columns + columns.end]
-                .iter()
-                .fold(0.0f32, |a, z| a.max(*z))
+        let cells = |block: usize, axis: usize, n: usize| {
+            let per = match (self.padded, axis) {
+                (0, _) => BLOCK * self.strata[axis] / CELL[axis],
+                (padded, 0) => BLOCK * padded / LANES,
+                _ => BLOCK,
+            };
+            block * per..((block + 1) * per).min(n)
         };
-        rows.map(row_max).fold(0.0, f32::max)
+        let columns = cells(bx, 0, self.columns);
+        let row_max = |row: usize| {
+            let from = row * self.columns;
+            let mut most = [0.0f32; LANES];
+            for lanes in self.z[(from + columns.start) * LANES..(from + columns.end) * LANES].chunks_exact(LANES) {
+                most.iter_mut().zip(lanes).for_each(|(m, z)| *m = if *z > *m { *z } else { *m });
+            }
+            most.into_iter().fold(0.0, f32::max)
+        };
+        cells(by, 1, self.rows).map(row_max).fold(0.0, f32::max)
+    }
+
+    /// Where a sample of a pixel is in the columns: that of a stratum, or in pictures of motion, of the time of that number.
+    #[inline]
+    pub(crate) fn index(&self, [px, py]: [usize; 2], [column, row]: [usize; 2]) -> usize {
+        let [sx, sy] = self.strata;
+        if self.padded > 0 {
+            return (py * self.width + px) * self.padded + row * sx + column;
+        }
+        let (column, row) = (px * sx + column, py * sy + row);
+        let cell = row / CELL[1] * self.columns + column / CELL[0];
+        cell * LANES + row % CELL[1] * CELL[0] + column % CELL[0]
     }
 
     /// Something is met at a sample, nearer than what is opaque there.
@@ -200,7 +241,7 @@ impl Samples {
     pub(crate) fn keep(&mut self, k: usize, z: f32, micropolygon: Micropolygon, weights: [f32; 2], kind: &Kind) {
         if kind.opaque {
             self.z[k] = z;
-            self.seen[k] = micropolygon;
+            self.seen[k] = micropolygon.number();
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
             return;
         }
@@ -221,7 +262,8 @@ impl Samples {
     /// Visit what is seen and has no colour yet.
     pub fn for_each_seen(&self, mut visit: impl FnMut(Micropolygon)) {
         let n = self.list.len();
-        self.seen[..n].iter().filter(|m| **m != Micropolygon::NONE).for_each(|m| visit(*m));
+        let seen = self.seen.iter().map(|m| Micropolygon::of_number(*m));
+        seen.filter(|m| *m != Micropolygon::NONE).for_each(&mut visit);
         if self.layers.is_empty() {
             return;
         }
@@ -241,11 +283,12 @@ impl Samples {
     pub fn paint(&mut self, paint: impl Fn(Micropolygon, [f32; 2]) -> Paint) {
         let n = self.list.len();
         for k in 0..n {
-            if self.seen[k] != Micropolygon::NONE {
-                let found = paint(self.seen[k], [self.weights[0][k], self.weights[1][k]]);
+            let seen = Micropolygon::of_number(self.seen[k]);
+            if seen != Micropolygon::NONE {
+                let found = paint(seen, [self.weights[0][k], self.weights[1][k]]);
                 self.color[k] = if found.matte { [0.0; 3] } else { found.color.to_array() };
                 self.alpha[k] = if found.matte { 0.0 } else { 1.0 };
-                self.seen[k] = Micropolygon::NONE;
+                self.seen[k] = Micropolygon::NONE.number();
             }
         }
         if self.layers.is_empty() {
@@ -312,16 +355,20 @@ impl Samples {
             for px in margin[0]..self.width - margin[0] {
                 let (cx, cy) = (px as f32 + 0.5, py as f32 + 0.5);
                 let (mut sum, mut weight) = ([0.0f32; 4], 0.0f32);
-                for row in (py - margin[1]) * sy..(py + margin[1] + 1) * sy {
-                    let first = row * self.columns + (px - margin[0]) * sx;
-                    for k in first..first + (2 * margin[0] + 1) * sx {
-                        let w = fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy);
-                        if w != 0.0 {
-                            for c in 0..3 {
-                                sum[c] += w * self.color[k][c];
+                for (qx, qy) in (py - margin[1]..=py + margin[1])
+                    .flat_map(|qy| (px - margin[0]..=px + margin[0]).map(move |qx| (qx, qy)))
+                {
+                    for row in 0..sy {
+                        for column in 0..sx {
+                            let k = self.index([qx, qy], [column, row]);
+                            let w = fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy);
+                            if w != 0.0 {
+                                for c in 0..3 {
+                                    sum[c] += w * self.color[k][c];
+                                }
+                                sum[3] += w * self.alpha[k];
+                                weight += w;
                             }
-                            sum[3] += w * self.alpha[k];
-                            weight += w;
                         }
                     }
                 }

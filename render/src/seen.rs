@@ -13,7 +13,6 @@ use sl::machine::Points;
 /// One triangle of a micropolygon of a grid of the bucket: the grid's number, the number of its first point, and which of the
 /// two triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(transparent)]
 pub struct Micropolygon(u32);
 
 /// Bits of a point's number.
@@ -35,16 +34,16 @@ impl Micropolygon {
         Micropolygon((grid << (POINT_BITS + 1) | point << 1 | second as usize) as u32)
     }
 
-    /// The other triangle too, by a bit.
+    /// All of it as a number.
     #[inline(always)]
-    pub fn or(self, second: u32) -> Micropolygon {
-        Micropolygon(self.0 | second)
+    pub fn number(self) -> u32 {
+        self.0
     }
 
-    /// This one where the mask is set, else another.
+    /// Of [`Self::number`].
     #[inline(always)]
-    pub fn pick(self, other: Micropolygon, mask: u32) -> Micropolygon {
-        Micropolygon(self.0 & mask | other.0 & !mask)
+    pub fn of_number(number: u32) -> Micropolygon {
+        Micropolygon(number)
     }
 
     #[inline(always)]

@@ -135,7 +135,8 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, opaque: bool) -> b
     }
     let primitive = (item.source as u64) << 32 | item.index as u64;
     let kind = Kind { grid: job.held.next(), opaque, smooth: view.attributes.smooth, primitive };
-    let tally = if job.instants.len() > 1 || frame.camera.has_lens() {
+    // Without a lens, what stands still in a picture of motion is sampled as if it moved.
+    let tally = if frame.jitter.moments.is_some() {
         let track = Track { instants: &job.instants, raster, camera: &frame.camera, jitter: &frame.jitter };
         job.samples.blurred(nu, micropolygons, &track, &kind)
     } else {

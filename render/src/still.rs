@@ -1,6 +1,7 @@
-//! Sampling what stands still before a pinhole: the two triangles of a micropolygon against eight samples at a time.
+//! Sampling what stands still before a pinhole: the two triangles of a micropolygon against a cell of samples at a time.
 
-use crate::sample::{EDGE, Kind, LANES, Samples, Tally};
+use crate::lanes::{LANES, Lanes, with_lanes};
+use crate::sample::{CELL, EDGE, Kind, Samples, Tally};
 use crate::seen::Micropolygon;
 
 /// A triangle as planes over the raster from its first corner on: weights of its second and third corner, and depth.
@@ -34,86 +35,44 @@ impl Planes {
 
     /// Weights of the second and third corner at places from the first corner on, and the depth there: infinite outside.
     #[inline(always)]
-    fn meet(&self, dx: &Lanes, dy: &Lanes) -> [Lanes; 3] {
-        let plane = |p: [f32; 2]| each(|i| p[0] * dx[i] + p[1] * dy[i]);
-        let (w1, w2) = (plane(self.second), plane(self.third));
-        let w0 = each(|i| 1.0 - w1[i] - w2[i]);
-        let z = each(|i| self.depth[0] + self.depth[1] * w1[i] + self.depth[2] * w2[i]);
+    fn meet<L: Lanes>(&self, dx: L, dy: L) -> [L; 3] {
+        let w1 = L::splat(self.second[0]) * dx + L::splat(self.second[1]) * dy;
+        let w2 = L::splat(self.third[0]) * dx + L::splat(self.third[1]) * dy;
+        let w0 = L::splat(1.0) - w1 - w2;
+        let [z0, z1, z2] = self.depth;
         // Beyond a sliver's edge its plane runs wild.
-        let [lo, hi] = self.range;
-        let z = each(|i| if z[i] < lo { lo } else { z[i] });
-        let z = each(|i| if z[i] > hi { hi } else { z[i] });
+        let z = L::splat(z0) + L::splat(z1) * w1 + L::splat(z2) * w2;
+        let z = z.most(L::splat(self.range[0])).least(L::splat(self.range[1]));
         let [l0, l1, l2] = self.least;
-        let (in0, in1, in2) = (mask(|i| w0[i] >= l0), mask(|i| w1[i] >= l1), mask(|i| w2[i] >= l2));
-        let inside = each(|i| in0[i] & in1[i] & in2[i]);
-        [w1, w2, pick(&inside, &z, &[f32::INFINITY; LANES])]
+        let inside = w0.not_below(L::splat(l0)).and(w1.not_below(L::splat(l1))).and(w2.not_below(L::splat(l2)));
+        [w1, w2, inside.pick(z, L::splat(f32::INFINITY))]
     }
 }
-
-/// As many numbers as are worked on at once.
-type Lanes = [f32; LANES];
-
-/// What is true of lanes: all bits set where it is.
-type Mask = [u32; LANES];
-
-#[inline(always)]
-fn each<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; LANES] {
-    let mut out = [T::default(); LANES];
-    for (i, out) in out.iter_mut().enumerate() {
-        *out = f(i);
-    }
-    out
-}
-
-#[inline(always)]
-fn mask(f: impl Fn(usize) -> bool) -> Mask {
-    each(|i| if f(i) { u32::MAX } else { 0 })
-}
-
-/// `a` where the mask is set, `b` elsewhere; by bits, so that it stays one operation on all lanes.
-#[inline(always)]
-fn pick(mask: &Mask, a: &Lanes, b: &Lanes) -> Lanes {
-    each(|i| f32::from_bits(a[i].to_bits() & mask[i] | b[i].to_bits() & !mask[i]))
-}
-
-/// Lanes as they are counted.
-const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 impl Samples {
-    /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point; `raster` has x, y and depth of
-    /// every point.
-    pub fn still(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { self.still_avx2(raster, nu, micropolygons, kind) };
-        }
-        self.still_lanes(raster, nu, micropolygons, kind)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    unsafe fn still_avx2(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally {
-        self.still_lanes(raster, nu, micropolygons, kind)
+    with_lanes! {
+        /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point; `raster` has x, y and depth of
+        /// every point.
+        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally
     }
 
     #[inline(always)]
-    fn still_lanes(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally {
+    fn still_lanes<L: Lanes>(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally {
         let mut tally = Tally::default();
         for point in micropolygons {
             let k = *point as usize;
             let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| raster[k]);
             match (kind.opaque, kind.smooth) {
-                (true, false) => self.quad::<true, false>(corners, k, kind, &mut tally),
-                (true, true) => self.quad::<true, true>(corners, k, kind, &mut tally),
-                (false, _) => self.quad::<false, true>(corners, k, kind, &mut tally),
+                (true, false) => self.quad::<L, true, false>(corners, k, kind, &mut tally),
+                (true, true) => self.quad::<L, true, true>(corners, k, kind, &mut tally),
+                (false, _) => self.quad::<L, false, true>(corners, k, kind, &mut tally),
             }
         }
         tally
     }
 
     #[inline(always)]
-    fn quad<const OPAQUE: bool, const SMOOTH: bool>(
+    fn quad<L: Lanes, const OPAQUE: bool, const SMOOTH: bool>(
         &mut self,
         corners: [[f32; 3]; 4],
         point: usize,
@@ -121,76 +80,70 @@ impl Samples {
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
-        let [a, b, c, d] = corners.map(|[x, y, z]| [x - ox, y - oy, z]);
-        let low = |i: usize| a[i].min(b[i]).min(c[i].min(d[i])) - EDGE;
-        let high = |i: usize| a[i].max(b[i]).max(c[i].max(d[i])) + EDGE;
-        let (min_x, max_x, min_y, max_y) = (low(0), high(0), low(1), high(1));
+        let a = corners[0];
+        // All is counted from the first corner: its differences are the same in every bucket.
+        let [b, c, d] = [corners[1], corners[2], corners[3]].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+        let a = [a[0] - ox, a[1] - oy, a[2]];
+        let low = |i: usize| b[i].min(c[i]).min(d[i]).min(0.0) - EDGE;
+        let high = |i: usize| b[i].max(c[i]).max(d[i]).max(0.0) + EDGE;
+        let (low_x, high_x, low_y, high_y) = (low(0), high(0), low(1), high(1));
+        // With some room for rounding.
+        let (min_x, max_x) = (a[0] + low_x - EDGE, a[0] + high_x + EDGE);
+        let (min_y, max_y) = (a[1] + low_y - EDGE, a[1] + high_y + EDGE);
         if !(max_x >= 0.0 && max_y >= 0.0 && min_x < self.width as f32 && min_y < self.height as f32) {
             return;
         }
-        let from_a = |p: [f32; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
-        let (b, c, d) = (from_a(b), from_a(c), from_a(d));
         let (first, second) = (Planes::new(a[2], b, c), Planes::new(a[2], c, d));
-        let [sx, sy] = self.strata.map(|s| s as f32);
-        let (c0, c1) = ((min_x.max(0.0) * sx) as usize, ((max_x * sx) as usize).min(self.columns - 1));
-        let (r0, r1) = ((min_y.max(0.0) * sy) as usize, ((max_y * sy) as usize).min(self.rows - 1));
-        let names = [Micropolygon::new(kind.grid, point, false), Micropolygon::new(kind.grid, point, true)];
-        let mut hit = [0u32; LANES];
+        let cells = |lo: f32, hi: f32, axis: usize, n: usize| {
+            let cell = |x: f32| (x * self.strata[axis] as f32) as usize / CELL[axis];
+            [cell(lo.max(0.0)), cell(hi).min(n - 1)]
+        };
+        let ([c0, c1], [r0, r1]) = (cells(min_x, max_x, 0, self.columns), cells(min_y, max_y, 1, self.rows));
+        let names = [false, true].map(|second| Micropolygon::new(kind.grid, point, second).number());
+        let mut hit = false;
         for r in r0..=r1 {
-            let mut column = c0;
-            while column <= c1 {
-                let k = r * self.columns + column;
-                let count = (c1 + 1 - column) as u32;
-                column += LANES;
-                let (x, y) = (lanes(&mut self.x, k), lanes(&mut self.y, k));
-                let (dx, dy) = (each(|i| x[i] - a[0]), each(|i| y[i] - a[1]));
-                let [p1, p2, pz] = first.meet(&dx, &dy);
-                let [q1, q2, qz] = second.meet(&dx, &dy);
-                let old = lanes(&mut self.z, k);
-                let later = mask(|i| qz[i] < pz[i]);
-                let z = pick(&later, &qz, &pz);
-                let (nearer, counted) = (mask(|i| z[i] < old[i]), mask(|i| COUNT[i] < count));
-                let takes = each(|i| nearer[i] & counted[i]);
-                if takes.iter().fold(0, |any, m| any | m) == 0 {
+            for cell in r * self.columns + c0..=r * self.columns + c1 {
+                let k = cell * LANES;
+                let (dx, dy) = (L::load(&self.x, k) - L::splat(a[0]), L::load(&self.y, k) - L::splat(a[1]));
+                let [p1, p2, pz] = first.meet(dx, dy);
+                let [q1, q2, qz] = second.meet(dx, dy);
+                let old = L::load(&self.z, k);
+                let later = qz.below(pz);
+                let z = later.pick(qz, pz);
+                let takes = z.below(old).and(dx.between(low_x, high_x)).and(dy.between(low_y, high_y));
+                let mut taken = takes.bits();
+                if taken == 0 {
                     continue;
                 }
+                hit = true;
                 if OPAQUE {
-                    *old = pick(&takes, &z, old);
-                    let seen = lanes(&mut self.seen, k);
-                    let second = later.map(|m| m & 1);
-                    for i in 0..LANES {
-                        seen[i] = names[0].or(second[i]).pick(seen[i], takes[i]);
-                    }
-                    hit = each(|i| hit[i] | takes[i]);
+                    takes.pick(z, old).store(&mut self.z, k);
+                    takes.name(later, names, &mut self.seen, k);
                     if SMOOTH {
                         let [w1, w2] = &mut self.weights;
-                        let (w1, w2) = (lanes(w1, k), lanes(w2, k));
-                        *w1 = pick(&takes, &pick(&later, &q1, &p1), w1);
-                        *w2 = pick(&takes, &pick(&later, &q2, &p2), w2);
+                        takes.pick(later.pick(q1, p1), L::load(w1, k)).store(w1, k);
+                        takes.pick(later.pick(q2, p2), L::load(w2, k)).store(w2, k);
                     }
                 } else {
-                    for i in (0..LANES).filter(|i| takes[*i] != 0) {
-                        let second = later[i] != 0;
-                        let weights = if second { [q1[i], q2[i]] } else { [p1[i], p2[i]] };
-                        self.keep(k + i, z[i], names[second as usize], weights, kind);
-                        hit[i] = 1;
+                    let (z, w1, w2) = (z.to_array(), later.pick(q1, p1).to_array(), later.pick(q2, p2).to_array());
+                    while taken != 0 {
+                        let i = taken.trailing_zeros() as usize;
+                        taken &= taken - 1;
+                        let name = Micropolygon::of_number(names[(later.bits() >> i & 1) as usize]);
+                        self.keep(k + i, z[i], name, [w1[i], w2[i]], kind);
                     }
                 }
             }
         }
-        tally.tried += ((r1 + 1).saturating_sub(r0) * (c1 + 1).saturating_sub(c0)) as u64;
-        if hit.iter().any(|h| *h != 0) {
+        tally.tried += ((r1 + 1).saturating_sub(r0) * (c1 + 1).saturating_sub(c0) * LANES) as u64;
+        if hit {
             tally.hit = true;
             if OPAQUE {
-                let [sx, sy] = self.strata;
-                self.mark(c0 / sx, c1 / sx, r0 / sy, r1 / sy);
+                let pixel = |cell: usize, axis: usize| cell * CELL[axis] / self.strata[axis];
+                let last = |cell: usize, axis: usize| ((cell + 1) * CELL[axis] - 1) / self.strata[axis];
+                let (x, y) = (last(c1, 0).min(self.width - 1), last(r1, 1).min(self.height - 1));
+                self.mark(pixel(c0, 0), x, pixel(r0, 1), y);
             }
         }
     }
-}
-
-/// `LANES` values from `k` on; the columns are padded.
-#[inline(always)]
-fn lanes<T>(v: &mut [T], k: usize) -> &mut [T; LANES] {
-    (&mut v[k..k + LANES]).try_into().expect("the columns are padded")
 }

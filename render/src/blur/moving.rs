@@ -1,0 +1,102 @@
+//! What moves before a pinhole: pixel by pixel, the samples of several strata of time together, which a picture of motion holds side
+//! by side.
+
+use super::{At, Quad, on_line};
+use crate::lanes::{LANES, Lanes};
+use crate::sample::{EDGE, Kind, Samples, Tally};
+use crate::seen::Micropolygon;
+
+impl Samples {
+    /// Sample a micropolygon between two times; `strata` are the bounds of time.
+    #[inline(always)]
+    pub(super) fn moving<L: Lanes, const OPAQUE: bool>(
+        &mut self,
+        quad: &Quad,
+        [from, until]: [f32; 2],
+        strata: &[[[f32; 2]; 3]],
+        point: usize,
+        kind: &Kind,
+        tally: &mut Tally,
+    ) {
+        let (ox, oy) = (self.x0 as f32, self.y0 as f32);
+        let names =
+            [Micropolygon::new(kind.grid, point, false).number(), Micropolygon::new(kind.grid, point, true).number()];
+        let zero = L::splat(0.0);
+        for (group, strata) in strata.chunks(LANES).enumerate() {
+            let times = [strata[0][0][0], strata[strata.len() - 1][0][1]];
+            if times[1] < from || times[0] >= until {
+                continue;
+            }
+            let none = [0.0; 2];
+            let [xs, ys] = quad.bound([times, none, none]);
+            let (xs, ys) = ([xs[0] - EDGE, xs[1] + EDGE], [ys[0] - EDGE, ys[1] + EDGE]);
+            // Pixels of the bucket, with some room for rounding.
+            let (x0, x1) = (xs[0] - ox - EDGE, xs[1] - ox + EDGE);
+            let (y0, y1) = (ys[0] - oy - EDGE, ys[1] - oy + EDGE);
+            if !(x1 >= 0.0 && y1 >= 0.0 && x0 < self.width as f32 && y0 < self.height as f32) {
+                continue;
+            }
+            let (px0, px1) = (x0.max(0.0) as usize, (x1 as usize).min(self.width - 1));
+            let (py0, py1) = (y0.max(0.0) as usize, (y1 as usize).min(self.height - 1));
+            tally.tried += ((px1 + 1 - px0) * (py1 + 1 - py0) * strata.len()) as u64;
+            for py in py0..=py1 {
+                let mut first = px1 + 1;
+                let mut last = px0;
+                for px in px0..=px1 {
+                    let k = (py * self.width + px) * self.padded + group * LANES;
+                    let old = L::load(&self.z, k);
+                    let at = At {
+                        // As places of the whole picture: what is decided by them is decided alike in every bucket.
+                        x: L::load(&self.x, k) + L::splat(ox),
+                        y: L::load(&self.y, k) + L::splat(oy),
+                        t: L::load(&self.time, k),
+                        lens: [zero, zero],
+                    };
+                    let met = quad.meet::<L, false>(&at);
+                    let in_box = at.x.between(xs[0], xs[1]).and(at.y.between(ys[0], ys[1]));
+                    let in_time = at.t.not_below(L::splat(from)).and(at.t.below(L::splat(until)));
+                    let takes = met.in_first.or(met.in_second).and(in_box).and(in_time);
+                    if takes.bits() == 0 {
+                        continue;
+                    }
+                    let ([p0, p1, p2], [q0, q1, q2], in_first) = (met.first, met.second, met.in_first);
+                    let (a0, a1, a2) = (in_first.pick(p0, q0), in_first.pick(p1, q1), in_first.pick(p2, q2));
+                    let whole = a0 + a1 + a2;
+                    // Weights of a point on the widened edge are those of a point inside nearby.
+                    let (w0, w1, w2) = ((a0 / whole).most(zero), (a1 / whole).most(zero), (a2 / whole).most(zero));
+                    let sum = w0 + w1 + w2;
+                    let (w0, w1, w2) = (w0 / sum, w1 / sum, w2 / sum);
+                    let middle = on_line(&quad.z, 2, at.t);
+                    let z1 = in_first.pick(on_line(&quad.z, 1, at.t), middle);
+                    let z2 = in_first.pick(middle, on_line(&quad.z, 3, at.t));
+                    let z = on_line(&quad.z, 0, at.t) * w0 + z1 * w1 + z2 * w2;
+                    let takes = takes.and(z.below(old));
+                    let mut taken = takes.bits();
+                    if taken == 0 {
+                        continue;
+                    }
+                    (first, last) = (first.min(px), px);
+                    if OPAQUE {
+                        takes.pick(z, old).store(&mut self.z, k);
+                        takes.name(in_first, [names[1], names[0]], &mut self.seen, k);
+                        let [v1, v2] = &mut self.weights;
+                        takes.pick(w1, L::load(v1, k)).store(v1, k);
+                        takes.pick(w2, L::load(v2, k)).store(v2, k);
+                    } else {
+                        let (z, w1, w2, firsts) = (z.to_array(), w1.to_array(), w2.to_array(), in_first.bits());
+                        while taken != 0 {
+                            let l = taken.trailing_zeros() as usize;
+                            taken &= taken - 1;
+                            let name = Micropolygon::of_number(names[(firsts >> l & 1 == 0) as usize]);
+                            self.keep(k + l, z[l], name, [w1[l], w2[l]], kind);
+                        }
+                    }
+                }
+                if first <= last {
+                    tally.hit = true;
+                    self.mark(first, last, py, py);
+                }
+            }
+        }
+    }
+}
