@@ -4,7 +4,8 @@
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
 use crate::scene::{Item, Patch, Scene, Shape, lerp4};
-use glam::{Mat4, Vec3, Vec3A};
+use glam::{Mat4, Vec3, Vec3A, Vec4};
+use rayon::prelude::*;
 
 /// What stops a ray.
 #[derive(Clone, Copy, Debug)]
@@ -25,13 +26,33 @@ enum Occluder {
     },
 }
 
-/// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it.
+/// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it. Both
+/// numbers stand, by their bits, behind the corners of the box, so that a node is half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    min: Vec3A,
-    max: Vec3A,
-    at: u32,
-    count: u32,
+    min_at: Vec4,
+    max_count: Vec4,
+}
+
+impl Node {
+    fn new((min, max): (Vec3A, Vec3A), at: u32, count: u32) -> Node {
+        Node { min_at: min.extend(f32::from_bits(at)), max_count: max.extend(f32::from_bits(count)) }
+    }
+
+    #[inline(always)]
+    fn bounds(&self) -> (Vec3A, Vec3A) {
+        (Vec3A::from_vec4(self.min_at), Vec3A::from_vec4(self.max_count))
+    }
+
+    #[inline(always)]
+    fn at(&self) -> u32 {
+        self.min_at.w.to_bits()
+    }
+
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.max_count.w.to_bits()
+    }
 }
 
 /// The hierarchy.
@@ -92,12 +113,15 @@ impl Bvh {
                 bvh.add(item, shape, to_world);
             }
         }
-        let bounds: Vec<(Vec3, Vec3)> = bvh.occluders.iter().map(|(_, o)| bvh.bound(o)).collect();
-        let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
-        if !order.is_empty() {
-            split(&bounds, &mut order, 0, &mut bvh.nodes);
+        let boxed = |(k, (_, occluder)): (usize, &(Item, Occluder))| {
+            let (min, max) = bvh.bound(occluder);
+            Boxed { min: min.extend(f32::from_bits(k as u32)), max: max.extend(0.0) }
+        };
+        let mut boxes: Vec<Boxed> = bvh.occluders.par_iter().enumerate().map(boxed).collect();
+        if !boxes.is_empty() {
+            bvh.nodes = split(&mut boxes, 0);
         }
-        bvh.occluders = order.iter().map(|i| bvh.occluders[*i as usize]).collect();
+        bvh.occluders = boxes.iter().map(|x| bvh.occluders[x.min.w.to_bits() as usize]).collect();
         bvh
     }
 
@@ -200,20 +224,21 @@ impl Bvh {
             top -= 1;
             let at = stack[top];
             let node = &self.nodes[at as usize];
-            let (t0, t1) = ((node.min - origin) * inv, (node.max - origin) * inv);
+            let (min, max) = node.bounds();
+            let (t0, t1) = ((min - origin) * inv, (max - origin) * inv);
             let enter = t0.min(t1).max_element().max(0.0);
             let leave = t0.max(t1).min_element().min(length);
             // A ray in the plane of a side gives a NaN there, which must not hide the node.
             if enter > leave {
                 continue;
             }
-            if node.count == 0 {
-                stack[top] = node.at;
+            if node.count() == 0 {
+                stack[top] = node.at();
                 stack[top + 1] = at + 1;
                 top += 2;
                 continue;
             }
-            match visit(&self.occluders[node.at as usize..(node.at + node.count) as usize], length) {
+            match visit(&self.occluders[node.at() as usize..(node.at() + node.count()) as usize], length) {
                 Some(rest) => length = rest,
                 None => return,
             }
@@ -321,69 +346,116 @@ fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<(
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| (ac.dot(q) * inv, [u, v]))
 }
 
-/// Split a run of occluders at the best of 16 planes along each axis by the surface area heuristic; nodes are written depth first.
-fn split(bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32, nodes: &mut Vec<Node>) {
-    let hull = |run: &[u32]| {
-        run.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| {
-            (lo.min(bounds[*i as usize].0), hi.max(bounds[*i as usize].1))
-        })
-    };
-    let (min, max) = hull(order);
-    let here = nodes.len();
-    nodes.push(Node { min: min.into(), max: max.into(), at: first, count: order.len() as u32 });
-    if order.len() <= LEAF {
-        return;
-    }
-    let center = |i: u32| 0.5 * (bounds[i as usize].0 + bounds[i as usize].1);
-    let (lo, hi) =
-        order.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| (lo.min(center(*i)), hi.max(center(*i))));
-    let mut middle =
-        best_plane(bounds, order, lo, hi).map_or(0, |(axis, plane)| partition(order, |i| center(i)[axis] < plane));
-    if middle == 0 || middle == order.len() {
-        // All centres in one place: halves of the run will do.
-        middle = order.len() / 2;
-    }
-    let (left, right) = order.split_at_mut(middle);
-    split(bounds, left, first, nodes);
-    nodes[here].at = nodes.len() as u32;
-    nodes[here].count = 0;
-    split(bounds, right, first + middle as u32, nodes);
+/// The box of an occluder, whose number stands, by its bits, behind the first corner.
+#[derive(Clone, Copy)]
+struct Boxed {
+    min: Vec4,
+    max: Vec4,
 }
 
-fn best_plane(bounds: &[(Vec3, Vec3)], order: &[u32], lo: Vec3, hi: Vec3) -> Option<(usize, f32)> {
+impl Boxed {
+    fn bounds(&self) -> (Vec3A, Vec3A) {
+        (Vec3A::from_vec4(self.min), Vec3A::from_vec4(self.max))
+    }
+
+    fn center(&self) -> Vec3A {
+        Vec3A::from_vec4(0.5 * (self.min + self.max))
+    }
+}
+
+/// The box around nothing.
+const NOTHING: (Vec3A, Vec3A) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+
+fn join(a: (Vec3A, Vec3A), b: (Vec3A, Vec3A)) -> (Vec3A, Vec3A) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// Occluders from which on the two sides of a split are split at the same time.
+const PARALLEL: usize = 8192;
+
+/// Split a run of boxes at the best of 16 planes along each axis by the surface area heuristic: the nodes, depth first. The boxes
+/// are put in the leaves' order; `first` is the place of the first.
+fn split(boxes: &mut [Boxed], first: u32) -> Vec<Node> {
+    let mut nodes = vec![];
+    if boxes.len() < PARALLEL {
+        split_into(boxes, first, &mut nodes);
+        return nodes;
+    }
+    let (node, middle) = divide(boxes, first);
+    let (left, right) = boxes.split_at_mut(middle);
+    let (left, right) = rayon::join(|| split(left, first), || split(right, first + middle as u32));
+    nodes.reserve(1 + left.len() + right.len());
+    nodes.push(Node::new(node.bounds(), 1 + left.len() as u32, 0));
+    for side in [left, right] {
+        let before = nodes.len() as u32;
+        let moved = |n: Node| if n.count() == 0 { Node::new(n.bounds(), n.at() + before, 0) } else { n };
+        nodes.extend(side.into_iter().map(moved));
+    }
+    nodes
+}
+
+fn split_into(boxes: &mut [Boxed], first: u32, nodes: &mut Vec<Node>) {
+    let (node, middle) = divide(boxes, first);
+    let here = nodes.len();
+    nodes.push(node);
+    if boxes.len() <= LEAF {
+        return;
+    }
+    let (left, right) = boxes.split_at_mut(middle);
+    split_into(left, first, nodes);
+    nodes[here] = Node::new(node.bounds(), nodes.len() as u32, 0);
+    split_into(right, first + middle as u32, nodes);
+}
+
+/// The node of a run as a leaf, and how many of the run go to its first side; the run is put in order for that.
+fn divide(boxes: &mut [Boxed], first: u32) -> (Node, usize) {
+    let hull = |(a, b), x: &Boxed| (join(a, x.bounds()), join(b, (x.center(), x.center())));
+    let (bounds, (lo, hi)) = boxes.iter().fold((NOTHING, NOTHING), hull);
+    let node = Node::new(bounds, first, boxes.len() as u32);
+    if boxes.len() <= LEAF {
+        return (node, 0);
+    }
+    let mut middle =
+        best_plane(boxes, lo, hi).map_or(0, |(axis, plane)| partition(boxes, |x| x.center()[axis] < plane));
+    if middle == 0 || middle == boxes.len() {
+        // All centres in one place: halves of the run will do.
+        middle = boxes.len() / 2;
+    }
+    (node, middle)
+}
+
+fn best_plane(boxes: &[Boxed], lo: Vec3A, hi: Vec3A) -> Option<(usize, f32)> {
     const BINS: usize = 16;
-    let area = |(lo, hi): (Vec3, Vec3)| {
-        let d = (hi - lo).max(Vec3::ZERO);
+    let area = |(lo, hi): (Vec3A, Vec3A)| {
+        let d = (hi - lo).max(Vec3A::ZERO);
         d.x * d.y + d.y * d.z + d.z * d.x
     };
-    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let width = hi - lo;
+    let scale = (BINS as f32 / width).to_array();
+    let mut bins = [[(0u32, NOTHING); BINS]; 3];
+    for x in boxes {
+        let at = (x.center() - lo).to_array();
+        for (axis, bins) in bins.iter_mut().enumerate() {
+            // Along an axis that has no width this is not a number, and makes bin 0.
+            let bin = &mut bins[((at[axis] * scale[axis]) as usize).min(BINS - 1)];
+            *bin = (bin.0 + 1, join(bin.1, x.bounds()));
+        }
+    }
     let mut best: Option<(f32, usize, f32)> = None;
-    for axis in 0..3 {
-        let width = hi[axis] - lo[axis];
-        if !(width > 0.0) {
-            continue;
-        }
-        let mut bins = [(0u32, empty); BINS];
-        for i in order {
-            let b = bounds[*i as usize];
-            let c = 0.5 * (b.0[axis] + b.1[axis]);
-            let bin = (((c - lo[axis]) / width * BINS as f32) as usize).min(BINS - 1);
-            bins[bin] = (bins[bin].0 + 1, join(bins[bin].1, b));
-        }
-        let mut after = [(0u32, empty); BINS];
-        let mut sum = (0, empty);
+    for (axis, bins) in bins.iter().enumerate().filter(|(axis, _)| width[*axis] > 0.0) {
+        let mut after = [(0u32, NOTHING); BINS];
+        let mut sum = (0, NOTHING);
         for k in (1..BINS).rev() {
             sum = (sum.0 + bins[k].0, join(sum.1, bins[k].1));
             after[k] = sum;
         }
-        let mut before = (0u32, empty);
+        let mut before = (0u32, NOTHING);
         for k in 1..BINS {
             before = (before.0 + bins[k - 1].0, join(before.1, bins[k - 1].1));
             if before.0 > 0 && after[k].0 > 0 {
                 let cost = before.0 as f32 * area(before.1) + after[k].0 as f32 * area(after[k].1);
                 if best.is_none_or(|(c, ..)| cost < c) {
-                    best = Some((cost, axis, lo[axis] + width * k as f32 / BINS as f32));
+                    best = Some((cost, axis, lo[axis] + width[axis] * k as f32 / BINS as f32));
                 }
             }
         }
@@ -392,9 +464,18 @@ fn best_plane(bounds: &[(Vec3, Vec3)], order: &[u32], lo: Vec3, hi: Vec3) -> Opt
 }
 
 /// Move what satisfies `first` to the front, keeping the order on both sides; how many do.
-fn partition(order: &mut [u32], first: impl Fn(u32) -> bool) -> usize {
-    let (front, back): (Vec<u32>, Vec<u32>) = order.iter().partition(|i| first(**i));
-    order[..front.len()].copy_from_slice(&front);
-    order[front.len()..].copy_from_slice(&back);
-    front.len()
+fn partition(boxes: &mut [Boxed], first: impl Fn(&Boxed) -> bool) -> usize {
+    let mut back = vec![];
+    let mut front = 0;
+    for k in 0..boxes.len() {
+        let x = boxes[k];
+        if first(&x) {
+            boxes[front] = x;
+            front += 1;
+        } else {
+            back.push(x);
+        }
+    }
+    boxes[front..].copy_from_slice(&back);
+    front
 }
