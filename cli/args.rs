@@ -1,5 +1,6 @@
 //! The words of the command line, as clap has them; nothing here is checked beyond their form.
 
+use crate::render::Telling;
 use clap::{Parser, Subcommand, ValueEnum};
 use render::bucket::Share;
 use std::path::PathBuf;
@@ -197,6 +198,16 @@ pub struct RenderArgs {
     /// Say what every picture took.
     #[arg(short, long)]
     pub verbose: bool,
+    /// Write what every picture took beside it, as NAME.stats.json.
+    #[arg(long)]
+    pub stats: bool,
+}
+
+impl RenderArgs {
+    /// How what pictures take is told.
+    pub fn telling(&self) -> Telling {
+        Telling { aloud: self.verbose, as_file: self.stats }
+    }
 }
 
 #[derive(Parser, Debug)]

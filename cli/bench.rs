@@ -2,7 +2,7 @@
 
 use crate::args::{Backend, BenchArgs, BenchCommand};
 use crate::library;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, peak_bytes};
 use render::Context;
 use render::ri::{Class, Fail, InstanceShape, Instances, Param, Ri, Type};
 use serde_json::json;
@@ -113,7 +113,8 @@ fn bench_render(bed: &Bed, image: Option<&PathBuf>) -> Outcome<serde_json::Value
     let mut context = Context::new(library::files(Path::new("."))).map_err(fault)?;
     draw_bed(&mut context, bed).map_err(fault)?;
     let finished = context.finished.pop().ok_or_else(|| Failure::new(Exit::Fault, "no picture was made"))?;
-    let bytes = finished.image.encode("png", false, &finished.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+    let displays: Vec<_> = finished.options.displays.iter().collect();
+    let bytes = finished.image.encode(&displays, &finished.options).map_err(|m| Failure::new(Exit::Fault, m))?;
     if let Some(path) = image {
         frame::atomic::write(path, &bytes)?;
     }
@@ -160,6 +161,7 @@ fn draw_bed(ri: &mut impl Ri, bed: &Bed) -> Result<(), Fail> {
     let moved = bed.motion.then(|| ([0.0, 1.0], position.iter().map(|p: &[f32; 3]| p.map(|x| x + step())).collect()));
     let [width, height] = bed.resolution.map(|n| n as i32);
     ri.format(width, height, 1.0)?;
+    ri.display("bed.png", "png", "rgb", vec![])?;
     ri.shutter(0.0, 1.0)?;
     if let Some(f_stop) = bed.f_stop {
         // The ray through the middle meets the bed at twice the height of the eye.
@@ -217,15 +219,4 @@ fn cpu_seconds() -> f64 {
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
     let ticks = |i: usize| fields.get(i).and_then(|f| f.parse::<f64>().ok()).unwrap_or(0.0);
     (ticks(11) + ticks(12)) / 100.0
-}
-
-/// The most memory that this process has held (Linux; 0 elsewhere).
-fn peak_bytes() -> u64 {
-    status_kib("/proc/self/status", "VmHWM").unwrap_or(0) * 1024
-}
-
-/// A value in KiB of a file in /proc.
-pub fn status_kib(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    text.lines().find(|l| l.starts_with(key))?.split_whitespace().nth(1)?.parse().ok()
 }

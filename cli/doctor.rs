@@ -7,7 +7,7 @@ use crate::report::Outcome;
 pub fn command() -> Outcome {
     println!("scree {}", env!("CARGO_PKG_VERSION"));
     println!("processors: {}", rayon::current_num_threads());
-    if let Some(kib) = crate::bench::status_kib("/proc/meminfo", "MemTotal") {
+    if let Some(kib) = crate::report::status_kib("/proc/meminfo", "MemTotal") {
         println!("memory: {:.1} GiB", kib as f64 / 1_048_576.0);
     }
     match movie::ffmpeg_version() {

@@ -4,13 +4,15 @@ use crate::args::RenderArgs;
 use crate::job::Pictures;
 use crate::library;
 use crate::progress::Progress;
-use crate::report::{Exit, Failure, Outcome};
+use crate::report::{Exit, Failure, Outcome, peak_bytes};
 use crate::{source, stitch};
 use bind::emit;
 use frame::FaultKind;
-use render::bucket::{Share, Stats};
+use render::bucket::Share;
+use render::output;
 use render::ri::reader;
 use render::{Context, Finished};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The command.
@@ -21,7 +23,7 @@ pub fn command(args: &RenderArgs) -> Outcome {
     let (checked, data, home) = source::open(&args.input)?;
     let folder = args.output.clone().unwrap_or_else(|| home.join("images"));
     let pictures = Pictures::resolve(checked, data, folder, &args.pictures)?;
-    pictures_of(&pictures, args.bucket, args.pictures.missing, args.verbose)?;
+    pictures_of(&pictures, args.bucket, args.pictures.missing, args.telling())?;
     println!("{}", pictures.folder.display());
     pictures.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
     missing_frames(&pictures)
@@ -34,7 +36,7 @@ pub fn is_scene(input: &Path) -> bool {
 }
 
 /// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
-pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, verbose: bool) -> Outcome {
+pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, telling: Telling) -> Outcome {
     let size = pictures.checked.metadata.output.resolution;
     let there =
         |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
@@ -43,13 +45,12 @@ pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, ver
     let progress = Progress::start("rendering", frames.len() as u64);
     for (done, number) in frames.iter().enumerate() {
         let finished = picture(pictures, *number, share)?;
-        if verbose {
-            print_stats(*number, &finished.stats);
-        }
+        let image = pictures.image(*number);
+        tell(&finished, *number, &share.map_or(image.clone(), |share| stitch::part_of(&image, share)), telling)?;
         progress.at(done as u64 + 1);
     }
     progress.finish();
-    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, share, missing, verbose))
+    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, share, missing, telling))
 }
 
 /// Draw a frame and write its picture.
@@ -58,6 +59,8 @@ fn picture(pictures: &Pictures, number: u64, share: Option<Share>) -> Outcome<Fi
     pictures.checked.check_columns(&table)?;
     let mut context = context(&pictures.files)?;
     context.share = share;
+    context.about = vec![("frame".into(), number.to_string()), ("time".into(), table.time.to_string())];
+    context.about.extend(pictures.source.run_hash().map(|hash| ("run".into(), hash.into())));
     let image = pictures.image(number);
     emit::frame(&pictures.checked, &table, &image.to_string_lossy(), &pictures.files, &mut context)?;
     write_all(context, Path::new("."))?
@@ -102,12 +105,15 @@ fn scene(args: &RenderArgs) -> Outcome {
         ));
     }
     for f in &finished {
-        if args.verbose {
-            print_stats(f.frame as u64, &f.stats);
+        let mut first = None;
+        for (name, _) in output::files(&f.options.displays) {
+            let picture = folder.join(name);
+            let written = args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share));
+            println!("{}", written.display());
+            first.get_or_insert(written);
         }
-        for d in &f.options.displays {
-            let picture = folder.join(&d.name);
-            println!("{}", args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share)).display());
+        if let Some(written) = first {
+            tell(f, f.frame as u64, &written, args.telling())?;
         }
     }
     Ok(())
@@ -124,16 +130,17 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
             eprintln!("warning: {warning}");
         }
         if f.options.displays.is_empty() {
-            f.options.displays.push(render::Display { name: "ri.png".into(), kind: "file".into(), mode: "rgb".into() });
+            let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
+            f.options.displays.push(render::Display { name, kind, mode, half: false });
         }
-        for display in &f.options.displays {
+        for (name, displays) in output::files(&f.options.displays) {
             if let Some(share) = f.options.share {
-                stitch::write_part(f, display, &folder.join(&display.name), share)?;
+                stitch::write_part(f, &displays, &folder.join(name), share)?;
                 continue;
             }
-            let bytes = f.image.encode(display.format(), display.mode == "rgba", &f.options);
-            let bytes = bytes.map_err(|m| Failure::new(Exit::Fault, m))?;
-            frame::atomic::write(&folder.join(&display.name), &bytes)?;
+            let bytes = f.image.encode(&displays, &f.options);
+            let bytes = bytes.map_err(|m| Failure::new(Exit::Input, format!("{name}: {m}")))?;
+            frame::atomic::write(&folder.join(name), &bytes)?;
         }
     }
     Ok(finished)
@@ -147,11 +154,49 @@ pub fn is_picture(path: &Path, [w, h]: [u32; 2]) -> bool {
     }
 }
 
-fn print_stats(frame: u64, s: &Stats) {
-    eprintln!(
-        "frame {frame}: {} primitives, {} grids ({} hidden), {} points shaded, {} micropolygons, {} samples tried",
-        s.items, s.grids, s.grids_hidden, s.shaded_points, s.micropolygons, s.samples
-    );
+/// Say what a picture took, as far as that is wanted: to the user, and as a file beside the picture.
+fn tell(f: &Finished, number: u64, picture: &Path, telling: Telling) -> Outcome {
+    let s = &f.stats;
+    if telling.aloud {
+        let t = &s.seconds;
+        eprintln!(
+            "frame {number}: {} primitives, {} splits, {} grids ({} hidden), {} points shaded, {} micropolygons, {} samples tried; \
+             hierarchy {:.2} s, bounds {:.2}, dicing {:.2}, sampling {:.2}, shading {:.2}, filtering {:.2}; {} MB at most",
+            s.items,
+            s.splits,
+            s.grids,
+            s.grids_hidden,
+            s.shaded_points,
+            s.micropolygons,
+            s.samples,
+            t.hierarchy,
+            t.bound,
+            t.dice,
+            t.sample,
+            t.shade,
+            t.filter,
+            peak_bytes() / 1_000_000
+        );
+    }
+    if telling.as_file {
+        let all = serde_json::json!({
+            "frame": number, "about": f.options.about.iter().cloned().collect::<BTreeMap<_, _>>(),
+            "resolution": [f.image.width, f.image.height], "stats": s, "peak_bytes": peak_bytes(), "warnings": f.warnings,
+        });
+        let name = picture.file_name().unwrap_or_default().to_string_lossy();
+        let text = serde_json::to_vec_pretty(&all).map_err(|e| Failure::new(Exit::Fault, e.to_string()))?;
+        frame::atomic::write(&picture.with_file_name(format!("{name}.stats.json")), &text)?;
+    }
+    Ok(())
+}
+
+/// How what pictures take is told.
+#[derive(Clone, Copy, Default)]
+pub struct Telling {
+    /// To the user.
+    pub aloud: bool,
+    /// As a file beside each picture.
+    pub as_file: bool,
 }
 
 /// A run that was interrupted has fewer frames than it should: what is there was drawn, what is missing is said.

@@ -88,3 +88,14 @@ impl From<EmitError> for Failure {
         }
     }
 }
+
+/// The most memory that this process has held (Linux; 0 elsewhere).
+pub fn peak_bytes() -> u64 {
+    status_kib("/proc/self/status", "VmHWM").unwrap_or(0) * 1024
+}
+
+/// A value in KiB of a file in /proc.
+pub fn status_kib(file: &str, key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    text.lines().find(|l| l.starts_with(key))?.split_whitespace().nth(1)?.parse().ok()
+}

@@ -24,7 +24,7 @@ pub fn run(args: &RunArgs) -> Outcome {
         }
     };
     let pictures = Pictures::resolve(checked, data, home.join("images"), &args.pictures)?;
-    render::pictures_of(&pictures, None, args.pictures.missing, false)?;
+    render::pictures_of(&pictures, None, args.pictures.missing, render::Telling::default())?;
     println!("images: {} in {}", pictures.frames.len(), pictures.folder.display());
     encode(&pictures, &home.join(job::stem(&args.input)))?;
     render::missing_frames(&pictures)

@@ -1,7 +1,8 @@
 //! Shares of pictures: `scree render --bucket I/N` writes the buckets of one share to a part file, `scree stitch` joins parts to
 //! exactly the pictures that one run makes.
 //!
-//! A part file is a line of JSON and the pixels of its buckets, four floats each, bucket after bucket, rows from the top. The line
+//! A part file is a line of JSON and the pixels of its buckets, four floats and those of its other variables each, bucket after
+//! bucket, rows from the top. The line
 //! has a hash of the pixels: a torn or changed file is an error, never a hole in a picture.
 
 use crate::args::StitchArgs;
@@ -9,6 +10,7 @@ use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
 use render::bucket::{Share, tiles};
 use render::image::Image;
+use render::output::{self, Aov};
 use render::{Display, Finished, Options};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -27,9 +29,10 @@ struct Head {
     width: usize,
     height: usize,
     bucket: usize,
-    /// How the picture is written.
-    driver: String,
-    mode: String,
+    /// How the picture is written: the displays of its file, and what goes into it besides.
+    displays: Vec<Display>,
+    about: Vec<(String, String)>,
+    pixel_aspect: f32,
     one: i32,
     dither: f32,
     crop: [f32; 4],
@@ -44,13 +47,17 @@ pub fn part_of(picture: &Path, share: Share) -> PathBuf {
 }
 
 /// Write a share of a picture as its part file.
-pub fn write_part(finished: &Finished, display: &Display, picture: &Path, share: Share) -> Outcome {
+pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Share) -> Outcome {
     let (image, options) = (&finished.image, &finished.options);
+    let displays: Vec<Display> = displays.iter().map(|d| (*d).clone()).collect();
+    let own = output::aovs(&displays);
     let mut pixels = Vec::new();
     for tile in tiles(image.width, image.height, options.bucket_size, Some(share)) {
         for y in tile.y..tile.y + tile.height {
-            let row = &image.pixels[y * image.width + tile.x..][..tile.width];
-            pixels.extend(row.iter().flatten().flat_map(|x| x.to_le_bytes()));
+            for at in (0..tile.width).map(|x| y * image.width + tile.x + x) {
+                let extra = own.iter().flat_map(|aov| image.values(at, aov));
+                pixels.extend(image.pixels[at].iter().chain(extra).flat_map(|x| x.to_le_bytes()));
+            }
         }
     }
     let head = Head {
@@ -60,8 +67,9 @@ pub fn write_part(finished: &Finished, display: &Display, picture: &Path, share:
         width: image.width,
         height: image.height,
         bucket: options.bucket_size,
-        driver: display.kind.clone(),
-        mode: display.mode.clone(),
+        displays,
+        about: options.about.clone(),
+        pixel_aspect: options.pixel_aspect,
         one: options.quantize_one,
         dither: options.dither,
         crop: options.crop,
@@ -97,7 +105,8 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
     }
     let share = Share { part: head.part, parts: head.parts };
     let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
-    if pixels.len() != 16 * count {
+    let numbers = 4 + output::aovs(&head.displays).iter().map(Aov::width).sum::<usize>();
+    if pixels.len() != 4 * numbers * count {
         return Err(fault("has not as many pixels as its share"));
     }
     Ok((head, pixels))
@@ -145,11 +154,11 @@ pub fn command(args: &StitchArgs) -> Outcome {
 fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
     let path = |part: usize| part_of(picture, Share { part, parts });
     let mut first: Option<Head> = None;
-    let mut image = Image::new(0, 0);
+    let mut image = Image::new(0, 0, vec![]);
     for part in 1..=parts {
         let (head, pixels) = read(&path(part))?;
         let first = first.get_or_insert_with(|| {
-            image = Image::new(head.width, head.height);
+            image = Image::new(head.width, head.height, output::aovs(&head.displays));
             head.clone()
         });
         if (Head { part, hash: head.hash.clone(), ..first.clone() }) != head {
@@ -159,23 +168,26 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
         let mut numbers = pixels.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")));
         for tile in tiles(head.width, head.height, head.bucket, Some(Share { part, parts })) {
             for y in tile.y..tile.y + tile.height {
-                for pixel in &mut image.pixels[y * head.width + tile.x..][..tile.width] {
-                    *pixel = [0; 4].map(|_| numbers.next().unwrap_or(0.0));
+                let (depth, from) = (image.depth(), y * head.width + tile.x);
+                for at in from..from + tile.width {
+                    let extra = &mut image.extra[at * depth..][..depth];
+                    image.pixels[at].iter_mut().chain(extra).for_each(|x| *x = numbers.next().unwrap_or(0.0));
                 }
             }
         }
     }
     let Some(head) = first else { return Ok(()) };
-    let display = Display { name: picture.to_string_lossy().into_owned(), kind: head.driver, mode: head.mode };
     let options = Options {
         width: head.width,
         height: head.height,
         quantize_one: head.one,
         dither: head.dither,
         crop: head.crop,
+        about: head.about,
+        pixel_aspect: head.pixel_aspect,
         ..Options::default()
     };
-    let bytes = image.encode(display.format(), display.mode == "rgba", &options);
+    let bytes = image.encode(&head.displays.iter().collect::<Vec<_>>(), &options);
     frame::atomic::write(picture, &bytes.map_err(|m| Failure::new(Exit::Fault, m))?)?;
     if !keep {
         for part in 1..=parts {

@@ -8,6 +8,7 @@ mod determinism;
 mod faults;
 mod joints;
 mod language;
+mod outputs;
 mod parity;
 mod picture;
 mod pipeline;

@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::jitter::Jitter;
 use crate::lanes::{Lanes, with_lanes};
 use crate::motion::Instant;
-use crate::sample::{EDGE, Kind, Samples, Tally, within};
+use crate::sample::{EDGE, Look, Samples, Tally, within};
 
 /// The points of a grid over time.
 pub struct Track<'a> {
@@ -182,11 +182,11 @@ fn inside<L: Lanes>(parts: [L; 3], slack: L) -> L {
 impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point.
-        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, kind: &Kind) -> Tally
+        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, look: &Look) -> Tally
     }
 
     #[inline(always)]
-    fn blurred_lanes<L: Lanes>(&mut self, nu: usize, micropolygons: &[u32], track: &Track<'_>, kind: &Kind) -> Tally {
+    fn blurred_lanes<L: Lanes>(&mut self, nu: usize, micropolygons: &[u32], track: &Track<'_>, look: &Look) -> Tally {
         let mut tally = Tally::default();
         let Some(strata) = &track.jitter.moments else { return tally };
         let moments = std::mem::take(&mut self.moments);
@@ -199,11 +199,11 @@ impl Samples {
                 let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
                 let times = [track.instants[key].time, until];
                 if track.camera.has_lens() {
-                    self.through_lens::<L>(&quad, times, &strata.bounds, &moments, k, kind, &mut tally);
-                } else if kind.opaque {
-                    self.moving::<L, true>(&quad, times, &strata.bounds, k, kind, &mut tally);
+                    self.through_lens::<L>(&quad, times, &strata.bounds, &moments, k, look, &mut tally);
+                } else if look.opaque {
+                    self.moving::<L, true>(&quad, times, &strata.bounds, k, look, &mut tally);
                 } else {
-                    self.moving::<L, false>(&quad, times, &strata.bounds, k, kind, &mut tally);
+                    self.moving::<L, false>(&quad, times, &strata.bounds, k, look, &mut tally);
                 }
             }
         }

@@ -4,10 +4,11 @@ use crate::camera::{Camera, RasterBound};
 use crate::filter::Filter;
 use crate::image::Image;
 use crate::jitter::Jitter;
-use crate::motion::{Instant, instants};
+use crate::motion::{self, instants};
 use crate::options::Options;
+use crate::output::{Aov, aovs};
 use crate::patch::Waiting;
-use crate::sample::Samples;
+use crate::sample::{Pixels, Samples};
 use crate::scene::{Item, ItemView, Scene, Shape};
 use crate::seen::{Held, settle};
 use crate::shade::{Grid, displacement_reach};
@@ -17,15 +18,18 @@ use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
 use std::collections::BinaryHeap;
+use std::time::Instant;
 
 /// What a picture took.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Stats {
     /// Primitives in the scene.
     pub items: u64,
+    /// Pieces of patches that were split, in all buckets.
+    pub splits: u64,
     /// Grids diced.
     pub grids: u64,
-    /// Grids found hidden or outside before shading.
+    /// Grids found hidden or outside after dicing.
     pub grids_hidden: u64,
     /// Points shaded.
     pub shaded_points: u64,
@@ -33,15 +37,39 @@ pub struct Stats {
     pub micropolygons: u64,
     /// Samples tried against micropolygons.
     pub samples: u64,
+    /// Where the time went.
+    pub seconds: Seconds,
+}
+
+/// Seconds of all threads together.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct Seconds {
+    /// Building the hierarchy for rays; of the clock, since several threads share it.
+    pub hierarchy: f64,
+    /// Bounding primitives and sorting them to buckets; of the clock.
+    pub bound: f64,
+    /// Splitting, dicing and displacing.
+    pub dice: f64,
+    /// Sampling.
+    pub sample: f64,
+    /// Shading, rays included.
+    pub shade: f64,
+    /// Compositing and filtering, the imager included.
+    pub filter: f64,
 }
 
 impl Stats {
     fn add(mut self, o: Stats) -> Stats {
+        self.splits += o.splits;
         self.grids += o.grids;
         self.grids_hidden += o.grids_hidden;
         self.shaded_points += o.shaded_points;
         self.micropolygons += o.micropolygons;
         self.samples += o.samples;
+        self.seconds.dice += o.seconds.dice;
+        self.seconds.sample += o.seconds.sample;
+        self.seconds.shade += o.seconds.shade;
+        self.seconds.filter += o.seconds.filter;
         self
     }
 }
@@ -88,8 +116,19 @@ pub struct Frame<'a> {
     pub camera: Camera,
     /// Where samples lie.
     pub jitter: Jitter,
+    /// What displays take besides colour.
+    pub aovs: &'a [Aov],
+    /// How many numbers these are.
+    pub depth: usize,
     filter: [Filter; 2],
     options: &'a Options,
+}
+
+impl Frame<'_> {
+    /// Whether u, v, s or t of a primitive are wanted.
+    pub fn needs_parameters(&self, view: &ItemView<'_>) -> bool {
+        view.attributes.reads_parameters() || self.aovs.iter().any(|a| matches!(a.name.as_str(), "u" | "v" | "s" | "t"))
+    }
 }
 
 /// A bucket at work, and the memory that it works in.
@@ -99,7 +138,7 @@ pub struct Job<'a> {
     /// Its samples.
     pub samples: Samples,
     /// The moments of the item at hand.
-    pub instants: Vec<Instant>,
+    pub instants: Vec<motion::Instant>,
     /// How far each point of the grid at hand is from where it was first, world space, at each of these moments but the first:
     /// x of all, y of all, z of all. None if it keeps its form.
     pub deformed: Vec<Vec<f32>>,
@@ -117,6 +156,8 @@ pub struct Job<'a> {
     pub disk: Disk,
     /// Pieces of patches that wait for their turn.
     pub waiting: BinaryHeap<Waiting>,
+    /// What displays take besides colour, of the points that were shaded last, one's numbers after another's.
+    pub outputs: Vec<f32>,
     /// Grids that samples see.
     pub held: Held,
     /// Micropolygons of the grid at hand that are cut away; none if empty.
@@ -130,7 +171,7 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Whether something may show in this bucket: in range, on its raster, not hidden. `box_at` is its camera-space box at a
     /// moment of the item.
-    pub fn worth(&mut self, box_at: impl Fn(&Instant) -> (Vec3, Vec3)) -> bool {
+    pub fn worth(&mut self, box_at: impl Fn(&motion::Instant) -> (Vec3, Vec3)) -> bool {
         let camera = &self.frame.camera;
         let bounds = self.instants.iter().filter_map(|i| {
             let (min, max) = box_at(i);
@@ -160,10 +201,14 @@ pub fn render(
     let filter =
         [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
     let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
-    let frame = Frame { scene, camera, jitter, filter, options };
+    let aovs = aovs(&options.displays);
+    let depth = aovs.iter().map(Aov::width).sum();
+    let frame = Frame { scene, camera, jitter, aovs: &aovs, depth, filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
+    let start = Instant::now();
     let lists = items_of_buckets(&frame, columns, rows);
+    let bound = start.elapsed().as_secs_f64();
     let done = std::sync::atomic::AtomicUsize::new(0);
     let [[x0, y0], [x1, y1]] = options.window();
     let inside = |t: &Tile| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
@@ -180,13 +225,15 @@ pub fn render(
         directions: vec![],
         disk: Disk::default(),
         waiting: BinaryHeap::new(),
+        outputs: vec![],
         held: Held::default(),
         trimmed: vec![],
         stats: Stats::default(),
         rect: [0.0; 4],
     };
-    let mut image = Image::new(options.width, options.height);
-    let mut stats = Stats { items: scene.sources.iter().map(|s| s.len() as u64).sum(), ..Stats::default() };
+    let mut image = Image::new(options.width, options.height, aovs.clone());
+    let items = scene.sources.iter().map(|s| s.len() as u64).sum();
+    let mut stats = Stats { items, seconds: Seconds { bound, ..Seconds::default() }, ..Stats::default() };
     // So many at a time that what is held beside the picture itself stays small.
     for batch in own.chunks(1024) {
         let draw = |job: &mut Job<'_>, tile: &Tile| {
@@ -194,12 +241,14 @@ pub fn render(
             progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, own.len());
             drawn
         };
-        let drawn: Vec<(Vec<[f32; 4]>, Stats)> = batch.par_iter().with_max_len(1).map_init(job, draw).collect();
+        let drawn: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map_init(job, draw).collect();
         for (tile, (pixels, took)) in batch.iter().zip(drawn) {
             stats = stats.add(took);
-            for (row, line) in pixels.chunks(tile.width).enumerate() {
-                let at = (tile.y + row) * options.width + tile.x;
-                image.pixels[at..at + tile.width].copy_from_slice(line);
+            for row in 0..tile.height {
+                let (at, from) = ((tile.y + row) * options.width + tile.x, row * tile.width);
+                image.pixels[at..][..tile.width].copy_from_slice(&pixels.color[from..][..tile.width]);
+                let wide = tile.width * depth;
+                image.extra[at * depth..][..wide].copy_from_slice(&pixels.extra[from * depth..][..wide]);
             }
         }
     }
@@ -207,14 +256,15 @@ pub fn render(
 }
 
 /// The picture of a bucket: its items front to back, then its samples filtered.
-fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Vec<[f32; 4]>, Stats) {
+fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Pixels, Stats) {
     let frame = job.frame;
     let (options, margin) = (frame.options, [frame.filter[0].margin(), frame.filter[1].margin()]);
     let (width, height) = (tile.width + 2 * margin[0], tile.height + 2 * margin[1]);
     let (left, top) = (tile.x as i64 - margin[0] as i64, tile.y as i64 - margin[1] as i64);
-    job.samples.start(&frame.jitter, left, top, width, height);
+    job.samples.start(&frame.jitter, left, top, width, height, frame.aovs);
     job.rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
     job.stats = Stats::default();
+    let begun = Instant::now();
     // What has waited goes before the next item if it is nearer.
     let mut items = items.iter().peekable();
     loop {
@@ -228,13 +278,16 @@ fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Vec<[f3
         }
     }
     settle(job);
-    job.samples.resolve();
-    let mut pixels = Vec::new();
-    job.samples.filter(&frame.filter[0], &frame.filter[1], margin, &mut pixels);
+    let drawn = begun.elapsed().as_secs_f64();
+    job.samples.resolve(frame.aovs);
+    let mut pixels = job.samples.filter(&frame.filter[0], &frame.filter[1], margin, frame.aovs);
     if let Some(imager) = &options.imager {
         let (machine, points) = (&mut job.machine, &mut job.grid.points);
-        imager::develop(imager, frame.scene, machine, points, [tile.x, tile.y], tile.width, &mut pixels);
+        imager::develop(imager, frame.scene, machine, points, [tile.x, tile.y], tile.width, &mut pixels.color);
     }
+    let seconds = &mut job.stats.seconds;
+    seconds.filter = begun.elapsed().as_secs_f64() - drawn;
+    seconds.dice = drawn - seconds.sample - seconds.shade;
     (pixels, job.stats)
 }
 
@@ -261,7 +314,7 @@ fn draw_waiting(job: &mut Job<'_>) {
 }
 
 /// The raster bound of an item over all its moments, displacement included; none where it is never in the depth range.
-fn raster_bound(camera: &Camera, view: &ItemView<'_>, instants: &[Instant]) -> Option<RasterBound> {
+fn raster_bound(camera: &Camera, view: &ItemView<'_>, instants: &[motion::Instant]) -> Option<RasterBound> {
     let bounds = instants.iter().filter_map(|instant| {
         let (min, max) = camera_box(instant.to_camera * view.to_world, view);
         if min.is_finite() && max.is_finite() { camera.bound(min, max) } else { None }

@@ -13,7 +13,8 @@ use crate::gprim::{
 };
 use crate::image::Image;
 use crate::motion;
-use crate::options::{Attributes, Display, Options};
+use crate::options::{Attributes, Options};
+use crate::output::Display;
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
 use crate::subdivision;
 use crate::surfaces::{self, Profile};
@@ -70,6 +71,8 @@ pub struct Context {
     bases: ([f32; 16], [f32; 16]),
     /// Lights that were made, on or off, by their handles.
     known_lights: Vec<(String, Arc<BoundShader>)>,
+    /// Types of variables that `Declare` gave.
+    declared: HashMap<String, Kind>,
     steps: [usize; 2],
     trim: Option<Arc<Trim>>,
     motion: Option<MotionBlock>,
@@ -80,6 +83,8 @@ pub struct Context {
     progress: Progress,
     /// The share of each picture's buckets that is drawn.
     pub share: Option<Share>,
+    /// What is written into the pictures' files, by key.
+    pub about: Vec<(String, String)>,
     /// Take all calls but make no picture: for checking a scene.
     pub dry: bool,
     /// Pictures that are done, for the caller to take.
@@ -157,6 +162,7 @@ impl Context {
             camera_moves: vec![],
             bases: (BEZIER, BEZIER),
             known_lights: vec![],
+            declared: HashMap::new(),
             steps: [3, 3],
             trim: None,
             motion: None,
@@ -166,6 +172,7 @@ impl Context {
             open_object: None,
             progress: Box::new(|_, _| {}),
             share: None,
+            about: vec![],
             dry: false,
             finished: vec![],
         };
@@ -376,7 +383,10 @@ impl Ri for Context {
     fn version(&mut self, _: f32) -> RiResult {
         Ok(())
     }
-    fn declare(&mut self, _: &str, _: &str) -> RiResult {
+    fn declare(&mut self, name: &str, declaration: &str) -> RiResult {
+        let kinds = [Kind::Float, Kind::Color, Kind::Point, Kind::Vector, Kind::Normal];
+        let kind = kinds.into_iter().find(|k| declaration.split_whitespace().any(|word| word == k.name()));
+        kind.map(|kind| self.declared.insert(name.into(), kind));
         Ok(())
     }
     fn frame_begin(&mut self, number: i32) -> RiResult {
@@ -428,14 +438,18 @@ impl Ri for Context {
         if self.options.displays.is_empty() && self.options.passed_over {
             return self.leave_world();
         }
+        let start = std::time::Instant::now();
         self.scene.bvh = Bvh::build(&self.scene);
+        let hierarchy = start.elapsed().as_secs_f64();
         let moves = match self.camera_moves.as_slice() {
             [] => vec![],
             keys => motion::in_shutter(keys, self.options.shutter).1,
         };
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.share = self.share;
-        let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
+        self.options.about.clone_from(&self.about);
+        let (mut image, mut stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
+        stats.seconds.hierarchy = hierarchy;
         image.expose(self.options.gain, self.options.gamma);
         let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
@@ -585,33 +599,39 @@ impl Ri for Context {
         }
         Ok(())
     }
-    fn display(&mut self, name: &str, kind: &str, mode: &str, _: Params) -> RiResult {
-        let display = Display { name: name.trim_start_matches('+').into(), kind: kind.into(), mode: mode.into() };
+    fn display(&mut self, name: &str, kind: &str, mode: &str, params: Params) -> RiResult {
         let further = name.starts_with('+');
+        let name = name.trim_start_matches('+');
         if !further {
             self.options.displays.clear();
             self.options.passed_over = false;
         }
-        let name = &display.name;
-        let passed_over = match (kind, mode) {
-            ("zfile" | "shadow" | "deepshad", _) => {
+        let passed_over = match kind {
+            "zfile" | "shadow" | "deepshad" => {
                 Some(format!("the shadow map `{name}` is not made: shadows are traced, whatever map a light names"))
             }
-            ("framebuffer" | "it" | "x11" | "windows", _) if further => {
+            "framebuffer" | "it" | "x11" | "windows" if further => {
                 Some(format!("`{name}` is not shown: there is no window"))
             }
-            (_, "rgb" | "rgba") => None,
-            _ => {
-                Some(format!("`{name}` is not made: display mode `{mode}` is not supported yet, expected rgb or rgba"))
-            }
+            _ => None,
         };
-        match passed_over {
-            Some(message) => {
-                self.scene.warn(message);
-                self.options.passed_over = true;
-            }
-            None => self.options.displays.push(display),
+        if let Some(message) = passed_over {
+            self.scene.warn(message);
+            self.options.passed_over = true;
+            return Ok(());
         }
+        let depth = params.iter().find(|p| matches!(p.decl.name.as_str(), "type" | "exrpixeltype"));
+        let half = match depth.map(|p| p.text()) {
+            None | Some(Some("float")) => false,
+            Some(Some("half")) => true,
+            _ => return Err(Fail::new("the display's numbers: expected \"string type\" \"half\" or \"float\"")),
+        };
+        let mode = Display::with_type(mode, &self.declared).map_err(Fail::new)?;
+        let display = Display { name: name.into(), kind: kind.into(), mode, half };
+        if display.format() != "exr" && self.options.displays.iter().any(|d| d.name == name) {
+            return Err(Fail::new(format!("two displays are named `{name}`: only EXR files have layers")));
+        }
+        self.options.displays.push(display);
         Ok(())
     }
     fn hider(&mut self, name: &str, _: Params) -> RiResult {

@@ -20,6 +20,7 @@ mod jitter;
 mod lanes;
 mod motion;
 mod options;
+pub mod output;
 mod patch;
 mod sample;
 pub mod scene;
@@ -36,4 +37,5 @@ mod view;
 pub use {ri, sl};
 
 pub use context::{Context, Finished};
-pub use options::{Display, Options};
+pub use options::Options;
+pub use output::Display;

@@ -2,34 +2,10 @@
 
 use crate::bucket::Share;
 use crate::filter::FilterKind;
+use crate::output::Display;
 use glam::Mat4;
 use sl::machine::BoundShader;
 use std::sync::Arc;
-
-/// Where a picture goes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Display {
-    /// File name.
-    pub name: String,
-    /// The driver: `png`, `exr`, `tiff`, or `file`, which goes by the name's ending.
-    pub kind: String,
-    /// `rgb` or `rgba`.
-    pub mode: String,
-}
-
-impl Display {
-    /// The file's kind: by its driver's name, else by its own ending; PNG if neither says.
-    pub fn format(&self) -> &'static str {
-        let of = |name: &str| match name.to_lowercase().as_str() {
-            "png" => Some("png"),
-            "exr" | "openexr" => Some("exr"),
-            "tif" | "tiff" => Some("tiff"),
-            _ => None,
-        };
-        let ending = std::path::Path::new(&self.name).extension().and_then(|e| e.to_str()).unwrap_or_default();
-        of(ending).or(of(&self.kind)).unwrap_or("png")
-    }
-}
 
 /// What holds for the whole picture.
 #[derive(Clone)]
@@ -74,6 +50,8 @@ pub struct Options {
     pub crop: [f32; 4],
     /// The share of the buckets that is drawn; all if not given.
     pub share: Option<Share>,
+    /// What is written into the files: what the picture is of.
+    pub about: Vec<(String, String)>,
     /// What the filtered pixels go through.
     pub imager: Option<Arc<BoundShader>>,
 }
@@ -101,6 +79,7 @@ impl Default for Options {
             bucket_size: 64,
             crop: [0.0, 1.0, 0.0, 1.0],
             share: None,
+            about: vec![],
             imager: None,
         }
     }

@@ -142,6 +142,7 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
         if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
             split(u >= v, &mut job.waiting);
+            job.stats.splits += 1;
         }
         return;
     }
@@ -173,6 +174,7 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
     let uneven = camera.perspective && max.z > 2.0 * min.z;
     let deep = piece.depth >= DEEPEST;
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
+        job.stats.splits += 1;
         return split(nu >= nv, &mut job.waiting);
     }
     let (nu, nv) = (nu.min(TILE), nv.min(TILE));
@@ -254,7 +256,7 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     *points.refill("P") = p;
     *points.refill("N") = normal;
     deform(job, view, patch, [&us, &vs], ring as usize);
-    if view.attributes.reads_parameters() {
+    if job.frame.needs_parameters(view) {
         let points = &mut job.grid.points;
         for (name, corner) in [
             ("u", patch.uv.map(|c| c[0])),

@@ -8,8 +8,10 @@ use crate::blur::lens::Moments;
 use crate::filter::Filter;
 use crate::jitter::Jitter;
 use crate::lanes::LANES;
+use crate::output::Aov;
 use crate::seen::Micropolygon;
 use glam::Vec3A;
+use sl::ir::Kind;
 
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
 pub(crate) const EDGE: f32 = 1.5e-3;
@@ -33,7 +35,7 @@ const NONE: u32 = u32::MAX;
 
 /// What is sampled, as far as samples care.
 #[derive(Clone, Copy)]
-pub struct Kind {
+pub struct Look {
     /// The grid's number in the bucket.
     pub grid: usize,
     /// All opaque.
@@ -111,6 +113,10 @@ pub struct Samples {
     alpha: Vec<f32>,
     list: Vec<u32>,
     layers: Vec<Layer>,
+    /// What displays take besides colour, `depth` numbers of each sample and of each layer.
+    outputs: Vec<f32>,
+    layer_outputs: Vec<f32>,
+    depth: usize,
     /// Of what is seen through a lens.
     pub(crate) moments: Moments,
     block_z: Vec<f32>,
@@ -120,7 +126,7 @@ pub struct Samples {
 
 impl Samples {
     /// Start a bucket whose pixels, margin included, begin at (`x0`, `y0`).
-    pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize) {
+    pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
         let [sx, sy] = self.strata;
         self.padded = if jitter.moments.is_some() && !jitter.lens { (sx * sy).next_multiple_of(LANES) } else { 0 };
@@ -164,6 +170,9 @@ impl Samples {
         self.list.clear();
         self.list.resize(n, NONE);
         self.layers.clear();
+        self.depth = aovs.iter().map(Aov::width).sum();
+        self.outputs.clear();
+        self.outputs.resize(n * self.depth, 0.0);
         self.blocks = width.div_ceil(BLOCK);
         self.block_z.clear();
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
@@ -238,8 +247,8 @@ impl Samples {
 
     /// Something is met at a sample, nearer than what is opaque there.
     #[inline]
-    pub(crate) fn keep(&mut self, k: usize, z: f32, micropolygon: Micropolygon, weights: [f32; 2], kind: &Kind) {
-        if kind.opaque {
+    pub(crate) fn keep(&mut self, k: usize, z: f32, micropolygon: Micropolygon, weights: [f32; 2], look: &Look) {
+        if look.opaque {
             self.z[k] = z;
             self.seen[k] = micropolygon.number();
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
@@ -248,12 +257,12 @@ impl Samples {
         let mut at = self.list[k];
         while at != NONE {
             let other = &self.layers[at as usize];
-            if other.primitive == kind.primitive && (other.z - z).abs() <= 1e-4 * z {
+            if other.primitive == look.primitive && (other.z - z).abs() <= 1e-4 * z {
                 return;
             }
             at = other.next;
         }
-        let (primitive, next) = (kind.primitive, self.list[k]);
+        let (primitive, next) = (look.primitive, self.list[k]);
         let (color, opacity) = ([0.0; 3], [0.0; 3]);
         self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next });
         self.list[k] = self.layers.len() as u32 - 1;
@@ -280,12 +289,13 @@ impl Samples {
     }
 
     /// Give what is seen its colours.
-    pub fn paint(&mut self, paint: impl Fn(Micropolygon, [f32; 2]) -> Paint) {
+    pub fn paint(&mut self, paint: impl Fn(Micropolygon, [f32; 2], &mut [f32]) -> Paint) {
         let n = self.list.len();
         for k in 0..n {
             let seen = Micropolygon::of_number(self.seen[k]);
             if seen != Micropolygon::NONE {
-                let found = paint(seen, [self.weights[0][k], self.weights[1][k]]);
+                let own = &mut self.outputs[k * self.depth..][..self.depth];
+                let found = paint(seen, [self.weights[0][k], self.weights[1][k]], own);
                 self.color[k] = if found.matte { [0.0; 3] } else { found.color.to_array() };
                 self.alpha[k] = if found.matte { 0.0 } else { 1.0 };
                 self.seen[k] = Micropolygon::NONE.number();
@@ -294,13 +304,15 @@ impl Samples {
         if self.layers.is_empty() {
             return;
         }
+        self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
         for k in 0..n {
             let mut at = self.list[k];
             while at != NONE {
+                let own = &mut self.layer_outputs[at as usize * self.depth..][..self.depth];
                 let layer = &mut self.layers[at as usize];
                 if layer.micropolygon != Micropolygon::NONE {
                     if layer.z < self.z[k] {
-                        let found = paint(layer.micropolygon, layer.weights);
+                        let found = paint(layer.micropolygon, layer.weights, own);
                         (layer.color, layer.opacity) = (found.color.to_array(), found.opacity.to_array());
                     }
                     layer.micropolygon = Micropolygon::NONE;
@@ -320,8 +332,8 @@ impl Samples {
     }
 
     /// Composite the lists: each sample's colour, premultiplied, and its coverage.
-    pub fn resolve(&mut self) {
-        let mut stack: Vec<Layer> = Vec::new();
+    pub fn resolve(&mut self, aovs: &[Aov]) {
+        let mut stack: Vec<(u32, Layer)> = Vec::new();
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -331,30 +343,41 @@ impl Samples {
             while at != NONE {
                 let v = self.layers[at as usize];
                 if v.z < self.z[k] {
-                    stack.push(v);
+                    stack.push((at, v));
                 }
                 at = v.next;
             }
             // Farthest first; what is equally far keeps the order in which it came.
-            stack.sort_by(|a, b| b.z.total_cmp(&a.z));
-            for v in &stack {
+            stack.sort_by(|a, b| b.1.z.total_cmp(&a.1.z));
+            for (layer, v) in &stack {
                 for c in 0..3 {
                     self.color[k][c] = v.color[c] + self.color[k][c] * (1.0 - v.opacity[c]);
                 }
                 let mean = (v.opacity[0] + v.opacity[1] + v.opacity[2]) / 3.0;
                 self.alpha[k] = mean + self.alpha[k] * (1.0 - mean);
+                if self.depth > 0 {
+                    let own = &self.layer_outputs[*layer as usize * self.depth..][..self.depth];
+                    let under = &mut self.outputs[k * self.depth..][..self.depth];
+                    lay_over(aovs, own, v.opacity, under);
+                }
+                if mean >= 0.5 {
+                    self.z[k] = v.z;
+                }
             }
         }
     }
 
-    /// Filter the pixels of the bucket proper, `margin` pixels in from each side: red, green, blue, coverage each.
-    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], out: &mut Vec<[f32; 4]>) {
+    /// Filter the pixels of the bucket proper, `margin` pixels in from each side.
+    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], aovs: &[Aov]) -> Pixels {
         let [sx, sy] = self.strata;
-        out.clear();
+        let mut out = Pixels::default();
+        let mut sums = vec![0.0; self.depth];
         for py in margin[1]..self.height - margin[1] {
             for px in margin[0]..self.width - margin[0] {
                 let (cx, cy) = (px as f32 + 0.5, py as f32 + 0.5);
                 let (mut sum, mut weight) = ([0.0f32; 4], 0.0f32);
+                let mut covered = 0.0;
+                sums.fill(0.0);
                 for (qx, qy) in (py - margin[1]..=py + margin[1])
                     .flat_map(|qy| (px - margin[0]..=px + margin[0]).map(move |qx| (qx, qy)))
                 {
@@ -368,12 +391,83 @@ impl Samples {
                                 }
                                 sum[3] += w * self.alpha[k];
                                 weight += w;
+                                if self.depth > 0 {
+                                    let own = &self.outputs[k * self.depth..][..self.depth];
+                                    sums.iter_mut().zip(own).for_each(|(sum, x)| *sum += w * x);
+                                    covered += if self.alpha[k] > 0.0 { w } else { 0.0 };
+                                }
                             }
                         }
                     }
                 }
-                out.push(if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] });
+                out.color.push(if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] });
+                let mut first = 0;
+                for aov in aovs {
+                    let of = match aov.kind {
+                        Kind::Color => weight,
+                        _ => covered,
+                    };
+                    match aov.name.as_str() {
+                        "z" => out.extra.push(self.nearest(px, py)),
+                        "id" => {
+                            out.extra.push(self.middle(px, py).map_or(0.0, |k| self.outputs[k * self.depth + first]))
+                        }
+                        _ => out.extra.extend(
+                            sums[first..first + aov.width()].iter().map(|x| if of != 0.0 { x / of } else { 0.0 }),
+                        ),
+                    }
+                    first += aov.width();
+                }
             }
         }
+        out
     }
+
+    /// The samples of a pixel.
+    fn of_pixel(&self, px: usize, py: usize) -> impl Iterator<Item = usize> + '_ {
+        let [sx, sy] = self.strata;
+        (0..sy).flat_map(move |row| (0..sx).map(move |column| self.index([px, py], [column, row])))
+    }
+
+    /// The least depth in a pixel; infinity where nothing is.
+    fn nearest(&self, px: usize, py: usize) -> f32 {
+        let covered = self.of_pixel(px, py).filter(|k| self.alpha[*k] > 0.0);
+        covered.map(|k| self.z[k]).fold(f32::INFINITY, f32::min)
+    }
+
+    /// The sample nearest the middle of a pixel, if anything is there.
+    fn middle(&self, px: usize, py: usize) -> Option<usize> {
+        let off = |k: &usize| {
+            let (x, y) = (self.x[*k] - px as f32 - 0.5, self.y[*k] - py as f32 - 0.5);
+            x * x + y * y
+        };
+        let nearest = self.of_pixel(px, py).min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.filter(|k| self.alpha[*k] > 0.0)
+    }
+}
+
+/// Lay what displays take of a surface over what is behind it: colours by the opacity, other values if it is half opaque.
+fn lay_over(aovs: &[Aov], own: &[f32], opacity: [f32; 3], under: &mut [f32]) {
+    let mean = (opacity[0] + opacity[1] + opacity[2]) / 3.0;
+    let mut first = 0;
+    for aov in aovs {
+        for c in 0..aov.width() {
+            let k = first + c;
+            match aov.kind {
+                Kind::Color => under[k] = own[k] + under[k] * (1.0 - opacity[c]),
+                _ if mean >= 0.5 => under[k] = own[k],
+                _ => {}
+            }
+        }
+        first += aov.width();
+    }
+}
+
+/// The pixels of a bucket, row by row.
+#[derive(Default)]
+pub struct Pixels {
+    /// Red, green, blue, coverage.
+    pub color: Vec<[f32; 4]>,
+    /// What displays take besides, one pixel's numbers after another's.
+    pub extra: Vec<f32>,
 }

@@ -162,6 +162,12 @@ impl Scene {
             })
     }
 
+    /// The number of an item among all, from 1.
+    pub fn number(&self, item: Item) -> usize {
+        let before: usize = self.sources[..item.source as usize].iter().map(Source::len).sum();
+        before + item.index as usize + 1
+    }
+
     /// The attributes of an item.
     pub fn attributes(&self, item: Item) -> &Attributes {
         &self.sources[item.source as usize].attributes

@@ -4,6 +4,7 @@
 //! neighbouring points is shaded whole.
 
 use crate::bucket::Job;
+use crate::output::Aov;
 use crate::sample::{Paint, within};
 use crate::scene::Item;
 use crate::shade::{shade, surface_opacity};
@@ -77,6 +78,10 @@ struct Seen {
     z: f32,
     /// Of its primitive variables, how many are the same all over.
     uniform: usize,
+    /// How far its points move on the raster, if a display takes that.
+    motion: Vec<[f32; 2]>,
+    /// What displays take besides colour, if it is shaded.
+    outputs: Vec<f32>,
     /// Its first point among those of all.
     first: usize,
 }
@@ -89,6 +94,8 @@ pub struct Held {
     wanted: Vec<bool>,
     color: Vec<Vec3A>,
     opacity: Vec<Vec3A>,
+    /// What displays take besides colour.
+    outputs: Vec<f32>,
     /// Points of one grid that are wanted, and what is gathered of them.
     few: Vec<u32>,
     gathered: Points,
@@ -112,7 +119,9 @@ pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
     debug_assert!(points.n() <= 1 << POINT_BITS);
     let (smooth, matte) = (attributes.smooth, attributes.matte);
     let uniform = job.grid.uniform;
-    held.grids.push(Seen { item, uniform, points, shaded, smooth, matte, reach, z, first });
+    let motion = if job.frame.aovs.iter().any(|a| a.name == "motion") { job.grid.motion().collect() } else { vec![] };
+    let outputs = if shaded { std::mem::take(&mut job.outputs) } else { vec![] };
+    held.grids.push(Seen { motion, outputs, item, uniform, points, shaded, smooth, matte, reach, z, first });
     if held.n >= MOST_POINTS || held.grids.len() >= MOST_GRIDS {
         settle(job);
     }
@@ -121,7 +130,8 @@ pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
 /// Shade what is seen and give the samples its colours.
 pub fn settle(job: &mut Job<'_>) {
     let mut held = std::mem::take(&mut job.held);
-    let Held { grids, n, wanted, color, opacity, few, gathered, spare } = &mut held;
+    let Held { grids, n, wanted, color, opacity, outputs, few, gathered, spare } = &mut held;
+    let (aovs, depth) = (job.frame.aovs, job.frame.depth);
     wanted.clear();
     wanted.resize(*n, false);
     job.samples.for_each_seen(|m| {
@@ -134,6 +144,7 @@ pub fn settle(job: &mut Job<'_>) {
     });
     color.resize(*n, Vec3A::ZERO);
     opacity.resize(*n, Vec3A::ZERO);
+    outputs.resize(*n * depth, 0.0);
     for grid in grids.iter_mut() {
         let range = grid.first..grid.first + grid.points.n();
         few.clear();
@@ -161,17 +172,28 @@ pub fn settle(job: &mut Job<'_>) {
         for (i, k) in few.iter().enumerate() {
             let (k, from) = (*k as usize, if whole { *k as usize } else { i });
             (color[k], opacity[k]) = (of(ci, from), of(oi, from));
+            if depth > 0 {
+                let own = if grid.shaded { &grid.outputs } else { &job.outputs };
+                let goal = &mut outputs[(grid.first + k) * depth..][..depth];
+                goal.copy_from_slice(&own[from * depth..][..depth]);
+                put_motion(aovs, grid.motion.get(k), goal);
+            }
         }
     }
-    job.samples.paint(|m, [w1, w2]| {
+    job.samples.paint(|m, [w1, w2], own| {
         let grid = &grids[m.grid()];
         let matte = grid.matte;
+        let of = |k: usize| &outputs[k * depth..][..depth];
         if !grid.smooth {
             let k = grid.first + m.point();
+            own.copy_from_slice(of(k));
             return Paint { color: color[k], opacity: opacity[k], matte };
         }
         let w = within([1.0 - w1 - w2, w1, w2]);
         let [a, b, c] = m.corners(grid.points.nu).map(|k| grid.first + k);
+        for (i, own) in own.iter_mut().enumerate() {
+            *own = of(a)[i] * w[0] + of(b)[i] * w[1] + of(c)[i] * w[2];
+        }
         let mix = |v: &[Vec3A]| v[a] * w[0] + v[b] * w[1] + v[c] * w[2];
         Paint { color: mix(color), opacity: mix(opacity), matte }
     });
@@ -201,5 +223,18 @@ fn gather(points: &Points, uniform: usize, few: &[u32], out: &mut Points) {
         let mut goal = Vec::new();
         of(values, &mut goal);
         out.inputs.push((name.clone(), goal));
+    }
+}
+
+/// Put how far a point moves among its numbers.
+fn put_motion(aovs: &[Aov], motion: Option<&[f32; 2]>, goal: &mut [f32]) {
+    let mut first = 0;
+    for aov in aovs {
+        if aov.name == "motion"
+            && let Some([x, y]) = motion
+        {
+            (goal[first], goal[first + 1]) = (*x, *y);
+        }
+        first += aov.width();
     }
 }

@@ -4,7 +4,7 @@ use crate::blur::Track;
 use crate::bucket::Job;
 use crate::camera::Camera;
 use crate::motion::Instant;
-use crate::sample::Kind;
+use crate::sample::Look;
 use crate::scene::{Item, ItemView, instance_inputs};
 use crate::seen::hold;
 use crate::view::View;
@@ -87,17 +87,53 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
 /// Shade points of an item, whose grid may be displaced by `reach` and is at depth `z` or behind.
 pub fn shade(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &mut Points, reach: f32, z: f32) {
     let (a, frame) = (view.attributes, job.frame);
+    let begun = std::time::Instant::now();
     // A displaced surface does not shadow itself with what it was before.
     let bias = 2.0 / frame.camera.pixels_at(z);
     let mut scene = View::new(frame.scene, item, view, [bias, bias + 2.0 * reach]);
     fill_incident(points, &frame.camera);
     surface_globals(points, view, frame.camera.eye);
     job.machine.run(&a.surface, points, &scene);
+    note_outputs(job, item, view, points);
     if let Some(atmosphere) = &a.atmosphere {
         scene.shader_to_world = a.atmosphere_space;
         job.machine.run(atmosphere, points, &scene);
     }
     job.stats.shaded_points += points.n() as u64;
+    job.stats.seconds.shade += begun.elapsed().as_secs_f64();
+}
+
+/// Put what displays take besides colour into `job.outputs`, point after point, as the surface shader has left it; what is not
+/// known before the grid is sampled stays 0.
+fn note_outputs(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &Points) {
+    let (frame, n) = (job.frame, points.n());
+    job.outputs.clear();
+    if frame.aovs.is_empty() {
+        return;
+    }
+    let mut outputs = std::mem::take(&mut job.outputs);
+    outputs.resize(n * frame.depth, 0.0);
+    let mut first = 0;
+    for aov in frame.aovs {
+        let (width, name) = (aov.width(), aov.name.as_str());
+        let id = [frame.scene.number(item) as f32];
+        let variable = || points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_slice());
+        let values = match name {
+            "z" | "motion" => None,
+            "id" => Some(&id[..]),
+            "Ng" => points.get("Ng").filter(|v| !v.is_empty()).or(points.get("N")),
+            _ => job.machine.output(&view.attributes.surface, name).or(points.get(name)).or_else(variable),
+        };
+        if let Some(values) = values.filter(|v| v.len() == width || v.len() == width * n) {
+            for (k, out) in outputs.chunks_exact_mut(frame.depth).enumerate() {
+                for c in 0..width {
+                    out[first + c] = if values.len() == width { values[c] } else { values[c * n + k] };
+                }
+            }
+        }
+        first += width;
+    }
+    job.outputs = outputs;
 }
 
 /// The opacity that shading left: one, or one a point.
@@ -107,6 +143,7 @@ pub fn surface_opacity(points: &Points) -> &[f32] {
 
 /// Sample the grid at hand; whether anything of it is seen.
 fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, opaque: bool) -> bool {
+    let begun = std::time::Instant::now();
     let frame = job.frame;
     let points = &job.grid.points;
     let (n, nu, nv) = (points.n(), points.nu, points.nv);
@@ -134,20 +171,28 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, opaque: bool) -> b
         }
     }
     let primitive = (item.source as u64) << 32 | item.index as u64;
-    let kind = Kind { grid: job.held.next(), opaque, smooth: view.attributes.smooth, primitive };
+    let look = Look { grid: job.held.next(), opaque, smooth: view.attributes.smooth, primitive };
     // Without a lens, what stands still in a picture of motion is sampled as if it moved.
     let tally = if frame.jitter.moments.is_some() {
         let track = Track { instants: &job.instants, raster, camera: &frame.camera, jitter: &frame.jitter };
-        job.samples.blurred(nu, micropolygons, &track, &kind)
+        job.samples.blurred(nu, micropolygons, &track, &look)
     } else {
-        job.samples.still(&raster[0], nu, micropolygons, &kind)
+        job.samples.still(&raster[0], nu, micropolygons, &look)
     };
     job.stats.micropolygons += micropolygons.len() as u64;
     job.stats.samples += tally.tried;
+    job.stats.seconds.sample += begun.elapsed().as_secs_f64();
     tally.hit
 }
 
 impl Grid {
+    /// How far each point moves on the raster while the shutter is open, pixels to the right and down.
+    pub fn motion(&self) -> impl Iterator<Item = [f32; 2]> + '_ {
+        let (first, last) = (self.raster.first(), self.raster.last());
+        let both = first.into_iter().flatten().zip(last.into_iter().flatten());
+        both.map(|(a, b)| if b[2] > f32::NEG_INFINITY { [b[0] - a[0], b[1] - a[1]] } else { [0.0; 2] })
+    }
+
     /// Project all points at all moments; the bound on the raster, blur included, and the least depth, `None` if nothing is before
     /// the near plane.
     fn project(

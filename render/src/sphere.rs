@@ -342,7 +342,7 @@ fn fill(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, [nu, nv]: [usize; 2
     job.trimmed.clear();
     job.uniform.clear();
     job.varying.clear();
-    if view.attributes.reads_parameters() {
+    if job.frame.needs_parameters(view) {
         let of = |(d, _): &(Vec3, Vec3)| sphere_uv(ball.to_object * *d);
         for (axis, names) in [["u", "s"], ["v", "t"]].into_iter().enumerate() {
             for name in names {

@@ -1,7 +1,7 @@
 //! Sampling what stands still before a pinhole: the two triangles of a micropolygon against a cell of samples at a time.
 
 use crate::lanes::{LANES, Lanes, with_lanes};
-use crate::sample::{CELL, EDGE, Kind, Samples, Tally};
+use crate::sample::{CELL, EDGE, Look, Samples, Tally};
 use crate::seen::Micropolygon;
 
 /// A triangle as planes over the raster from its first corner on: weights of its second and third corner, and depth.
@@ -53,19 +53,19 @@ impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point; `raster` has x, y and depth of
         /// every point.
-        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally
+        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], look: &Look) -> Tally
     }
 
     #[inline(always)]
-    fn still_lanes<L: Lanes>(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], kind: &Kind) -> Tally {
+    fn still_lanes<L: Lanes>(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], look: &Look) -> Tally {
         let mut tally = Tally::default();
         for point in micropolygons {
             let k = *point as usize;
             let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| raster[k]);
-            match (kind.opaque, kind.smooth) {
-                (true, false) => self.quad::<L, true, false>(corners, k, kind, &mut tally),
-                (true, true) => self.quad::<L, true, true>(corners, k, kind, &mut tally),
-                (false, _) => self.quad::<L, false, true>(corners, k, kind, &mut tally),
+            match (look.opaque, look.smooth) {
+                (true, false) => self.quad::<L, true, false>(corners, k, look, &mut tally),
+                (true, true) => self.quad::<L, true, true>(corners, k, look, &mut tally),
+                (false, _) => self.quad::<L, false, true>(corners, k, look, &mut tally),
             }
         }
         tally
@@ -76,7 +76,7 @@ impl Samples {
         &mut self,
         corners: [[f32; 3]; 4],
         point: usize,
-        kind: &Kind,
+        look: &Look,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
@@ -99,7 +99,7 @@ impl Samples {
             [cell(lo.max(0.0)), cell(hi).min(n - 1)]
         };
         let ([c0, c1], [r0, r1]) = (cells(min_x, max_x, 0, self.columns), cells(min_y, max_y, 1, self.rows));
-        let names = [false, true].map(|second| Micropolygon::new(kind.grid, point, second).number());
+        let names = [false, true].map(|second| Micropolygon::new(look.grid, point, second).number());
         let mut hit = false;
         for r in r0..=r1 {
             for cell in r * self.columns + c0..=r * self.columns + c1 {
@@ -130,7 +130,7 @@ impl Samples {
                         let i = taken.trailing_zeros() as usize;
                         taken &= taken - 1;
                         let name = Micropolygon::of_number(names[(later.bits() >> i & 1) as usize]);
-                        self.keep(k + i, z[i], name, [w1[i], w2[i]], kind);
+                        self.keep(k + i, z[i], name, [w1[i], w2[i]], look);
                     }
                 }
             }

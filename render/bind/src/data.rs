@@ -70,6 +70,14 @@ impl Source {
         }
     }
 
+    /// The hash of the model whose run this is, if it is one.
+    pub fn run_hash(&self) -> Option<&str> {
+        match &self.store {
+            Store::Run(run) => Some(&run.index.model_hash),
+            Store::Csv { .. } => None,
+        }
+    }
+
     /// Read a frame.
     pub fn read(&self, number: u64) -> Result<Frame, Fault> {
         let (mut frame, path) = match &self.store {

@@ -125,11 +125,17 @@ fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiR
         _ => {
             let (kind, one) = match (o.format, o.bits) {
                 (ImageFormat::Exr, _) => ("exr", 0),
-                (_, 16) => ("png", 65_535),
+                (_, Some(16)) => ("png", 65_535),
                 _ => ("png", 255),
             };
             ri.quantize("rgba", one, 0, one, if one == 0 { 0.0 } else { 0.5 })?;
-            ri.display(image, kind, "rgb", vec![])
+            let half = || match (o.format, o.bits) {
+                (ImageFormat::Exr, Some(16)) => vec![Param::string("type", "half")],
+                _ => vec![],
+            };
+            // What goes over other pictures needs its coverage.
+            ri.display(image, kind, if o.channels.is_empty() { "rgb" } else { "rgba" }, half())?;
+            o.channels.iter().try_for_each(|mode| ri.display(&format!("+{image}"), kind, mode, half()))
         }
     }
 }

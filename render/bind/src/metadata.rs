@@ -350,8 +350,13 @@ pub struct Output {
     pub shading_rate: f32,
     /// `png` or `exr`.
     pub format: ImageFormat,
-    /// Bits of a PNG's channel: 8 or 16.
-    pub bits: u32,
+    /// Bits of a colour: 8 or 16 in a PNG, 16 or 32, both floats, in an EXR; 8 and 32 if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bits: Option<u32>,
+    /// What else goes into an EXR, each a layer of it: `z`, `N`, `P`, `id`, `motion`, or another variable with its type, such as
+    /// `color diffuse`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<String>,
     /// How long the shutter is open, s: what moves is blurred by as far as it comes in that time.
     pub shutter: f64,
     /// Frames to draw, as for `-f`; all if not given.
@@ -398,7 +403,8 @@ impl Default for Output {
             shading_rate: 1.0,
             shutter: 0.0,
             format: ImageFormat::Png,
-            bits: 8,
+            bits: None,
+            channels: vec![],
             frames: None,
             filter: PixelFilter::default(),
         }
@@ -567,8 +573,13 @@ impl Checked {
         if !(o.shutter >= 0.0 && o.shutter.is_finite()) {
             return Err(doc.fault("output.shutter", "expected seconds, 0 or more"));
         }
-        if !matches!(o.bits, 8 | 16) {
-            return Err(doc.fault("output.bits", format!("is {}, expected 8 or 16", o.bits)));
+        let bits = if o.format == ImageFormat::Exr { [16, 32] } else { [8, 16] };
+        if let Some(given) = o.bits.filter(|given| !bits.contains(given)) {
+            let [few, many] = bits;
+            return Err(doc.fault("output.bits", format!("is {given}, expected {few} or {many}")));
+        }
+        if !o.channels.is_empty() && o.format != ImageFormat::Exr {
+            return Err(doc.fault("output.channels", "needs `format: exr`: no other file has layers"));
         }
         let filters = ["box", "triangle", "gaussian", "catmull-rom", "sinc", "mitchell"];
         if !filters.contains(&o.filter.name.as_str()) {

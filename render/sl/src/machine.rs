@@ -266,6 +266,12 @@ impl Machine {
         }
     }
 
+    /// The numbers of an output parameter of the shader that ran last: one value, or one a point.
+    pub fn output(&self, shader: &BoundShader, name: &str) -> Option<&[f32]> {
+        let param = shader.program.params.iter().find(|p| p.output && p.name == name && p.kind != Kind::Text)?;
+        Some(&self.regs[param.reg as usize])
+    }
+
     fn load(&mut self, shader: &BoundShader, points: &Points) {
         let program = &*shader.program;
         self.n = points.n();

@@ -4,7 +4,7 @@
 use super::{At, Quad};
 use crate::jitter::Jitter;
 use crate::lanes::{LANES, Lanes};
-use crate::sample::{EDGE, Kind, Samples, Tally};
+use crate::sample::{EDGE, Look, Samples, Tally};
 use crate::seen::Micropolygon;
 
 /// The moments of a bucket's samples: one stratum of time after another, in each pixel after pixel, which has one sample there.
@@ -58,7 +58,7 @@ impl Samples {
         strata: &[[[f32; 2]; 3]],
         moments: &Moments,
         point: usize,
-        kind: &Kind,
+        look: &Look,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
@@ -112,8 +112,8 @@ impl Samples {
                         let (w, z) = quad.at(second, [parts[0][l], parts[1][l], parts[2][l]], times[l]);
                         if z < self.z[sample] {
                             tally.hit = true;
-                            let micropolygon = Micropolygon::new(kind.grid, point, second);
-                            self.keep(sample, z, micropolygon, [w[1], w[2]], kind);
+                            let micropolygon = Micropolygon::new(look.grid, point, second);
+                            self.keep(sample, z, micropolygon, [w[1], w[2]], look);
                             self.mark(px + l, px + l, py, py);
                         }
                     }

@@ -3,7 +3,7 @@
 
 use super::{At, Quad, on_line};
 use crate::lanes::{LANES, Lanes};
-use crate::sample::{EDGE, Kind, Samples, Tally};
+use crate::sample::{EDGE, Look, Samples, Tally};
 use crate::seen::Micropolygon;
 
 impl Samples {
@@ -15,12 +15,12 @@ impl Samples {
         [from, until]: [f32; 2],
         strata: &[[[f32; 2]; 3]],
         point: usize,
-        kind: &Kind,
+        look: &Look,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
         let names =
-            [Micropolygon::new(kind.grid, point, false).number(), Micropolygon::new(kind.grid, point, true).number()];
+            [Micropolygon::new(look.grid, point, false).number(), Micropolygon::new(look.grid, point, true).number()];
         let zero = L::splat(0.0);
         for (group, strata) in strata.chunks(LANES).enumerate() {
             let times = [strata[0][0][0], strata[strata.len() - 1][0][1]];
@@ -88,7 +88,7 @@ impl Samples {
                             let l = taken.trailing_zeros() as usize;
                             taken &= taken - 1;
                             let name = Micropolygon::of_number(names[(firsts >> l & 1 == 0) as usize]);
-                            self.keep(k + l, z[l], name, [w1[l], w2[l]], kind);
+                            self.keep(k + l, z[l], name, [w1[l], w2[l]], look);
                         }
                     }
                 }
