@@ -8,6 +8,7 @@ mod determinism;
 mod faults;
 mod joints;
 mod language;
+mod light;
 mod outputs;
 mod parity;
 mod picture;

@@ -61,6 +61,8 @@ pub struct Bvh {
     nodes: Vec<Node>,
     occluders: Vec<(Item, Occluder)>,
     inverses: Vec<Mat4>,
+    /// By source: light gets through it, in part.
+    see_through: Vec<bool>,
 }
 
 /// Occluders of a leaf.
@@ -85,6 +87,15 @@ fn facet_corners(patch: &Patch) -> impl Iterator<Item = ([f32; 2], f32)> + use<>
     (0..n * n).map(move |k| ([(k % n) as f32 * step, (k / n) as f32 * step], step))
 }
 
+/// The triangles of a patch's facets, corners in world space.
+pub(crate) fn facets_of(patch: &Patch, to_world: Mat4) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+    let at = move |u: f32, v: f32| to_world.transform_point3(patch.at(u, v));
+    facet_corners(patch).flat_map(move |([u, v], w)| {
+        let [a, b, c, d] = [at(u, v), at(u + w, v), at(u + w, v + w), at(u, v + w)];
+        [[a, b, c], [a, c, d]]
+    })
+}
+
 /// Where a ray, in the space of a patch, meets its facets nearest to a place: the distance from the place squared, and u, v.
 pub(crate) fn place_on(patch: &Patch, from: Vec3, dir: Vec3, at: Vec3) -> Option<(f32, [f32; 2])> {
     let mut best: Option<(f32, [f32; 2])> = None;
@@ -106,7 +117,8 @@ pub(crate) fn place_on(patch: &Patch, from: Vec3, dir: Vec3, at: Vec3) -> Option
 impl Bvh {
     /// Build it over all items of a scene that cast shadows.
     pub fn build(scene: &Scene) -> Bvh {
-        let mut bvh = Bvh::default();
+        let see_through = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
+        let mut bvh = Bvh { see_through, ..Bvh::default() };
         for item in scene.items() {
             if scene.sources[item.source as usize].attributes.casts_shadows {
                 let (shape, to_world) = scene.place(item);
@@ -140,16 +152,10 @@ impl Bvh {
             }
             Shape::Patches(patches) => {
                 for patch in patches.iter() {
-                    let at = |u: f32, v: f32| to_world.transform_point3(patch.at(u, v));
-                    for ([u, v], w) in facet_corners(patch) {
-                        let [a, b, c, d] = [at(u, v), at(u + w, v), at(u + w, v + w), at(u, v + w)];
-                        for (b, c) in [(b, c), (c, d)] {
-                            if (b - a).cross(c - a).length_squared() > 0.0 {
-                                let triangle = Occluder::Triangle { a, ab: b - a, ac: c - a, flat: patch.flat };
-                                self.occluders.push((item, triangle));
-                            }
-                        }
-                    }
+                    let facets = facets_of(patch, to_world).map(|[a, b, c]| (a, b - a, c - a));
+                    let sound = facets.filter(|(_, ab, ac)| ab.cross(*ac).length_squared() > 0.0);
+                    let triangles = sound.map(|(a, ab, ac)| Occluder::Triangle { a, ab, ac, flat: patch.flat });
+                    self.occluders.extend(triangles.map(|triangle| (item, triangle)));
                 }
             }
         }
@@ -168,7 +174,12 @@ impl Bvh {
         }
     }
 
-    /// Whether anything stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`
+    /// Whether light gets through some of what casts shadows, in part.
+    pub fn any_see_through(&self) -> bool {
+        self.see_through.contains(&true)
+    }
+
+    /// Whether anything that lets no light through stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`
     /// for the triangles of `own` itself, whose spheres and flat patches never count.
     pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: [f32; 2]) -> bool {
         if self.nodes.is_empty() {
@@ -182,9 +193,10 @@ impl Bvh {
         let dir = way / length;
         let mut blocked = false;
         self.leaves(from, dir, length, |leaf, length| {
-            blocked = leaf
-                .iter()
-                .any(|(item, o)| self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize]));
+            blocked = leaf.iter().any(|(item, o)| {
+                !self.see_through[item.source as usize]
+                    && self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize])
+            });
             (!blocked).then_some(length)
         });
         blocked

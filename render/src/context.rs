@@ -3,6 +3,7 @@
 mod moving;
 
 use self::moving::{Keys, MotionBlock, Moving, Place};
+use crate::area::{self, Area, AreaLight};
 use crate::blobby::Field;
 use crate::bucket::{self, Share, Stats};
 use crate::bvh::Bvh;
@@ -139,6 +140,9 @@ impl Context {
             texture_corners: [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0],
             lights: vec![],
             light_list: Arc::default(),
+            emitters: Arc::default(),
+            area_light: None,
+            light_samples: area::SAMPLES,
             shading_rate: 1.0,
             smooth: true,
             two_sided: true,
@@ -146,6 +150,7 @@ impl Context {
             matte: false,
             visible: true,
             casts_shadows: true,
+            whole_shadows: false,
         };
         let mut context = Context {
             files,
@@ -351,7 +356,22 @@ impl Context {
 
     fn push(&mut self, shape: SourceShape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
         self.in_world("a primitive")?;
-        let attributes = Arc::new(self.attributes.clone());
+        let mut attributes = self.attributes.clone();
+        if let Some(light) = attributes.area_light {
+            // What shines does not stand in its own way.
+            attributes.casts_shadows = false;
+            let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
+            match &shape {
+                SourceShape::One(shape) => area.add(shape, to_world, attributes.reversed),
+                SourceShape::Spheres(columns) => (0..columns.len())
+                    .for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), attributes.reversed)),
+                SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
+                    let place = to_world * columns.matrix(i);
+                    parts.iter().for_each(|(shape, own)| area.add(shape, place * *own, attributes.reversed));
+                }),
+            }
+        }
+        let attributes = Arc::new(attributes);
         let shutter = self.options.shutter;
         let (to_world, moves) =
             if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
@@ -438,6 +458,7 @@ impl Ri for Context {
         if self.options.displays.is_empty() && self.options.passed_over {
             return self.leave_world();
         }
+        area::expand(&mut self.scene);
         let start = std::time::Instant::now();
         self.scene.bvh = Bvh::build(&self.scene);
         let hierarchy = start.elapsed().as_secs_f64();
@@ -687,10 +708,17 @@ impl Ri for Context {
                 ("displacementbound", "sphere", Some(bound)) => {
                     self.attributes.displacement_bound = Some(bound.max(0.0))
                 }
+                ("light", "nsamples", Some(n)) => {
+                    if !(1.0..=4096.0).contains(&n) {
+                        return Err(Fail::new(format!("an area light of {n} samples, expected 1 to 4096")));
+                    }
+                    self.attributes.light_samples = n as usize;
+                }
                 ("visibility", "camera", Some(on)) => self.attributes.visible = on != 0.0,
                 ("visibility", "transmission", Some(on)) => self.attributes.casts_shadows = on != 0.0,
                 ("visibility", "transmission", None) => {
-                    self.attributes.casts_shadows = param.text() != Some("transparent")
+                    self.attributes.casts_shadows = param.text() != Some("transparent");
+                    self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
                 _ => {}
             }
@@ -737,8 +765,14 @@ impl Ri for Context {
         Ok(())
     }
     fn area_light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.scene.warn(format!("area light `{name}` shines from a point: area lights are not supported yet"));
-        self.light_source(name, handle, params)
+        self.in_world("AreaLightSource")?;
+        self.light_source(name, handle, params)?;
+        if let Some((_, shader)) = self.known_lights.iter().find(|(h, _)| h == handle) {
+            let samples = self.attributes.light_samples;
+            self.attributes.area_light = Some(self.scene.area_lights.len());
+            self.scene.area_lights.push(AreaLight { shader: shader.clone(), samples, area: Area::default() });
+        }
+        Ok(())
     }
     fn atmosphere(&mut self, name: &str, params: Params) -> RiResult {
         self.attributes.atmosphere =

@@ -6,6 +6,7 @@
 //! (`sample`); then the samples are filtered ([`filter`]). A bucket depends on no other, so that any number of threads and
 //! any order give the same bits. Spaces: shading happens in world space, which is what shaders call "current".
 
+mod area;
 mod blobby;
 mod blur;
 pub mod bucket;

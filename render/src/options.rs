@@ -1,5 +1,6 @@
 //! Options and attributes: the graphics state of RISpec sections 4 and 5, as far as it is built.
 
+use crate::area::Emitter;
 use crate::bucket::Share;
 use crate::filter::FilterKind;
 use crate::output::Display;
@@ -128,6 +129,12 @@ pub struct Attributes {
     pub lights: Vec<(String, Arc<BoundShader>)>,
     /// The same, as shading wants them.
     pub light_list: Arc<Vec<Arc<BoundShader>>>,
+    /// Of each of them, which point of an area light it is; empty where none is.
+    pub emitters: Arc<Vec<Emitter>>,
+    /// The area light that primitives become, by its number.
+    pub area_light: Option<usize>,
+    /// Points that area lights are lit from.
+    pub light_samples: usize,
     /// Pixels a micropolygon.
     pub shading_rate: f32,
     /// Colour is interpolated over a micropolygon.
@@ -142,6 +149,8 @@ pub struct Attributes {
     pub visible: bool,
     /// It casts shadows.
     pub casts_shadows: bool,
+    /// Its shadows are whole, however much light gets through it.
+    pub whole_shadows: bool,
 }
 
 impl Attributes {
@@ -149,6 +158,11 @@ impl Attributes {
     pub fn stays_opaque(&self) -> bool {
         let kept = |shader: &BoundShader| shader.program.keeps_opacity;
         self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
+    }
+
+    /// Whether no light gets through it.
+    pub fn blocks_light(&self) -> bool {
+        self.whole_shadows || (self.opacity == [1.0; 3] && self.surface.program.keeps_opacity)
     }
 
     /// Whether the colour of a point hangs on the points beside it.

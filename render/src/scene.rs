@@ -1,5 +1,6 @@
 //! The scene: sources of primitives, held by reference; an item is one primitive of a source.
 
+use crate::area::AreaLight;
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::options::Attributes;
@@ -110,6 +111,8 @@ pub struct Scene {
     pub clipping: [f32; 2],
     /// Pictures that shaders look up.
     pub textures: Textures,
+    /// Lights that have an area.
+    pub area_lights: Vec<AreaLight>,
     /// For shadows; made at `WorldEnd`.
     pub bvh: Bvh,
     /// What is odd about the scene, once each.

@@ -9,7 +9,7 @@ use crate::scene::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
 use crate::shade::{surface_globals, uniform_inputs};
 use glam::{Mat3, Mat4, Vec3};
 use sl::ir::{Ask, Lookup};
-use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
+use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -17,7 +17,10 @@ use std::sync::Arc;
 const MAX_DEPTH: [u32; 2] = [4, 1];
 
 /// See-through surfaces that a ray passes before it is held up.
-const MAX_LAYERS: usize = 16;
+const MAX_LAYERS: usize = 64;
+
+/// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.
+const MOST_NESTED: u32 = 2;
 
 /// The scene from one primitive.
 pub struct View<'a> {
@@ -106,6 +109,34 @@ impl<'a> View<'a> {
         self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
     }
 
+    /// How much light gets from one point to another through what is see-through, of which each surface that is met keeps its
+    /// opacity.
+    fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
+        let length = (to - from).length();
+        let dir = (to - from) / length;
+        let (mut open, mut least) = ([1.0f32; 3], 0.0);
+        for _ in 0..MAX_LAYERS {
+            let found = self.scene.bvh.nearest(self.item, from, dir, least, self.bias);
+            let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
+            let opacity = self.opacity_at(item, from, dir, distance);
+            (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
+            if open.iter().all(|o| *o < 1e-3) {
+                return [0.0; 3];
+            }
+            least = distance + self.bias[0].max(1e-5 * distance);
+        }
+        open
+    }
+
+    /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
+    fn opacity_at(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> [f32; 3] {
+        let attributes = self.scene.attributes(item);
+        if attributes.surface.program.keeps_opacity || self.depth >= MOST_NESTED {
+            return attributes.opacity;
+        }
+        self.shade(item, from, dir, distance, false).1
+    }
+
     /// How deep rays are followed.
     fn max_depth(&self, many: bool) -> u32 {
         let name = if many { "trace:maxdiffusedepth" } else { "trace:maxdepth" };
@@ -188,13 +219,31 @@ impl sl::machine::Scene for View<'_> {
     }
 
     fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
-        let blocked = self.scene.bvh.blocked(self.item, from.into(), to.into(), self.bias);
-        if blocked { [0.0; 3] } else { [1.0; 3] }
+        let (from, to) = (Vec3::from(from), Vec3::from(to));
+        if self.scene.bvh.blocked(self.item, from, to, self.bias) {
+            return [0.0; 3];
+        }
+        if self.scene.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
     }
 
     fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
         let dir = Vec3::from(direction);
         self.scene.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
+    }
+
+    fn emitter(&self, light: usize, places: &[[f32; 3]]) -> Option<Emitter> {
+        let (area, sample) = self.attributes.emitters.get(light).copied().flatten()?;
+        let light = &self.scene.area_lights[area as usize];
+        let n = places.len();
+        let (mut points, mut normals) = (vec![0.0; 3 * n], vec![0.0; 3 * n]);
+        for (k, place) in places.iter().enumerate() {
+            let at = sl::spread(sample as usize, *place);
+            let (p, m) = light.area.point(at).unwrap_or_default();
+            for c in 0..3 {
+                (points[c * n + k], normals[c * n + k]) = (p[c], m[c]);
+            }
+        }
+        Some(Emitter { points, normals, part: 1.0 / light.samples as f32 })
     }
 
     fn traces(&self, many: bool) -> bool {

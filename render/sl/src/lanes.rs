@@ -83,7 +83,7 @@ pub(crate) fn triples2(
 
 /// Two numbers in [0, 1) for sample `i` of `n`: an (R₂) low-discrepancy sequence (Roberts 2018), moved by the place so that
 /// neighbours differ.
-fn spread(i: usize, p: [f32; 3]) -> [f32; 2] {
+pub fn spread(i: usize, p: [f32; 3]) -> [f32; 2] {
     let salt = |c: u32| crate::noise::cell_noise(p.map(|x| (x * 8192.0).round()), c);
     let i = i as f32 + 1.0;
     [(i * 0.754_877_7 + salt(0)).fract(), (i * 0.569_840_3 + salt(1)).fract()]

@@ -21,6 +21,7 @@ mod source;
 mod spline;
 mod text;
 
+pub use lanes::spread;
 pub use preprocess::Include;
 
 use std::path::Path;

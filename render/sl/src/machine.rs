@@ -66,6 +66,10 @@ pub trait Scene {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]>;
     /// How much light gets from one point to another: 1 all, 0 none.
     fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3];
+    /// Where on an area light its light of a number in [`Scene::lights`] is, for places that it lights.
+    fn emitter(&self, _light: usize, _places: &[[f32; 3]]) -> Option<Emitter> {
+        None
+    }
     /// What the scene knows under some names.
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
         None
@@ -90,6 +94,16 @@ pub trait Scene {
     fn print(&self, text: &str) {
         eprint!("{text}");
     }
+}
+
+/// Points of an area light, one for each place that it lights.
+pub struct Emitter {
+    /// The points, as three runs.
+    pub points: Vec<f32>,
+    /// The normals there, likewise.
+    pub normals: Vec<f32>,
+    /// The part of the light that they stand for.
+    pub part: f32,
 }
 
 /// A scene of lights alone: every space is the world, nothing is in the way, and what is printed is dropped.
@@ -1285,13 +1299,22 @@ impl Machine {
         points.globals.push(("Ps", position.to_vec()));
         points.globals.push(("L", vec![0.0; 3]));
         points.globals.push(("Cl", vec![0.0; 3]));
+        let places: Vec<[f32; 3]> = (0..self.n).map(|k| triple(position, k, self.n)).collect();
+        let emitter = scene.emitter(i, &places);
+        if let Some(emitter) = &emitter {
+            points.globals.push(("P", emitter.points.clone()));
+            points.globals.push(("N", emitter.normals.clone()));
+        }
         machine.receiver =
             Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
         machine.run_where(light, &mut points, scene, self.mask.clone());
         let mut take = |name: &str| {
             points.globals.iter_mut().find(|(n, _)| *n == name).map(|(_, v)| std::mem::take(v)).unwrap_or_default()
         };
-        let (l, cl) = (take("L"), take("Cl"));
+        let (l, mut cl) = (take("L"), take("Cl"));
+        if let Some(emitter) = emitter {
+            cl.iter_mut().for_each(|x| *x *= emitter.part);
+        }
         let on = std::mem::take(&mut machine.reached);
         let params = light.program.params.iter().enumerate().filter(|(_, p)| p.output && p.kind != Kind::Text);
         let outputs = params.map(|(i, p)| (i, machine.regs[p.reg as usize].clone())).collect();

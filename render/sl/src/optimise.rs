@@ -37,11 +37,13 @@ fn keeps_opacity(program: &Program) -> bool {
 }
 
 fn reads_neighbours(program: &Program) -> bool {
-    use Builtin::{Area, CalculateNormal, Du, Dv, Width};
+    use Builtin::{Area, CalculateNormal, Du, Dv, Random, Width};
     let mut reads = false;
     for block in program.params.iter().map(|p| &p.default).chain([&program.body]) {
         visit(block, &mut |op| {
             reads |= matches!(op, Op::Map { .. } | Op::Call(Du | Dv | CalculateNormal | Area | Width, ..));
+            // Without a place, the grid's first point stands for all.
+            reads |= matches!(op, Op::Call(Random, _, args) if args.len() < 2);
         });
     }
     reads

@@ -1,0 +1,123 @@
+//! Lights that have a size, and what lets some of their light through, against answers known on paper.
+
+use crate::picture::{ORTHO, Picture, render_with};
+
+fn render(options: &str, world: &str) -> Picture {
+    render_with(&[], &ORTHO.replace("8 8", options), world)
+}
+
+/// The mean of a channel over a rectangle of pixels.
+fn mean(p: &Picture, x: std::ops::Range<usize>, y: std::ops::Range<usize>, channel: usize) -> f32 {
+    let n = (x.len() * y.len()) as f32;
+    y.flat_map(|y| x.clone().map(move |x| (x, y))).map(|(x, y)| p.at(x, y)[channel]).sum::<f32>() / n
+}
+
+const WALL: &str = "Polygon \"P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0]";
+
+#[test]
+fn a_disc_lights_what_is_below_it_by_its_form_factor() {
+    // At height h over the middle of a disc of radius R that shines 1 all over, a white surface shines R² / (R² + h²).
+    for (radius, height) in [(0.5f32, 1.0f32), (2.0, 1.0), (0.5, 0.25)] {
+        let p = render(
+            "2 2",
+            &format!(
+                "AttributeBegin Attribute \"visibility\" \"int camera\" 0 Attribute \"light\" \"int nsamples\" 64
+                TransformBegin Translate 0 0 -{height} AreaLightSource \"arealight\" \"lamp\" Disk 0 {radius} 360 TransformEnd AttributeEnd
+                Illuminate \"lamp\" 1 Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {WALL}"
+            ),
+        );
+        let expected = radius * radius / (radius * radius + height * height);
+        let found = mean(&p, 38..42, 38..42, 0);
+        assert!((found - expected).abs() < 0.02 * expected, "R {radius}, h {height}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn within_walls_that_shine_a_white_ball_shines_as_they_do() {
+    // The furnace: the walls of a box, or a great ball turned inside out, that shine 1.
+    let walls = "Polygon \"P\" [-3 -3 -3  3 -3 -3  3 3 -3  -3 3 -3]";
+    let turns = ["", "Rotate 90 1 0 0", "Rotate 180 1 0 0", "Rotate 270 1 0 0", "Rotate 90 0 1 0", "Rotate -90 0 1 0"];
+    let boxed = turns.map(|turn| format!("TransformBegin {turn} {walls} TransformEnd")).join(" ");
+    for geometry in ["ReverseOrientation Sphere 3 -3 3 360", &boxed, &format!("ReverseOrientation {boxed}")] {
+        let p = render(
+            "2 2",
+            &format!(
+                "AttributeBegin Attribute \"visibility\" \"int camera\" 0 Attribute \"light\" \"int nsamples\" 256
+                AreaLightSource \"arealight\" \"lamp\" {geometry} AttributeEnd
+                Illuminate \"lamp\" 1 Surface \"matte\" \"Ka\" 0 \"Kd\" 1 Sphere 0.8 -0.8 0.8 360"
+            ),
+        );
+        let found = mean(&p, 30..50, 30..50, 1);
+        // Walls that shine outwards leave it dark.
+        let turned = geometry.starts_with("ReverseOrientation Tr");
+        let expected = if turned { 0.0 } else { 1.0 };
+        assert!((found - expected).abs() < 0.02, "{geometry}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_sun_has_a_penumbra_as_wide_as_its_disc() {
+    // An edge one metre before the wall, its sun 10 degrees wide: the shadow's edge is 2 tan 5° m wide, half dark in the middle.
+    let p = render(
+        "2 2",
+        &format!(
+            "LightSource \"distantlight\" 1 \"to\" [0 0 1] \"uniform float angle\" 10 \"uniform float samples\" 64
+            Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {WALL}
+            Attribute \"visibility\" \"int camera\" 0 Polygon \"P\" [-9 -9 -1  0 -9 -1  0 9 -1  -9 9 -1]"
+        ),
+    );
+    let half = 5f32.to_radians().tan();
+    for x in 20..60 {
+        let at = ((x as f32 + 0.5) / 40.0 - 1.0) / half;
+        // The part of a disc right of a line.
+        let a = at.clamp(-1.0, 1.0);
+        let expected = 0.5 + (a * (1.0 - a * a).sqrt() + a.asin()) / std::f32::consts::PI;
+        let found = mean(&p, x..x + 1, 10..70, 0);
+        assert!((found - expected).abs() < 0.02, "{at}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn light_through_two_panes_is_the_product() {
+    let pane = |z: f32, opacity: &str| {
+        format!(
+            "AttributeBegin Attribute \"visibility\" \"int camera\" 0 Opacity {opacity} Polygon \"P\" [-1 -1 {z}  0 -1 {z}  0 1 {z}  -1 1 {z}] AttributeEnd"
+        )
+    };
+    let world = |between: &str| {
+        format!("LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {WALL} {between}")
+    };
+    let p = render("2 2", &world(&format!("{}{}", pane(-1.0, "0.5 0.25 0"), pane(-2.0, "0.2 0.5 0.75"))));
+    for (c, expected) in [0.5 * 0.8, 0.75 * 0.5, 1.0 * 0.25].into_iter().enumerate() {
+        assert!((mean(&p, 5..35, 5..75, c) - expected).abs() < 1e-3);
+        assert!((mean(&p, 45..75, 5..75, c) - 1.0).abs() < 1e-3);
+    }
+    // A ball is met twice; one that is said to be opaque to light lets none through.
+    for (attribute, expected) in [("", 0.49), ("Attribute \"visibility\" \"string transmission\" \"opaque\"", 0.0)] {
+        let ball = format!(
+            "AttributeBegin Attribute \"visibility\" \"int camera\" 0 {attribute} Opacity .3 .3 .3 Translate 0 0 -2 Sphere 0.5 -0.5 0.5 360 AttributeEnd"
+        );
+        let p = render("2 2", &world(&ball));
+        assert!((mean(&p, 36..44, 36..44, 0) - expected).abs() < 1e-3 && mean(&p, 0..8, 0..8, 0) == 1.0);
+    }
+}
+
+#[test]
+fn what_a_shader_cuts_out_lets_light_through() {
+    let grating = b"surface grating() { Oi = mod(s * 5, 1) < 0.5 ? color 1 : color 0; Ci = Oi * Cs; }";
+    let p = render_with(
+        &[("grating.sl", grating)],
+        &ORTHO.replace("8 8", "2 2"),
+        &format!(
+            "LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {WALL}
+            Attribute \"visibility\" \"int camera\" 0 Surface \"grating\" Translate 0 0 -1 {WALL}"
+        ),
+    );
+    for x in 0..80 {
+        let s = (x as f32 + 0.5) / 8.0 % 1.0;
+        let expected = if s < 0.5 { 0.0 } else { 1.0 };
+        if (s - 0.5).abs() > 0.1 && s > 0.1 && s < 0.9 {
+            assert!((p.at(x, 40)[0] - expected).abs() < 0.1, "{x}: {}", p.at(x, 40)[0]);
+        }
+    }
+}
