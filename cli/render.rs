@@ -129,7 +129,7 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
         for warning in &f.warnings {
             eprintln!("warning: {warning}");
         }
-        if f.options.displays.is_empty() {
+        if f.options.displays.is_empty() && !f.options.passed_over {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
             f.options.displays.push(render::Display { name, kind, mode, half: false });
         }

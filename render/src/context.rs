@@ -14,7 +14,7 @@ use crate::gprim::{
 };
 use crate::image::Image;
 use crate::motion;
-use crate::options::{Attributes, Options};
+use crate::options::{Attributes, Hider, Options};
 use crate::output::Display;
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
 use crate::subdivision;
@@ -151,6 +151,9 @@ impl Context {
             visible: true,
             casts_shadows: true,
             whole_shadows: false,
+            detail: f32::INFINITY,
+            detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
+            level: 1.0,
         };
         let mut context = Context {
             files,
@@ -286,12 +289,30 @@ impl Context {
         Ok(())
     }
 
+    /// When the shutter opens and closes; what blurs nothing opens it for no time.
+    fn open_shutter(&self) -> [f32; 2] {
+        let [open, close] = self.options.shutter;
+        if self.options.hider == Hider::Depth { [open, open] } else { [open, close] }
+    }
+
     fn in_world(&self, call: &str) -> RiResult {
         if self.to_camera.is_some() {
             Ok(())
         } else {
             Err(Fail::new(format!("`{call}` stands between WorldBegin and WorldEnd")))
         }
+    }
+
+    /// How much of the current level of detail is seen: 0 out of its range, 1 in its middle, in between in a transition (RISpec
+    /// 5.6).
+    fn level_changed(&mut self) {
+        let ([least, lower, upper, most], detail) = (self.attributes.detail_range, self.attributes.detail);
+        self.attributes.level = match detail {
+            d if d < least || d > most => 0.0,
+            d if d < lower => (d - least) / (lower - least),
+            d if d > upper => (most - d) / (most - upper),
+            _ => 1.0,
+        };
     }
 
     fn lights_changed(&mut self) {
@@ -356,7 +377,11 @@ impl Context {
 
     fn push(&mut self, shape: SourceShape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
         self.in_world("a primitive")?;
+        if self.attributes.level <= 0.0 {
+            return Ok(());
+        }
         let mut attributes = self.attributes.clone();
+        attributes.opacity = attributes.opacity.map(|o| o * attributes.level);
         if let Some(light) = attributes.area_light {
             // What shines does not stand in its own way.
             attributes.casts_shadows = false;
@@ -372,7 +397,7 @@ impl Context {
             }
         }
         let attributes = Arc::new(attributes);
-        let shutter = self.options.shutter;
+        let shutter = self.open_shutter();
         let (to_world, moves) =
             if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
         let mut shape = shape;
@@ -459,20 +484,34 @@ impl Ri for Context {
             return self.leave_world();
         }
         area::expand(&mut self.scene);
+        if self.options.hider == Hider::Null {
+            let options = Options { displays: vec![], passed_over: true, ..self.options.clone() };
+            let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
+            let stats = bucket::Stats { items, ..bucket::Stats::default() };
+            let warnings = self.scene.take_warnings();
+            let image = Image::new(0, 0, vec![]);
+            self.finished.push(Finished { frame: self.frame, options, image, stats, warnings });
+            return self.leave_world();
+        }
         let start = std::time::Instant::now();
         self.scene.bvh = Bvh::build(&self.scene);
         let hierarchy = start.elapsed().as_secs_f64();
         let moves = match self.camera_moves.as_slice() {
             [] => vec![],
-            keys => motion::in_shutter(keys, self.options.shutter).1,
+            keys => motion::in_shutter(keys, self.open_shutter()).1,
         };
+        if self.options.hider == Hider::Depth {
+            self.options.samples = [1, 1];
+            (self.options.filter, self.options.filter_width) = (FilterKind::Box, [1.0; 2]);
+            self.options.lens = None;
+        }
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.share = self.share;
         self.options.about.clone_from(&self.about);
         let (mut image, mut stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
         stats.seconds.hierarchy = hierarchy;
         image.expose(self.options.gain, self.options.gamma);
-        let warnings = std::mem::take(&mut *self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()));
+        let warnings = self.scene.take_warnings();
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
         self.leave_world()
     }
@@ -656,9 +695,15 @@ impl Ri for Context {
         Ok(())
     }
     fn hider(&mut self, name: &str, _: Params) -> RiResult {
-        if name != "hidden" {
-            self.scene.warn(format!("hider `{name}` is not supported yet: `hidden` is taken"));
-        }
+        self.options.hider = match name {
+            "hidden" => Hider::Hidden,
+            "z" | "zbuffer" | "depth" => Hider::Depth,
+            "null" => Hider::Null,
+            _ => {
+                self.scene.warn(format!("hider `{name}` is not known, expected hidden, z or null: `hidden` is taken"));
+                Hider::Hidden
+            }
+        };
         Ok(())
     }
     fn option(&mut self, name: &str, params: Params) -> RiResult {
@@ -827,15 +872,34 @@ impl Ri for Context {
         }
         Ok(())
     }
-    fn detail_bound(&mut self, _: [f32; 6]) -> RiResult {
-        self.scene.warn("levels of detail are not supported yet: all are drawn".into());
+    fn detail(&self, [x0, x1, y0, y1, z0, z1]: [f32; 6]) -> f32 {
+        let Some(to_camera) = self.to_camera else { return f32::INFINITY };
+        let camera = Camera::new(&self.options, to_camera, vec![]);
+        let m = to_camera * self.transform;
+        let corners = (0..8).map(|k| {
+            let pick = |bit: usize, a: f32, b: f32| if k >> bit & 1 == 0 { a } else { b };
+            m.transform_point3(Vec3::new(pick(0, x0, x1), pick(1, y0, y1), pick(2, z0, z1)))
+        });
+        let (min, max) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        camera.bound(min, max).map_or(0.0, |b| (b.max.x - b.min.x) * (b.max.y - b.min.y)) * self.options.relative_detail
+    }
+    fn detail_bound(&mut self, bound: [f32; 6]) -> RiResult {
+        self.attributes.detail = self.detail(bound);
+        self.level_changed();
         Ok(())
     }
-    fn detail_range(&mut self, _: [f32; 4]) -> RiResult {
+    fn detail_range(&mut self, range: [f32; 4]) -> RiResult {
+        if range.windows(2).any(|r| !(r[0] <= r[1])) {
+            return Err(Fail::new(format!("DetailRange {range:?}: expected four numbers that do not fall")));
+        }
+        self.attributes.detail_range = range;
+        self.level_changed();
         Ok(())
     }
     fn relative_detail(&mut self, factor: f32) -> RiResult {
-        positive(factor, "the relative detail")
+        positive(factor, "the relative detail")?;
+        self.options.relative_detail = factor;
+        Ok(())
     }
     fn geometric_approximation(&mut self, _: &str, _: f32) -> RiResult {
         Ok(())

@@ -8,6 +8,17 @@ use glam::Mat4;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
+/// What finds out what is seen (RISpec 4.1.8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hider {
+    /// All samples, lights and layers.
+    Hidden,
+    /// One sample in the middle of a pixel, and nothing blurred: for depth.
+    Depth,
+    /// No picture is made.
+    Null,
+}
+
 /// What holds for the whole picture.
 #[derive(Clone)]
 pub struct Options {
@@ -51,6 +62,10 @@ pub struct Options {
     pub crop: [f32; 4],
     /// The share of the buckets that is drawn; all if not given.
     pub share: Option<Share>,
+    /// Factor of all levels of detail.
+    pub relative_detail: f32,
+    /// What finds out what is seen.
+    pub hider: Hider,
     /// What is written into the files: what the picture is of.
     pub about: Vec<(String, String)>,
     /// What the filtered pixels go through.
@@ -80,6 +95,8 @@ impl Default for Options {
             bucket_size: 64,
             crop: [0.0, 1.0, 0.0, 1.0],
             share: None,
+            relative_detail: 1.0,
+            hider: Hider::Hidden,
             about: vec![],
             imager: None,
         }
@@ -151,6 +168,12 @@ pub struct Attributes {
     pub casts_shadows: bool,
     /// Its shadows are whole, however much light gets through it.
     pub whole_shadows: bool,
+    /// Square pixels that the bound of `Detail` covers, and the range of these in which primitives are seen.
+    pub detail: f32,
+    /// From none to all, and from all to none.
+    pub detail_range: [f32; 4],
+    /// How much of the level of detail is seen.
+    pub level: f32,
 }
 
 impl Attributes {

@@ -117,6 +117,8 @@ pub struct Scene {
     pub bvh: Bvh,
     /// What is odd about the scene, once each.
     pub warnings: Mutex<Vec<String>>,
+    /// Displacement bounds that are needed, by shader.
+    pub bounds: Mutex<HashMap<String, f32>>,
 }
 
 static WHOLE_SPHERE: Shape = Shape::Sphere;
@@ -247,6 +249,26 @@ impl Scene {
             },
             _ => None,
         }
+    }
+
+    /// Note how far a displacement shader moves a point beyond its bound, as the bound that it needs in object units.
+    pub fn needs_bound(&self, shader: &str, bound: f32) {
+        let mut needed = self.bounds.lock().unwrap_or_else(|e| e.into_inner());
+        let known = needed.entry(shader.into()).or_insert(0.0);
+        *known = known.max(bound);
+    }
+
+    /// What is odd about the scene, taken out of it.
+    pub fn take_warnings(&self) -> Vec<String> {
+        let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
+        needed.sort_by(|a, b| a.0.cmp(&b.0));
+        for (shader, bound) in needed {
+            self.warn(format!(
+                "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{}]` is needed",
+                (bound * 1.01 * 1e4).ceil() / 1e4
+            ));
+        }
+        std::mem::take(&mut *self.warnings.lock().unwrap_or_else(|e| e.into_inner()))
     }
 
     /// Remember an oddity, once.

@@ -51,8 +51,17 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
         let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
         scene.shader_to_world = a.displacement_space;
         fill_incident(&mut job.grid.points, &frame.camera);
+        let before = job.grid.points.get("P").unwrap_or(&[]).to_vec();
         job.machine.run(displacement, &mut job.grid.points, &scene);
         spread(&mut job.grid.points);
+        let after = job.grid.points.get("P").unwrap_or(&[]);
+        let n = job.grid.points.n();
+        let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
+        let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
+        if farthest > reach * 1.001 && farthest.is_finite() {
+            let scale = view.object_to_world.x_axis.truncate().length();
+            frame.scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
+        }
     }
     if diced.apron {
         strip_apron(&mut job.grid.points);

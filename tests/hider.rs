@@ -1,0 +1,82 @@
+//! What is drawn at all and how closely it is looked at: levels of detail, hiders, bounds of displacement.
+
+use crate::cli::{scratch, scree};
+use crate::picture::{ORTHO, Picture, render_with};
+
+fn render(options: &str, world: &str) -> Picture {
+    render_with(&[], options, world)
+}
+
+#[test]
+fn levels_of_detail_are_chosen_by_their_size_on_the_raster() {
+    // A square of 40 pixels a side has a detail of 1600.
+    let draw = |range: &str, factor: f32| {
+        let world = format!(
+            "Surface \"constant\" AttributeBegin Detail [-.5 .5 -.5 .5 0 0] DetailRange [{range}]
+            Polygon \"P\" [-.5 -.5 0 .5 -.5 0 .5 .5 0 -.5 .5 0] AttributeEnd Color 0 1 0 Polygon \"P\" [-1 -1 1 1 -1 1 1 1 1 -1 1 1]"
+        );
+        render(&format!("RelativeDetail {factor} {ORTHO}"), &world).at(40, 40)[0]
+    };
+    for (range, factor, seen) in [
+        ("0 0 1e6 1e6", 1.0, 1.0),
+        ("1500 1500 1700 1700", 1.0, 1.0),
+        ("1700 1700 1e6 1e6", 1.0, 0.0),
+        ("0 0 1500 1500", 1.0, 0.0),
+        ("0 0 1500 1500", 0.5, 1.0),
+        ("1200 2000 1e6 1e6", 1.0, 0.5),
+        ("0 0 1500 1900", 1.0, 0.75),
+    ] {
+        let found = draw(range, factor);
+        assert!((found - seen).abs() < 2e-3, "[{range}] at {factor}: {found}, expected {seen}");
+    }
+    let work = scratch();
+    std::fs::write(work.path().join("t.rib"), "WorldBegin DetailRange [5 4 6 7] WorldEnd").unwrap();
+    let said = scree(&["render", work.path().join("t.rib").to_str().unwrap()]).fails(3);
+    assert!(said.contains("t.rib:1:12") && said.contains("do not fall"), "{said}");
+}
+
+#[test]
+fn the_depth_hider_samples_once_and_blurs_nothing() {
+    let moving =
+        "MotionBegin [0 1] Translate -.5 0 0 Translate .5 0 0 MotionEnd Surface \"constant\" Sphere .3 -.3 .3 360";
+    let still = "Translate -.5 0 0 Surface \"constant\" Sphere .3 -.3 .3 360";
+    let options = format!("Shutter 0 1 {ORTHO} DepthOfField 1 1 2");
+    let (a, b) = (render(&format!("{options} Hider \"z\""), moving), render(&format!("{ORTHO} Hider \"z\""), still));
+    assert!(a.pixels == b.pixels);
+    assert!(a.pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
+    let blurred = render(&options, moving);
+    assert!(blurred.pixels.iter().filter(|p| p[3] > 0.0 && p[3] < 1.0).count() > 500);
+}
+
+#[test]
+fn the_null_hider_makes_no_picture() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    std::fs::write(
+        at("t.rib"),
+        "Display \"t.png\" \"png\" \"rgb\" Hider \"null\" WorldBegin Sphere 1 -1 1 360 WorldEnd",
+    )
+    .unwrap();
+    scree(&["render", &at("t.rib"), "-o", &at("out")]).ok();
+    assert!(!work.path().join("out/t.png").exists());
+}
+
+#[test]
+fn a_bound_that_is_too_small_is_said_with_the_one_that_is_needed() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    std::fs::write(at("out.sl"), "displacement out(float far = 0;) { P += far * normalize(N); }").unwrap();
+    for (bound, warned) in [(0.1, true), (0.31, false)] {
+        let scene = format!(
+            "Display \"t.png\" \"png\" \"rgb\" Projection \"perspective\" Translate 0 0 5 WorldBegin
+            Displacement \"out\" \"uniform float far\" 0.6 Attribute \"displacementbound\" \"sphere\" {bound} Scale 2 2 2 Sphere 1 -1 1 360 WorldEnd"
+        );
+        std::fs::write(at("t.rib"), scene).unwrap();
+        let answer = scree(&["render", &at("t.rib"), "-o", &at("o")]);
+        answer.ok();
+        let said = answer.errors();
+        // 0.6 in the world is 0.3 in the sphere's own space, and a hundredth for safety.
+        let found = said.contains("displacement `out` reaches farther") && said.contains("[0.303");
+        assert_eq!(found, warned, "{said}");
+    }
+}
