@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The channels of an EXR file, as floats by name, and its attributes.
-struct Layers {
+pub struct Layers {
     width: usize,
     channels: BTreeMap<String, Vec<f32>>,
     /// Channels that have 16 bits.
@@ -15,7 +15,7 @@ struct Layers {
 }
 
 impl Layers {
-    fn read(path: &Path) -> Layers {
+    pub fn read(path: &Path) -> Layers {
         let image =
             read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
         let image = image.from_file(path).unwrap();
@@ -42,7 +42,7 @@ impl Layers {
         layers
     }
 
-    fn at(&self, name: &str, x: usize, y: usize) -> f32 {
+    pub fn at(&self, name: &str, x: usize, y: usize) -> f32 {
         let channel = self.channels.get(name).unwrap_or_else(|| panic!("{name} is none of {:?}", self.channels.keys()));
         channel[y * self.width + x]
     }
@@ -221,6 +221,8 @@ output: {resolution: [64, 48], samples: [2, 2], format: exr, bits: 16, channels:
     assert_eq!(layers.channels.keys().collect::<Vec<_>>(), ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "id"]);
     assert_eq!(layers.half, ["A", "B", "G", "R"]);
     assert_eq!((layers.about["frame"].as_str(), layers.about["time"].as_str()), ("7", "0"));
+    // Numbers stay whole: the two balls and what else the scene has.
+    assert!(layers.channels["id"].iter().all(|id| id.fract() == 0.0));
     let ids: std::collections::BTreeSet<u32> = layers.channels["id"].iter().map(|id| *id as u32).collect();
-    assert!(ids.len() >= 3, "two spheres and the ground: {ids:?}");
+    assert!(ids.len() >= 3, "{ids:?}");
 }

@@ -15,5 +15,6 @@ mod parity;
 mod picture;
 mod pipeline;
 mod rays;
+mod sheets;
 mod solver;
 mod tidy;

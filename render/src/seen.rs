@@ -192,7 +192,9 @@ pub fn settle(job: &mut Job<'_>) {
         let w = within([1.0 - w1 - w2, w1, w2]);
         let [a, b, c] = m.corners(grid.points.nu).map(|k| grid.first + k);
         for (i, own) in own.iter_mut().enumerate() {
-            *own = of(a)[i] * w[0] + of(b)[i] * w[1] + of(c)[i] * w[2];
+            // What is the same at all corners stays that to the bit.
+            let [a, b, c] = [a, b, c].map(|k| of(k)[i]);
+            *own = a + (b - a) * w[1] + (c - a) * w[2];
         }
         let mix = |v: &[Vec3A]| v[a] * w[0] + v[b] * w[1] + v[c] * w[2];
         Paint { color: mix(color), opacity: mix(opacity), matte }
