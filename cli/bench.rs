@@ -124,7 +124,7 @@ fn bench_render(bed: &Bed, image: Option<&PathBuf>) -> Outcome<serde_json::Value
         "motion": bed.motion, "f_stop": bed.f_stop, "shading_rate": bed.shading_rate,
         "cpu_seconds": cpu_seconds() - cpu, "wall_seconds": wall.elapsed().as_secs_f64(),
         "micropolygons": s.micropolygons, "samples": s.samples, "shaded_points": s.shaded_points,
-        "grids": s.grids, "grids_hidden": s.grids_hidden, "peak_bytes": peak_bytes(),
+        "grids": s.grids, "grids_hidden": s.grids_hidden, "seconds": s.seconds, "peak_bytes": peak_bytes(),
     }))
 }
 

@@ -18,6 +18,7 @@ use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
 use std::collections::BinaryHeap;
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// What a picture took.
@@ -234,14 +235,20 @@ pub fn render(
     let mut image = Image::new(options.width, options.height, aovs.clone());
     let items = scene.sources.iter().map(|s| s.len() as u64).sum();
     let mut stats = Stats { items, seconds: Seconds { bound, ..Seconds::default() }, ..Stats::default() };
+    // Jobs between buckets, so that their memory is taken once a thread.
+    let idle = Mutex::new(Vec::new());
     // So many at a time that what is held beside the picture itself stays small.
     for batch in own.chunks(1024) {
-        let draw = |job: &mut Job<'_>, tile: &Tile| {
-            let drawn = one_bucket(job, tile, &lists[tile.bucket]);
+        let draw = |tile: &Tile| {
+            let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
+            let found = spare().pop();
+            let mut job = found.unwrap_or_else(&job);
+            let drawn = one_bucket(&mut job, tile, &lists[tile.bucket]);
+            spare().push(job);
             progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, own.len());
             drawn
         };
-        let drawn: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map_init(job, draw).collect();
+        let drawn: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(draw).collect();
         for (tile, (pixels, took)) in batch.iter().zip(drawn) {
             stats = stats.add(took);
             for row in 0..tile.height {
@@ -286,8 +293,8 @@ fn one_bucket(job: &mut Job<'_>, tile: &Tile, items: &[(f32, Item)]) -> (Pixels,
         imager::develop(imager, frame.scene, machine, points, [tile.x, tile.y], tile.width, &mut pixels.color);
     }
     let seconds = &mut job.stats.seconds;
-    seconds.filter = begun.elapsed().as_secs_f64() - drawn;
-    seconds.dice = drawn - seconds.sample - seconds.shade;
+    seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
+    seconds.filter += begun.elapsed().as_secs_f64() - drawn;
     (pixels, job.stats)
 }
 

@@ -82,6 +82,7 @@ impl FilterKind {
 pub struct Filter {
     table: Vec<f32>,
     half: f32,
+    kind: FilterKind,
 }
 
 impl Filter {
@@ -91,7 +92,11 @@ impl Filter {
     /// Tabulate.
     pub fn new(kind: FilterKind, width: f32) -> Filter {
         let n = (0.5 * width * Self::STEPS).ceil() as usize + 2;
-        Filter { table: (0..n).map(|i| kind.value((i as f32 + 0.5) / Self::STEPS, width)).collect(), half: 0.5 * width }
+        Filter {
+            table: (0..n).map(|i| kind.value((i as f32 + 0.5) / Self::STEPS, width)).collect(),
+            half: 0.5 * width,
+            kind,
+        }
     }
 
     /// Its value at `x` pixels from the centre.
@@ -99,6 +104,11 @@ impl Filter {
     pub fn at(&self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.half { 0.0 } else { self.table[(x * Self::STEPS) as usize] }
+    }
+
+    /// Whether it is a box of one pixel.
+    pub fn is_pixel(&self) -> bool {
+        self.kind == FilterKind::Box && self.half == 0.5
     }
 
     /// How many pixels beyond its own a pixel takes samples from.

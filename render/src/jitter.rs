@@ -2,7 +2,7 @@
 //! lens. All depend on the pixel alone, so that every bucket sees the same samples.
 
 /// Pixels after which the pattern repeats, a power of two.
-const PERIOD: usize = 32;
+pub const PERIOD: usize = 32;
 
 /// Steps of a pixel that samples lie on.
 const STEPS: f32 = 1024.0;

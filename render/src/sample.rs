@@ -6,7 +6,7 @@
 
 use crate::blur::lens::Moments;
 use crate::filter::Filter;
-use crate::jitter::Jitter;
+use crate::jitter::{Jitter, PERIOD};
 use crate::lanes::LANES;
 use crate::output::Aov;
 use crate::seen::Micropolygon;
@@ -102,6 +102,9 @@ pub struct Samples {
     pub(crate) y: Vec<f32>,
     /// Part of the time that the shutter is open, in pictures of motion without a lens.
     pub(crate) time: Vec<f32>,
+    /// Which part of the pattern the places are of, and how many pixels; what depths are where nothing is.
+    pattern: Option<([i64; 2], [usize; 2])>,
+    empty: Vec<f32>,
     /// Depth of the nearest thing that is opaque.
     pub(crate) z: Vec<f32>,
     /// The number of the micropolygon that it is; none, once its colour is known.
@@ -128,37 +131,11 @@ impl Samples {
     /// Start a bucket whose pixels, margin included, begin at (`x0`, `y0`).
     pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
-        let [sx, sy] = self.strata;
-        self.padded = if jitter.moments.is_some() && !jitter.lens { (sx * sy).next_multiple_of(LANES) } else { 0 };
-        (self.columns, self.rows) = match self.padded {
-            0 => ((width * sx).div_ceil(CELL[0]), (height * sy).div_ceil(CELL[1])),
-            padded => (width * padded / LANES, height),
-        };
-        let n = self.columns * self.rows * LANES;
-        for places in [&mut self.x, &mut self.y] {
-            places.clear();
-            places.resize(n, f32::INFINITY);
-        }
-        // Lanes of a cell that lie beyond the last stratum are nowhere, and take nothing.
+        self.depth = aovs.iter().map(Aov::width).sum();
+        self.set_places(jitter);
+        let n = self.x.len();
         self.z.clear();
-        self.z.resize(n, 0.0);
-        let moments = jitter.moments.as_ref().filter(|_| self.padded > 0);
-        self.time.resize(if moments.is_some() { n } else { 0 }, 0.0);
-        for (px, py) in (0..height).flat_map(|py| (0..width).map(move |px| (px, py))) {
-            let pixel = [px as i64 + x0, py as i64 + y0];
-            for (row, column) in (0..sy).flat_map(|row| (0..sx).map(move |column| (row, column))) {
-                let k = self.index([px, py], [column, row]);
-                let mut place = [column, row];
-                if let Some(moments) = moments {
-                    // In the order of their times.
-                    let (sample, [time, ..]) = moments.of(pixel[0], pixel[1], row * sx + column);
-                    self.time[k] = time;
-                    place = sample.map(usize::from);
-                }
-                let [x, y] = jitter.in_pixel(pixel, place);
-                (self.x[k], self.y[k], self.z[k]) = (px as f32 + x, py as f32 + y, f32::INFINITY);
-            }
-        }
+        self.z.extend_from_slice(&self.empty);
         self.set_moments(jitter);
         self.seen.clear();
         self.seen.resize(n, Micropolygon::NONE.number());
@@ -170,7 +147,6 @@ impl Samples {
         self.list.clear();
         self.list.resize(n, NONE);
         self.layers.clear();
-        self.depth = aovs.iter().map(Aov::width).sum();
         self.outputs.clear();
         self.outputs.resize(n * self.depth, 0.0);
         self.blocks = width.div_ceil(BLOCK);
@@ -178,6 +154,46 @@ impl Samples {
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
         self.block_dirty.clear();
         self.block_dirty.resize(self.block_z.len(), false);
+    }
+
+    /// Put the samples in their places, which repeat from bucket to bucket.
+    fn set_places(&mut self, jitter: &Jitter) {
+        let (width, height, [sx, sy]) = (self.width, self.height, self.strata);
+        let pattern = ([self.x0, self.y0].map(|x| x.rem_euclid(PERIOD as i64)), [width, height]);
+        if self.pattern == Some(pattern) {
+            return;
+        }
+        self.pattern = Some(pattern);
+        self.padded = if jitter.moments.is_some() && !jitter.lens { (sx * sy).next_multiple_of(LANES) } else { 0 };
+        (self.columns, self.rows) = match self.padded {
+            0 => ((width * sx).div_ceil(CELL[0]), (height * sy).div_ceil(CELL[1])),
+            padded => (width * padded / LANES, height),
+        };
+        let n = self.columns * self.rows * LANES;
+        for places in [&mut self.x, &mut self.y] {
+            places.clear();
+            places.resize(n, f32::INFINITY);
+        }
+        // Lanes of a cell that lie beyond the last stratum are nowhere, and take nothing.
+        self.empty.clear();
+        self.empty.resize(n, 0.0);
+        let moments = jitter.moments.as_ref().filter(|_| self.padded > 0);
+        self.time.resize(if moments.is_some() { n } else { 0 }, 0.0);
+        for (px, py) in (0..height).flat_map(|py| (0..width).map(move |px| (px, py))) {
+            let pixel = [px as i64 + self.x0, py as i64 + self.y0];
+            for (row, column) in (0..sy).flat_map(|row| (0..sx).map(move |column| (row, column))) {
+                let k = self.index([px, py], [column, row]);
+                let mut place = [column, row];
+                if let Some(moments) = moments {
+                    // In the order of their times.
+                    let (sample, [time, ..]) = moments.of(pixel[0], pixel[1], row * sx + column);
+                    self.time[k] = time;
+                    place = sample.map(usize::from);
+                }
+                let [x, y] = jitter.in_pixel(pixel, place);
+                (self.x[k], self.y[k], self.empty[k]) = (px as f32 + x, py as f32 + y, f32::INFINITY);
+            }
+        }
     }
 
     /// Whether everything in a raster rectangle (absolute pixels) at or behind depth `z` is hidden already.
@@ -288,14 +304,15 @@ impl Samples {
         }
     }
 
-    /// Give what is seen its colours.
-    pub fn paint(&mut self, paint: impl Fn(Micropolygon, [f32; 2], &mut [f32]) -> Paint) {
+    /// Give what is seen its colours: `paint` is told the micropolygon, where it is met, and whether it is a layer that others may
+    /// be seen through; it gives what displays take besides.
+    pub fn paint(&mut self, mut paint: impl FnMut(Micropolygon, [f32; 2], bool, &mut [f32]) -> Paint) {
         let n = self.list.len();
         for k in 0..n {
             let seen = Micropolygon::of_number(self.seen[k]);
             if seen != Micropolygon::NONE {
                 let own = &mut self.outputs[k * self.depth..][..self.depth];
-                let found = paint(seen, [self.weights[0][k], self.weights[1][k]], own);
+                let found = paint(seen, [self.weights[0][k], self.weights[1][k]], false, own);
                 self.color[k] = if found.matte { [0.0; 3] } else { found.color.to_array() };
                 self.alpha[k] = if found.matte { 0.0 } else { 1.0 };
                 self.seen[k] = Micropolygon::NONE.number();
@@ -312,7 +329,7 @@ impl Samples {
                 let layer = &mut self.layers[at as usize];
                 if layer.micropolygon != Micropolygon::NONE {
                     if layer.z < self.z[k] {
-                        let found = paint(layer.micropolygon, layer.weights, own);
+                        let found = paint(layer.micropolygon, layer.weights, true, own);
                         (layer.color, layer.opacity) = (found.color.to_array(), found.opacity.to_array());
                     }
                     layer.micropolygon = Micropolygon::NONE;
@@ -372,6 +389,8 @@ impl Samples {
         let [sx, sy] = self.strata;
         let mut out = Pixels::default();
         let mut sums = vec![0.0; self.depth];
+        // A box of a pixel takes its own samples and no others.
+        let alone = fx.is_pixel() && fy.is_pixel();
         for py in margin[1]..self.height - margin[1] {
             for px in margin[0]..self.width - margin[0] {
                 let (cx, cy) = (px as f32 + 0.5, py as f32 + 0.5);
@@ -384,7 +403,7 @@ impl Samples {
                     for row in 0..sy {
                         for column in 0..sx {
                             let k = self.index([qx, qy], [column, row]);
-                            let w = fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy);
+                            let w = if alone { 1.0 } else { fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy) };
                             if w != 0.0 {
                                 for c in 0..3 {
                                     sum[c] += w * self.color[k][c];

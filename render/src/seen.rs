@@ -71,8 +71,6 @@ struct Seen {
     points: Points,
     /// Ci and Oi are there.
     shaded: bool,
-    smooth: bool,
-    matte: bool,
     /// How far it may be displaced, and its least depth.
     reach: f32,
     z: f32,
@@ -82,14 +80,30 @@ struct Seen {
     motion: Vec<[f32; 2]>,
     /// What displays take besides colour, if it is shaded.
     outputs: Vec<f32>,
+}
+
+/// What samples need to know of a grid, small enough for all of them to lie close.
+struct Brief {
     /// Its first point among those of all.
     first: usize,
+    nu: usize,
+    smooth: bool,
+    matte: bool,
+}
+
+impl Brief {
+    /// Corners of a triangle among the points of all grids; of a flat one, the first alone counts.
+    #[inline(always)]
+    fn corners(&self, m: Micropolygon) -> [usize; 3] {
+        m.corners(self.nu).map(|k| self.first + k)
+    }
 }
 
 /// The grids of a bucket that are seen.
 #[derive(Default)]
 pub struct Held {
     grids: Vec<Seen>,
+    briefs: Vec<Brief>,
     n: usize,
     wanted: Vec<bool>,
     color: Vec<Vec3A>,
@@ -121,7 +135,8 @@ pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
     let uniform = job.grid.uniform;
     let motion = if job.frame.aovs.iter().any(|a| a.name == "motion") { job.grid.motion().collect() } else { vec![] };
     let outputs = if shaded { std::mem::take(&mut job.outputs) } else { vec![] };
-    held.grids.push(Seen { motion, outputs, item, uniform, points, shaded, smooth, matte, reach, z, first });
+    held.briefs.push(Brief { first, nu: points.nu, smooth, matte });
+    held.grids.push(Seen { motion, outputs, item, uniform, points, shaded, reach, z });
     if held.n >= MOST_POINTS || held.grids.len() >= MOST_GRIDS {
         settle(job);
     }
@@ -130,26 +145,33 @@ pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
 /// Shade what is seen and give the samples its colours.
 pub fn settle(job: &mut Job<'_>) {
     let mut held = std::mem::take(&mut job.held);
-    let Held { grids, n, wanted, color, opacity, outputs, few, gathered, spare } = &mut held;
+    let begun = std::time::Instant::now();
+    let shading = job.stats.seconds.shade;
+    let Held { grids, briefs, n, wanted, color, opacity, outputs, few, gathered, spare } = &mut held;
     let (aovs, depth) = (job.frame.aovs, job.frame.depth);
     wanted.clear();
     wanted.resize(*n, false);
+    // Neighbouring samples often see the same micropolygon.
+    let mut last = Micropolygon::NONE;
     job.samples.for_each_seen(|m| {
-        let grid = &grids[m.grid()];
-        if grid.smooth {
-            m.corners(grid.points.nu).into_iter().for_each(|k| wanted[grid.first + k] = true);
-        } else {
-            wanted[grid.first + m.point()] = true;
+        if m != last {
+            last = m;
+            let brief = &briefs[m.grid()];
+            let [a, b, c] = brief.corners(m);
+            wanted[a] = true;
+            if brief.smooth {
+                (wanted[b], wanted[c]) = (true, true);
+            }
         }
     });
     color.resize(*n, Vec3A::ZERO);
     opacity.resize(*n, Vec3A::ZERO);
     outputs.resize(*n * depth, 0.0);
-    for grid in grids.iter_mut() {
-        let range = grid.first..grid.first + grid.points.n();
+    for (grid, brief) in grids.iter_mut().zip(&*briefs) {
+        let range = brief.first..brief.first + grid.points.n();
         few.clear();
         few.extend(wanted[range.clone()].iter().enumerate().filter(|(_, w)| **w).map(|(k, _)| k as u32));
-        if few.is_empty() || grid.matte && !grid.shaded {
+        if few.is_empty() || brief.matte && !grid.shaded {
             continue;
         }
         let view = job.frame.scene.view(grid.item);
@@ -174,34 +196,44 @@ pub fn settle(job: &mut Job<'_>) {
             (color[k], opacity[k]) = (of(ci, from), of(oi, from));
             if depth > 0 {
                 let own = if grid.shaded { &grid.outputs } else { &job.outputs };
-                let goal = &mut outputs[(grid.first + k) * depth..][..depth];
+                let goal = &mut outputs[(brief.first + k) * depth..][..depth];
                 goal.copy_from_slice(&own[from * depth..][..depth]);
                 put_motion(aovs, grid.motion.get(k), goal);
             }
         }
     }
-    job.samples.paint(|m, [w1, w2], own| {
-        let grid = &grids[m.grid()];
-        let matte = grid.matte;
+    let mut last = Micropolygon::NONE;
+    let (mut corners, mut smooth, mut matte, mut colors) = ([0; 3], false, false, [Vec3A::ZERO; 3]);
+    job.samples.paint(|m, [w1, w2], layer, own| {
+        if m != last {
+            last = m;
+            let brief = &briefs[m.grid()];
+            (corners, smooth, matte) = (brief.corners(m), brief.smooth, brief.matte);
+            colors = corners.map(|k| color[k]);
+        }
+        let [a, b, c] = corners;
         let of = |k: usize| &outputs[k * depth..][..depth];
-        if !grid.smooth {
-            let k = grid.first + m.point();
-            own.copy_from_slice(of(k));
-            return Paint { color: color[k], opacity: opacity[k], matte };
+        if !smooth {
+            own.copy_from_slice(of(a));
+            return Paint { color: colors[0], opacity: opacity[a], matte };
         }
         let w = within([1.0 - w1 - w2, w1, w2]);
-        let [a, b, c] = m.corners(grid.points.nu).map(|k| grid.first + k);
         for (i, own) in own.iter_mut().enumerate() {
             // What is the same at all corners stays that to the bit.
             let [a, b, c] = [a, b, c].map(|k| of(k)[i]);
             *own = a + (b - a) * w[1] + (c - a) * w[2];
         }
-        let mix = |v: &[Vec3A]| v[a] * w[0] + v[b] * w[1] + v[c] * w[2];
-        Paint { color: mix(color), opacity: mix(opacity), matte }
+        let mixed = |[a, b, c]: [Vec3A; 3]| a * w[0] + b * w[1] + c * w[2];
+        // What is opaque hides all, whatever it says.
+        let opacity = if layer { mixed([opacity[a], opacity[b], opacity[c]]) } else { Vec3A::ONE };
+        Paint { color: mixed(colors), opacity, matte }
     });
+    briefs.clear();
     spare.extend(grids.drain(..).map(|grid| grid.points));
     *n = 0;
     job.held = held;
+    let shading = job.stats.seconds.shade - shading;
+    job.stats.seconds.filter += begun.elapsed().as_secs_f64() - shading;
 }
 
 /// Some points of a grid, as a row of their own; the first `uniform` of its primitive variables are the same all over.

@@ -201,9 +201,38 @@ impl Cap {
         let tiles = (2 * half).div_ceil(TILE);
         let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
         for tile in 0..tiles * tiles {
-            self.dice(job, view, &ball, range(tile % tiles), range(tile / tiles));
+            let (i, j) = (range(tile % tiles), range(tile / tiles));
+            let (middle, spread) = self.around(&mut job.disk, i, j);
+            let around = ball.center + ball.linear * middle;
+            let reach = 2.0 * (0.5 * spread).sin() * ball.longest();
+            let box_at = |instant: &Instant| {
+                let c = instant.to_camera.transform_point3(around);
+                (c - reach, c + reach)
+            };
+            if tiles > 1 && !job.worth(box_at) {
+                continue;
+            }
+            self.dice(job, view, &ball, i, j);
             finish(job, item, view, &Diced { apron: false, keep: [1; 4] }, 0.0);
         }
+    }
+
+    /// The direction of a point of the lattice.
+    fn direction(&self, disk: &mut Disk, i: usize, j: usize) -> Vec3 {
+        let half = self.rings.len() as i32 - 1;
+        let (a, b) = (i as i32 - half, j as i32 - half);
+        let [cos, sin] = self.rings[a.abs().max(b.abs()) as usize];
+        let [x, y] = disk.direction(a, b);
+        self.axes[0] * cos + (self.axes[1] * x + self.axes[2] * y) * sin
+    }
+
+    /// A direction in the middle of a tile, and the angle from there within which all of it is: its corners lie farthest, up to a
+    /// little.
+    fn around(&self, disk: &mut Disk, i: [usize; 2], j: [usize; 2]) -> (Vec3, f32) {
+        let middle = self.direction(disk, (i[0] + i[1]) / 2, (j[0] + j[1]) / 2);
+        let corners = [(i[0], j[0]), (i[1], j[0]), (i[0], j[1]), (i[1], j[1])];
+        let angle = |(i, j): (usize, usize)| self.direction(disk, i, j).angle_between(middle);
+        (middle, 1.1 * corners.map(angle).into_iter().fold(0.0, f32::max) + 1e-3)
     }
 
     fn dice(&self, job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, i: [usize; 2], j: [usize; 2]) {
@@ -371,6 +400,25 @@ mod tests {
         on_edges.sort();
         on_edges.dedup();
         assert_eq!(on_edges.len(), 12 * 12 + 8);
+    }
+
+    #[test]
+    fn tiles_of_a_cap_lie_within_their_bounds() {
+        for (half, horizon) in [(3usize, 1.5f32), (12, 1.2), (40, 0.7), (55, 1.56)] {
+            let angle = |k: usize| (k as f32 / half as f32 * horizon.sin()).min(1.0).asin();
+            let rings = (0..=half).map(|k| [angle(k).cos(), angle(k).sin()]).collect();
+            let cap = Cap { axes: [Vec3::Z, Vec3::X, Vec3::Y], rings, outline: (half, [0.0, 1.0]) };
+            let mut disk = Disk::default();
+            let tiles = (2 * half).div_ceil(TILE);
+            let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
+            for (i, j) in (0..tiles * tiles).map(|t| (range(t % tiles), range(t / tiles))) {
+                let (middle, spread) = cap.around(&mut disk, i, j);
+                for (a, b) in (i[0]..=i[1]).flat_map(|a| (j[0]..=j[1]).map(move |b| (a, b))) {
+                    let off = cap.direction(&mut disk, a, b).angle_between(middle);
+                    assert!(off <= spread, "{half} {i:?} {j:?}: {off} beyond {spread}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -231,13 +231,12 @@ impl sl::machine::Scene for View<'_> {
         self.scene.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
     }
 
-    fn emitter(&self, light: usize, places: &[[f32; 3]]) -> Option<Emitter> {
+    fn emitter(&self, light: usize, n: usize, place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         let (area, sample) = self.attributes.emitters.get(light).copied().flatten()?;
         let light = &self.scene.area_lights[area as usize];
-        let n = places.len();
         let (mut points, mut normals) = (vec![0.0; 3 * n], vec![0.0; 3 * n]);
-        for (k, place) in places.iter().enumerate() {
-            let at = sl::spread(sample as usize, *place);
+        for k in 0..n {
+            let at = sl::spread(sample as usize, place(k));
             let (p, m) = light.area.point(at).unwrap_or_default();
             for c in 0..3 {
                 (points[c * n + k], normals[c * n + k]) = (p[c], m[c]);

@@ -66,8 +66,8 @@ pub trait Scene {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]>;
     /// How much light gets from one point to another: 1 all, 0 none.
     fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3];
-    /// Where on an area light its light of a number in [`Scene::lights`] is, for places that it lights.
-    fn emitter(&self, _light: usize, _places: &[[f32; 3]]) -> Option<Emitter> {
+    /// Where on an area light its light of a number in [`Scene::lights`] is, for `n` places that it lights.
+    fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         None
     }
     /// What the scene knows under some names.
@@ -1299,8 +1299,7 @@ impl Machine {
         points.globals.push(("Ps", position.to_vec()));
         points.globals.push(("L", vec![0.0; 3]));
         points.globals.push(("Cl", vec![0.0; 3]));
-        let places: Vec<[f32; 3]> = (0..self.n).map(|k| triple(position, k, self.n)).collect();
-        let emitter = scene.emitter(i, &places);
+        let emitter = scene.emitter(i, self.n, &|k| triple(position, k, self.n));
         if let Some(emitter) = &emitter {
             points.globals.push(("P", emitter.points.clone()));
             points.globals.push(("N", emitter.normals.clone()));
