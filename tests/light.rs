@@ -121,3 +121,30 @@ fn what_a_shader_cuts_out_lets_light_through() {
         }
     }
 }
+
+#[test]
+fn a_sky_lights_what_faces_it() {
+    // The upper half of the sky shines 1, the lower one not at all: a wall shines as the cosine to the zenith has it.
+    let sky = {
+        let mut picture = image::Rgb32FImage::new(64, 32);
+        picture.enumerate_pixels_mut().for_each(|(_, y, p)| p.0 = [if y < 16 { 1.0 } else { 0.0 }; 3]);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+        bytes.into_inner()
+    };
+    // Seen along z, which is the sky's zenith: walls that face the eye look down, and are turned from there.
+    for (turn, expected) in [(0.0f32, 0.0f32), (60.0, 0.25)] {
+        let p = render_with(
+            &[("sky.exr", &sky)],
+            &ORTHO.replace("8 8", "2 2"),
+            &format!(
+                "AttributeBegin Attribute \"visibility\" \"int camera\" 0 Attribute \"light\" \"int nsamples\" 256
+                AreaLightSource \"envlight\" \"sky\" \"string envname\" \"sky.exr\" ReverseOrientation Sphere 1000 -1000 1000 360 AttributeEnd
+                Illuminate \"sky\" 1 Surface \"matte\" \"Ka\" 0 \"Kd\" 1 Rotate {turn} 1 0 0 {WALL}"
+            ),
+        );
+        let found = mean(&p, 30..50, 35..45, 0);
+        // Of a wall whose normal is at an angle a to the zenith, (1 + cos a) / 2.
+        assert!((found - expected).abs() < 0.02, "{turn}: {found}, expected {expected}");
+    }
+}

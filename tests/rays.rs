@@ -137,3 +137,24 @@ fn shaders_know_the_spaces_of_the_picture() {
         }
     }
 }
+
+#[test]
+fn textures_in_files_look_as_those_in_memory() {
+    let mut picture = image::RgbImage::new(700, 500);
+    picture
+        .enumerate_pixels_mut()
+        .for_each(|(x, y, p)| p.0 = [(x * 7 ^ y * 3) as u8, (x / 3 + y) as u8, (x * y / 50) as u8]);
+    let mut png = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let png = png.into_inner();
+    let draw = |kib: &str| {
+        let options =
+            format!("Option \"limits\" \"uniform integer texturememory\" [{kib}] {}", ORTHO.replace("8 8", "3 3"));
+        let world =
+            "Surface \"map\" Rotate 50 1 0 0 Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] \"st\" [0 0 1 0 1 1 0 1]";
+        let map = b"surface map() { Ci = texture(\"p.png\", s, t); Oi = 1; }";
+        render_with(&[("map.sl", map), ("p.png", &png)], &options, world)
+    };
+    let (much, little) = (draw("1000000"), draw("1"));
+    assert!(much.pixels == little.pixels && much.pixels.iter().any(|p| p[0] > 0.2));
+}

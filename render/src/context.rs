@@ -462,7 +462,7 @@ impl Ri for Context {
             spaces: std::mem::take(&mut self.scene.spaces),
             options: std::mem::take(&mut self.scene.options),
             clipping: self.options.clipping,
-            textures: Textures::new(self.files.folders.clone(), self.made.clone()),
+            textures: Textures::new(self.files.folders.clone(), self.made.clone(), self.options.texture_memory),
             ..Scene::default()
         };
         // Spaces that were set before are in camera space.
@@ -711,6 +711,12 @@ impl Ri for Context {
             && let Some(size) = params.iter().find(|p| p.decl.name == "bucketsize").and_then(|p| p.numbers().first())
         {
             self.options.bucket_size = (*size as usize).clamp(8, 512);
+        }
+        if name == "limits"
+            && let Some(kib) = params.iter().find(|p| p.decl.name == "texturememory").and_then(|p| p.numbers().first())
+        {
+            positive(*kib, "the texture memory")?;
+            self.options.texture_memory = (*kib as usize).saturating_mul(1024);
         }
         if name == "searchpath" {
             // Folders, separated by colons; `&` and `@` stand for what is searched anyway.

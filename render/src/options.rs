@@ -4,6 +4,7 @@ use crate::area::Emitter;
 use crate::bucket::Share;
 use crate::filter::FilterKind;
 use crate::output::Display;
+use crate::texture::texels;
 use glam::Mat4;
 use sl::machine::BoundShader;
 use std::sync::Arc;
@@ -62,6 +63,8 @@ pub struct Options {
     pub crop: [f32; 4],
     /// The share of the buckets that is drawn; all if not given.
     pub share: Option<Share>,
+    /// Bytes that textures may take in memory; what finds no room is read from a file as it is needed.
+    pub texture_memory: usize,
     /// Factor of all levels of detail.
     pub relative_detail: f32,
     /// What finds out what is seen.
@@ -95,6 +98,7 @@ impl Default for Options {
             bucket_size: 64,
             crop: [0.0, 1.0, 0.0, 1.0],
             share: None,
+            texture_memory: texels::MEMORY,
             relative_detail: 1.0,
             hider: Hider::Hidden,
             about: vec![],

@@ -1,15 +1,18 @@
 //! Textures: pictures as mip-maps, looked up with a filter as wide as a micropolygon.
 
+pub mod texels;
+
 use crate::scene::Scene;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use texels::{Cache, Levels, Texels, decoded};
 
-/// A picture and its reductions by halves; four channels, linear light.
+/// A picture and its reductions by halves; four channels.
 pub struct Texture {
-    levels: Vec<(usize, usize, Vec<[f32; 4]>)>,
+    levels: Levels,
     /// What lies beyond its edges: `black`, `clamp` or `periodic`, along s and t.
     wrap: [Wrap; 2],
 }
@@ -63,12 +66,28 @@ pub struct Textures {
     /// What `MakeTexture` and its kin named.
     made: Made,
     loaded: Mutex<HashMap<String, Option<Arc<Map>>>>,
+    /// Bytes that textures may take in memory.
+    memory: usize,
+    cache: Arc<Cache>,
+}
+
+impl Map {
+    /// Bytes that it takes in memory.
+    fn bytes(&self) -> usize {
+        match self {
+            Map::Picture(texture) => texture.levels.bytes(),
+            Map::Cube(faces, _) => faces.iter().map(|f| f.levels.bytes()).sum(),
+        }
+    }
 }
 
 impl Textures {
     /// Textures of files in folders.
-    pub fn new(folders: Vec<PathBuf>, made: Made) -> Textures {
-        Textures { folders, made, loaded: Mutex::default() }
+    pub fn new(folders: Vec<PathBuf>, made: Made, memory: usize) -> Textures {
+        let cache = Arc::new(Cache::default());
+        // A quarter is for the tiles of those that find no room.
+        cache.limit(memory / 4);
+        Textures { folders, made, loaded: Mutex::default(), memory, cache }
     }
 
     /// A texture by its name; the first failure is a warning.
@@ -77,11 +96,16 @@ impl Textures {
         if let Some(known) = loaded.get(name) {
             return known.clone();
         }
+        let taken = loaded.values().flatten().map(|map| map.bytes()).sum::<usize>();
+        let room = std::cell::Cell::new((self.memory / 4 * 3).saturating_sub(taken));
         let read = |path: &PathBuf, wrap| {
             let found = self.folders.iter().map(|f| f.join(path)).find(|p| p.is_file());
-            Texture::read(found.as_ref().unwrap_or(path), wrap).map_err(|e| format!("`{}`: {e}", path.display()))
+            let texture = Texture::read(found.as_ref().unwrap_or(path), wrap, room.get(), &self.cache)
+                .map_err(|e| format!("`{}`: {e}", path.display()))?;
+            room.set(room.get().saturating_sub(texture.levels.bytes()));
+            Ok(texture)
         };
-        let map = match self.made.get(name) {
+        let map: Result<Map, String> = match self.made.get(name) {
             Some(Source::Picture(path, wrap)) => read(path, *wrap).map(Map::Picture),
             Some(Source::CubeFaces(paths, fov)) => {
                 let faces: Result<Vec<_>, _> = paths.iter().map(|p| read(p, [Wrap::Clamp; 2])).collect();
@@ -105,7 +129,8 @@ impl Textures {
             Map::Picture(picture) => picture,
             Map::Cube(faces, _) => &faces[0],
         };
-        Some([first.levels[0].0 as f32, first.levels[0].1 as f32])
+        let (w, h) = first.levels.size(0);
+        Some([w as f32, h as f32])
     }
 
     /// Four channels of a map at a place.
@@ -178,7 +203,7 @@ fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
 
 impl Texture {
     /// Read a picture.
-    fn read(path: &std::path::Path, wrap: [Wrap; 2]) -> Result<Texture, String> {
+    fn read(path: &std::path::Path, wrap: [Wrap; 2], room: usize, cache: &Arc<Cache>) -> Result<Texture, String> {
         let mut reader = image::ImageReader::open(path)
             .map_err(|e| e.to_string())?
             .with_guessed_format()
@@ -187,35 +212,29 @@ impl Texture {
         limits.max_alloc = Some(4 << 30);
         reader.limits(limits);
         let picture = reader.decode().map_err(|e| e.to_string())?;
-        let linear = matches!(picture, image::DynamicImage::ImageRgb32F(_) | image::DynamicImage::ImageRgba32F(_));
-        let picture = picture.to_rgba32f();
         let (w, h) = (picture.width() as usize, picture.height() as usize);
-        // Pictures of whole numbers are encoded for screens (IEC 61966-2-1).
-        let decode = |x: f32| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-        let texels = picture.pixels().map(|p| {
-            let [r, g, b, a] = p.0;
-            if linear { [r, g, b, a] } else { [decode(r), decode(g), decode(b), a] }
-        });
-        let mut levels = vec![(w, h, texels.collect::<Vec<_>>())];
-        while levels[levels.len() - 1].0 > 1 || levels[levels.len() - 1].1 > 1 {
-            let (w, h, from) = &levels[levels.len() - 1];
-            let (nw, nh) = (w.div_ceil(2), h.div_ceil(2));
-            let mut to = Vec::with_capacity(nw * nh);
-            for j in 0..nh {
-                for i in 0..nw {
-                    let at = |di: usize, dj: usize| from[(2 * j + dj).min(h - 1) * w + (2 * i + di).min(w - 1)];
-                    let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-                    to.push([0, 1, 2, 3].map(|c| four.iter().map(|t| t[c]).sum::<f32>() * 0.25));
-                }
+        use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
+        let linear = matches!(picture, ImageRgb32F(_) | ImageRgba32F(_));
+        let texels = match picture {
+            ImageLuma8(_) | ImageLumaA8(_) | ImageRgb8(_) | ImageRgba8(_) => {
+                Texels::Bytes(picture.into_rgba8().pixels().map(|p| p.0).collect())
             }
-            levels.push((nw, nh, to));
-        }
+            _ => {
+                let own = |[r, g, b, a]: [f32; 4]| {
+                    // Pictures of whole numbers are encoded for screens.
+                    if linear { [r, g, b, a] } else { [decoded(r), decoded(g), decoded(b), a] }
+                };
+                Texels::Floats(picture.into_rgba32f().pixels().map(|p| own(p.0)).collect())
+            }
+        };
+        let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
         Ok(Texture { levels, wrap })
     }
 
     /// The mean about a place over a width, parts of the picture: between two levels, bilinear in each; a few along the longer side.
     fn filtered(&self, at: [f32; 2], width: [f32; 2]) -> [f32; 4] {
-        let (w, h) = (self.levels[0].0 as f32, self.levels[0].1 as f32);
+        let (w, h) = self.levels.size(0);
+        let (w, h) = (w as f32, h as f32);
         let texels = [(width[0] * w).max(1.0), (width[1] * h).max(1.0)];
         let long = if texels[0] > texels[1] { 0 } else { 1 };
         let ratio = (texels[long] / texels[1 - long]).min(8.0);
@@ -234,8 +253,8 @@ impl Texture {
     }
 
     fn bilinear(&self, level: usize, at: [f32; 2]) -> [f32; 4] {
-        let (w, h, texels) = &self.levels[level];
-        let (x, y) = (at[0] * *w as f32 - 0.5, at[1] * *h as f32 - 0.5);
+        let (w, h) = self.levels.size(level);
+        let (x, y) = (at[0] * w as f32 - 0.5, at[1] * h as f32 - 0.5);
         if !(x.is_finite() && y.is_finite()) {
             return [0.0; 4];
         }
@@ -247,8 +266,8 @@ impl Texture {
             Wrap::Black if k >= -1.0 && k <= n as f32 => Some(k.clamp(0.0, n as f32 - 1.0) as usize),
             Wrap::Black => None,
         };
-        let texel = |i: f32, j: f32| match (wrapped(i, *w, self.wrap[0]), wrapped(j, *h, self.wrap[1])) {
-            (Some(i), Some(j)) => texels[j * w + i],
+        let texel = |i: f32, j: f32| match (wrapped(i, w, self.wrap[0]), wrapped(j, h, self.wrap[1])) {
+            (Some(i), Some(j)) => self.levels.at(level, i, j),
             _ => [0.0; 4],
         };
         let (s, t) = (x - i, y - j);
