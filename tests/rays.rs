@@ -143,7 +143,7 @@ fn textures_in_files_look_as_those_in_memory() {
     let mut picture = image::RgbImage::new(700, 500);
     picture
         .enumerate_pixels_mut()
-        .for_each(|(x, y, p)| p.0 = [(x * 7 ^ y * 3) as u8, (x / 3 + y) as u8, (x * y / 50) as u8]);
+        .for_each(|(x, y, p)| p.0 = [((x * 7) ^ (y * 3)) as u8, (x / 3 + y) as u8, (x * y / 50) as u8]);
     let mut png = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
     let png = png.into_inner();

@@ -6,7 +6,7 @@
 
 use crate::bucket::Job;
 use crate::motion::{Instant, later};
-use crate::scene::{Item, ItemView, Patch, Shape, bilinear, point_of};
+use crate::scene::{Item, ItemView, Patch, Shape, bernstein, bernstein_slope, bilinear, point_of};
 use crate::shade::{Diced, displacement_reach, finish};
 use crate::sphere::whole_sphere;
 use glam::Vec3;
@@ -243,12 +243,24 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     let mut normal = std::mem::take(points.refill("N"));
     p.resize(3 * n, 0.0);
     normal.resize(3 * n, 0.0);
+    let along: Vec<([f32; 4], [f32; 4])> = us.iter().map(|u| (bernstein(*u), bernstein_slope(*u))).collect();
+    let mix = |c: &[Vec3; 4], w: &[f32; 4]| c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3];
+    // What is flat has one normal, but for the tips of triangles.
+    let even = (patch.flat && given.is_none()).then(|| normals * patch.normal(0.5, 0.5));
+    let even = even.map(|m| m.normalize_or_zero() * sign);
     for (j, v) in vs.iter().enumerate() {
-        for (i, u) in us.iter().enumerate() {
+        // The row as a curve along u, and its slope along v.
+        let (bv, dv) = (bernstein(*v), bernstein_slope(*v));
+        let column = |i: usize, w: &[f32; 4]| mix(&[0, 4, 8, 12].map(|row| patch.p[row + i]), w);
+        let (row, rise) = ([0, 1, 2, 3].map(|i| column(i, &bv)), [0, 1, 2, 3].map(|i| column(i, &dv)));
+        for (i, (u, (bu, du))) in us.iter().zip(&along).enumerate() {
             let k = j * us.len() + i;
-            let q = view.to_world.transform_point3(patch.at(*u, *v));
-            let own = given.map_or_else(|| patch.normal(*u, *v), |n| normal_at(n, *u, *v));
-            let m = (normals * own).normalize_or_zero() * sign;
+            let q = view.to_world.transform_point3(mix(&row, bu));
+            let m = even.unwrap_or_else(|| {
+                let own = given
+                    .map_or_else(|| patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v), |n| normal_at(n, *u, *v));
+                (normals * own).normalize_or_zero() * sign
+            });
             (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
             (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
         }

@@ -333,14 +333,19 @@ impl Patch {
 
     /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.
     pub fn normal(&self, u: f32, v: f32) -> Vec3 {
-        let (mut u, mut v) = (u, v);
+        let (du, dv) = self.slopes(u, v);
+        self.normal_of(du, dv, u, v)
+    }
+
+    /// The normal at (u, v), whose derivatives are given.
+    pub fn normal_of(&self, mut du: Vec3, mut dv: Vec3, mut u: f32, mut v: f32) -> Vec3 {
         for _ in 0..3 {
-            let (du, dv) = self.slopes(u, v);
             let n = du.cross(dv);
             if n.length_squared() > 1e-12 * du.length_squared().max(dv.length_squared()).powi(2) {
                 return n.normalize();
             }
             (u, v) = (u + (0.5 - u) * 0.02, v + (0.5 - v) * 0.02);
+            (du, dv) = self.slopes(u, v);
         }
         Vec3::ZERO
     }
@@ -367,12 +372,14 @@ pub(crate) fn lerp4(c: [Vec3; 4], u: f32, v: f32) -> Vec3 {
     c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v)
 }
 
-fn bernstein(t: f32) -> [f32; 4] {
+/// Bernstein's polynomials of the third degree.
+pub(crate) fn bernstein(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
     [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
 }
 
-fn bernstein_slope(t: f32) -> [f32; 4] {
+/// Their derivatives.
+pub(crate) fn bernstein_slope(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
     [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
 }
