@@ -5,7 +5,7 @@
 
 use crate::bucket::Job;
 use crate::output::Aov;
-use crate::sample::{Paint, within};
+use crate::sample::Triangle;
 use crate::scene::Item;
 use crate::shade::{shade, surface_opacity};
 use glam::Vec3A;
@@ -202,32 +202,13 @@ pub fn settle(job: &mut Job<'_>) {
             }
         }
     }
-    let mut last = Micropolygon::NONE;
-    let (mut corners, mut smooth, mut matte, mut colors) = ([0; 3], false, false, [Vec3A::ZERO; 3]);
-    job.samples.paint(|m, [w1, w2], layer, own| {
-        if m != last {
-            last = m;
-            let brief = &briefs[m.grid()];
-            (corners, smooth, matte) = (brief.corners(m), brief.smooth, brief.matte);
-            colors = corners.map(|k| color[k]);
-        }
-        let [a, b, c] = corners;
-        let of = |k: usize| &outputs[k * depth..][..depth];
-        if !smooth {
-            own.copy_from_slice(of(a));
-            return Paint { color: colors[0], opacity: opacity[a], matte };
-        }
-        let w = within([1.0 - w1 - w2, w1, w2]);
-        for (i, own) in own.iter_mut().enumerate() {
-            // What is the same at all corners stays that to the bit.
-            let [a, b, c] = [a, b, c].map(|k| of(k)[i]);
-            *own = a + (b - a) * w[1] + (c - a) * w[2];
-        }
-        let mixed = |[a, b, c]: [Vec3A; 3]| a * w[0] + b * w[1] + c * w[2];
-        // What is opaque hides all, whatever it says.
-        let opacity = if layer { mixed([opacity[a], opacity[b], opacity[c]]) } else { Vec3A::ONE };
-        Paint { color: mixed(colors), opacity, matte }
-    });
+    let look = |m: Micropolygon| {
+        let brief = &briefs[m.grid()];
+        let corners = brief.corners(m);
+        let (smooth, matte) = (brief.smooth, brief.matte);
+        Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
+    };
+    job.samples.paint(look, outputs);
     briefs.clear();
     spare.extend(grids.drain(..).map(|grid| grid.points));
     *n = 0;

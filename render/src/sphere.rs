@@ -1,8 +1,9 @@
 //! Dicing spheres: as one lattice that is the same from every bucket, so that no two of its grids can part.
 //!
 //! Of a sphere that keeps its form and hides its back, the half that the eye sees is diced, evenly as the eye sees it ([`Cap`]).
-//! Others are six faces of a cube blown up to the sphere, even to a quarter, without poles. Where a sphere crosses the near
-//! plane or fills the picture it is drawn as patches instead, which are split as they need.
+//! Others, and those whose shaders look at how things change from point to point, are six faces of a cube blown up to the sphere,
+//! even to a quarter, without poles. Where a sphere crosses the near plane or fills the picture it is drawn as patches instead,
+//! which are split as they need.
 
 use crate::bucket::Job;
 use crate::motion::Instant;
@@ -122,7 +123,8 @@ pub fn draw(job: &mut Job<'_>, item: Item, view: &ItemView<'_>) {
     };
     let a = view.attributes;
     let seen_through = !a.stays_opaque();
-    if !seen_through && a.displacement.is_none() && (a.two_sided || !a.reversed) {
+    let even_on_raster = !seen_through && a.displacement.is_none() && !a.reads_neighbours();
+    if even_on_raster && (a.two_sided || !a.reversed) {
         let pixels = radius * camera.pixels_at(depth) / step;
         if let Some(cap) = Cap::new(job, &ball, pixels) {
             return cap.draw(job, item, view, Ball { linear: ball.linear / swell, ..ball });
