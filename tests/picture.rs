@@ -245,6 +245,51 @@ fn no_background_shows_between_grids() {
 }
 
 #[test]
+fn no_background_shows_where_patches_are_split_unevenly() {
+    // Smooth meshes of bicubic patches at random, seen in sharp perspective: neighbours are split to different depths.
+    let n = 10;
+    for seed in 0..4u32 {
+        let noise = |k: usize| {
+            let h = (k as u32 + 977 * seed).wrapping_mul(0x9e37_79b9);
+            ((h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d) >> 8) as f32 / (1 << 24) as f32
+        };
+        let mut p: Vec<[f32; 3]> = (0..n * n)
+            .map(|k| [(k % n) as f32 * 0.49 - 2.2, (k / n) as f32 * 0.49 - 2.2, 1.8 * noise(k) - 0.9])
+            .collect();
+        // Points that patches share lie in the middle of those beside them, so that the mesh has no edges.
+        for (step, line) in [(1, n), (n, 1)] {
+            for (at, along) in [3, 6].into_iter().flat_map(|at| (0..n).map(move |along| (at, along))) {
+                let k = at * step + along * line;
+                p[k] = [0, 1, 2].map(|c| 0.5 * (p[k - step][c] + p[k + step][c]));
+            }
+        }
+        let points: String = p.iter().flatten().map(|x| format!("{x} ")).collect();
+        let mesh = format!(
+            "Basis \"bezier\" 3 \"bezier\" 3 PatchMesh \"bicubic\" {n} \"nonperiodic\" {n} \"nonperiodic\" \"P\" [{points}]"
+        );
+        let rock = "Displacement \"rock\" \"uniform float Km\" 0.12 \"uniform float size\" 0.3 Attribute \"displacementbound\" \"sphere\" 0.3";
+        for displacement in ["", rock] {
+            let p = render(
+                &format!(
+                    "Format 160 100 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 Projection \"perspective\" \"fov\" 40 Translate 0 0 2.6 Rotate {} 1 0 0 Rotate {} 0 0 1",
+                    25 + 9 * seed,
+                    20 * seed
+                ),
+                &format!("Surface \"constant\" {displacement} {mesh}"),
+            );
+            // A pixel that is open in part though all about it is covered.
+            let at = |x: usize, y: usize| p.pixels[y * 160 + x][3];
+            let leaks = |x: usize, y: usize| {
+                let about = (y - 4..=y + 4).flat_map(|v| (x - 4..=x + 4).map(move |u| (u, v)));
+                at(x, y) < 1.0 && about.filter(|(u, v)| at(*u, *v) == 1.0).count() > 70
+            };
+            let found = (4..96).flat_map(|y| (4..156).map(move |x| (x, y))).filter(|(x, y)| leaks(*x, *y)).count();
+            assert_eq!(found, 0, "mesh {seed} {displacement}");
+        }
+    }
+}
+
+#[test]
 fn the_golden_picture_is_as_it_was() {
     let work = scratch();
     let out = work.path().join("o");

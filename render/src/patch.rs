@@ -1,8 +1,9 @@
 //! Splitting and dicing bicubic patches.
 //!
 //! A patch is split in its parameters until a piece is before the near plane, even in depth, and small enough for a grid. A
-//! grid's edge is diced by what the edge itself measures, in powers of two, and points that the edge's own rate does not have
-//! are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their insides need.
+//! grid's edge is diced by what the edge itself measures, halved where it is long and each half again, and points that the edge
+//! does not have so are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their
+//! insides need and however they are split.
 
 use crate::bucket::Job;
 use crate::motion::{Instant, later};
@@ -170,7 +171,23 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
     let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
     let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
     let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
-    let (nu, nv) = (rows.into_iter().max().unwrap_or(1), columns.into_iter().max().unwrap_or(1));
+    // An edge that is not blurred is halved where it is long, as far as that goes, so that neighbours find the same points on it
+    // however they are split.
+    let halved = |a: usize, stride: usize| {
+        let mut points = 1 | 1 << TILE;
+        let curve = [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| ahead[k]);
+        let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
+        halve(curve, 0, TILE, &length, &mut points).then_some(points)
+    };
+    let edges = [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) });
+    let own = |edge: usize, rate: usize| match edges[edge] {
+        Some(points) => segments(points),
+        None if blurred => rate,
+        None => rate.max(2 * TILE),
+    };
+    let most = |a: usize, inner: [usize; 2], b: usize| a.max(inner[0]).max(inner[1]).max(b);
+    let nu = most(own(0, rows[0]), [rows[1], rows[2]], own(1, rows[3]));
+    let nv = most(own(2, columns[0]), [columns[1], columns[2]], own(3, columns[3]));
     let uneven = camera.perspective && max.z > 2.0 * min.z;
     let deep = piece.depth >= DEEPEST;
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
@@ -180,14 +197,42 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
     let (nu, nv) = (nu.min(TILE), nv.min(TILE));
     let apron = view.attributes.displacement.is_some();
     dice(job, view, patch, piece, nu, nv, apron);
-    let keep =
-        [(nu, rows[0]), (nu, rows[3]), (nv, columns[0]), (nv, columns[3])].map(|(n, own)| (n / own.min(n)).max(1));
+    let kept = |n: usize, edge: usize, rate: usize| {
+        let every = (n / rate.min(n)).max(1);
+        let is_kept = |k: usize| edges[edge].map_or(k % every == 0, |points| points >> (k * TILE / n) & 1 == 1);
+        (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
+    };
+    let keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];
     finish(job, item, view, &Diced { apron, keep }, reach);
 }
 
 /// How much wider micropolygons may be that are blurred over so many pixels.
 pub fn coarsening(blur: f32) -> f32 {
     1.0 + blur / 5.0
+}
+
+/// Equal segments of an edge that have all these points of `TILE` at their ends.
+fn segments(points: u32) -> usize {
+    let finest = (1..=TILE).filter(|k| points >> k & 1 == 1).map(|k| k.trailing_zeros()).min();
+    TILE >> finest.unwrap_or(0)
+}
+
+/// Halve a curve from place `lo` to `hi` of an edge of `TILE` where it is longer than 1, and each half likewise, and note the
+/// places in between; false if there are not enough of them.
+fn halve(curve: [Vec3; 4], lo: usize, hi: usize, length: &impl Fn(&[Vec3; 4]) -> f32, points: &mut u32) -> bool {
+    if !(length(&curve) > 1.0) {
+        return true;
+    }
+    if hi - lo == 1 {
+        return false;
+    }
+    let middle = (lo + hi) / 2;
+    *points |= 1 << middle;
+    let [a, b, c, d] = curve;
+    let (ab, bc, cd) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d));
+    let (abc, bcd) = (0.5 * (ab + bc), 0.5 * (bc + cd));
+    let m = 0.5 * (abc + bcd);
+    halve([a, ab, abc, m], lo, middle, length, points) && halve([m, bcd, cd, d], middle, hi, length, points)
 }
 
 /// Length of a control polygon's leg.

@@ -29,8 +29,8 @@ pub struct Diced {
     /// An extra ring of points all around, for derivatives, which is dropped after displacement.
     pub apron: bool,
     /// After displacement, points of an edge that its neighbour does not have are put onto the line between those that it has:
-    /// every how many points of the edges at the first row, last row, first column, last column are kept.
-    pub keep: [usize; 4],
+    /// by bits, the points that are kept of the edges at the first row, last row, first column, last column.
+    pub keep: [u32; 4],
 }
 
 /// The greatest displacement of an item in world units.
@@ -69,7 +69,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     job.grid.points.inputs.append(&mut job.uniform);
     job.grid.uniform = job.grid.points.inputs.len();
     job.grid.points.inputs.append(&mut job.varying);
-    if diced.keep != [1; 4] {
+    if diced.keep != [u32::MAX; 4] {
         let (nu, nv) = (job.grid.points.nu, job.grid.points.nv);
         let p = job.grid.points.globals.iter_mut().filter(|(name, _)| *name == "P").map(|(_, p)| p);
         p.chain(&mut job.deformed).for_each(|p| snap_edges(p, nu, nv, diced.keep));
@@ -314,12 +314,14 @@ fn strip_apron(points: &mut Points) {
 }
 
 /// Put the points of an edge that its neighbour does not have onto the line between those that it has.
-fn snap_edges(p: &mut [f32], nu: usize, nv: usize, keep: [usize; 4]) {
+fn snap_edges(p: &mut [f32], nu: usize, nv: usize, keep: [u32; 4]) {
     let n = nu * nv;
     let edges = [(0, 1, nu), ((nv - 1) * nu, 1, nu), (0, nu, nv), (nu - 1, nu, nv)];
     for ((start, stride, count), keep) in edges.into_iter().zip(keep) {
-        for i in (0..count).filter(|i| i % keep != 0) {
-            let (a, b) = (i - i % keep, (i - i % keep + keep).min(count - 1));
+        let kept = |i: usize| keep >> i & 1 == 1;
+        for i in (1..count - 1).filter(|i| !kept(*i)) {
+            let a = (0..i).rev().find(|k| kept(*k)).unwrap_or(0);
+            let b = (i..count).find(|k| kept(*k)).unwrap_or(count - 1);
             let t = (i - a) as f32 / (b - a) as f32;
             for c in 0..3 {
                 let at = |k: usize| c * n + start + k * stride;

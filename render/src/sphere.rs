@@ -215,7 +215,7 @@ impl Cap {
                 continue;
             }
             self.dice(job, view, &ball, i, j);
-            finish(job, item, view, &Diced { apron: false, keep: [1; 4] }, 0.0);
+            finish(job, item, view, &Diced { apron: false, keep: [u32::MAX; 4] }, 0.0);
         }
     }
 
@@ -338,7 +338,7 @@ fn draw_tile(
     }
     let apron = view.attributes.displacement.is_some();
     dice(job, view, ball, face, i, j, apron);
-    finish(job, item, view, &Diced { apron, keep: [1; 4] }, ball.reach);
+    finish(job, item, view, &Diced { apron, keep: [u32::MAX; 4] }, ball.reach);
 }
 
 fn dice(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, face: usize, i: [usize; 2], j: [usize; 2], apron: bool) {
