@@ -180,6 +180,21 @@ fn inside<L: Lanes>(parts: [L; 3], slack: L) -> L {
 }
 
 impl Samples {
+    /// The first and last pixel of the bucket, along x and y, that a rectangle of the raster touches, with some room for rounding.
+    #[inline(always)]
+    fn pixels_within(&self, xs: [f32; 2], ys: [f32; 2]) -> Option<([usize; 2], [usize; 2])> {
+        let (ox, oy) = (self.x0 as f32, self.y0 as f32);
+        let (x0, x1) = (xs[0] - ox - EDGE, xs[1] - ox + EDGE);
+        let (y0, y1) = (ys[0] - oy - EDGE, ys[1] - oy + EDGE);
+        let touches = x1 >= 0.0 && y1 >= 0.0 && x0 < self.width as f32 && y0 < self.height as f32;
+        touches.then(|| {
+            (
+                [x0.max(0.0) as usize, (x1 as usize).min(self.width - 1)],
+                [y0.max(0.0) as usize, (y1 as usize).min(self.height - 1)],
+            )
+        })
+    }
+
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point.
         pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, look: &Look) -> Tally

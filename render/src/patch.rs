@@ -199,7 +199,8 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
     dice(job, view, patch, piece, nu, nv, apron);
     let kept = |n: usize, edge: usize, rate: usize| {
         let every = (n / rate.min(n)).max(1);
-        let is_kept = |k: usize| edges[edge].map_or(k % every == 0, |points| points >> (k * TILE / n) & 1 == 1);
+        let is_kept =
+            |k: usize| edges[edge].map_or(k.is_multiple_of(every), |points| points >> (k * TILE / n) & 1 == 1);
         (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
     };
     let keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];

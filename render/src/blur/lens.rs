@@ -61,20 +61,12 @@ impl Samples {
         look: &Look,
         tally: &mut Tally,
     ) {
-        let (ox, oy) = (self.x0 as f32, self.y0 as f32);
         for (stratum, bounds) in strata.iter().enumerate() {
             if bounds[0][1] < from || bounds[0][0] >= until {
                 continue;
             }
             let [xs, ys] = quad.bound(*bounds).map(|[lo, hi]| [lo - EDGE, hi + EDGE]);
-            // Pixels of the bucket, with some room for rounding.
-            let (x0, x1) = (xs[0] - ox - EDGE, xs[1] - ox + EDGE);
-            let (y0, y1) = (ys[0] - oy - EDGE, ys[1] - oy + EDGE);
-            if !(x1 >= 0.0 && y1 >= 0.0 && x0 < self.width as f32 && y0 < self.height as f32) {
-                continue;
-            }
-            let (px0, px1) = (x0.max(0.0) as usize, (x1 as usize).min(self.width - 1));
-            let (py0, py1) = (y0.max(0.0) as usize, (y1 as usize).min(self.height - 1));
+            let Some(([px0, px1], [py0, py1])) = self.pixels_within(xs, ys) else { continue };
             for py in py0..=py1 {
                 let row = (stratum * self.height + py) * self.width;
                 for px in (px0..=px1).step_by(LANES) {

@@ -30,14 +30,7 @@ impl Samples {
             let none = [0.0; 2];
             let [xs, ys] = quad.bound([times, none, none]);
             let (xs, ys) = ([xs[0] - EDGE, xs[1] + EDGE], [ys[0] - EDGE, ys[1] + EDGE]);
-            // Pixels of the bucket, with some room for rounding.
-            let (x0, x1) = (xs[0] - ox - EDGE, xs[1] - ox + EDGE);
-            let (y0, y1) = (ys[0] - oy - EDGE, ys[1] - oy + EDGE);
-            if !(x1 >= 0.0 && y1 >= 0.0 && x0 < self.width as f32 && y0 < self.height as f32) {
-                continue;
-            }
-            let (px0, px1) = (x0.max(0.0) as usize, (x1 as usize).min(self.width - 1));
-            let (py0, py1) = (y0.max(0.0) as usize, (y1 as usize).min(self.height - 1));
+            let Some(([px0, px1], [py0, py1])) = self.pixels_within(xs, ys) else { continue };
             tally.tried += ((px1 + 1 - px0) * (py1 + 1 - py0) * strata.len()) as u64;
             for py in py0..=py1 {
                 let mut first = px1 + 1;
