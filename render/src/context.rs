@@ -1,6 +1,8 @@
 //! The renderer's side of the RenderMan Interface: calls become the scene; `WorldEnd` makes the picture.
 
 mod moving;
+mod primitives;
+mod shaders;
 
 use self::moving::{Keys, MotionBlock, Moving, Place};
 use crate::area::{self, Area, AreaLight};
@@ -9,19 +11,16 @@ use crate::bucket::{self, Share, Stats};
 use crate::bvh::Bvh;
 use crate::camera::Camera;
 use crate::filter::FilterKind;
-use crate::gprim::{
-    BEZIER, dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers,
-};
+use crate::gprim::{BEZIER, dress};
 use crate::image::Image;
 use crate::motion;
 use crate::options::{Attributes, Hider, Options};
 use crate::output::Display;
 use crate::scene::{Patch, Scene, Shape, Source, SourceShape};
-use crate::subdivision;
 use crate::surfaces::{self, Profile};
 use crate::texture::{self, Textures, Wrap};
 use crate::trim::Trim;
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec3};
 use ri::files::Files;
 use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves, Values};
 use sl::ir::{Kind, Program};
@@ -90,29 +89,6 @@ pub struct Context {
     pub dry: bool,
     /// Pictures that are done, for the caller to take.
     pub finished: Vec<Finished>,
-}
-
-/// Evaluates parameter defaults: knows the spaces of the current point of the stream, and has no lights.
-struct BindScene<'a> {
-    context: &'a Context,
-}
-
-impl sl::machine::Scene for BindScene<'_> {
-    fn lights(&self) -> &[Arc<BoundShader>] {
-        &[]
-    }
-    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
-        let to_world = |space: &str| match space {
-            "current" | "world" => Some(Mat4::IDENTITY),
-            "shader" | "object" => Some(self.context.to_world()),
-            "camera" | "eye" => Some(self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse()),
-            named => self.context.scene.spaces.get(named).copied(),
-        };
-        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
-    }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
 }
 
 impl Context {
@@ -198,80 +174,9 @@ impl Context {
         self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()).clone()
     }
 
-    /// The names of a shader's parameters.
-    pub fn shader_parameters(&mut self, name: &str, kind: &str) -> Result<Vec<String>, Fail> {
-        Ok(self.shader(name, kind, vec![])?.program.params.iter().map(|p| p.name.clone()).collect())
-    }
-
     /// Object to world: the current transformation after `WorldBegin`.
     fn to_world(&self) -> Mat4 {
         self.transform
-    }
-
-    /// Load, compile and bind a shader.
-    fn shader(&mut self, name: &str, kind: &str, params: Params) -> Result<Arc<BoundShader>, Fail> {
-        let file = if name.ends_with(".sl") { name.to_string() } else { format!("{name}.sl") };
-        // A surface and a displacement may have the same name.
-        let key = format!("{kind}/{file}");
-        let program = match self.programs.get(&key) {
-            Some(program) => program.clone(),
-            None => {
-                let rooms = [format!("shaders/{kind}"), "shaders".into()];
-                let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
-                let (path, source) =
-                    self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
-                let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
-                    .map_err(|d| Fail::new(format!("in shader {d}")))?;
-                self.programs.entry(key).or_insert(Arc::new(program)).clone()
-            }
-        };
-        if program.kind.name() != kind {
-            return Err(Fail::new(format!("`{name}` is a {} shader, expected a {kind} shader", program.kind.name())));
-        }
-        let (mut numbers, mut texts) = (Vec::new(), Vec::new());
-        for param in params {
-            let Some(i) = program.params.iter().position(|p| p.name == param.decl.name) else {
-                self.scene.warn(format!("{kind} shader `{name}` has no parameter `{}`", param.decl.name));
-                continue;
-            };
-            let wanted = program.params[i].kind;
-            match param.values {
-                Values::Strings(v) if wanted == Kind::Text => texts.push((i, v[0].clone())),
-                Values::Floats(v) if wanted != Kind::Text => {
-                    let array = program.params[i].array;
-                    numbers.push((i, self.to_current(wanted, array, &v, &param.decl.name)?))
-                }
-                _ => {
-                    return Err(Fail::new(format!(
-                        "parameter `{}` of `{name}` has the wrong type, expected {wanted:?}",
-                        param.decl.name
-                    )));
-                }
-            }
-        }
-        Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
-    }
-
-    /// A parameter's numbers in world space; points and directions are given in the current one.
-    fn to_current(&self, kind: Kind, array: Option<u16>, v: &[f32], name: &str) -> Result<Vec<f32>, Fail> {
-        let width = kind.width() * array.unwrap_or(1) as usize;
-        // An array may be given in part.
-        if v.len() != width && (array.is_none() || v.len() > width || !v.len().is_multiple_of(kind.width())) {
-            return Err(Fail::new(format!("parameter `{name}` has {} numbers, expected {width}", v.len())));
-        }
-        let m = self.to_world();
-        let normals = glam::Mat3::from_mat4(m).inverse().transpose();
-        let mut out = Vec::with_capacity(width);
-        for v in v.chunks_exact(kind.width()) {
-            match kind {
-                Kind::Point => out.extend(m.transform_point3(Vec3::new(v[0], v[1], v[2])).to_array()),
-                Kind::Vector => out.extend(m.transform_vector3(Vec3::new(v[0], v[1], v[2])).to_array()),
-                Kind::Normal => out.extend((normals * Vec3::new(v[0], v[1], v[2])).to_array()),
-                _ => out.extend(v),
-            }
-        }
-        out.resize(width, 0.0);
-        Ok(out)
     }
 
     /// Back to what held before `WorldBegin`; options and warnings stay.
@@ -1064,16 +969,10 @@ impl Ri for Context {
         self.set_transform(*space)
     }
     fn polygon(&mut self, params: Params) -> RiResult {
-        let n = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
-        if n < 3 {
-            return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
-        }
-        let patches = polygon_patches(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
-        self.add_patches(patches)
+        self.draw_polygon(params)
     }
     fn general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
-        let total: i32 = n_vertices.iter().map(|n| (*n).max(0)).sum();
-        self.points_general_polygons(vec![n_vertices.len() as i32], n_vertices, (0..total).collect(), params)
+        self.draw_general_polygon(n_vertices, params)
     }
     fn points_general_polygons(
         &mut self,
@@ -1082,43 +981,10 @@ impl Ri for Context {
         vertices: Vec<i32>,
         params: Params,
     ) -> RiResult {
-        let mut patches = Vec::new();
-        let (mut at_loop, mut at) = (0, 0);
-        for (face, n) in n_loops.iter().enumerate() {
-            let first = at;
-            let mut loops = Vec::new();
-            for _ in 0..*n {
-                let n = n_vertices.get(at_loop).copied().filter(|n| *n >= 3);
-                let n = n.ok_or(Fail::new(format!("a loop of face {face} has fewer than 3 vertices")))? as usize;
-                let own = vertices.get(at..at + n).ok_or(Fail::new(format!("the vertex list ends in face {face}")))?;
-                let own: Option<Vec<usize>> = own.iter().map(|i| usize::try_from(*i).ok()).collect();
-                loops.push(own.ok_or(Fail::new(format!("face {face} has a negative vertex")))?);
-                (at_loop, at) = (at_loop + 1, at + n);
-            }
-            patches.extend(polygon_patches(&loops, &params, face, first)?);
-        }
-        self.add_patches(patches)
+        self.draw_points_general_polygons(n_loops, n_vertices, vertices, params)
     }
     fn points_polygons(&mut self, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) -> RiResult {
-        let mut patches = Vec::new();
-        let mut rest = vertices.as_slice();
-        let mut first = 0;
-        for (face, n) in n_vertices.iter().enumerate() {
-            let n = usize::try_from(*n)
-                .ok()
-                .filter(|n| *n >= 3)
-                .ok_or(Fail::new(format!("face {face} has {n} vertices, expected at least 3")))?;
-            if rest.len() < n {
-                return Err(Fail::new(format!("the vertex list ends in face {face}")));
-            }
-            let (own, after) = rest.split_at(n);
-            rest = after;
-            let corners: Option<Vec<usize>> = own.iter().map(|i| usize::try_from(*i).ok()).collect();
-            let corners = corners.ok_or(Fail::new(format!("face {face} has a negative vertex")))?;
-            patches.extend(polygon_patches(&[corners], &params, face, first)?);
-            first += n;
-        }
-        self.add_patches(patches)
+        self.draw_points_polygons(n_vertices, vertices, params)
     }
     fn basis(&mut self, u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) -> RiResult {
         if !(1..=4).contains(&u_step) || !(1..=4).contains(&v_step) {
@@ -1129,75 +995,13 @@ impl Ri for Context {
         Ok(())
     }
     fn patch(&mut self, kind: &str, params: Params) -> RiResult {
-        let points = positions(&params)?;
-        let wrong = |n: usize| Fail::new(format!("a {kind} patch has {} points, expected {n}", points.len()));
-        let mut patch = match kind {
-            "bilinear" => Patch::bilinear(points.clone().try_into().map_err(|_| wrong(4))?),
-            "bicubic" => {
-                let points: [Vec3; 16] = points.clone().try_into().map_err(|_| wrong(16))?;
-                Patch::smooth(to_bezier(points, &self.bases), [0.0, 1.0], [0.0, 1.0])
-            }
-            other => return Err(Fail::new(format!("unknown patch type `{other}`, expected bilinear or bicubic"))),
-        };
-        patch_variables(&mut patch, &params, [0, 1, 2, 3], [0, 1, 2, 3], 0)?;
-        self.add_patches(vec![patch])
+        self.draw_patch(kind, params)
     }
     fn patch_mesh(&mut self, kind: &str, nu: i32, u_wrap: &str, nv: i32, v_wrap: &str, params: Params) -> RiResult {
-        let periodic = |wrap: &str| match wrap {
-            "periodic" => Ok(true),
-            "nonperiodic" => Ok(false),
-            other => Err(Fail::new(format!("unknown wrap `{other}`, expected periodic or nonperiodic"))),
-        };
-        if !matches!(kind, "bilinear" | "bicubic") {
-            return Err(Fail::new(format!("unknown patch type `{kind}`, expected bilinear or bicubic")));
-        }
-        let sizes = [nu.max(0) as usize, nv.max(0) as usize];
-        let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
-        let points = positions(&params)?;
-        let mesh = surfaces::patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.bases, self.steps)?;
-        let mut patches = Vec::new();
-        for (face, (mut patch, corners)) in mesh.into_iter().enumerate() {
-            patch_variables(&mut patch, &params, corners, [4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3], face)?;
-            patches.push(patch);
-        }
-        self.add_patches(patches)
+        self.draw_patch_mesh(kind, nu, u_wrap, nv, v_wrap, params)
     }
     fn nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
-        let points: Vec<Vec4> = match params.iter().find(|p| p.decl.name == "Pw") {
-            Some(p) => p.numbers().chunks_exact(4).map(Vec4::from_slice).collect(),
-            None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
-        };
-        let mut patches = surfaces::nurbs(&points, &u, &v)?;
-        // Texture coordinates go from 0 to 1 over the patch (RISpec 5.3).
-        for patch in &mut patches {
-            let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
-            patch.st = patch.uv.map(|[s, t]| [unit(s, u.range), unit(t, v.range)]);
-        }
-        let mut others = Params::new();
-        for param in params {
-            let (width, values) = (param.decl.width(), param.numbers());
-            let own = !param.decl.class.is_whole()
-                && values.len() > 4 * width
-                && !matches!(param.decl.name.as_str(), "P" | "Pw");
-            if !own {
-                others.push(param);
-                continue;
-            }
-            for patch in &mut patches {
-                let corners = patch.uv.map(|[s, t]| surfaces::nurbs_variable(values, width, &points, &u, &v, s, t));
-                let Some(all) = corners.into_iter().collect::<Option<Vec<_>>>() else {
-                    let message = format!(
-                        "`{}` has {} values, one for no point of the patch",
-                        param.decl.name,
-                        values.len() / width
-                    );
-                    return Err(Fail::new(message));
-                };
-                set_varying(patch, &param.decl.name, all.concat());
-            }
-        }
-        dress(&mut patches, &others)?;
-        self.add_patches(patches)
+        self.draw_nu_patch(u, v, params)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
         self.trim = Trim::new(&curves)?.map(Arc::new);
@@ -1223,100 +1027,10 @@ impl Ri for Context {
         self.quadric(profile, sweep, params)
     }
     fn points(&mut self, params: Params) -> RiResult {
-        let points = positions(&params)?;
-        let n = points.len();
-        let widths = params.iter().find(|p| matches!(p.decl.name.as_str(), "width" | "constantwidth"));
-        let width = |i: usize| match widths.map(|p| p.numbers()) {
-            Some([one]) => *one,
-            Some(all) => all.get(i).copied().unwrap_or(1.0),
-            None => 1.0,
-        };
-        let columns: Vec<_> = params
-            .iter()
-            .filter(|p| !matches!(p.decl.name.as_str(), "P" | "width" | "constantwidth" | "N"))
-            .filter(|p| matches!(p.values, Values::Floats(_)))
-            .map(|p| {
-                let w = p.decl.width();
-                let v = p.numbers();
-                // What is the same for all is repeated.
-                let all = if v.len() == w { v.repeat(n) } else { v.to_vec() };
-                if all.len() != n * w {
-                    let message = format!("`{}` has {} values for {n} points", p.decl.name, v.len() / w);
-                    return Err(Fail::new(message));
-                }
-                Ok(ri::Param { decl: p.decl.clone(), values: Values::Floats(all) })
-            })
-            .collect::<Result<_, _>>()?;
-        if n == 0 {
-            return Ok(());
-        }
-        let instances = Instances {
-            shape: InstanceShape::Sphere,
-            position: points.iter().map(|p| p.to_array()).collect(),
-            orientation: vec![],
-            scale: (0..n).map(|i| [0.5 * width(i); 3]).collect(),
-            params: columns,
-            moved: None,
-        };
-        self.add_spheres(instances, vec![])
+        self.draw_points(params)
     }
     fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
-        let (cubic, periodic) = match (kind, wrap) {
-            ("linear" | "cubic", "periodic" | "nonperiodic") => (kind == "cubic", wrap == "periodic"),
-            _ => {
-                return Err(Fail::new(format!(
-                    "curves `{kind}` `{wrap}`, expected linear or cubic, periodic or nonperiodic"
-                )));
-            }
-        };
-        let points = positions(&params)?;
-        let widths = params.iter().find(|p| p.decl.name == "width").map(|p| p.numbers().to_vec());
-        let constant =
-            params.iter().find(|p| p.decl.name == "constantwidth").and_then(|p| p.numbers().first().copied());
-        let normals = params.iter().find(|p| p.decl.name == "N").map(|p| p.numbers().to_vec());
-        let to_eye = self.transform.inverse()
-            * self.to_camera.ok_or(Fail::new("`Curves` stands between WorldBegin and WorldEnd"))?.inverse();
-        let eye = to_eye.transform_point3(Vec3::ZERO);
-        let along = to_eye.transform_vector3(Vec3::Z);
-        let perspective = self.options.fov.is_some();
-        let (mut at, mut value) = (0, 0);
-        let mut patches = Vec::new();
-        for (face, n) in n_vertices.iter().enumerate() {
-            let own = points.get(at..at + (*n).max(0) as usize);
-            let own = own.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
-            at += own.len();
-            let curve = surfaces::curve(own, cubic, periodic, &self.bases.1, self.steps[1])?;
-            let count = curve.segments.len() as f32;
-            for (k, (control, ends)) in curve.segments.iter().enumerate() {
-                let width = ends.map(|e| match &widths {
-                    Some(w) if w.len() == 1 => w[0],
-                    Some(w) => w.get(value + e).copied().unwrap_or(1.0),
-                    None => constant.unwrap_or(1.0),
-                });
-                let facing = |p: Vec3| match &normals {
-                    // A ribbon lies across its normals; others face the eye.
-                    Some(n) if n.len() >= 3 => {
-                        let of =
-                            |e: usize| n.get(3 * (value + e)..3 * (value + e) + 3).map_or(Vec3::Z, Vec3::from_slice);
-                        0.5 * (of(ends[0]) + of(ends[1]))
-                    }
-                    _ if perspective => eye - p,
-                    _ => -along,
-                };
-                let range = [k as f32 / count, (k + 1) as f32 / count];
-                let mut patch = surfaces::ribbon(control, width, range, facing);
-                let own: Params = params
-                    .iter()
-                    .filter(|p| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth"))
-                    .cloned()
-                    .collect();
-                let [a, b] = ends.map(|e| value + e);
-                patch_variables(&mut patch, &own, [a, a, b, b], [a, a, b, b], face)?;
-                patches.push(patch);
-            }
-            value += curve.n_varying;
-        }
-        self.add_patches(patches)
+        self.draw_curves(kind, n_vertices, wrap, params)
     }
     fn subdivision_mesh(
         &mut self,
@@ -1326,29 +1040,7 @@ impl Ri for Context {
         tags: Tags,
         params: Params,
     ) -> RiResult {
-        if scheme != "catmull-clark" {
-            return Err(Fail::new(format!("unknown subdivision scheme `{scheme}`, expected catmull-clark")));
-        }
-        let points = positions(&params)?;
-        let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
-        let (columns, values, width) = crate::gprim::corner_columns(&params, &vertices, corners)?;
-        let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
-        // Fewer steps where there are many faces already.
-        let levels = match n_vertices.len() {
-            0..=200 => 4,
-            201..=3000 => 3,
-            3001..=30000 => 2,
-            _ => 1,
-        };
-        let mut patches = Vec::new();
-        for part in mesh.patches(levels) {
-            let mut patch = part.patch;
-            crate::gprim::corner_variables(&mut patch, &columns, &part.values, width);
-            let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-            patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
-            patches.push(patch);
-        }
-        self.add_patches(patches)
+        self.draw_subdivision_mesh(scheme, n_vertices, vertices, tags, params)
     }
     fn blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, _: Vec<String>, params: Params) -> RiResult {
         let field = Field::new(leaves.max(0) as usize, &codes, &floats)?;
@@ -1366,41 +1058,13 @@ impl Ri for Context {
         self.add_patches(patches)
     }
     fn geometry(&mut self, name: &str, params: Params) -> RiResult {
-        if name != "teapot" {
-            self.scene.warn(format!("geometry `{name}` is passed over: `teapot` alone is known"));
-            return Ok(());
-        }
-        let mut patches = surfaces::teapot();
-        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-        dress(&mut patches, &whole)?;
-        self.add_patches(patches)
+        self.draw_geometry(name, params)
     }
     fn warn(&mut self, message: String) {
         self.scene.warn(message);
     }
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        if !(radius != 0.0 && radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
-            return Err(Fail::new(format!(
-                "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
-            )));
-        }
-        let r = radius.abs();
-        let varies = params.iter().any(|p| !p.decl.class.is_whole());
-        if z_min <= -r && z_max >= r && sweep.abs() >= 360.0 && !varies {
-            let uniform = uniform_numbers(params)?;
-            // As an instance array of one, so that object space keeps its unit.
-            let one = Instances {
-                shape: InstanceShape::Sphere,
-                position: vec![[0.0; 3]],
-                orientation: vec![],
-                scale: vec![[r; 3]],
-                params: vec![],
-                moved: None,
-            };
-            return self.add_spheres(one, uniform);
-        }
-        let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
-        self.quadric(surfaces::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)
+        self.draw_sphere(radius, z_min, z_max, sweep, params)
     }
     fn instances(&mut self, instances: Instances) -> RiResult {
         let shape = match &instances.shape {

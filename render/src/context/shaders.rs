@@ -1,0 +1,104 @@
+//! Shaders by their names: found, compiled once, and given the parameters of a call.
+
+use super::Context;
+use glam::{Mat4, Vec3};
+use ri::{Fail, Params, Values};
+use sl::ir::Kind;
+use sl::machine::BoundShader;
+use std::sync::Arc;
+
+/// Evaluates parameter defaults: knows the spaces of the current point of the stream, and has no lights.
+struct BindScene<'a> {
+    context: &'a Context,
+}
+
+impl sl::machine::Scene for BindScene<'_> {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        &[]
+    }
+    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
+        let to_world = |space: &str| match space {
+            "current" | "world" => Some(Mat4::IDENTITY),
+            "shader" | "object" => Some(self.context.to_world()),
+            "camera" | "eye" => Some(self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse()),
+            named => self.context.scene.spaces.get(named).copied(),
+        };
+        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
+    }
+    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
+        [1.0; 3]
+    }
+}
+
+impl Context {
+    /// The names of a shader's parameters.
+    pub fn shader_parameters(&mut self, name: &str, kind: &str) -> Result<Vec<String>, Fail> {
+        Ok(self.shader(name, kind, vec![])?.program.params.iter().map(|p| p.name.clone()).collect())
+    }
+
+    /// Load, compile and bind a shader.
+    pub(super) fn shader(&mut self, name: &str, kind: &str, params: Params) -> Result<Arc<BoundShader>, Fail> {
+        let file = if name.ends_with(".sl") { name.to_string() } else { format!("{name}.sl") };
+        // A surface and a displacement may have the same name.
+        let key = format!("{kind}/{file}");
+        let program = match self.programs.get(&key) {
+            Some(program) => program.clone(),
+            None => {
+                let rooms = [format!("shaders/{kind}"), "shaders".into()];
+                let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
+                let (path, source) =
+                    self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
+                let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
+                    .map_err(|d| Fail::new(format!("in shader {d}")))?;
+                self.programs.entry(key).or_insert(Arc::new(program)).clone()
+            }
+        };
+        if program.kind.name() != kind {
+            return Err(Fail::new(format!("`{name}` is a {} shader, expected a {kind} shader", program.kind.name())));
+        }
+        let (mut numbers, mut texts) = (Vec::new(), Vec::new());
+        for param in params {
+            let Some(i) = program.params.iter().position(|p| p.name == param.decl.name) else {
+                self.scene.warn(format!("{kind} shader `{name}` has no parameter `{}`", param.decl.name));
+                continue;
+            };
+            let wanted = program.params[i].kind;
+            match param.values {
+                Values::Strings(v) if wanted == Kind::Text => texts.push((i, v[0].clone())),
+                Values::Floats(v) if wanted != Kind::Text => {
+                    let array = program.params[i].array;
+                    numbers.push((i, self.to_current(wanted, array, &v, &param.decl.name)?))
+                }
+                _ => {
+                    return Err(Fail::new(format!(
+                        "parameter `{}` of `{name}` has the wrong type, expected {wanted:?}",
+                        param.decl.name
+                    )));
+                }
+            }
+        }
+        Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
+    }
+
+    /// A parameter's numbers in world space; points and directions are given in the current one.
+    fn to_current(&self, kind: Kind, array: Option<u16>, v: &[f32], name: &str) -> Result<Vec<f32>, Fail> {
+        let width = kind.width() * array.unwrap_or(1) as usize;
+        // An array may be given in part.
+        if v.len() != width && (array.is_none() || v.len() > width || !v.len().is_multiple_of(kind.width())) {
+            return Err(Fail::new(format!("parameter `{name}` has {} numbers, expected {width}", v.len())));
+        }
+        let m = self.to_world();
+        let normals = glam::Mat3::from_mat4(m).inverse().transpose();
+        let mut out = Vec::with_capacity(width);
+        for v in v.chunks_exact(kind.width()) {
+            match kind {
+                Kind::Point => out.extend(m.transform_point3(Vec3::new(v[0], v[1], v[2])).to_array()),
+                Kind::Vector => out.extend(m.transform_vector3(Vec3::new(v[0], v[1], v[2])).to_array()),
+                Kind::Normal => out.extend((normals * Vec3::new(v[0], v[1], v[2])).to_array()),
+                _ => out.extend(v),
+            }
+        }
+        out.resize(width, 0.0);
+        Ok(out)
+    }
+}
