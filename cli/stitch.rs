@@ -10,7 +10,7 @@ use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
 use render::bucket::{Share, tiles};
 use render::image::Image;
-use render::output::{self, Aov};
+use render::output;
 use render::{Display, Finished, Options};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -105,7 +105,7 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
     }
     let share = Share { part: head.part, parts: head.parts };
     let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
-    let numbers = 4 + output::aovs(&head.displays).iter().map(Aov::width).sum::<usize>();
+    let numbers = 4 + output::depth(&output::aovs(&head.displays));
     if pixels.len() != 4 * numbers * count {
         return Err(fault("has not as many pixels as its share"));
     }

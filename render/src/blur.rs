@@ -160,6 +160,16 @@ struct Met<L> {
     second: [L; 3],
 }
 
+impl<L: Lanes> Met<L> {
+    /// Those that are in it, in its bound of a stratum, and in the time of its key.
+    #[inline(always)]
+    fn within(&self, at: &At<L>, [xs, ys]: [[f32; 2]; 2], [from, until]: [f32; 2]) -> L {
+        let in_box = at.x.between(xs[0], xs[1]).and(at.y.between(ys[0], ys[1]));
+        let in_time = at.t.not_below(L::splat(from)).and(at.t.below(L::splat(until)));
+        self.in_first.or(self.in_second).and(in_box).and(in_time)
+    }
+}
+
 /// What goes straight, at some times.
 #[inline(always)]
 fn on_line<L: Lanes>(v: &[[f32; 4]; 2], i: usize, t: L) -> L {

@@ -6,7 +6,7 @@ use crate::image::Image;
 use crate::jitter::Jitter;
 use crate::motion::{self, instants};
 use crate::options::Options;
-use crate::output::{Aov, aovs};
+use crate::output::{self, Aov, aovs};
 use crate::patch::Waiting;
 use crate::sample::{Pixels, Samples};
 use crate::scene::{Item, ItemView, Scene, Shape};
@@ -121,6 +121,8 @@ pub struct Frame<'a> {
     pub aovs: &'a [Aov],
     /// How many numbers these are.
     pub depth: usize,
+    /// The number of the first item of each source among all, from 1.
+    pub numbers: Vec<usize>,
     filter: [Filter; 2],
     options: &'a Options,
 }
@@ -203,8 +205,9 @@ pub fn render(
         [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
     let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
     let aovs = aovs(&options.displays);
-    let depth = aovs.iter().map(Aov::width).sum();
-    let frame = Frame { scene, camera, jitter, aovs: &aovs, depth, filter, options };
+    let depth = output::depth(&aovs);
+    let numbers = scene.numbers();
+    let frame = Frame { scene, camera, jitter, aovs: &aovs, depth, numbers, filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let start = Instant::now();

@@ -1,7 +1,7 @@
 //! Pictures: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
 
 use crate::options::Options;
-use crate::output::{Aov, Channel, Display, Layer, channels};
+use crate::output::{self, Aov, Channel, Display, Layer, channels};
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
@@ -30,7 +30,7 @@ impl Image {
 
     /// Numbers of a pixel besides colour and coverage.
     pub fn depth(&self) -> usize {
-        self.aovs.iter().map(Aov::width).sum()
+        output::depth(&self.aovs)
     }
 
     /// Expose the colours: (gain · c)^(1/gamma).
@@ -62,7 +62,7 @@ impl Image {
 
     /// The numbers of a pixel for a value besides colour that the picture has.
     pub fn values(&self, pixel: usize, aov: &Aov) -> &[f32] {
-        let first: usize = self.aovs.iter().take_while(|a| a.name != aov.name).map(Aov::width).sum();
+        let first = output::place_of(&self.aovs, &aov.name).unwrap_or_default();
         &self.extra[pixel * self.depth() + first..][..aov.width()]
     }
 

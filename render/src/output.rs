@@ -155,6 +155,25 @@ pub fn aovs(displays: &[Display]) -> Vec<Aov> {
     all
 }
 
+/// Some values with the places of their first numbers among those of a point or a pixel.
+pub fn placed(aovs: &[Aov]) -> impl Iterator<Item = (usize, &Aov)> {
+    aovs.iter().scan(0, |next, aov| {
+        let first = *next;
+        *next += aov.width();
+        Some((first, aov))
+    })
+}
+
+/// The place of the first number of a value of some name.
+pub fn place_of(aovs: &[Aov], name: &str) -> Option<usize> {
+    placed(aovs).find(|(_, aov)| aov.name == name).map(|(first, _)| first)
+}
+
+/// How many numbers some values have.
+pub fn depth(aovs: &[Aov]) -> usize {
+    aovs.iter().map(Aov::width).sum()
+}
+
 /// A channel of a file: its name, and which number of a pixel it is.
 pub struct Channel {
     /// Its name: R, G, B, A, Z, or the variable's with a suffix.
@@ -174,10 +193,8 @@ pub fn channels(layers: &[Layer], image: &Image) -> Vec<Channel> {
             Layer::Rgba => all.extend(["R", "G", "B", "A"].iter().enumerate().map(|(i, n)| channel(n, i))),
             Layer::Alpha => all.push(channel("A", 3)),
             Layer::Aov(aov) => {
-                let mut from = 4;
-                for other in image.aovs.iter().take_while(|a| a.name != aov.name) {
-                    from += other.width();
-                }
+                let Some(first) = place_of(&image.aovs, &aov.name) else { continue };
+                let from = 4 + first;
                 let suffixes = if aov.kind == Kind::Color || alone { ["R", "G", "B"] } else { ["X", "Y", "Z"] };
                 match aov.width() {
                     1 if aov.name == "z" => all.push(channel("Z", from)),

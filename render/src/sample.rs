@@ -1,14 +1,14 @@
 //! Samples of a bucket: jittered places, the nearest opaque surface at each, and lists of what is half transparent.
 //!
 //! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata, held in small cells,
-//! and a micropolygon looks only at the cells that its bound touches. A sample holds which micropolygon it sees; what that looks like is asked when
-//! nothing more will hide it ([`crate::seen`]).
+//! and a micropolygon looks only at the cells that its bound touches. A sample holds which micropolygon it sees; what that looks
+//! like is asked when nothing more will hide it ([`crate::seen`]).
 
 use crate::blur::lens::Moments;
 use crate::filter::Filter;
 use crate::jitter::{Jitter, PERIOD};
 use crate::lanes::LANES;
-use crate::output::Aov;
+use crate::output::{self, Aov, placed};
 use crate::seen::Micropolygon;
 use glam::Vec3A;
 use sl::ir::Kind;
@@ -153,7 +153,7 @@ impl Samples {
     /// Start a bucket whose pixels, margin included, begin at (`x0`, `y0`).
     pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
-        self.depth = aovs.iter().map(Aov::width).sum();
+        self.depth = output::depth(aovs);
         self.set_places(jitter);
         let n = self.x.len();
         self.z.clear();
@@ -459,8 +459,7 @@ impl Samples {
                     }
                 }
                 out.color.push(if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] });
-                let mut first = 0;
-                for aov in aovs {
+                for (first, aov) in placed(aovs) {
                     let of = match aov.kind {
                         Kind::Color => weight,
                         _ => covered,
@@ -474,7 +473,6 @@ impl Samples {
                             sums[first..first + aov.width()].iter().map(|x| if of != 0.0 { x / of } else { 0.0 }),
                         ),
                     }
-                    first += aov.width();
                 }
             }
         }
@@ -507,8 +505,7 @@ impl Samples {
 /// Lay what displays take of a surface over what is behind it: colours by the opacity, other values if it is half opaque.
 fn lay_over(aovs: &[Aov], own: &[f32], opacity: [f32; 3], under: &mut [f32]) {
     let mean = (opacity[0] + opacity[1] + opacity[2]) / 3.0;
-    let mut first = 0;
-    for aov in aovs {
+    for (first, aov) in placed(aovs) {
         for c in 0..aov.width() {
             let k = first + c;
             match aov.kind {
@@ -517,7 +514,6 @@ fn lay_over(aovs: &[Aov], own: &[f32], opacity: [f32; 3], under: &mut [f32]) {
                 _ => {}
             }
         }
-        first += aov.width();
     }
 }
 

@@ -167,10 +167,10 @@ impl Scene {
             })
     }
 
-    /// The number of an item among all, from 1.
-    pub fn number(&self, item: Item) -> usize {
-        let before: usize = self.sources[..item.source as usize].iter().map(Source::len).sum();
-        before + item.index as usize + 1
+    /// The number of the first item of each source among all, from 1.
+    pub fn numbers(&self) -> Vec<usize> {
+        let next = |next: &mut usize, source: &Source| Some(std::mem::replace(next, *next + source.len()));
+        self.sources.iter().scan(1, next).collect()
     }
 
     /// The attributes of an item.

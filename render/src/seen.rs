@@ -4,7 +4,7 @@
 //! neighbouring points is shaded whole.
 
 use crate::bucket::Job;
-use crate::output::Aov;
+use crate::output::place_of;
 use crate::sample::Triangle;
 use crate::scene::Item;
 use crate::shade::{shade, surface_opacity};
@@ -133,7 +133,7 @@ pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
     debug_assert!(points.n() <= 1 << POINT_BITS);
     let (smooth, matte) = (attributes.smooth, attributes.matte);
     let uniform = job.grid.uniform;
-    let motion = if job.frame.aovs.iter().any(|a| a.name == "motion") { job.grid.motion().collect() } else { vec![] };
+    let motion = if place_of(job.frame.aovs, "motion").is_some() { job.grid.motion().collect() } else { vec![] };
     let outputs = if shaded { std::mem::take(&mut job.outputs) } else { vec![] };
     held.briefs.push(Brief { first, nu: points.nu, smooth, matte });
     held.grids.push(Seen { motion, outputs, item, uniform, points, shaded, reach, z });
@@ -148,7 +148,7 @@ pub fn settle(job: &mut Job<'_>) {
     let begun = std::time::Instant::now();
     let shading = job.stats.seconds.shade;
     let Held { grids, briefs, n, wanted, color, opacity, outputs, few, gathered, spare } = &mut held;
-    let (aovs, depth) = (job.frame.aovs, job.frame.depth);
+    let (motion, depth) = (place_of(job.frame.aovs, "motion"), job.frame.depth);
     wanted.clear();
     wanted.resize(*n, false);
     // Neighbouring samples often see the same micropolygon.
@@ -198,7 +198,9 @@ pub fn settle(job: &mut Job<'_>) {
                 let own = if grid.shaded { &grid.outputs } else { &job.outputs };
                 let goal = &mut outputs[(brief.first + k) * depth..][..depth];
                 goal.copy_from_slice(&own[from * depth..][..depth]);
-                put_motion(aovs, grid.motion.get(k), goal);
+                if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
+                    goal[first..first + 2].copy_from_slice(motion);
+                }
             }
         }
     }
@@ -238,18 +240,5 @@ fn gather(points: &Points, uniform: usize, few: &[u32], out: &mut Points) {
         let mut goal = Vec::new();
         of(values, &mut goal);
         out.inputs.push((name.clone(), goal));
-    }
-}
-
-/// Put how far a point moves among its numbers.
-fn put_motion(aovs: &[Aov], motion: Option<&[f32; 2]>, goal: &mut [f32]) {
-    let mut first = 0;
-    for aov in aovs {
-        if aov.name == "motion"
-            && let Some([x, y]) = motion
-        {
-            (goal[first], goal[first + 1]) = (*x, *y);
-        }
-        first += aov.width();
     }
 }

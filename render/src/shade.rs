@@ -4,6 +4,7 @@ use crate::blur::Track;
 use crate::bucket::Job;
 use crate::camera::Camera;
 use crate::motion::Instant;
+use crate::output::placed;
 use crate::sample::Look;
 use crate::scene::{Item, ItemView, instance_inputs};
 use crate::seen::hold;
@@ -122,10 +123,9 @@ fn note_outputs(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &Poi
     }
     let mut outputs = std::mem::take(&mut job.outputs);
     outputs.resize(n * frame.depth, 0.0);
-    let mut first = 0;
-    for aov in frame.aovs {
+    let id = [(frame.numbers[item.source as usize] + item.index as usize) as f32];
+    for (first, aov) in placed(frame.aovs) {
         let (width, name) = (aov.width(), aov.name.as_str());
-        let id = [frame.scene.number(item) as f32];
         let variable = || points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_slice());
         let values = match name {
             "z" | "motion" => None,
@@ -140,7 +140,6 @@ fn note_outputs(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &Poi
                 }
             }
         }
-        first += width;
     }
     job.outputs = outputs;
 }

@@ -114,14 +114,27 @@ impl<'a> View<'a> {
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
         let dir = (to - from) / length;
+        let open = self.through(from, dir, length, |item, distance, _| self.opacity_at(item, from, dir, distance));
+        if nearly_none(open) { [0.0; 3] } else { open }
+    }
+
+    /// Follow a ray for a length through the surfaces that it meets, as long as they let something through: `meet` is told the item,
+    /// how far it is and what came so far, and answers its opacity. What is left at the end.
+    fn through(
+        &self,
+        from: Vec3,
+        dir: Vec3,
+        length: f32,
+        mut meet: impl FnMut(Item, f32, [f32; 3]) -> [f32; 3],
+    ) -> [f32; 3] {
         let (mut open, mut least) = ([1.0f32; 3], 0.0);
         for _ in 0..MAX_LAYERS {
             let found = self.scene.bvh.nearest(self.item, from, dir, least, self.bias);
             let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
-            let opacity = self.opacity_at(item, from, dir, distance);
+            let opacity = meet(item, distance, open);
             (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
-            if open.iter().all(|o| *o < 1e-3) {
-                return [0.0; 3];
+            if nearly_none(open) {
+                break;
             }
             least = distance + self.bias[0].max(1e-5 * distance);
         }
@@ -153,6 +166,11 @@ fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
     let [patch] = patches.as_slice() else { return None };
     let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
     patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
+}
+
+/// Whether too little is left of a ray to follow it.
+fn nearly_none(open: [f32; 3]) -> bool {
+    open.iter().all(|o| *o < 1e-3)
 }
 
 /// A surface where a ray meets it, world space.
@@ -256,20 +274,11 @@ impl sl::machine::Scene for View<'_> {
         }
         let dir = Vec3::from(direction);
         let from = self.start(from.into(), dir);
-        let (mut least, mut open) = (0.0, [1.0f32; 3]);
-        for _ in 0..MAX_LAYERS {
-            let found = self.scene.bvh.nearest(self.item, from, dir, least, self.bias);
-            let Some((distance, item)) = found else { break };
+        self.through(from, dir, f32::INFINITY, |item, distance, open| {
             let (ci, oi) = self.shade(item, from, dir, distance, many);
-            for c in 0..3 {
-                color[c] += open[c] * ci[c];
-                open[c] *= (1.0 - oi[c]).clamp(0.0, 1.0);
-            }
-            if open.iter().all(|o| *o < 1e-3) {
-                break;
-            }
-            least = distance + self.bias[0].max(1e-5 * distance);
-        }
+            (0..3).for_each(|c| color[c] += open[c] * ci[c]);
+            oi
+        });
         color
     }
 

@@ -78,12 +78,9 @@ impl Samples {
                         lens: [L::load(&moments.lens[0], k), L::load(&moments.lens[1], k)],
                     };
                     let met = quad.meet::<L, true>(&at);
-                    let in_box = at.x.between(xs[0], xs[1]).and(at.y.between(ys[0], ys[1]));
-                    let in_time = at.t.not_below(L::splat(from)).and(at.t.below(L::splat(until)));
                     // Lanes beyond the row are other pixels'.
                     let count = (px1 + 1 - px).min(LANES);
-                    let takes = met.in_first.or(met.in_second).and(in_box).and(in_time);
-                    let mut takes = takes.bits() & ((1 << count) - 1);
+                    let mut takes = met.within(&at, [xs, ys], [from, until]).bits() & ((1 << count) - 1);
                     tally.tried += count as u64;
                     if takes == 0 {
                         continue;

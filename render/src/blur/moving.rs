@@ -46,9 +46,7 @@ impl Samples {
                         lens: [zero, zero],
                     };
                     let met = quad.meet::<L, false>(&at);
-                    let in_box = at.x.between(xs[0], xs[1]).and(at.y.between(ys[0], ys[1]));
-                    let in_time = at.t.not_below(L::splat(from)).and(at.t.below(L::splat(until)));
-                    let takes = met.in_first.or(met.in_second).and(in_box).and(in_time);
+                    let takes = met.within(&at, [xs, ys], [from, until]);
                     if takes.bits() == 0 {
                         continue;
                     }
