@@ -120,8 +120,16 @@ fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
 
 /// What the pieces of a stage found, kept so that nothing is allocated step by step.
 pub struct Pieces<T> {
-    lists: Vec<Vec<T>>,
+    lists: Vec<T>,
     n: usize,
+}
+
+/// A list that rows add to.
+pub trait List: Default + Send {
+    /// Empty it, and keep its memory.
+    fn clear(&mut self);
+    /// Let go of memory far beyond what is used.
+    fn trim(&mut self);
 }
 
 impl<T> Default for Pieces<T> {
@@ -132,20 +140,21 @@ impl<T> Default for Pieces<T> {
 
 impl<T> Pieces<T> {
     /// The lists of the last call, in order.
-    pub fn filled(&self) -> &[Vec<T>] {
+    pub fn filled(&self) -> &[T] {
         &self.lists[..self.n]
     }
 }
 
 /// Let every row add to its piece's list.
-pub fn collect_pieces<T: Send>(n_rows: usize, pieces: &mut Pieces<T>, f: impl Fn(usize, &mut Vec<T>) + Sync) {
+pub fn collect_pieces<T: List>(n_rows: usize, pieces: &mut Pieces<T>, f: impl Fn(usize, &mut T) + Sync) {
     pieces.n = n_rows.div_ceil(PIECE);
     if pieces.lists.len() < pieces.n {
-        pieces.lists.resize_with(pieces.n, Vec::new);
+        pieces.lists.resize_with(pieces.n, T::default);
     }
-    let body = |(piece, list): (usize, &mut Vec<T>)| {
+    let body = |(piece, list): (usize, &mut T)| {
         list.clear();
         (piece * PIECE..((piece + 1) * PIECE).min(n_rows)).for_each(|row| f(row, list));
+        list.trim();
     };
     let lists = &mut pieces.lists[..pieces.n];
     if n_rows <= ALONE {

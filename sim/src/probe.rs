@@ -148,7 +148,8 @@ fn mean_slip(state: &State) -> f64 {
     let (mut n, mut sum) = (0usize, 0.0);
     for i in (0..c.len()).filter(|i| c.impulse[*i] != DVec3::ZERO) {
         let [a, b] = c.bodies[i].map(|b| b as usize);
-        let v = state.velocity[b] + spin(b).cross(c.arm_b[i]) - state.velocity[a] - spin(a).cross(c.arm_a[i]);
+        let [arm_a, arm_b] = c.arms(i);
+        let v = state.velocity[b] + spin(b).cross(arm_b) - state.velocity[a] - spin(a).cross(arm_a);
         sum += v.reject_from_normalized(c.normal[i]).length();
         n += 1;
     }

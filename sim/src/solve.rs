@@ -107,6 +107,7 @@ pub struct Outcome {
 
 /// A motion: of a body, its linear and angular velocity in the world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub struct Twist {
     /// Linear, m/s.
     pub v: DVec3,
@@ -194,7 +195,7 @@ pub trait Operator: Sync {
         false
     }
     /// Lay the blocks out, colour by colour.
-    fn pack<T: lanes::Real, const L: usize>(
+    fn pack<T: balls::Grouped<L>, const L: usize>(
         &self,
         _start: &[u32],
         _order: &[u32],
@@ -258,6 +259,13 @@ pub struct Workspace {
     fine: balls::Packed<f64, 4>,
     /// The step length that was right for the last APGD; the next begins with it.
     pub step_length: f64,
+}
+
+impl Workspace {
+    /// Let go of what the next solve lays out anew.
+    pub fn forget(&mut self) {
+        (self.coarse, self.fine) = Default::default();
+    }
 }
 
 /// Visit the tasks of a colour, side by side if there are enough to be worth it; sums in order.

@@ -5,14 +5,14 @@
 use crate::cpu::bin_emit::BinGrid;
 use crate::cpu::contact_solve::Workspace;
 use crate::cpu::contact_write::Touching;
-use crate::cpu::pair_write::Candidate;
+use crate::cpu::pair_write::Candidates;
 use crate::cpu::{
     Aabb, Pieces, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
     warm_start,
 };
 use crate::joint::{JointState, SpringState};
 use crate::solve::Outcome;
-use crate::{Contacts, Model, Pose, State};
+use crate::{Contacts, Model, State};
 use glam::DVec3;
 use std::time::Instant;
 
@@ -62,19 +62,13 @@ pub struct Simulation {
 /// Columns that stages hand to each other within a step, and scratch that is kept from step to step.
 #[derive(Default)]
 struct Scratch {
-    place: Vec<Pose>,
-    margin: Vec<f64>,
-    aabb: Vec<Aabb>,
-    pair_start: Vec<u32>,
-    bin: Vec<u32>,
-    shape: Vec<u32>,
-    sort: gpu::radix_sort::Scratch,
-    bin_start: Vec<[u32; 2]>,
-    grid: BinGrid,
-    candidate: Pieces<Candidate>,
+    margin: Vec<f32>,
+    candidate: Pieces<Candidates>,
     touching: Vec<Touching>,
     /// Whether `candidate` has the pairs of the state's roomy boxes.
     has_pairs: bool,
+    /// The balls, if there is nothing else that moves.
+    balls: Vec<bounds::Ball>,
     old: Contacts,
     solver: Workspace,
 }
@@ -90,32 +84,48 @@ impl Scratch {
         contacts: &mut Contacts,
         clock: &mut Clock,
     ) {
-        bounds::run(model, state, &mut self.place, &mut self.margin, &mut self.aabb);
-        let left = bounds::renew(model, state, &self.place, &self.aabb, roomy);
+        if roomy.is_empty() || !self.has_pairs {
+            let n = if model.has_balls_only() { model.n_shapes() } else { 0 };
+            self.balls.resize(n, bounds::Ball::default());
+        }
+        let left = bounds::run(model, state, &mut self.margin, &mut self.balls, roomy);
         clock.lap();
         if left || !self.has_pairs {
-            self.find_pairs(model, roomy, clock);
+            self.find_pairs(model, state, roomy, clock);
             self.has_pairs = true;
         } else {
             clock.pass_to("contact_write");
         }
-        let Scratch { place, margin, aabb, candidate, touching, .. } = self;
-        let at = contact_write::Input { model, state, place, margin, aabb };
+        let Scratch { margin, candidate, touching, balls, .. } = self;
+        let at = contact_write::Input { model, state, margin, balls };
         contact_write::run(&at, candidate.filled(), touching, contacts);
         clock.lap();
     }
 
-    /// The stages from `bin_emit` to `pair_write`.
-    fn find_pairs(&mut self, model: &Model, roomy: &[Aabb], clock: &mut Clock) {
-        self.grid.choose(model, roomy);
-        bin_emit::run(model, roomy, &self.grid, &mut self.pair_start, &mut self.bin, &mut self.shape);
+    /// The stages from `bin_emit` to `pair_write`. Their bins are not kept: pairs are looked for now and then, and meanwhile the
+    /// solver has their memory, whose contacts in turn are let go for them.
+    fn find_pairs(&mut self, model: &Model, state: &State, roomy: &[Aabb], clock: &mut Clock) {
+        self.solver.methods.forget();
+        let mut grid = BinGrid::default();
+        grid.choose(model, roomy);
+        let (mut pair_start, mut bin, mut shape) = (vec![], vec![], vec![]);
+        bin_emit::run(model, roomy, &grid, &mut pair_start, &mut bin, &mut shape);
         clock.lap();
-        gpu::radix_sort::sort_cpu(&mut self.bin, &mut self.shape, self.grid.len(), &mut self.sort);
+        gpu::radix_sort::sort_cpu(&mut bin, &mut shape, grid.len(), &mut gpu::radix_sort::Scratch::default());
         clock.lap();
-        bin_start::run(&self.bin, &mut self.bin_start);
+        let mut bin_start = vec![];
+        bin_start::run(&bin, &mut bin_start);
         clock.lap();
-        let Scratch { place, grid, bin, shape, bin_start, candidate, .. } = self;
-        pair_write::run(&pair_write::Input { model, place, aabb: roomy, grid, bin, shape, bin_start }, candidate);
+        let input = pair_write::Input {
+            model,
+            state,
+            aabb: roomy,
+            grid: &grid,
+            bin: &bin,
+            shape: &shape,
+            bin_start: &bin_start,
+        };
+        pair_write::run(&input, &mut self.candidate);
         clock.lap();
     }
 }
@@ -149,7 +159,7 @@ impl Simulation {
         state.roomy = roomy;
         warm_start::run(model, &w.old, &mut contacts);
         clock.lap();
-        force::run(model, state, &mut w.solver);
+        force::run(model, state, !w.balls.is_empty(), &mut w.solver);
         clock.lap();
         joint_write::run(model, state, &mut w.solver);
         clock.lap();

@@ -5,7 +5,7 @@ use crate::geometry::{Hull, Surface};
 use crate::joint::{Joint, Spring};
 use crate::load::Load;
 use glam::{DMat3, DQuat, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// What a shape is; its `size` reads accordingly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,6 +122,37 @@ impl Pose {
     }
 }
 
+/// A column of poses of which most are alike, as those of the grains of a bed are: a row names one of the distinct ones.
+#[derive(Clone, Debug, Default)]
+pub struct PoseColumn {
+    distinct: Vec<Pose>,
+    row: Vec<u32>,
+    known: HashMap<[u64; 7], u32>,
+}
+
+impl PoseColumn {
+    /// Add a row.
+    pub fn push(&mut self, pose: Pose) {
+        let (p, q) = (pose.position, pose.orientation);
+        let name = [p.x, p.y, p.z, q.x, q.y, q.z, q.w].map(f64::to_bits);
+        let next = self.distinct.len() as u32;
+        let row = *self.known.entry(name).or_insert(next);
+        if row == next {
+            self.distinct.push(pose);
+        }
+        self.row.push(row);
+    }
+}
+
+impl std::ops::Index<usize> for PoseColumn {
+    type Output = Pose;
+
+    #[inline]
+    fn index(&self, row: usize) -> &Pose {
+        &self.distinct[self.row[row] as usize]
+    }
+}
+
 /// A body that is absent or held in place at first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Late {
@@ -164,7 +195,7 @@ pub struct Model {
     /// Index into `class_names` (n_bodies).
     pub class: Vec<u32>,
     /// The frame that the model file places the body by, in the body's principal frame (n_bodies).
-    pub body_frame: Vec<Pose>,
+    pub body_frame: PoseColumn,
     /// Names of the classes.
     pub class_names: Vec<String>,
     /// Bodies that have names.
@@ -181,7 +212,7 @@ pub struct Model {
     /// Its size, m (n_shapes).
     pub shape_size: Vec<DVec3>,
     /// Its place in the body's principal frame (n_shapes).
-    pub shape_pose: Vec<Pose>,
+    pub shape_pose: PoseColumn,
     /// Its material (n_shapes).
     pub shape_material: Vec<u32>,
     /// Its collision group (n_shapes).
@@ -233,7 +264,21 @@ impl Model {
     #[inline]
     pub fn shape_place(&self, state: &State, shape: usize) -> Pose {
         let body = self.shape_body[shape] as usize;
-        Pose { position: state.position[body], orientation: state.orientation[body] }.place(&self.shape_pose[shape])
+        let own = Pose { position: state.position[body], orientation: state.orientation[body] };
+        if self.is_centred_ball(shape) { own } else { own.place(&self.shape_pose[shape]) }
+    }
+
+    /// Whether a shape is a ball about its body's centre.
+    #[inline]
+    pub fn is_centred_ball(&self, shape: usize) -> bool {
+        self.shape_kind[shape] == ShapeKind::Sphere && self.shape_pose[shape].position == DVec3::ZERO
+    }
+
+    /// Whether all that moves are balls that turn alike about all axes, and all balls are about their bodies' centres.
+    pub fn has_balls_only(&self) -> bool {
+        let moves = |s: usize| self.inv_mass[self.shape_body[s] as usize] > 0.0;
+        let fits = |s: usize| self.is_centred_ball(s) || (self.shape_kind[s] != ShapeKind::Sphere && !moves(s));
+        self.inv_inertia.iter().all(|i| is_isotropic(*i)) && (0..self.n_shapes()).all(fits)
     }
 
     /// Kinetic energy of a state, J.
@@ -304,10 +349,8 @@ pub struct Contacts {
     pub key: Vec<[u32; 3]>,
     /// Unit normal, out of A, world.
     pub normal: Vec<DVec3>,
-    /// From A's centre to the contact point, m, world.
-    pub arm_a: Vec<DVec3>,
-    /// From B's centre to the contact point, m, world.
-    pub arm_b: Vec<DVec3>,
+    /// From the bodies' centres to the contact point.
+    pub arms: Arms,
     /// Gap Φ, m; negative where the bodies overlap.
     pub gap: Vec<f64>,
     /// Which of the model's laws holds.
@@ -322,7 +365,37 @@ pub struct Contacts {
     pub incident: Vec<u32>,
 }
 
+/// From the centres of A and B to the contact point, m, world (n_contacts). Of a body that is held in place nobody asks it.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub enum Arms {
+    /// Of any bodies.
+    Any(Vec<[DVec3; 2]>),
+    /// Of balls about their own centres: along the normal, the lengths alone; zero for a body that is held in place.
+    Along(Vec<[f64; 2]>),
+}
+
+impl Default for Arms {
+    fn default() -> Arms {
+        Arms::Any(vec![])
+    }
+}
+
 impl Contacts {
+    /// The arms of a contact, m, world.
+    #[inline]
+    pub fn arms(&self, i: usize) -> [DVec3; 2] {
+        match &self.arms {
+            Arms::Any(arms) => arms[i],
+            Arms::Along(reach) => [self.normal[i] * reach[i][0], self.normal[i] * -reach[i][1]],
+        }
+    }
+
+    /// Where a contact is, m, world.
+    pub fn point(&self, model: &Model, state: &State, i: usize) -> DVec3 {
+        let side = if model.inv_mass[self.bodies[i][0] as usize] > 0.0 { 0 } else { 1 };
+        state.position[self.bodies[i][side] as usize] + self.arms(i)[side]
+    }
+
     /// Number of contacts.
     pub fn len(&self) -> usize {
         self.bodies.len()

@@ -91,7 +91,7 @@ pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
             frame.push(name, unit, Column::F64((0..n).map(|i| value(i)[k]).collect()));
         }
     };
-    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| state.position[c.bodies[i][0] as usize] + c.arm_a[i]);
+    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| c.point(model, state, i));
     triple(["normal_x", "normal_y", "normal_z"], "", &|i| c.normal[i]);
     triple(["force_x", "force_y", "force_z"], "N", &|i| c.impulse[i] / model.step);
     frame.push("gap", "m", Column::F64(c.gap.clone()));

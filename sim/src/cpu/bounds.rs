@@ -2,48 +2,108 @@
 //! in   position, orientation, velocity        [n_bodies]
 //!      shape_kind, shape_size, shape_pose     [n_shapes]  m
 //! inout roomy                                 [n_shapes]  m, boxes that pairs were found for
-//! out  place                                  [n_shapes]  where each shape is
-//!      margin                                 [n_shapes]  m, how far from its surface contacts are looked for: δ + |v| h
-//!      aabb                                   [n_shapes]  m, world; empty for a body that is absent
+//! out  margin                                 [n_shapes]  m, how far from its surface contacts are looked for: δ + |v| h
+//!      ball                                   [n_shapes]  where the model has balls only
+//!      whether a shape's box has left its roomy one
 //! Source: paper §3, before stage 1; the list of pairs that outlives a step is Verlet's (1967).
 //!
 //! Pairs are not looked for at every step: boxes are given room to move, pairs are found for these, and the list holds until a
 //! box leaves its own. Contacts hang on the tight boxes alone, so that the room changes no result but their order.
 
-use super::{Aabb, fill_rows};
-use crate::{Model, Pose, ShapeKind, State};
+use super::{Aabb, fill_rows, sweep, sweep_two};
+use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A};
 
-/// The stage.
-pub fn run(model: &Model, state: &State, place: &mut Vec<Pose>, margin: &mut Vec<f64>, aabb: &mut Vec<Aabb>) {
+/// A ball in its place, in one piece for those who look for its neighbours.
+#[derive(Clone, Copy, Default)]
+pub struct Ball {
+    /// Its centre, m, world.
+    pub centre: DVec3,
+    /// Its radius and its margin, m.
+    pub reach: f64,
+}
+
+/// The stage; whether pairs must be found anew. The roomy boxes are renewed if so. `balls` is as long as the model has shapes if
+/// it has balls only, else empty.
+pub fn run(model: &Model, state: &State, margin: &mut Vec<f32>, balls: &mut [Ball], roomy: &mut Vec<Aabb>) -> bool {
     let n = model.n_shapes();
-    place.resize(n, Pose::default());
     margin.resize(n, 0.0);
-    aabb.resize(n, Aabb::default());
-    fill_rows(place, |s| {
-        let body = model.shape_body[s] as usize;
-        let own = Pose { position: state.position[body], orientation: state.orientation[body] };
-        if model.shape_kind[s] == ShapeKind::Sphere && model.shape_pose[s].position == DVec3::ZERO {
-            return own;
+    if !balls.is_empty() {
+        return of_balls(model, state, margin, balls, roomy);
+    }
+    let known = roomy.len() == n;
+    let rooms = &*roomy;
+    let [left] = sweep(margin, |first, margin| {
+        let mut left = 0.0;
+        for (k, margin) in margin.iter_mut().enumerate() {
+            let s = first + k;
+            let body = model.shape_body[s] as usize;
+            let spin =
+                if model.is_centred_ball(s) { 0.0 } else { state.angular_velocity[body].length() * arm(model, s) };
+            *margin = (model.envelope + (state.velocity[body].length() + spin) * model.step) as f32;
+            if known && !rooms[s].holds(&tight(model, state, s, *margin)) {
+                left += 1.0;
+            }
         }
-        own.place(&model.shape_pose[s])
+        [left]
     });
-    let place = &*place;
-    fill_rows(margin, |s| {
-        let body = model.shape_body[s] as usize;
-        let arm = model.shape_pose[s].position.length() + non_round(model.shape_kind[s], model.shape_size[s]);
-        let spin = if arm > 0.0 { state.angular_velocity[body].length() } else { 0.0 };
-        model.envelope + (state.velocity[body].length() + spin * arm) * model.step
-    });
-    let margin = &*margin;
-    fill_rows(aabb, |s| {
-        if model.absent[model.shape_body[s] as usize] {
-            return Aabb::EMPTY;
+    if known && left == 0.0 {
+        return false;
+    }
+    renew(model, state, margin, roomy);
+    true
+}
+
+/// The same of balls.
+fn of_balls(model: &Model, state: &State, margin: &mut [f32], balls: &mut [Ball], roomy: &mut Vec<Aabb>) -> bool {
+    let known = roomy.len() == margin.len();
+    let rooms = &*roomy;
+    let [left] = sweep_two(margin, balls, |first, margin, balls| {
+        let mut left = 0.0;
+        for (k, (margin, ball)) in margin.iter_mut().zip(balls).enumerate() {
+            let s = first + k;
+            let body = model.shape_body[s] as usize;
+            *margin = (model.envelope + state.velocity[body].length() * model.step) as f32;
+            *ball = Ball { centre: state.position[body], reach: model.shape_size[s].x + *margin as f64 };
+            let holds = |room: &Aabb| {
+                if model.shape_kind[s] == ShapeKind::Sphere && !model.absent[body] {
+                    room.holds(&Aabb::about(ball.centre, DVec3::splat(ball.reach)))
+                } else {
+                    room.holds(&tight(model, state, s, *margin))
+                }
+            };
+            if known && !holds(&rooms[s]) {
+                left += 1.0;
+            }
         }
-        let at = &place[s];
-        let reach = reach_of(model.shape_kind[s], model.shape_size[s], || DMat3::from_quat(at.orientation)) + margin[s];
-        Aabb::about(at.position, reach)
+        [left]
     });
+    if known && left == 0.0 {
+        return false;
+    }
+    renew(model, state, margin, roomy);
+    true
+}
+
+fn renew(model: &Model, state: &State, margin: &[f32], roomy: &mut Vec<Aabb>) {
+    roomy.resize(margin.len(), Aabb::default());
+    fill_rows(roomy, |s| with_room(model, state, s, tight(model, state, s, margin[s])));
+}
+
+/// The box around a shape grown by its margin; empty if its body is absent.
+#[inline]
+pub fn tight(model: &Model, state: &State, s: usize, margin: f32) -> Aabb {
+    let body = model.shape_body[s] as usize;
+    if model.absent[body] {
+        return Aabb::EMPTY;
+    }
+    let grown = DVec3::splat(margin as f64);
+    if model.is_centred_ball(s) {
+        return Aabb::about(state.position[body], model.shape_size[s] + grown);
+    }
+    let at = model.shape_place(state, s);
+    let reach = reach_of(model.shape_kind[s], model.shape_size[s], || DMat3::from_quat(at.orientation));
+    Aabb::about(at.position, reach + grown)
 }
 
 /// Steps for which a box has room at the speed of its shape.
@@ -51,30 +111,22 @@ const STEPS: f64 = 5.0;
 /// Room at rest, in half the least edge of the box.
 const ROOM: f32 = 0.04;
 
-/// Give the boxes room again if one has left its own; whether pairs must be found again.
-pub fn renew(model: &Model, state: &State, place: &[Pose], aabb: &[Aabb], roomy: &mut Vec<Aabb>) -> bool {
-    if roomy.len() == aabb.len() && aabb.iter().zip(&*roomy).all(|(b, room)| room.holds(b)) {
-        return false;
+/// A shape's box with room to move.
+fn with_room(model: &Model, state: &State, s: usize, b: Aabb) -> Aabb {
+    let body = model.shape_body[s] as usize;
+    if model.inv_mass[body] == 0.0 || b.min.x > b.max.x {
+        return b;
     }
-    roomy.resize(aabb.len(), Aabb::default());
-    fill_rows(roomy, |s| {
-        let (body, b) = (model.shape_body[s] as usize, aabb[s]);
-        if model.inv_mass[body] == 0.0 || b.min.x > b.max.x {
-            return b;
-        }
-        let arm =
-            (place[s].position - state.position[body]).length() + non_round(model.shape_kind[s], model.shape_size[s]);
-        let turned = if arm > 0.0 { state.angular_velocity[body].length() * arm } else { 0.0 };
-        let moved = (state.velocity[body] * model.step * STEPS).as_vec3a();
-        let room = Vec3A::splat(0.5 * ROOM * (b.max - b.min).min_element() + (turned * model.step * STEPS) as f32);
-        Aabb { min: b.min - room + moved.min(Vec3A::ZERO), max: b.max + room + moved.max(Vec3A::ZERO) }
-    });
-    true
+    let spin = if model.is_centred_ball(s) { 0.0 } else { state.angular_velocity[body].length() * arm(model, s) };
+    let moved = (state.velocity[body] * model.step * STEPS).as_vec3a();
+    let room = Vec3A::splat(0.5 * ROOM * (b.max - b.min).min_element() + (spin * model.step * STEPS) as f32);
+    Aabb { min: b.min - room + moved.min(Vec3A::ZERO), max: b.max + room + moved.max(Vec3A::ZERO) }
 }
 
-/// How far the surface of a shape moves with its spin; a ball's does not leave its place.
-fn non_round(kind: ShapeKind, size: DVec3) -> f64 {
-    if kind == ShapeKind::Sphere { 0.0 } else { size.length() }
+/// How far from its body's centre a shape's surface moves with the spin, m; a ball's does not leave its place.
+fn arm(model: &Model, s: usize) -> f64 {
+    let own = if model.shape_kind[s] == ShapeKind::Sphere { 0.0 } else { model.shape_size[s].length() };
+    model.shape_pose[s].position.length() + own
 }
 
 /// Half lengths of the box around a turned shape.

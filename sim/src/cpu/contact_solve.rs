@@ -12,11 +12,11 @@
 
 use super::fill_rows;
 use crate::joint::Row;
-use crate::solve::bodies::BodyOperator;
+use crate::solve::bodies::{BodyOperator, Falling, Recovery};
 use crate::solve::joints::Joints;
 use crate::solve::{self, Image, Outcome, Twist};
-use crate::state::{is_isotropic, world_inv_inertia};
-use crate::{Contacts, FrictionLaw, Model, ShapeKind, State};
+use crate::state::{Arms, is_isotropic, world_inv_inertia};
+use crate::{Contacts, FrictionLaw, Method, Model, State};
 use glam::{DMat3, DVec3};
 
 /// Masses and moments of inertia in the world frame.
@@ -28,7 +28,7 @@ pub struct Masses {
     pub changed: bool,
     /// Reciprocal moment of bodies that turn alike about all axes; NaN for the others (n_bodies).
     pub round: Vec<f64>,
-    /// R J̄⁻¹ Rᵀ of the others, and its inverse, at `slot` (n_bodies).
+    /// R J̄⁻¹ Rᵀ of the others, and its inverse, at `slot` (n_bodies; none if all are round).
     slot: Vec<u32>,
     tensor: Vec<[DMat3; 2]>,
 }
@@ -42,6 +42,9 @@ impl Masses {
             self.round = model.inv_inertia.iter().map(|i| if is_isotropic(*i) { i.x } else { f64::NAN }).collect();
             let mut n = 0;
             self.slot = self.round.iter().map(|r| if r.is_nan() { (n, n += 1).0 } else { u32::MAX }).collect();
+            if n == 0 {
+                self.slot = vec![];
+            }
             self.tensor = vec![[DMat3::ZERO; 2]; n as usize];
         }
         for (b, slot) in self.slot.iter().enumerate().filter(|(_, s)| **s != u32::MAX) {
@@ -118,17 +121,18 @@ pub struct Workspace {
     offset: Vec<f64>,
     offset_unfed: Vec<f64>,
     eta: Vec<f64>,
-    friction: Vec<f64>,
-    balls: bool,
     /// The methods' own.
     pub methods: solve::Workspace,
 }
 
 /// The stage.
 pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Workspace) -> Outcome {
-    work.prepare(model, state, contacts);
     let n = contacts.len();
     let rolls = !contacts.twist.is_empty();
+    let plain = model.laws.iter().all(|l| l.cohesion == 0.0);
+    let balls = plain && !rolls && work.limits.is_empty() && matches!(contacts.arms, Arms::Along(_));
+    // Sweeps over balls make what they need of η themselves.
+    work.prepare(model, state, contacts, !(balls && model.solver.method == Method::GaussSeidel));
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
     if rolls || !work.limits.is_empty() {
@@ -145,13 +149,14 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
         free: &work.free,
         joints: &mut work.joints,
         limits: &work.limits,
+        falling: Falling { model, state },
         offset: &mut work.offset,
+        recovery: recovery_of(model),
         offset_unfed: &work.offset_unfed,
         eta: &work.eta,
         rolls,
-        plain: model.laws.iter().all(|l| l.cohesion == 0.0),
-        balls: work.balls,
-        friction: &work.friction,
+        plain,
+        balls,
         step: model.step,
         envelope: model.envelope,
     };
@@ -168,44 +173,46 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
     outcome
 }
 
+fn recovery_of(model: &Model) -> Recovery {
+    Recovery { step: model.step, speed: model.solver.recovery_speed }
+}
+
 /// Contacts that come together slower than this do not bounce, m/s.
 const BOUNCE_LEAST: f64 = 1e-3;
 
 impl Workspace {
     /// b and η of this step, and the joints' factorisation.
-    fn prepare(&mut self, model: &Model, state: &State, contacts: &Contacts) {
+    fn prepare(&mut self, model: &Model, state: &State, contacts: &Contacts, with_eta: bool) {
         let (h, n) = (model.step, contacts.len());
         self.joints.prepare(&self.masses);
         let offset = &mut self.offset;
-        offset.resize(n + self.limits.len(), 0.0);
+        let recovery = recovery_of(model);
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
-        let recovery = model.solver.recovery_speed;
-        fill_rows(&mut offset[..n], |i| {
-            let opening = (contacts.gap[i] / h).max(-recovery);
-            if !bounces {
-                return opening;
+        if bounces || model.solver.friction == FrictionLaw::Exact || !self.limits.is_empty() {
+            offset.resize(n + self.limits.len(), 0.0);
+            fill_rows(&mut offset[..n], |i| {
+                let opening = recovery.rate(contacts.gap[i]);
+                if !bounces {
+                    return opening;
+                }
+                let restitution = model.laws[contacts.law[i] as usize].restitution;
+                let speed = normal_speed(state, contacts, i);
+                let least = BOUNCE_LEAST.max(2.0 * model.gravity.length() * h);
+                let meets = speed < -least && contacts.gap[i] + h * speed <= 0.0;
+                if restitution > 0.0 && meets { opening.min(restitution * speed) } else { opening }
+            });
+            for (k, row) in self.limits.iter().enumerate() {
+                offset[n + k] = recovery.rate(row.psi);
             }
-            let restitution = model.laws[contacts.law[i] as usize].restitution;
-            let speed = normal_speed(state, contacts, i);
-            let least = BOUNCE_LEAST.max(2.0 * model.gravity.length() * h);
-            let meets = speed < -least && contacts.gap[i] + h * speed <= 0.0;
-            if restitution > 0.0 && meets { opening.min(restitution * speed) } else { opening }
-        });
-        for (k, row) in self.limits.iter().enumerate() {
-            offset[n + k] = (row.psi / h).max(-recovery);
+        } else {
+            offset.clear();
         }
         if model.solver.friction == FrictionLaw::Exact {
             self.offset_unfed.clone_from(offset);
         }
-        self.friction.resize(n, 0.0);
-        fill_rows(&mut self.friction, |i| model.laws[contacts.law[i] as usize].friction);
-        if self.masses.changed {
-            let centred = |s: usize| {
-                let body = model.shape_body[s] as usize;
-                model.inv_mass[body] == 0.0
-                    || (model.shape_kind[s] == ShapeKind::Sphere && model.shape_pose[s].position == DVec3::ZERO)
-            };
-            self.balls = self.masses.round.iter().all(|r| !r.is_nan()) && (0..model.n_shapes()).all(centred);
+        if !with_eta {
+            self.eta.clear();
+            return;
         }
         let (masses, limits) = (&self.masses, &self.limits);
         let rolls = if contacts.twist.is_empty() { 0 } else { n };
@@ -214,9 +221,8 @@ impl Workspace {
             if i < n {
                 let [a, b] = contacts.bodies[i].map(|b| b as usize);
                 let mut trace = 3.0 * (masses.inv_mass[a] + masses.inv_mass[b]);
-                for (body, arm) in [(a, contacts.arm_a[i]), (b, contacts.arm_b[i])] {
-                    trace += turning_trace(masses, body, arm);
-                }
+                let [arm_a, arm_b] = contacts.arms(i);
+                trace += turning_trace(masses, a, arm_a) + turning_trace(masses, b, arm_b);
                 3.0 / trace
             } else if i < n + rolls {
                 let [a, b] = contacts.bodies[i - n].map(|b| masses.inertia(b as usize));
@@ -244,6 +250,7 @@ fn turning_trace(masses: &Masses, body: usize, arm: DVec3) -> f64 {
 fn normal_speed(state: &State, contacts: &Contacts, i: usize) -> f64 {
     let [a, b] = contacts.bodies[i].map(|b| b as usize);
     let spin = |b: usize| state.orientation[b] * state.angular_velocity[b];
-    let v = state.velocity[b] + spin(b).cross(contacts.arm_b[i]) - state.velocity[a] - spin(a).cross(contacts.arm_a[i]);
+    let [arm_a, arm_b] = contacts.arms(i);
+    let v = state.velocity[b] + spin(b).cross(arm_b) - state.velocity[a] - spin(a).cross(arm_a);
     v.dot(contacts.normal[i])
 }

@@ -2,27 +2,30 @@
 //! in   velocity, angular_velocity  [n_bodies]
 //!      loads, motors that give an effort
 //! out  masses                      [n_bodies]  in the world frame
-//!      free                        [n_bodies]  m/s and rad/s, world
+//!      free                        [n_bodies]  m/s and rad/s, world; none where the solver makes it of the velocities
 //! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
 
 use super::contact_solve::Workspace;
 use super::fill_rows;
 use crate::joint::frames;
 use crate::solve::Twist;
-use crate::{Model, State};
+use crate::solve::bodies::Falling;
+use crate::{Method, Model, State};
 use glam::DVec3;
 
-/// The stage.
-pub fn run(model: &Model, state: &State, work: &mut Workspace) {
+/// The stage. `balls` says that nothing else moves.
+pub fn run(model: &Model, state: &State, balls: bool, work: &mut Workspace) {
     work.masses.prepare(model, state);
     let (masses, free, h) = (&work.masses, &mut work.free, model.step);
+    // Sweeps ask for it twice a step, which is not worth a column; iterations of the other methods do each time.
+    let pushed = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
+    if balls && !pushed && model.solver.method == Method::GaussSeidel {
+        *free = vec![];
+        return;
+    }
     free.resize(model.n_bodies(), Twist::default());
-    fill_rows(free, |b| {
-        if masses.inv_mass[b] == 0.0 {
-            return Twist::default();
-        }
-        Twist { v: state.velocity[b] + model.gravity * h, w: state.orientation[b] * state.angular_velocity[b] }
-    });
+    let falling = Falling { model, state };
+    fill_rows(free, |b| falling.twist(b));
     // A load acts with its mean over the step, taken in the middle.
     let middle = state.time + 0.5 * h;
     for load in &model.loads {

@@ -3,8 +3,8 @@
 //! in   bin, shape [n_pairs]       sorted by bin
 //!      bin_start  [n_active]      first and last-but-one pair of each active bin
 //!      aabb       [n_shapes]      m, world
-//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a surface; in pieces, in the order
-//!                                 of the bins
+//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a mesh or a height field; in
+//!                                 pieces, in the order of the bins
 //! Source: paper §3, stages 7–9.
 //!
 //! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
@@ -12,12 +12,37 @@
 
 use super::bin_emit::BinGrid;
 use super::collide::surface_of;
-use super::{Aabb, Pieces, collect_pieces};
-use crate::{Model, Pose, ShapeKind};
+use super::{Aabb, List, Pieces, collect_pieces};
+use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A};
 
-/// Two shapes and a triangle.
-pub type Candidate = [u32; 3];
+/// Pairs of shapes, the lower index first.
+#[derive(Default)]
+pub struct Candidates {
+    /// The pairs.
+    pub pair: Vec<[u32; 2]>,
+    /// Of those with a surface: which pair, rising, and which triangle.
+    pub triangle: Vec<[u32; 2]>,
+}
+
+impl Candidates {
+    #[inline]
+    fn push(&mut self, s: u32, t: u32) {
+        self.pair.push([s.min(t), s.max(t)]);
+    }
+}
+
+impl List for Candidates {
+    fn clear(&mut self) {
+        self.pair.clear();
+        self.triangle.clear();
+    }
+
+    fn trim(&mut self) {
+        self.pair.shrink_to(self.pair.len() + self.pair.len() / 8);
+        self.triangle.shrink_to(self.triangle.len() + self.triangle.len() / 8);
+    }
+}
 
 /// Members of a bin whose bits are kept at hand.
 const MEMBERS: usize = 64;
@@ -26,8 +51,8 @@ const MEMBERS: usize = 64;
 pub struct Input<'a> {
     /// The model.
     pub model: &'a Model,
-    /// Where the shapes are (n_shapes).
-    pub place: &'a [Pose],
+    /// The state.
+    pub state: &'a State,
     /// Boxes (n_shapes).
     pub aabb: &'a [Aabb],
     /// The bins.
@@ -41,7 +66,7 @@ pub struct Input<'a> {
 }
 
 /// The stage.
-pub fn run(input: &Input, candidate: &mut Pieces<Candidate>) {
+pub fn run(input: &Input, candidate: &mut Pieces<Candidates>) {
     let model = input.model;
     let surfaces: Vec<SurfaceAt> = (0..model.n_shapes() as u32)
         .filter(|s| model.shape_kind[*s as usize].is_surface())
@@ -64,7 +89,7 @@ pub fn run(input: &Input, candidate: &mut Pieces<Candidate>) {
 
 /// The pairs that a bin claims.
 #[inline]
-fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Vec<Candidate>) {
+fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Candidates) {
     let Input { model, aabb, grid, .. } = input;
     let members = &input.shape[first as usize..end as usize];
     let here = grid.place(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
@@ -80,14 +105,14 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Vec<Candidate>) {
         for (k, &t) in members[i + 1..].iter().enumerate() {
             let other = if few { bits[i + 1 + k] } else { begins(t) };
             if own | other == 7 && a.overlaps(&aabb[t as usize]) && may_meet(model, s, t) {
-                found.push(ordered(s, t));
+                found.push(s, t);
             }
         }
     }
 }
 
 /// The pairs of a shape with shapes of coarser levels.
-fn in_coarser_levels(input: &Input, s: u32, found: &mut Vec<Candidate>) {
+fn in_coarser_levels(input: &Input, s: u32, found: &mut Candidates) {
     let Input { model, aabb, grid, .. } = input;
     if model.shape_kind[s as usize].is_surface() {
         return;
@@ -104,7 +129,7 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Vec<Candidate>) {
             for (_, &t) in members {
                 let b = &aabb[t as usize];
                 if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && may_meet(model, s, t) {
-                    found.push(ordered(s, t));
+                    found.push(s, t);
                 }
             }
         });
@@ -125,7 +150,7 @@ struct SurfaceAt {
 
 impl SurfaceAt {
     fn of(input: &Input, shape: u32) -> SurfaceAt {
-        let place = &input.place[shape as usize];
+        let place = input.model.shape_place(input.state, shape as usize);
         let up = place.orientation * DVec3::Z;
         let reach = place.position.dot(up);
         SurfaceAt {
@@ -141,7 +166,7 @@ impl SurfaceAt {
 
 /// The pairs of a shape with a plane, or with the triangles of a mesh or a height field.
 #[inline]
-fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Vec<Candidate>) {
+fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
     let a = &input.aabb[s as usize];
     if t.kind == ShapeKind::Plane {
         // The box's corner that is deepest; an empty box has none.
@@ -150,7 +175,7 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Vec<Candidate>) 
             && !input.model.shape_kind[s as usize].is_surface()
             && may_meet(input.model, s, t.shape)
         {
-            found.push(ordered(s, t.shape));
+            found.push(s, t.shape);
         }
         return;
     }
@@ -164,8 +189,8 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Vec<Candidate>) 
     let local = t.turn * (centre - t.position);
     let reach = t.turn.x_axis.abs() * half.x + t.turn.y_axis.abs() * half.y + t.turn.z_axis.abs() * half.z;
     surface.visit(local - reach, local + reach, &mut |triangle| {
-        let [a, b, _] = ordered(s, t.shape);
-        found.push([a, b, triangle]);
+        found.triangle.push([found.pair.len() as u32, triangle]);
+        found.push(s, t.shape);
     });
 }
 
@@ -182,8 +207,4 @@ fn may_meet(model: &Model, s: u32, t: u32) -> bool {
         || model.absent[a as usize]
         || model.absent[b as usize]
         || (!model.apart.is_empty() && model.apart.binary_search(&[a.min(b), a.max(b)]).is_ok()))
-}
-
-fn ordered(s: u32, t: u32) -> Candidate {
-    [s.min(t), s.max(t), 0]
 }

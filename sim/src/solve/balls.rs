@@ -7,9 +7,12 @@
 //! eight contacts and half the bytes, which is what a large bed's sweep is bound by.
 
 use super::bodies::BodyOperator;
-use super::lanes::{Lane, Lane3, Real, each, project};
+#[cfg(target_arch = "x86_64")]
+use super::lanes::Wide;
+use super::lanes::{Lane3, Lanes, Plain, Real, project};
 use super::{Cells, Image, Twist};
 use crate::cpu::fill_rows;
+use crate::state::Arms;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -17,27 +20,31 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 struct Group<T, const L: usize> {
     bodies: [[u32; 2]; L],
-    normal: Lane3<T, L>,
-    gamma: Lane3<T, L>,
-    radius: [Lane<T, L>; 2],
-    inv_mass: [Lane<T, L>; 2],
-    /// Radius times reciprocal moment of inertia.
-    lever: [Lane<T, L>; 2],
-    offset: Lane<T, L>,
-    /// 1/a and 1/b.
-    along: Lane<T, L>,
-    across: Lane<T, L>,
-    stretch: Lane<T, L>,
-    /// μ times the stretch.
-    friction: Lane<T, L>,
+    normal: [[T; L]; 3],
+    gamma: [[T; L]; 3],
+    /// The arms' lengths.
+    reach: [[T; L]; 2],
+    offset: [T; L],
+    friction: [T; L],
 }
 
-/// The motion of a body.
+/// The motion of a body, with its reciprocal mass and moment of inertia: what a visit takes of it, in one cache line.
 #[derive(Clone, Copy, Default)]
-#[repr(align(32))]
+#[repr(C, align(32))]
 struct Motion<T> {
-    v: [T; 3],
-    w: [T; 3],
+    /// v (3), the reciprocal mass, ω (3), the reciprocal moment of inertia.
+    row: [T; 8],
+}
+
+impl<T: Real> Motion<T> {
+    fn of(t: &Twist, inv_mass: f64, inv_inertia: f64) -> Motion<T> {
+        Motion { row: [t.v.x, t.v.y, t.v.z, inv_mass, t.w.x, t.w.y, t.w.z, inv_inertia].map(T::of) }
+    }
+
+    fn twist(&self) -> Twist {
+        let [vx, vy, vz, _, wx, wy, wz, _] = self.row.map(T::wide);
+        Twist { v: DVec3::new(vx, vy, vz), w: DVec3::new(wx, wy, wz) }
+    }
 }
 
 /// All contacts by colours, and the motions of the bodies.
@@ -57,7 +64,7 @@ impl<T, const L: usize> Default for Packed<T, L> {
 /// Groups that one task visits.
 const TASK: usize = 128;
 
-impl<T: Real, const L: usize> Packed<T, L> {
+impl<T: Grouped<L>, const L: usize> Packed<T, L> {
     /// Lay out the contacts; `start` and `order` are the colours.
     pub fn fill(&mut self, op: &BodyOperator, start: &[u32], order: &[u32], gamma: &[DVec3], image: &Image) {
         self.start.clear();
@@ -66,18 +73,13 @@ impl<T: Real, const L: usize> Packed<T, L> {
             self.start.push(self.start[self.start.len() - 1] + ((ends[1] - ends[0]) as usize).div_ceil(L));
         }
         let n_groups = self.start[self.start.len() - 1];
-        // What a colour's last group has no contact for does nothing.
+        // What a colour's last group has no contact for is between the last motion, that of no body, and itself.
         let empty = Group {
-            bodies: [[0; 2]; L],
-            normal: Lane3::default(),
-            gamma: Lane3::default(),
-            radius: [[T::default(); L]; 2],
-            inv_mass: [[T::default(); L]; 2],
-            lever: [[T::default(); L]; 2],
+            bodies: [[image.twist.len() as u32; 2]; L],
+            normal: [[T::default(); L]; 3],
+            gamma: [[T::default(); L]; 3],
+            reach: [[T::default(); L]; 2],
             offset: [T::default(); L],
-            along: [T::of(1.0); L],
-            across: [T::of(1.0); L],
-            stretch: [T::of(1.0); L],
             friction: [T::default(); L],
         };
         self.groups.resize(n_groups, empty);
@@ -93,22 +95,23 @@ impl<T: Real, const L: usize> Packed<T, L> {
                 group
             });
         }
-        self.load(image);
+        let masses = op.masses;
+        self.motion.resize(image.twist.len() + 1, Motion::default());
+        fill_rows(&mut self.motion[..image.twist.len()], |b| {
+            Motion::of(&image.twist[b], masses.inv_mass[b], masses.round[b])
+        });
     }
 
     /// Take the motions of the bodies.
     pub fn load(&mut self, image: &Image) {
-        self.motion.resize(image.twist.len(), Motion::default());
-        fill_rows(&mut self.motion, |b| {
-            let Twist { v, w } = image.twist[b];
-            Motion { v: v.to_array().map(T::of), w: w.to_array().map(T::of) }
-        });
+        for (motion, twist) in self.motion.iter_mut().zip(&image.twist) {
+            *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
+        }
     }
 
     /// Give the motions of the bodies back.
     pub fn store(&self, image: &mut Image) {
-        let wide = |v: [T; 3]| DVec3::from_array(v.map(T::wide));
-        fill_rows(&mut image.twist, |b| Twist { v: wide(self.motion[b].v), w: wide(self.motion[b].w) });
+        fill_rows(&mut image.twist, |b| self.motion[b].twist());
     }
 
     /// Visit all contacts once, colour by colour; returns the sum of `|Δγ/η|²`.
@@ -132,7 +135,7 @@ impl<T: Real, const L: usize> Packed<T, L> {
             let pieces = order[ends[0] as usize..ends[1] as usize].par_chunks(TASK * L).zip(groups.par_chunks(TASK));
             pieces.with_min_len(4).for_each(|(contacts, groups)| {
                 // Each contact is in the order once.
-                contacts.iter().enumerate().for_each(|(k, i)| gamma.set(*i as usize, groups[k / L].gamma.get(k % L)));
+                contacts.iter().enumerate().for_each(|(k, i)| gamma.set(*i as usize, groups[k / L].gamma(k % L)));
             });
         }
     }
@@ -140,91 +143,127 @@ impl<T: Real, const L: usize> Packed<T, L> {
 
 impl<T: Real, const L: usize> Group<T, L> {
     fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3) {
-        let (c, masses) = (op.contacts, op.masses);
-        let n = c.normal[i];
-        let reach = [c.arm_a[i].dot(n), -c.arm_b[i].dot(n)];
+        let c = op.contacts;
+        let [arm_a, arm_b] = match &c.arms {
+            Arms::Along(reach) => reach[i],
+            Arms::Any(_) => unreachable!("balls' arms lie along the normals"),
+        };
         self.bodies[l] = c.bodies[i];
-        let (mut a, mut b) = (0.0, 0.0);
-        for side in 0..2 {
-            let body = c.bodies[i][side] as usize;
-            let (m, j) = (masses.inv_mass[body], masses.round[body]);
-            // A body that is held in place has no ball's arm, and needs none.
-            let r = if m > 0.0 { reach[side] } else { 0.0 };
-            self.inv_mass[side][l] = T::of(m);
-            self.radius[side][l] = T::of(r);
-            self.lever[side][l] = T::of(r * j);
-            a += m;
-            b += m + r * r * j;
+        for k in 0..3 {
+            (self.normal[k][l], self.gamma[k][l]) = (T::of(c.normal[i][k]), T::of(gamma[k]));
         }
-        self.normal.set(l, n);
-        self.gamma.set(l, gamma);
-        self.offset[l] = T::of(op.offset[i]);
-        self.along[l] = T::of(1.0 / a);
-        self.across[l] = T::of(1.0 / b);
-        self.stretch[l] = T::of((b / a).sqrt());
-        self.friction[l] = T::of(op.friction[i] * (b / a).sqrt());
+        (self.reach[0][l], self.reach[1][l]) = (T::of(arm_a), T::of(arm_b));
+        self.offset[l] = T::of(op.offset(i));
+        self.friction[l] = T::of(op.laws[c.law[i] as usize].friction);
     }
+
+    fn gamma(&self, l: usize) -> DVec3 {
+        DVec3::from_array(self.gamma.map(|x| x[l].wide()))
+    }
+}
+
+/// Lanes of as many contacts as a group has.
+pub trait Grouped<const L: usize>: Real {
+    /// In registers.
+    #[cfg(target_arch = "x86_64")]
+    type Wide: Lanes<Self, L>;
+    /// In arrays.
+    type Plain: Lanes<Self, L>;
+}
+
+impl Grouped<8> for f32 {
+    #[cfg(target_arch = "x86_64")]
+    type Wide = Wide<std::arch::x86_64::__m256>;
+    type Plain = Plain<f32, 8>;
+}
+
+impl Grouped<4> for f64 {
+    #[cfg(target_arch = "x86_64")]
+    type Wide = Wide<std::arch::x86_64::__m256d>;
+    type Plain = Plain<f64, 4>;
 }
 
 /// Visit groups of one colour; returns the sum of `|Δγ/η|²`.
-fn visit<T: Real, const L: usize>(groups: &mut [Group<T, L>], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+fn visit<T: Grouped<L>, const L: usize>(groups: &mut [Group<T, L>], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2.
-        return unsafe { visit_avx2(groups, motion, omega) };
+    {
+        #[target_feature(enable = "avx2")]
+        unsafe fn wide<T: Grouped<L>, const L: usize>(
+            groups: &mut [Group<T, L>],
+            motion: &Cells<Motion<T>>,
+            omega: f64,
+        ) -> f64 {
+            visit_lanes::<T, L, T::Wide>(groups, motion, omega)
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { wide(groups, motion, omega) };
+        }
     }
-    visit_lanes(groups, motion, omega)
+    visit_lanes::<T, L, T::Plain>(groups, motion, omega)
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-unsafe fn visit_avx2<T: Real, const L: usize>(
+#[inline(always)]
+fn visit_lanes<T: Real, const L: usize, V: Lanes<T, L>>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
 ) -> f64 {
-    visit_lanes(groups, motion, omega)
-}
-
-#[inline(always)]
-fn visit_lanes<T: Real, const L: usize>(groups: &mut [Group<T, L>], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
     let mut missed = [0.0; L];
-    let (one, third) = (T::of(1.0), T::of(1.0 / 3.0));
+    let (zero, one, third, omega) =
+        (V::splat(T::of(0.0)), V::splat(T::of(1.0)), V::splat(T::of(1.0 / 3.0)), V::splat(T::of(omega)));
     for g in groups {
-        let side = |s: usize| -> [Motion<T>; L] { each(|l| motion.get(g.bodies[l][s] as usize)) };
-        let v = |m: &[Motion<T>; L]| Lane3 { x: each(|l| m[l].v[0]), y: each(|l| m[l].v[1]), z: each(|l| m[l].v[2]) };
-        let w = |m: &[Motion<T>; L]| Lane3 { x: each(|l| m[l].w[0]), y: each(|l| m[l].w[1]), z: each(|l| m[l].w[2]) };
-        let (ta, tb) = (side(0), side(1));
-        let n = g.normal;
-        let (va, wa, vb, wb) = (v(&ta), w(&ta), v(&tb), w(&tb));
-        let rolling = wa.times(g.radius[0]).plus(wb.times(g.radius[1])).cross(n);
+        let (mut rows_a, mut rows_b) = ([[T::default(); 8]; L], [[T::default(); 8]; L]);
+        for l in 0..L {
+            let [a, b] = g.bodies[l];
+            (rows_a[l], rows_b[l]) = (motion.get(a as usize).row, motion.get(b as usize).row);
+        }
+        let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = V::columns(&rows_a);
+        let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = V::columns(&rows_b);
+        let (va, vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+        let (wa, wb) = (Lane3 { x: wax, y: way, z: waz }, Lane3 { x: wbx, y: wby, z: wbz });
+        let n = Lane3 { x: V::load(&g.normal[0]), y: V::load(&g.normal[1]), z: V::load(&g.normal[2]) };
+        let gamma = Lane3 { x: V::load(&g.gamma[0]), y: V::load(&g.gamma[1]), z: V::load(&g.gamma[2]) };
+        let (reach_a, reach_b) = (V::load(&g.reach[0]), V::load(&g.reach[1]));
+        let (lever_a, lever_b) = (reach_a * turn_a, reach_b * turn_b);
+        // N_ii = diag(a, b, b); both are 0 in a lane without a contact.
+        let a = mass_a + mass_b;
+        let b = a + reach_a * lever_a + reach_b * lever_b;
+        let along = a.up_to(zero, zero, one / a);
+        let across = a.up_to(zero, zero, one / b);
+        let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
+        let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
         let v = vb.minus(va).minus(rolling);
         let v_n = v.dot(n);
-        let before_n = g.gamma.dot(n);
-        let normal = each(|l| before_n[l] - (v_n[l] + g.offset[l]) * g.along[l]);
-        let tangent = g.gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(g.across));
-        let z = project(n.times(normal).plus(tangent.times(g.stretch)), n, g.friction);
-        let along = n.times(z.dot(n));
-        let z = along.plus(z.minus(along).times(each(|l| one / g.stretch[l])));
-        let d = z.minus(g.gamma).times([T::of(omega); L]);
-        g.gamma = g.gamma.plus(d);
+        let before_n = gamma.dot(n);
+        let normal = before_n - (v_n + V::load(&g.offset)) * along;
+        let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
+        let z = project(n.times(normal).plus(tangent.times(stretch)), n, V::load(&g.friction) * stretch);
+        let z_n = n.times(z.dot(n));
+        let z = z_n.plus(z.minus(z_n).times(shrink));
+        let d = z.minus(gamma).times(omega);
+        let gamma = gamma.plus(d);
+        g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
         let spin = n.cross(d);
-        let (va, vb) = (va.minus(d.times(g.inv_mass[0])), vb.plus(d.times(g.inv_mass[1])));
-        let (wa, wb) = (wa.minus(spin.times(g.lever[0])), wb.minus(spin.times(g.lever[1])));
+        let (va, vb) = (va.minus(d.times(mass_a)), vb.plus(d.times(mass_b)));
+        let (wa, wb) = (wa.minus(spin.times(lever_a)), wb.minus(spin.times(lever_b)));
+        let rows_a = V::rows([va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a]);
+        let rows_b = V::rows([vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b]);
         for l in 0..L {
-            let at = |v: &Lane3<T, L>| [v.x[l], v.y[l], v.z[l]];
-            if g.inv_mass[0][l] > T::default() {
-                motion.set(g.bodies[l][0] as usize, Motion { v: at(&va), w: at(&wa) });
+            let [a, b] = g.bodies[l];
+            // What is held in place may be in several contacts at once: it is never written.
+            if rows_a[l][3] > T::default() {
+                motion.set(a as usize, Motion { row: rows_a[l] });
             }
-            if g.inv_mass[1][l] > T::default() {
-                motion.set(g.bodies[l][1] as usize, Motion { v: at(&vb), w: at(&wb) });
+            if rows_b[l][3] > T::default() {
+                motion.set(b as usize, Motion { row: rows_b[l] });
             }
         }
-        // 1/η is a third of the trace of N_ii = diag(a, b, b).
-        let square = d.dot(d);
+        // 1/η is a third of the trace of N_ii.
+        let trace = (a + b + b) * third;
+        let squares = (d.dot(d) * trace * trace).to_array();
         for l in 0..L {
-            let trace = (one / g.along[l] + (one + one) / g.across[l]) * third;
-            missed[l] += (square[l] * trace * trace).wide();
+            missed[l] += squares[l].wide();
         }
     }
     missed.iter().sum()

@@ -4,16 +4,36 @@
 //! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
 //! then the limits of joints, one number each.
 
-use super::balls::Packed;
+use super::balls::{Grouped, Packed};
 use super::joints::Joints;
-use super::lanes::Real;
 use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
-use crate::Contacts;
 use crate::cpu::contact_solve::Masses;
 use crate::cpu::{fill_rows, sum_rows, sweep_two};
 use crate::joint::Row;
-use crate::state::ContactLaw;
+use crate::state::{Arms, ContactLaw};
+use crate::{Contacts, Model, State};
 use glam::{DMat3, DVec3};
+
+/// The bodies with gravity alone.
+#[derive(Clone, Copy)]
+pub struct Falling<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Its state.
+    pub state: &'a State,
+}
+
+impl Falling<'_> {
+    /// The velocity of a body at the end of the step, world.
+    #[inline]
+    pub fn twist(&self, b: usize) -> Twist {
+        let Falling { model, state } = self;
+        if model.inv_mass[b] == 0.0 {
+            return Twist::default();
+        }
+        Twist { v: state.velocity[b] + model.gravity * model.step, w: state.orientation[b] * state.angular_velocity[b] }
+    }
+}
 
 /// The operator of a step.
 pub struct BodyOperator<'a> {
@@ -23,30 +43,50 @@ pub struct BodyOperator<'a> {
     pub laws: &'a [ContactLaw],
     /// Masses in the world frame.
     pub masses: &'a Masses,
-    /// Velocities without contacts and joints (n_bodies).
+    /// Velocities without contacts and joints (n_bodies); none if they are those of bodies that fall.
     pub free: &'a [Twist],
+    /// The bodies.
+    pub falling: Falling<'a>,
     /// The joints.
     pub joints: &'a mut Joints,
     /// Limits of joints that may be met: dΨ/dt ≥ 0 once Ψ is 0.
     pub limits: &'a [Row],
-    /// Normal part of b: Φ/h and what restitution asks (n_contacts + n_limits).
+    /// Normal part of b: Φ/h and what restitution asks (n_contacts + n_limits); none if it is Φ/h alone ([`Recovery`]).
     pub offset: &'a mut [f64],
+    /// How overlaps are pushed apart.
+    pub recovery: Recovery,
     /// The same without what exact friction feeds.
     pub offset_unfed: &'a [f64],
-    /// η (n_blocks).
+    /// η (n_blocks); none for Gauss–Seidel over balls, which has no use for it.
     pub eta: &'a [f64],
     /// Whether there are rolling blocks.
     pub rolls: bool,
     /// Whether contacts have friction alone: no cohesion.
     pub plain: bool,
-    /// Whether all moving bodies are balls about their own centres.
+    /// Whether the blocks are such contacts between balls, and nothing else.
     pub balls: bool,
-    /// μ of each contact (n_contacts).
-    pub friction: &'a [f64],
     /// h, s.
     pub step: f64,
     /// δ, m: cohesion reaches this far.
     pub envelope: f64,
+}
+
+/// How gaps close and overlaps are pushed apart.
+#[derive(Clone, Copy)]
+pub struct Recovery {
+    /// h, s.
+    pub step: f64,
+    /// The greatest speed, m/s.
+    pub speed: f64,
+}
+
+impl Recovery {
+    /// Φ/h, or as fast as an overlap may be pushed apart, m/s.
+    #[inline]
+    pub fn rate(&self, gap: f64) -> f64 {
+        let rate = gap / self.step;
+        if rate <= -self.speed { -self.speed } else { rate }
+    }
 }
 
 /// What a block is.
@@ -69,6 +109,15 @@ impl BodyOperator<'_> {
         }
     }
 
+    /// The normal part of b of a contact.
+    #[inline]
+    pub fn offset(&self, contact: usize) -> f64 {
+        match self.offset.get(contact) {
+            Some(offset) => *offset,
+            None => self.recovery.rate(self.contacts.gap[contact]),
+        }
+    }
+
     #[inline]
     fn law(&self, contact: usize) -> &ContactLaw {
         &self.laws[self.contacts.law[contact] as usize]
@@ -81,8 +130,9 @@ impl BodyOperator<'_> {
             Block::Contact(i) => {
                 let [a, b] = self.contacts.bodies[i];
                 let (a, b) = (of(a as usize), of(b as usize));
-                let v = b.v + b.w.cross(self.contacts.arm_b[i]) - a.v - a.w.cross(self.contacts.arm_a[i]);
-                v + self.contacts.normal[i] * self.offset[i]
+                let [arm_a, arm_b] = self.contacts.arms(i);
+                let v = b.v + b.w.cross(arm_b) - a.v - a.w.cross(arm_a);
+                v + self.contacts.normal[i] * self.offset(i)
             }
             Block::Roll(i) => {
                 let [a, b] = self.contacts.bodies[i];
@@ -133,17 +183,26 @@ impl BodyOperator<'_> {
     #[inline(always)]
     fn push_body(&self, body: usize, gamma: &[DVec3]) -> Twist {
         let (contacts, masses) = (self.contacts, self.masses);
-        let free = self.free[body];
+        let free = self.free.get(body).copied().unwrap_or_else(|| self.falling.twist(body));
         if masses.inv_mass[body] == 0.0 {
             return free;
         }
         let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+        if let (Arms::Along(reach), false) = (&contacts.arms, self.rolls) {
+            // Both arms lie along the normal, and so do both turns: they differ by the arms' lengths alone.
+            for incident in contacts.of_body(body) {
+                let (i, side) = (*incident as usize / 2, *incident as usize & 1);
+                let j = gamma[i];
+                linear += if side == 1 { j } else { -j };
+                angular -= contacts.normal[i].cross(j) * reach[i][side];
+            }
+            return Twist { v: free.v + linear * masses.inv_mass[body], w: free.w + masses.turn(body, angular) };
+        }
         for incident in contacts.of_body(body) {
-            let i = *incident as usize / 2;
-            let (arm, j) =
-                if incident & 1 == 1 { (&contacts.arm_b[i], gamma[i]) } else { (&contacts.arm_a[i], -gamma[i]) };
+            let (i, side) = (*incident as usize / 2, *incident as usize & 1);
+            let j = if side == 1 { gamma[i] } else { -gamma[i] };
             linear += j;
-            angular += arm.cross(j);
+            angular += contacts.arms(i)[side].cross(j);
             if self.rolls {
                 let roll = gamma[contacts.len() + i];
                 angular += if incident & 1 == 1 { roll } else { -roll };
@@ -154,7 +213,7 @@ impl BodyOperator<'_> {
 
     /// Velocities with the impulses γ, before the joints answer.
     fn spread(&self, gamma: &[DVec3], out: &mut Vec<Twist>) {
-        out.resize(self.free.len(), Twist::default());
+        out.resize(self.masses.inv_mass.len(), Twist::default());
         fill_rows(out, |body| self.push_body(body, gamma));
         let first = gamma.len() - self.limits.len();
         for (row, gamma) in self.limits.iter().zip(&gamma[first..]) {
@@ -183,7 +242,7 @@ impl Operator for BodyOperator<'_> {
 
     fn curvature(&self, a: &Image, b: &Image) -> f64 {
         let masses = self.masses;
-        let [sum] = sum_rows(self.free.len(), |i| {
+        let [sum] = sum_rows(masses.inv_mass.len(), |i| {
             if masses.inv_mass[i] == 0.0 {
                 return [0.0];
             }
@@ -205,7 +264,7 @@ impl Operator for BodyOperator<'_> {
             return descend::advance(self, next, beta, [x, y], [to, to_y]);
         }
         // Without joints one pass over the bodies does it all.
-        let n = self.free.len();
+        let n = self.masses.inv_mass.len();
         to.twist.resize(n, Twist::default());
         to_y.twist.resize(n, Twist::default());
         let this = &*self;
@@ -245,6 +304,7 @@ impl Operator for BodyOperator<'_> {
         match self.block(i) {
             Block::Contact(i) => {
                 let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
+                let [arm_a, arm_b] = self.contacts.arms(i);
                 let cross =
                     |arm: DVec3| DMat3::from_cols(arm.cross(DVec3::X), arm.cross(DVec3::Y), arm.cross(DVec3::Z));
                 let turned = |b: usize, arm: DVec3| {
@@ -252,8 +312,8 @@ impl Operator for BodyOperator<'_> {
                     c.transpose() * masses.inertia(b) * c
                 };
                 DMat3::from_diagonal(DVec3::splat(masses.inv_mass[a] + masses.inv_mass[b]))
-                    + turned(a, self.contacts.arm_a[i])
-                    + turned(b, self.contacts.arm_b[i])
+                    + turned(a, arm_a)
+                    + turned(b, arm_b)
             }
             Block::Roll(i) => {
                 let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
@@ -275,8 +335,9 @@ impl Operator for BodyOperator<'_> {
         match self.block(i) {
             Block::Contact(i) => {
                 let [a, b] = self.contacts.bodies[i];
-                push(a, -d, -self.contacts.arm_a[i].cross(d));
-                push(b, d, self.contacts.arm_b[i].cross(d));
+                let [arm_a, arm_b] = self.contacts.arms(i);
+                push(a, -d, -arm_a.cross(d));
+                push(b, d, arm_b.cross(d));
             }
             Block::Roll(i) => {
                 let [a, b] = self.contacts.bodies[i];
@@ -307,7 +368,7 @@ impl Operator for BodyOperator<'_> {
         let moves = |b: u32| self.masses.inv_mass[b as usize] > 0.0;
         let n = self.n_blocks();
         // The colours that a body's blocks have, as bits; the first that is free of both bodies is taken.
-        let mut taken = vec![0u64; self.free.len()];
+        let mut taken = vec![0u64; self.masses.inv_mass.len()];
         let mut color = vec![0u32; n];
         // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
         let mut n_colors = 64;
@@ -336,10 +397,10 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn has_balls_only(&self) -> bool {
-        self.plain && self.balls && self.n_blocks() == self.contacts.len()
+        self.balls
     }
 
-    fn pack<T: Real, const L: usize>(
+    fn pack<T: Grouped<L>, const L: usize>(
         &self,
         start: &[u32],
         order: &[u32],

@@ -1,11 +1,14 @@
 //! The inner loop of the descent methods over a piece of blocks: pull the gradient, step, project.
 //!
-//! Plain contacts go four at a time through straight-line code that the compiler turns into vector instructions; the sums are
-//! made in one order whatever the machine, so that all machines agree.
+//! Plain contacts go four at a time through vector registers where there are any; the sums are made in one order whatever the
+//! machine, so that all machines agree.
 
 use super::bodies::BodyOperator;
-use super::lanes::{Lane3, each, project};
+#[cfg(target_arch = "x86_64")]
+use super::lanes::Wide;
+use super::lanes::{Lanes4, Plain, project};
 use super::{Extrapolated, Image, Operator};
+use crate::state::Arms;
 use glam::DVec3;
 
 /// Contacts that go side by side.
@@ -48,56 +51,106 @@ pub fn advance(
 /// For contacts with friction alone.
 pub fn run(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2.
-        return unsafe { run_avx2(op, first, next, from, step) };
+    {
+        #[target_feature(enable = "avx2")]
+        unsafe fn wide(
+            op: &BodyOperator,
+            first: usize,
+            next: &mut [DVec3],
+            from: &Extrapolated,
+            step: f64,
+        ) -> [f64; 2] {
+            run_either::<Wide<std::arch::x86_64::__m256d>>(op, first, next, from, step)
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { wide(op, first, next, from, step) };
+        }
     }
-    run_lanes(op, first, next, from, step)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-unsafe fn run_avx2(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
-    run_lanes(op, first, next, from, step)
+    run_either::<Plain<f64, LANES>>(op, first, next, from, step)
 }
 
 #[inline(always)]
-fn run_lanes(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
+fn run_either<V: Lanes4>(
+    op: &BodyOperator,
+    first: usize,
+    next: &mut [DVec3],
+    from: &Extrapolated,
+    step: f64,
+) -> [f64; 2] {
+    match op.contacts.arms {
+        Arms::Any(_) => run_lanes::<V, false>(op, first, next, from, step),
+        Arms::Along(_) => run_lanes::<V, true>(op, first, next, from, step),
+    }
+}
+
+/// The next four rows of a column.
+#[inline(always)]
+fn four<T>(column: &[T], k: usize) -> &[T; LANES] {
+    column[k..k + LANES].try_into().expect("four rows")
+}
+
+#[inline(always)]
+fn run_lanes<V: Lanes4, const BALLS: bool>(
+    op: &BodyOperator,
+    first: usize,
+    next: &mut [DVec3],
+    from: &Extrapolated,
+    step: f64,
+) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
     let c = op.contacts;
-    // Slices of one length: the loop below checks no bounds.
-    let (bodies, normal) = (&c.bodies[range.clone()], &c.normal[range.clone()]);
-    let (arm_a, arm_b) = (&c.arm_a[range.clone()], &c.arm_b[range.clone()]);
-    let (offset, eta, friction) = (&op.offset[range.clone()], &op.eta[range.clone()], &op.friction[range.clone()]);
+    let (bodies, normal, law) = (&c.bodies[range.clone()], &c.normal[range.clone()], &c.law[range.clone()]);
+    let (arms, reach): (&[[DVec3; 2]], &[[f64; 2]]) = match &c.arms {
+        Arms::Any(arms) => (&arms[range.clone()], &[]),
+        Arms::Along(reach) => (&[], &reach[range.clone()]),
+    };
+    let (gap, eta) = (&c.gap[range.clone()], &op.eta[range.clone()]);
+    let offset = op.offset.get(range.clone());
+    let (h, slowest) = (V::splat(op.recovery.step), V::splat(-op.recovery.speed));
     let (x, previous) = (&from.x[range.clone()], &from.previous[range]);
     let twist = &from.image.twist[..];
-    let mut sums = [[0.0; LANES]; 2];
+    let (beta, step_v) = (V::splat(from.beta), V::splat(step));
+    let mut sums = [V::splat(0.0); 2];
     let whole = n - n % LANES;
     for k in (0..whole).step_by(LANES) {
-        let at = |v: &[DVec3]| Lane3::load([&v[k], &v[k + 1], &v[k + 2], &v[k + 3]]);
-        let number = |v: &[f64]| [v[k], v[k + 1], v[k + 2], v[k + 3]];
-        let body = |l: usize, side: usize| &twist[bodies[k + l][side] as usize];
-        let (a, b) =
-            ([body(0, 0), body(1, 0), body(2, 0), body(3, 0)], [body(0, 1), body(1, 1), body(2, 1), body(3, 1)]);
-        let nrm = at(normal);
-        let va = Lane3::linear(a).plus(Lane3::angular(a).cross(at(arm_a)));
-        let vb = Lane3::linear(b).plus(Lane3::angular(b).cross(at(arm_b)));
-        let gradient = vb.minus(va).plus(nrm.times(number(offset)));
-        let (x_now, eta) = (at(x), number(eta));
-        let y = x_now.plus(x_now.minus(at(previous)).times([from.beta; LANES]));
-        let z = y.minus(gradient.times(each(|l| eta[l] * step)));
-        let z = project(z, nrm, number(friction));
-        for l in 0..LANES {
-            next[k + l] = DVec3::new(z.x[l], z.y[l], z.z[l]);
-        }
+        let [p, q, r, s] = four(bodies, k);
+        let [va, wa] =
+            V::twists([&twist[p[0] as usize], &twist[q[0] as usize], &twist[r[0] as usize], &twist[s[0] as usize]]);
+        let [vb, wb] =
+            V::twists([&twist[p[1] as usize], &twist[q[1] as usize], &twist[r[1] as usize], &twist[s[1] as usize]]);
+        let n = V::load3(four(normal, k));
+        let offset = match offset {
+            Some(offset) => V::load(four(offset, k)),
+            None => {
+                let rate = V::load(four(gap, k)) / h;
+                rate.up_to(slowest, slowest, rate)
+            }
+        };
+        let turned = if BALLS {
+            let [reach_a, reach_b] = V::load2(four(reach, k));
+            n.cross(wa.times(reach_a).plus(wb.times(reach_b)))
+        } else {
+            let [p, q, r, s] = four(arms, k);
+            wb.cross(V::load3(&[p[1], q[1], r[1], s[1]])).minus(wa.cross(V::load3(&[p[0], q[0], r[0], s[0]])))
+        };
+        let gradient = vb.minus(va).plus(turned).plus(n.times(offset));
+        let (x, eta) = (V::load3(four(x, k)), V::load(four(eta, k)));
+        let y = x.plus(x.minus(V::load3(four(previous, k))).times(beta));
+        let [p, q, r, s] = four(law, k);
+        let mu = V::load(&[
+            op.laws[*p as usize].friction,
+            op.laws[*q as usize].friction,
+            op.laws[*r as usize].friction,
+            op.laws[*s as usize].friction,
+        ]);
+        let z = project(y.minus(gradient.times(eta * step_v)), n, mu);
+        V::store3(z, (&mut next[k..k + LANES]).try_into().expect("four rows"));
         let d = z.minus(y);
-        let (moved, slope) = (d.dot(d), gradient.dot(z.minus(x_now)));
-        for l in 0..LANES {
-            sums[0][l] += moved[l] / eta[l];
-            sums[1][l] += slope[l];
-        }
+        sums = [sums[0] + d.dot(d) / eta, sums[1] + gradient.dot(z.minus(x))];
     }
     let rest = any(op, first + whole, &mut next[whole..], from, step);
-    [0, 1].map(|k| sums[k][0] + sums[k][1] + sums[k][2] + sums[k][3] + rest[k])
+    let (moved, slope) = (sums[0].to_array(), sums[1].to_array());
+    [moved[0] + moved[1] + moved[2] + moved[3] + rest[0], slope[0] + slope[1] + slope[2] + slope[3] + rest[1]]
 }

@@ -6,7 +6,6 @@
 //! near its rounding. The bodies' velocities are made anew from the impulses after it, so that no rounding of it is left in the
 //! momentum.
 
-use super::lanes::Real;
 use super::*;
 use rayon::prelude::*;
 
@@ -45,7 +44,7 @@ pub fn run(
 
 /// Sweeps over contacts between balls until they are good enough.
 #[allow(clippy::too_many_arguments)]
-fn balls<T: Real, const L: usize>(
+fn balls<T: balls::Grouped<L>, const L: usize>(
     op: &mut impl Operator,
     settings: &SolverSettings,
     gamma: &mut [DVec3],

@@ -1,29 +1,19 @@
-//! Numbers and vectors of several contacts side by side, as straight-line code that the compiler turns into vector instructions.
+//! Numbers and vectors of several contacts side by side: vector registers where the processor has AVX2, plain arrays elsewhere.
 //! No operation is fused: all machines get the same bits.
+//!
+//! A kernel is a function generic over [`Lanes`], `#[inline(always)]` down to here, which a function compiled for AVX2 calls with
+//! [`Wide`] and one that is not with [`Plain`]. No closures on the way: they would be compiled for plain processors.
 
 use super::Twist;
 use glam::DVec3;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Single or double precision.
-pub trait Real:
-    Copy
-    + Default
-    + PartialOrd
-    + Send
-    + Sync
-    + Neg<Output = Self>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-{
+pub trait Real: Copy + Default + PartialOrd + Send + Sync {
     /// Rounded from double precision.
     fn of(x: f64) -> Self;
     /// In double precision.
     fn wide(self) -> f64;
-    /// Square root.
-    fn sqrt(self) -> Self;
 }
 
 impl Real for f64 {
@@ -34,10 +24,6 @@ impl Real for f64 {
     #[inline(always)]
     fn wide(self) -> f64 {
         self
-    }
-    #[inline(always)]
-    fn sqrt(self) -> f64 {
-        f64::sqrt(self)
     }
 }
 
@@ -50,127 +36,457 @@ impl Real for f32 {
     fn wide(self) -> f64 {
         self as f64
     }
-    #[inline(always)]
-    fn sqrt(self) -> f32 {
-        f32::sqrt(self)
-    }
 }
 
 /// A number of each of L contacts.
-pub type Lane<T, const L: usize> = [T; L];
+pub trait Lanes<T: Real, const L: usize>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// One number in all lanes.
+    fn splat(x: T) -> Self;
+    /// From an array.
+    fn load(v: &[T; L]) -> Self;
+    /// As an array.
+    fn to_array(self) -> [T; L];
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Where `self` ≤ `most`, `yes`, else `no`.
+    fn up_to(self, most: Self, yes: Self, no: Self) -> Self;
+    /// Rows of eight numbers as eight columns.
+    fn columns(rows: &[[T; 8]; L]) -> [Self; 8];
+    /// Eight columns as rows of eight numbers.
+    fn rows(columns: [Self; 8]) -> [[T; 8]; L];
+}
 
-/// A vector of each of L contacts.
+/// Double precision, four contacts: what the descent methods read of them.
+pub trait Lanes4: Lanes<f64, 4> {
+    /// Four vectors.
+    fn load3(v: &[DVec3; 4]) -> Lane3<Self>;
+    /// Write four vectors.
+    fn store3(v: Lane3<Self>, to: &mut [DVec3; 4]);
+    /// Four pairs.
+    fn load2(v: &[[f64; 2]; 4]) -> [Self; 2];
+    /// Four motions: linear and angular.
+    fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2];
+}
+
+/// Lanes as an array.
 #[derive(Clone, Copy)]
-pub struct Lane3<T, const L: usize> {
-    /// x.
-    pub x: Lane<T, L>,
-    /// y.
-    pub y: Lane<T, L>,
-    /// z.
-    pub z: Lane<T, L>,
+pub struct Plain<T, const L: usize>([T; L]);
+
+macro_rules! plain {
+    ($T:ty) => {
+        impl<const L: usize> Plain<$T, L> {
+            #[inline(always)]
+            fn with(mut self, o: Self, f: impl Fn($T, $T) -> $T) -> Self {
+                self.0.iter_mut().zip(o.0).for_each(|(a, b)| *a = f(*a, b));
+                self
+            }
+        }
+        plain!($T, Add, add, |a, b| a + b);
+        plain!($T, Sub, sub, |a, b| a - b);
+        plain!($T, Mul, mul, |a, b| a * b);
+        plain!($T, Div, div, |a, b| a / b);
+        impl<const L: usize> Lanes<$T, L> for Plain<$T, L> {
+            #[inline(always)]
+            fn splat(x: $T) -> Self {
+                Plain([x; L])
+            }
+            #[inline(always)]
+            fn load(v: &[$T; L]) -> Self {
+                Plain(*v)
+            }
+            #[inline(always)]
+            fn to_array(self) -> [$T; L] {
+                self.0
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Plain(self.0.map(<$T>::sqrt))
+            }
+            #[inline(always)]
+            fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+                Plain(std::array::from_fn(|l| if self.0[l] <= most.0[l] { yes.0[l] } else { no.0[l] }))
+            }
+            #[inline(always)]
+            fn columns(rows: &[[$T; 8]; L]) -> [Self; 8] {
+                std::array::from_fn(|c| Plain(std::array::from_fn(|l| rows[l][c])))
+            }
+            #[inline(always)]
+            fn rows(columns: [Self; 8]) -> [[$T; 8]; L] {
+                std::array::from_fn(|l| std::array::from_fn(|c| columns[c].0[l]))
+            }
+        }
+    };
+    ($T:ty, $Op:ident, $op:ident, $f:expr) => {
+        impl<const L: usize> $Op for Plain<$T, L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $op(self, o: Self) -> Self {
+                self.with(o, $f)
+            }
+        }
+    };
 }
 
-impl<T: Real, const L: usize> Default for Lane3<T, L> {
-    fn default() -> Self {
-        Lane3 { x: [T::default(); L], y: [T::default(); L], z: [T::default(); L] }
+plain!(f32);
+plain!(f64);
+
+impl Lanes4 for Plain<f64, 4> {
+    #[inline(always)]
+    fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
+        Lane3 { x: Plain(v.map(|v| v.x)), y: Plain(v.map(|v| v.y)), z: Plain(v.map(|v| v.z)) }
+    }
+    #[inline(always)]
+    fn store3(v: Lane3<Self>, to: &mut [DVec3; 4]) {
+        *to = std::array::from_fn(|l| DVec3::new(v.x.0[l], v.y.0[l], v.z.0[l]));
+    }
+    #[inline(always)]
+    fn load2(v: &[[f64; 2]; 4]) -> [Self; 2] {
+        [Plain(v.map(|v| v[0])), Plain(v.map(|v| v[1]))]
+    }
+    #[inline(always)]
+    fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2] {
+        [Self::load3(&t.map(|t| t.v)), Self::load3(&t.map(|t| t.w))]
     }
 }
 
-#[inline(always)]
-pub fn each<T: Copy, const L: usize>(f: impl Fn(usize) -> T) -> Lane<T, L> {
-    // `std::array::from_fn` is not always taken apart into vector instructions; this is.
-    let mut lane = [f(0); L];
-    for (l, x) in lane.iter_mut().enumerate().skip(1) {
-        *x = f(l);
-    }
-    lane
-}
+/// Lanes in a vector register. Only functions that are compiled for AVX2, and run where there is AVX2, may use them.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+pub struct Wide<V>(V);
 
-impl<const L: usize> Lane3<f64, L> {
-    #[inline(always)]
-    pub fn load(v: [&DVec3; L]) -> Self {
-        Lane3 { x: each(|l| v[l].x), y: each(|l| v[l].y), z: each(|l| v[l].z) }
+#[cfg(target_arch = "x86_64")]
+mod wide {
+    // SAFETY, here and below: AVX2 is there (see `Wide`), and loads and stores are of as many numbers as a register holds.
+    use super::*;
+    use std::arch::x86_64::*;
+
+    macro_rules! operator {
+        ($V:ty, $Op:ident, $op:ident, $f:ident) => {
+            impl $Op for Wide<$V> {
+                type Output = Self;
+                #[inline(always)]
+                fn $op(self, o: Self) -> Self {
+                    Wide(unsafe { $f(self.0, o.0) })
+                }
+            }
+        };
     }
 
-    /// The linear velocities of some bodies.
-    #[inline(always)]
-    pub fn linear(t: [&Twist; L]) -> Self {
-        Lane3::load(t.map(|t| &t.v))
-    }
+    operator!(__m256, Add, add, _mm256_add_ps);
+    operator!(__m256, Sub, sub, _mm256_sub_ps);
+    operator!(__m256, Mul, mul, _mm256_mul_ps);
+    operator!(__m256, Div, div, _mm256_div_ps);
+    operator!(__m256d, Add, add, _mm256_add_pd);
+    operator!(__m256d, Sub, sub, _mm256_sub_pd);
+    operator!(__m256d, Mul, mul, _mm256_mul_pd);
+    operator!(__m256d, Div, div, _mm256_div_pd);
 
-    /// The angular velocities of some bodies.
-    #[inline(always)]
-    pub fn angular(t: [&Twist; L]) -> Self {
-        Lane3::load(t.map(|t| &t.w))
-    }
-}
-
-impl<T: Real, const L: usize> Lane3<T, L> {
-    #[inline(always)]
-    fn zip(self, b: Self, f: impl Fn(T, T) -> T) -> Self {
-        Lane3 {
-            x: each(|l| f(self.x[l], b.x[l])),
-            y: each(|l| f(self.y[l], b.y[l])),
-            z: each(|l| f(self.z[l], b.z[l])),
+    impl Lanes<f32, 8> for Wide<__m256> {
+        #[inline(always)]
+        fn splat(x: f32) -> Self {
+            Wide(unsafe { _mm256_set1_ps(x) })
+        }
+        #[inline(always)]
+        fn load(v: &[f32; 8]) -> Self {
+            Wide(unsafe { _mm256_loadu_ps(v.as_ptr()) })
+        }
+        #[inline(always)]
+        fn to_array(self) -> [f32; 8] {
+            let mut out = [0.0; 8];
+            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Wide(unsafe { _mm256_sqrt_ps(self.0) })
+        }
+        #[inline(always)]
+        fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+            Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, most.0)) })
+        }
+        #[inline(always)]
+        fn columns(rows: &[[f32; 8]; 8]) -> [Self; 8] {
+            let [a, b, c, d, e, f, g, h] = rows;
+            let rows = [Self::load(a), Self::load(b), Self::load(c), Self::load(d)];
+            unsafe {
+                transpose([
+                    rows[0],
+                    rows[1],
+                    rows[2],
+                    rows[3],
+                    Self::load(e),
+                    Self::load(f),
+                    Self::load(g),
+                    Self::load(h),
+                ])
+            }
+        }
+        #[inline(always)]
+        fn rows(columns: [Self; 8]) -> [[f32; 8]; 8] {
+            let rows = unsafe { transpose(columns) };
+            let mut out = [[0.0; 8]; 8];
+            for i in 0..8 {
+                unsafe { _mm256_storeu_ps(out[i].as_mut_ptr(), rows[i].0) };
+            }
+            out
         }
     }
 
+    /// Transpose eight rows: pairs of numbers, then pairs of those, then halves.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn transpose(r: [Wide<__m256>; 8]) -> [Wide<__m256>; 8] {
+        let mut p = r;
+        for i in 0..4 {
+            p[2 * i].0 = _mm256_unpacklo_ps(r[2 * i].0, r[2 * i + 1].0);
+            p[2 * i + 1].0 = _mm256_unpackhi_ps(r[2 * i].0, r[2 * i + 1].0);
+        }
+        let mut q = p;
+        for k in 0..2 {
+            let i = 4 * k;
+            q[i].0 = _mm256_shuffle_ps::<0b01_00_01_00>(p[i].0, p[i + 2].0);
+            q[i + 1].0 = _mm256_shuffle_ps::<0b11_10_11_10>(p[i].0, p[i + 2].0);
+            q[i + 2].0 = _mm256_shuffle_ps::<0b01_00_01_00>(p[i + 1].0, p[i + 3].0);
+            q[i + 3].0 = _mm256_shuffle_ps::<0b11_10_11_10>(p[i + 1].0, p[i + 3].0);
+        }
+        let mut out = q;
+        for i in 0..4 {
+            out[i].0 = _mm256_permute2f128_ps::<0x20>(q[i].0, q[i + 4].0);
+            out[i + 4].0 = _mm256_permute2f128_ps::<0x31>(q[i].0, q[i + 4].0);
+        }
+        out
+    }
+
+    impl Lanes<f64, 4> for Wide<__m256d> {
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            Wide(unsafe { _mm256_set1_pd(x) })
+        }
+        #[inline(always)]
+        fn load(v: &[f64; 4]) -> Self {
+            Wide(unsafe { _mm256_loadu_pd(v.as_ptr()) })
+        }
+        #[inline(always)]
+        fn to_array(self) -> [f64; 4] {
+            let mut out = [0.0; 4];
+            unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Wide(unsafe { _mm256_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+            Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) })
+        }
+        #[inline(always)]
+        fn columns(rows: &[[f64; 8]; 4]) -> [Self; 8] {
+            let (mut low, mut high) = ([Self::splat(0.0); 4], [Self::splat(0.0); 4]);
+            for i in 0..4 {
+                low[i].0 = unsafe { _mm256_loadu_pd(rows[i].as_ptr()) };
+                high[i].0 = unsafe { _mm256_loadu_pd(rows[i].as_ptr().add(4)) };
+            }
+            let ([a, b, c, d], [e, f, g, h]) = unsafe { (transpose4(low), transpose4(high)) };
+            [a, b, c, d, e, f, g, h]
+        }
+        #[inline(always)]
+        fn rows(c: [Self; 8]) -> [[f64; 8]; 4] {
+            let low = unsafe { transpose4([c[0], c[1], c[2], c[3]]) };
+            let high = unsafe { transpose4([c[4], c[5], c[6], c[7]]) };
+            let mut rows = [[0.0; 8]; 4];
+            for i in 0..4 {
+                unsafe { _mm256_storeu_pd(rows[i].as_mut_ptr(), low[i].0) };
+                unsafe { _mm256_storeu_pd(rows[i].as_mut_ptr().add(4), high[i].0) };
+            }
+            rows
+        }
+    }
+
+    /// Transpose four rows.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn transpose4(r: [Wide<__m256d>; 4]) -> [Wide<__m256d>; 4] {
+        let (a, b) = (_mm256_unpacklo_pd(r[0].0, r[1].0), _mm256_unpackhi_pd(r[0].0, r[1].0));
+        let (c, d) = (_mm256_unpacklo_pd(r[2].0, r[3].0), _mm256_unpackhi_pd(r[2].0, r[3].0));
+        [
+            Wide(_mm256_permute2f128_pd::<0x20>(a, c)),
+            Wide(_mm256_permute2f128_pd::<0x20>(b, d)),
+            Wide(_mm256_permute2f128_pd::<0x31>(a, c)),
+            Wide(_mm256_permute2f128_pd::<0x31>(b, d)),
+        ]
+    }
+
+    impl Lanes4 for Wide<__m256d> {
+        #[inline(always)]
+        fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
+            let [x, y, z] = unsafe { load3(v.as_ptr().cast()) };
+            Lane3 { x: Wide(x), y: Wide(y), z: Wide(z) }
+        }
+        #[inline(always)]
+        fn store3(v: Lane3<Self>, to: &mut [DVec3; 4]) {
+            unsafe { store3([v.x.0, v.y.0, v.z.0], to.as_mut_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn load2(v: &[[f64; 2]; 4]) -> [Self; 2] {
+            let [a, b] = unsafe { load2(v.as_ptr().cast()) };
+            [Wide(a), Wide(b)]
+        }
+        #[inline(always)]
+        fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2] {
+            unsafe { twists(t) }
+        }
+    }
+
+    /// Twelve numbers in a row as the components of four vectors.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn load3(v: *const f64) -> [__m256d; 3] {
+        // x₀ y₀ z₀ x₁ | y₁ z₁ x₂ y₂ | z₂ x₃ y₃ z₃
+        let (r, s, t) = unsafe { (_mm256_loadu_pd(v), _mm256_loadu_pd(v.add(4)), _mm256_loadu_pd(v.add(8))) };
+        let a = _mm256_blend_pd::<0b1100>(r, s);
+        let b = _mm256_permute2f128_pd::<0x21>(r, t);
+        let c = _mm256_blend_pd::<0b1100>(s, t);
+        [_mm256_shuffle_pd::<0b1010>(a, b), _mm256_shuffle_pd::<0b0101>(a, c), _mm256_shuffle_pd::<0b1010>(b, c)]
+    }
+
+    /// The way back.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn store3([x, y, z]: [__m256d; 3], to: *mut f64) {
+        let (a, c) = (_mm256_unpacklo_pd(x, y), _mm256_unpackhi_pd(y, z));
+        let b = _mm256_shuffle_pd::<0b1010>(z, x);
+        unsafe {
+            _mm256_storeu_pd(to, _mm256_permute2f128_pd::<0x20>(a, b));
+            _mm256_storeu_pd(to.add(4), _mm256_blend_pd::<0b1100>(c, a));
+            _mm256_storeu_pd(to.add(8), _mm256_permute2f128_pd::<0x31>(b, c));
+        }
+    }
+
+    /// Eight numbers in a row as four pairs.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn load2(v: *const f64) -> [__m256d; 2] {
+        let (r, s) = unsafe { (_mm256_loadu_pd(v), _mm256_loadu_pd(v.add(4))) };
+        let (p, q) = (_mm256_permute2f128_pd::<0x20>(r, s), _mm256_permute2f128_pd::<0x31>(r, s));
+        [_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q)]
+    }
+
+    /// The six components of four motions.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn twists(t: [&Twist; 4]) -> [Lane3<Wide<__m256d>>; 2] {
+        let mut first = [Wide(_mm256_setzero_pd()); 4];
+        let mut rest = [_mm_setzero_pd(); 4];
+        for i in 0..4 {
+            let numbers: *const f64 = (t[i] as *const Twist).cast();
+            first[i].0 = unsafe { _mm256_loadu_pd(numbers) };
+            rest[i] = unsafe { _mm_loadu_pd(numbers.add(4)) };
+        }
+        let [vx, vy, vz, wx] = transpose4(first);
+        let (p, q) = (_mm256_set_m128d(rest[2], rest[0]), _mm256_set_m128d(rest[3], rest[1]));
+        let (wy, wz) = (Wide(_mm256_unpacklo_pd(p, q)), Wide(_mm256_unpackhi_pd(p, q)));
+        [Lane3 { x: vx, y: vy, z: vz }, Lane3 { x: wx, y: wy, z: wz }]
+    }
+}
+
+/// A vector of each of some contacts.
+#[derive(Clone, Copy)]
+pub struct Lane3<V> {
+    /// x.
+    pub x: V,
+    /// y.
+    pub y: V,
+    /// z.
+    pub z: V,
+}
+
+impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<Output = V>> Lane3<V> {
     #[inline(always)]
     pub fn plus(self, b: Self) -> Self {
-        self.zip(b, |p, q| p + q)
+        Lane3 { x: self.x + b.x, y: self.y + b.y, z: self.z + b.z }
     }
 
     #[inline(always)]
     pub fn minus(self, b: Self) -> Self {
-        self.zip(b, |p, q| p - q)
+        Lane3 { x: self.x - b.x, y: self.y - b.y, z: self.z - b.z }
     }
 
     #[inline(always)]
-    pub fn times(self, s: Lane<T, L>) -> Self {
-        Lane3 { x: each(|l| self.x[l] * s[l]), y: each(|l| self.y[l] * s[l]), z: each(|l| self.z[l] * s[l]) }
+    pub fn times(self, s: V) -> Self {
+        Lane3 { x: self.x * s, y: self.y * s, z: self.z * s }
     }
 
     #[inline(always)]
-    pub fn dot(self, b: Self) -> Lane<T, L> {
-        each(|l| self.x[l] * b.x[l] + self.y[l] * b.y[l] + self.z[l] * b.z[l])
+    pub fn dot(self, b: Self) -> V {
+        self.x * b.x + self.y * b.y + self.z * b.z
     }
 
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {
-        Lane3 {
-            x: each(|l| self.y[l] * b.z[l] - self.z[l] * b.y[l]),
-            y: each(|l| self.z[l] * b.x[l] - self.x[l] * b.z[l]),
-            z: each(|l| self.x[l] * b.y[l] - self.y[l] * b.x[l]),
-        }
-    }
-
-    /// Set one contact's vector.
-    #[inline]
-    pub fn set(&mut self, l: usize, v: DVec3) {
-        (self.x[l], self.y[l], self.z[l]) = (T::of(v.x), T::of(v.y), T::of(v.z));
-    }
-
-    /// One contact's vector.
-    #[inline]
-    pub fn get(&self, l: usize) -> DVec3 {
-        DVec3::new(self.x[l].wide(), self.y[l].wide(), self.z[l].wide())
+        Lane3 { x: self.y * b.z - self.z * b.y, y: self.z * b.x - self.x * b.z, z: self.x * b.y - self.y * b.x }
     }
 }
 
 /// Project onto the cones |γ_t| ≤ μ γ_n, without branches.
 #[inline(always)]
-pub fn project<T: Real, const L: usize>(y: Lane3<T, L>, n: Lane3<T, L>, mu: Lane<T, L>) -> Lane3<T, L> {
-    let (zero, one) = (T::of(0.0), T::of(1.0));
+pub fn project<T: Real, const L: usize, V: Lanes<T, L>>(y: Lane3<V>, n: Lane3<V>, mu: V) -> Lane3<V> {
+    let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
     let normal = y.dot(n);
     let tangent = y.minus(n.times(normal));
-    let square = tangent.dot(tangent);
-    let t: Lane<T, L> = each(|l| square[l].sqrt());
-    let kept: Lane<T, L> = each(|l| {
-        let kept = (t[l] * mu[l] + normal[l]) / (mu[l] * mu[l] + one);
-        if t[l] * mu[l] <= -normal[l] { zero } else { kept }
-    });
-    let share: Lane<T, L> = each(|l| if t[l] > zero { mu[l] * kept[l] / t[l] } else { zero });
-    let inside = |l: usize| t[l] <= mu[l] * normal[l];
-    n.times(each(|l| if inside(l) { normal[l] } else { kept[l] }))
-        .plus(tangent.times(each(|l| if inside(l) { one } else { share[l] })))
+    let t = tangent.dot(tangent).sqrt();
+    let reach = t * mu;
+    let kept = reach.up_to(zero - normal, zero, (reach + normal) / (mu * mu + one));
+    let share = t.up_to(zero, zero, mu * kept / t);
+    let limit = mu * normal;
+    n.times(t.up_to(limit, normal, kept)).plus(tangent.times(t.up_to(limit, one, share)))
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use std::arch::x86_64::{__m256, __m256d};
+
+    /// What registers load, compute and store is what arrays do, to the bit.
+    #[test]
+    fn registers_and_arrays_agree() {
+        #[target_feature(enable = "avx2")]
+        unsafe fn wide(v: &[DVec3; 4], t: [&Twist; 4], f: &[[f32; 8]; 8], out: &mut [DVec3; 4]) -> [[f32; 8]; 8] {
+            double::<Wide<__m256d>>(v, t, out);
+            single::<Wide<__m256>>(f)
+        }
+        fn double<V: Lanes4>(v: &[DVec3; 4], t: [&Twist; 4], out: &mut [DVec3; 4]) {
+            let n = V::load3(v);
+            let [lin, ang] = V::twists(t);
+            let [a, b] = V::load2(&[[0.1, 0.2], [1.0, -3.0], [0.5, 0.25], [7.0, 9.0]]);
+            let n = n.times(V::splat(1.0) / n.dot(n).sqrt());
+            let columns = V::columns(&[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]; 4]);
+            let row = V::load(&V::rows(columns)[2][..4].try_into().unwrap());
+            V::store3(project(lin.cross(ang).times(a).plus(lin.times(row)), n, b * b), out);
+        }
+        fn single<V: Lanes<f32, 8>>(f: &[[f32; 8]; 8]) -> [[f32; 8]; 8] {
+            let mut c = V::columns(f);
+            c[0] = c[0] * c[1] / c[2];
+            c[1] = c[3].up_to(c[4], c[5], c[6]).sqrt() - c[7];
+            V::rows(c)
+        }
+        if !std::arch::is_x86_feature_detected!("avx2") {
+            return;
+        }
+        let number = |i: usize| ((i * 7919) % 101) as f64 * 0.173 - 4.0;
+        let vector = |i: usize| DVec3::new(number(i), number(i + 1), number(i + 2));
+        let v: [DVec3; 4] = std::array::from_fn(|i| vector(3 * i));
+        let t: [Twist; 4] = std::array::from_fn(|i| Twist { v: vector(50 + 6 * i), w: vector(53 + 6 * i) });
+        let f = std::array::from_fn(|i| std::array::from_fn(|k| number(8 * i + k).abs() as f32 + 0.5));
+        let t = [&t[0], &t[1], &t[2], &t[3]];
+        let (mut a, mut b) = ([DVec3::ZERO; 4], [DVec3::ZERO; 4]);
+        // SAFETY: the processor has AVX2.
+        let single_wide = unsafe { wide(&v, t, &f, &mut a) };
+        double::<Plain<f64, 4>>(&v, t, &mut b);
+        assert_eq!(a, b);
+        assert_eq!(single_wide, single::<Plain<f32, 8>>(&f));
+        assert!(a.iter().all(|v| v.is_finite()) && a != [DVec3::ZERO; 4]);
+    }
 }

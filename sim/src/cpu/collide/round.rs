@@ -10,20 +10,20 @@ pub fn sphere_sphere(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
     if (b.position - a.position).length_squared() > touch * touch {
         return 0;
     }
-    out[0] = balls((&a.position, a.size.x), (&b.position, b.size.x));
+    out[0] = balls((a.position, a.size.x), (b.position, b.size.x));
     1
 }
 
 /// Where two balls are nearest, by their centres and radii, however far they are apart.
 #[inline(always)]
-pub fn balls((a, radius_a): (&DVec3, f64), (b, radius_b): (&DVec3, f64)) -> Point {
-    let apart = *b - *a;
+pub fn balls((a, radius_a): (DVec3, f64), (b, radius_b): (DVec3, f64)) -> Point {
+    let apart = b - a;
     let distance = apart.length();
     let normal = if distance > 0.0 { apart / distance } else { DVec3::Z };
     Point {
         normal,
-        on_first: *a + normal * radius_a,
-        on_second: *b - normal * radius_b,
+        on_first: a + normal * radius_a,
+        on_second: b - normal * radius_b,
         gap: distance - (radius_a + radius_b),
         feature: 0,
     }
