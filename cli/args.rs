@@ -317,13 +317,17 @@ pub enum BenchCommand {
         #[arg(long, default_value_t = 1.5e-3)]
         step: f64,
         /// Solver iterations a step.
-        #[arg(long, default_value_t = 18)]
+        #[arg(long, default_value_t = 24)]
         iterations: u32,
         /// apgd, barzilai_borwein, gauss_seidel or jacobi.
         #[arg(long, default_value = "gauss_seidel")]
         method: String,
+        /// The law of friction, exact or relaxed; if not given, exact for gauss_seidel, which solves it contact by contact, and
+        /// relaxed for the others.
+        #[arg(long)]
+        friction: Option<String>,
         /// Greatest speed at which overlaps are pushed apart, m/s.
-        #[arg(long, default_value_t = 0.01)]
+        #[arg(long, default_value_t = 0.02)]
         recovery_speed: f64,
         /// Print JSON.
         #[arg(long)]

@@ -7,7 +7,7 @@ use render::Context;
 use render::ri::{Class, Fail, InstanceShape, Instances, Param, Ri, Type};
 use serde_json::json;
 use sim::workload::{self, Workload};
-use sim::{Simulation, SolverSettings, SplitMix64};
+use sim::{FrictionLaw, Method, Simulation, SolverSettings, SplitMix64};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -20,7 +20,7 @@ pub fn command(args: &BenchArgs) -> Outcome {
         return Err(Failure::new(Exit::Usage, "--backend gpu: there is no GPU back end yet; use cpu"));
     }
     match &args.what {
-        BenchCommand::Sim { workload, n, steps, step, iterations, method, recovery_speed, json, .. } => {
+        BenchCommand::Sim { workload, n, steps, step, iterations, method, friction, recovery_speed, json, .. } => {
             let workload = match workload.to_lowercase().as_str() {
                 "s" => Workload::S,
                 "a" => Workload::A,
@@ -30,7 +30,13 @@ pub fn command(args: &BenchArgs) -> Outcome {
             if *n == 0 || !(*step > 0.0) {
                 return Err(Failure::new(Exit::Usage, "--n and --step: expected numbers above 0"));
             }
-            let solver = SolverSettings { recovery_speed: *recovery_speed, ..workload::solver(method, *iterations) };
+            let friction = match friction {
+                Some(name) => crate::solve::law_of(name)?,
+                None if method == Method::GaussSeidel => FrictionLaw::Exact,
+                None => FrictionLaw::Relaxed,
+            };
+            let solver =
+                SolverSettings { recovery_speed: *recovery_speed, friction, ..workload::solver(method, *iterations) };
             print(bench_sim(workload, *n, *steps, *step, solver), *json);
             Ok(())
         }
@@ -82,7 +88,8 @@ fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver
     let radius = sim.model.shape_size.iter().map(|s| s.x).fold(0.0, f64::max);
     json!({
         "workload": format!("{workload:?}"), "n": n, "backend": "cpu", "threads": rayon::current_num_threads(),
-        "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method, "recovery_speed": solver.recovery_speed,
+        "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method, "friction": solver.friction,
+        "recovery_speed": solver.recovery_speed,
         "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (steps as f64 * step),
         "wall_seconds": wall.elapsed().as_secs_f64(),
         "worst_penetration_over_r": sim.state.contacts.worst_penetration() / radius,

@@ -10,6 +10,7 @@ use frame::{Fault, FaultKind, atomic, csv, read_text};
 use sim::model_file::{self, ModelFile, Resolved};
 use sim::{Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line};
 use std::path::Path;
+use std::time::Instant;
 
 /// The command.
 pub fn command(args: &SimulateArgs) -> Outcome {
@@ -76,6 +77,8 @@ struct Run<'a> {
     probes: String,
     next_probe: f64,
     next_checkpoint: f64,
+    /// When the series were written last.
+    series_written: Instant,
     /// Checkpoints that were written only for a restart: all but the last are removed.
     passing: Vec<u64>,
 }
@@ -119,7 +122,6 @@ pub fn simulate(file: &ModelFile, mut resolved: Resolved, folder: &Path, span: &
     }
     run.advance(until, expected_frames)?;
     run.save()?;
-    run.write_series()?;
     run.finish_metadata()?;
     run.writer.finish()?;
     progress.finish();
@@ -138,8 +140,21 @@ impl<'a> Run<'a> {
     ) -> Run<'a> {
         let (report, probes) = (String::new(), String::new());
         let (next_probe, next_checkpoint) = (0.0, 0.0);
-        let passing = vec![];
-        Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, passing }
+        let (series_written, passing) = (Instant::now(), vec![]);
+        Run {
+            file,
+            resolved,
+            folder,
+            writer,
+            sim,
+            hash,
+            report,
+            probes,
+            next_probe,
+            next_checkpoint,
+            series_written,
+            passing,
+        }
     }
 
     fn start(
@@ -230,7 +245,6 @@ impl<'a> Run<'a> {
                 if self.file.checkpoint_interval.is_none() {
                     self.passing.push(self.sim.state.steps);
                 }
-                self.write_series()?;
             }
         }
         Ok(())
@@ -250,11 +264,16 @@ impl<'a> Run<'a> {
             let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, number));
             atomic::write(&self.folder.join(format!("contacts/{number:06}.csv")), table.as_bytes())?;
         }
-        self.write_series()
+        // Whole, and so not at every frame of many, but as often as one who looks on would like.
+        if self.series_written.elapsed().as_secs_f64() > 1.0 {
+            self.write_series()?;
+        }
+        Ok(())
     }
 
-    /// Write a checkpoint, and remove the one before it that nobody asked for.
+    /// Write a checkpoint with the series that lead to it, and remove the one before it that nobody asked for.
     fn save(&mut self) -> Outcome {
+        self.write_series()?;
         let folder = checkpoint::folder(self.folder);
         let path = folder.join(checkpoint::file_name(self.sim.state.steps));
         checkpoint::write(&path, &self.sim.state, &self.hash)?;
@@ -277,7 +296,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn write_series(&self) -> Outcome {
+    fn write_series(&mut self) -> Outcome {
+        self.series_written = Instant::now();
         self.writer.write_file("report.csv", &self.report)?;
         self.writer.write_file("probes.csv", &self.probes)?;
         Ok(())

@@ -10,15 +10,18 @@ use sim::solve::problem::{self, Law};
 use sim::{FrictionLaw, Method};
 use std::time::Instant;
 
+/// The law of friction of a name.
+pub fn law_of(name: &str) -> Outcome<FrictionLaw> {
+    match name {
+        "exact" => Ok(FrictionLaw::Exact),
+        "relaxed" => Ok(FrictionLaw::Relaxed),
+        other => Err(Failure::new(Exit::Usage, format!("--friction {other}: expected exact or relaxed"))),
+    }
+}
+
 /// The command.
 pub fn command(args: &SolveArgs) -> Outcome {
-    let friction = match args.friction.as_str() {
-        "exact" => FrictionLaw::Exact,
-        "relaxed" => FrictionLaw::Relaxed,
-        other => {
-            return Err(Failure::new(Exit::Usage, format!("--friction {other}: expected exact or relaxed")));
-        }
-    };
+    let friction = law_of(&args.friction)?;
     let method = match &args.method {
         None => None,
         Some(name) => Some(method_of(name)?),

@@ -43,51 +43,65 @@ fn line(points: &[[f64; 2]]) -> [f64; 2] {
     [slope, (y - slope * x) / n]
 }
 
-/// A bed of grains 2.4 mm wide and some 10 cm deep in a box, settled once.
+/// A bed of grains 2.4 mm wide and some 11 cm deep in a box, settled once.
 fn bed() -> (Model, State) {
     let mut sim = simulation(
         "step: 5e-4
 duration: 9
 seed: 3
-solver: {method: gauss_seidel, iterations: 12, recovery_speed: 0.05}
+solver: {method: gauss_seidel, friction: exact, iterations: 16, recovery_speed: 0.05}
 materials: {g: {density: 1510, friction: 0.45}}
 bodies:
   - {name: floor, material: g, plane: {normal: [0, 0, 1]}}
-  - {name: a, material: g, plane: {normal: [1, 0, 0]}, position: [-0.07, 0, 0]}
-  - {name: b, material: g, plane: {normal: [-1, 0, 0]}, position: [0.07, 0, 0]}
-  - {name: c, material: g, plane: {normal: [0, 1, 0]}, position: [0, -0.07, 0]}
-  - {name: d, material: g, plane: {normal: [0, -1, 0]}, position: [0, 0.07, 0]}
+  - {name: a, material: g, plane: {normal: [1, 0, 0]}, position: [-0.05, 0, 0]}
+  - {name: b, material: g, plane: {normal: [-1, 0, 0]}, position: [0.05, 0, 0]}
+  - {name: c, material: g, plane: {normal: [0, 1, 0]}, position: [0, -0.05, 0]}
+  - {name: d, material: g, plane: {normal: [0, -1, 0]}, position: [0, 0.05, 0]}
 fills:
-  - {name: grains, material: g, count: 160000, radius: [0.0011, 0.0013], min: [-0.07, -0.07, 0], max: [0.07, 0.07, 0.5]}
+  - {name: grains, material: g, count: 90000, radius: [0.0011, 0.0013], min: [-0.05, -0.05, 0], max: [0.05, 0.05, 0.6]}
 ",
     );
     run(&mut sim, 0.6);
     (sim.model, sim.state)
 }
 
+/// The bed, so many times as large.
+fn scaled((model, state): &(Model, State), by: f64) -> (Model, State) {
+    let (mut model, mut state) = (model.clone(), state.clone());
+    state.contacts = Default::default();
+    state.roomy.clear();
+    model.envelope *= by;
+    model.shape_size.iter_mut().for_each(|size| *size *= by);
+    model.inv_mass.iter_mut().for_each(|m| *m /= by.powi(3));
+    model.inv_inertia.iter_mut().for_each(|i| *i /= by.powi(5));
+    state.position.iter_mut().for_each(|p| *p *= by);
+    state.velocity.iter_mut().chain(&mut state.angular_velocity).for_each(|v| *v = glam::DVec3::ZERO);
+    (model, state)
+}
+
 /// Depth of the crater of a ball of density ρ_b, diameter D, let fall so that it stops H below where it started:
-/// d = 0.14/μ (ρ_b/ρ_g)^½ D^⅔ H^⅓.
+/// d = 0.14/μ (ρ_b/ρ_g)^½ D^⅔ H^⅓. Uehara's grains are too small for a ball to feel their size; ours are not, so that the bed
+/// is as many times as large as the ball, which is always 10.6 grains wide.
 fn crater() {
-    let (model, state) = bed();
-    let top = surface(&model, &state);
+    const USUAL: f64 = 0.0254;
+    let all = [[1000.0, 2000.0, 4000.0], [0.019, USUAL, 0.033], [0.05, 0.15, 0.4]];
+    let bed = bed();
     let mut text = String::from("density [kg/m3],diameter [m],fall H [m],depth [m]\n");
     let mut rows = vec![];
-    for density in [700.0, 1500.0, 3000.0] {
-        for diameter in [0.019, 0.0254, 0.033] {
-            for height in [0.05, 0.15, 0.4] {
+    for diameter in all[1] {
+        let (model, state) = scaled(&bed, diameter / USUAL);
+        let top = surface(&model, &state);
+        for density in all[0] {
+            for height in all[2] {
                 // Only along the three axes through the middle, and the corners.
-                let extreme = |x: f64, all: [f64; 3]| x != all[1];
-                let off = [
-                    extreme(density, [700.0, 1500.0, 3000.0]),
-                    extreme(diameter, [0.019, 0.0254, 0.033]),
-                    extreme(height, [0.05, 0.15, 0.4]),
-                ];
+                let off = [(density, 0), (diameter, 1), (height, 2)].map(|(x, k)| x != all[k][1]);
                 if off.iter().filter(|x| **x).count() == 2 {
                     continue;
                 }
                 let depth = drop_ball(&model, &state, top, density, diameter, height);
                 rows.push([density.ln(), f64::ln(diameter), (height + depth).ln(), depth.ln()]);
                 text += &format!("{density},{diameter},{:.4},{depth:.5}\n", height + depth);
+                eprintln!("{density} {diameter} {:.4} {depth:.5}", height + depth);
             }
         }
     }
@@ -98,11 +112,12 @@ fn crater() {
 
 /// Height of a bed's surface: the mean top of the highest grains on a grid of columns.
 fn surface(model: &Model, state: &State) -> f64 {
-    const N: usize = 12;
+    const N: usize = 9;
     let mut top = [[0.0f64; N]; N];
+    let side = state.position.iter().fold(0.0f64, |most, p| most.max(p.x));
     for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
         let p = state.position[model.shape_body[s] as usize];
-        let cell = |x: f64| (((x + 0.07) / 0.14 * N as f64) as usize).min(N - 1);
+        let cell = |x: f64| ((0.5 * (x / side + 1.0) * N as f64) as usize).min(N - 1);
         let t = &mut top[cell(p.x)][cell(p.y)];
         *t = t.max(p.z + model.shape_size[s].x);
     }
@@ -130,13 +145,14 @@ fn drop_ball(model: &Model, state: &State, top: f64, density: f64, diameter: f64
     state.orientation.push(glam::DQuat::IDENTITY);
     state.velocity.push(glam::DVec3::new(0.0, 0.0, -(2.0 * 9.81 * height).sqrt()));
     state.angular_velocity.push(glam::DVec3::ZERO);
-    model.step = 2e-4;
+    model.step = 1e-4;
     state.steps = 0;
     state.time = 0.0;
     let mut sim = Simulation::new(model, state);
     let ball = sim.model.n_bodies() - 1;
     let mut lowest = f64::INFINITY;
-    while sim.state.time < 0.12 {
+    // Until it has come to rest.
+    while sim.state.time < 0.2 && sim.state.velocity[ball].z < -2e-3 {
         sim.step();
         lowest = lowest.min(sim.state.position[ball].z - r);
     }

@@ -355,6 +355,9 @@ pub fn solve(
     op.image(gamma, image);
     match settings.friction {
         FrictionLaw::Relaxed => run(op, settings, gamma, image, work),
+        FrictionLaw::Exact if op.has_balls_only() && settings.method == Method::GaussSeidel => {
+            run(op, settings, gamma, image, work)
+        }
         FrictionLaw::Exact => exact::run(op, settings, gamma, image, work),
     }
 }

@@ -12,6 +12,7 @@ use crate::cpu::{
 };
 use crate::joint::{JointState, SpringState};
 use crate::solve::Outcome;
+use crate::state::Arms;
 use crate::{Contacts, Model, State};
 use glam::DVec3;
 use std::time::Instant;
@@ -67,9 +68,9 @@ struct Scratch {
     touching: Vec<Touching>,
     /// Whether `candidate` has the pairs of the state's roomy boxes.
     has_pairs: bool,
-    /// The balls, if there is nothing else that moves.
-    balls: Vec<bounds::Ball>,
-    old: Contacts,
+    /// Whether nothing but balls moves.
+    balls_only: bool,
+    last: warm_start::Last,
     solver: Workspace,
 }
 
@@ -85,10 +86,11 @@ impl Scratch {
         clock: &mut Clock,
     ) {
         if roomy.is_empty() || !self.has_pairs {
-            let n = if model.has_balls_only() { model.n_shapes() } else { 0 };
-            self.balls.resize(n, bounds::Ball::default());
+            self.balls_only = model.has_balls_only();
         }
-        let left = bounds::run(model, state, &mut self.margin, &mut self.balls, roomy);
+        // Not kept: the solver has the memory meanwhile.
+        let mut balls = vec![bounds::Ball::default(); if self.balls_only { model.n_shapes() } else { 0 }];
+        let left = bounds::run(model, state, &mut self.margin, &mut balls, roomy);
         clock.lap();
         if left || !self.has_pairs {
             self.find_pairs(model, state, roomy, clock);
@@ -96,8 +98,8 @@ impl Scratch {
         } else {
             clock.pass_to("contact_write");
         }
-        let Scratch { margin, candidate, touching, balls, .. } = self;
-        let at = contact_write::Input { model, state, margin, balls };
+        let Scratch { margin, candidate, touching, .. } = self;
+        let at = contact_write::Input { model, state, margin, balls: &balls };
         contact_write::run(&at, candidate.filled(), touching, contacts);
         clock.lap();
     }
@@ -154,12 +156,13 @@ impl Simulation {
         let mut clock = Clock::start();
 
         let (mut contacts, mut roomy) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.roomy));
-        contacts.hand_over(&mut w.old);
+        w.last.take(&mut contacts);
         w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
         state.roomy = roomy;
-        warm_start::run(model, &w.old, &mut contacts);
+        warm_start::run(model, &w.last, &mut contacts);
         clock.lap();
-        force::run(model, state, !w.balls.is_empty(), &mut w.solver);
+        let balls = matches!(contacts.arms, Arms::Along(_));
+        force::run(model, state, balls, &mut w.solver);
         clock.lap();
         joint_write::run(model, state, &mut w.solver);
         clock.lap();

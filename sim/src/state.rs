@@ -401,15 +401,6 @@ impl Contacts {
         self.bodies.len()
     }
 
-    /// Hand to `old` what the next contacts are warm-started from, and take its memory for them.
-    pub(crate) fn hand_over(&mut self, old: &mut Contacts) {
-        std::mem::swap(&mut self.key, &mut old.key);
-        std::mem::swap(&mut self.impulse, &mut old.impulse);
-        std::mem::swap(&mut self.twist, &mut old.twist);
-        std::mem::swap(&mut self.incident_start, &mut old.incident_start);
-        std::mem::swap(&mut self.incident, &mut old.incident);
-    }
-
     /// Whether nothing touches.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()

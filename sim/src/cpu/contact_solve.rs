@@ -10,7 +10,7 @@
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one number a
 //! contact, so that its cone is kept. The methods are in [`crate::solve`].
 
-use super::fill_rows;
+use super::{fill_rows, scatter_rows};
 use crate::joint::Row;
 use crate::solve::bodies::{BodyOperator, Falling, Recovery};
 use crate::solve::joints::Joints;
@@ -121,6 +121,7 @@ pub struct Workspace {
     offset: Vec<f64>,
     offset_unfed: Vec<f64>,
     eta: Vec<f64>,
+    levers: Vec<DVec3>,
     /// The methods' own.
     pub methods: solve::Workspace,
 }
@@ -131,8 +132,7 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
     let rolls = !contacts.twist.is_empty();
     let plain = model.laws.iter().all(|l| l.cohesion == 0.0);
     let balls = plain && !rolls && work.limits.is_empty() && matches!(contacts.arms, Arms::Along(_));
-    // Sweeps over balls make what they need of η themselves.
-    work.prepare(model, state, contacts, !(balls && model.solver.method == Method::GaussSeidel));
+    work.prepare(model, state, contacts, balls && model.solver.method == Method::GaussSeidel);
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
     if rolls || !work.limits.is_empty() {
@@ -154,10 +154,10 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
         recovery: recovery_of(model),
         offset_unfed: &work.offset_unfed,
         eta: &work.eta,
+        levers: &work.levers,
         rolls,
         plain,
         balls,
-        step: model.step,
         envelope: model.envelope,
     };
     let outcome = solve::solve(&mut op, &model.solver, &mut gamma, &mut work.image, &mut work.methods);
@@ -182,13 +182,15 @@ const BOUNCE_LEAST: f64 = 1e-3;
 
 impl Workspace {
     /// b and η of this step, and the joints' factorisation.
-    fn prepare(&mut self, model: &Model, state: &State, contacts: &Contacts, with_eta: bool) {
+    /// Sweeps over balls make what they need of η themselves, and nothing is fed into their gaps.
+    fn prepare(&mut self, model: &Model, state: &State, contacts: &Contacts, sweeps_balls: bool) {
         let (h, n) = (model.step, contacts.len());
         self.joints.prepare(&self.masses);
         let offset = &mut self.offset;
         let recovery = recovery_of(model);
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
-        if bounces || model.solver.friction == FrictionLaw::Exact || !self.limits.is_empty() {
+        let is_fed = model.solver.friction == FrictionLaw::Exact && !sweeps_balls;
+        if bounces || is_fed || !self.limits.is_empty() {
             offset.resize(n + self.limits.len(), 0.0);
             fill_rows(&mut offset[..n], |i| {
                 let opening = recovery.rate(contacts.gap[i]);
@@ -207,10 +209,20 @@ impl Workspace {
         } else {
             offset.clear();
         }
-        if model.solver.friction == FrictionLaw::Exact {
+        if is_fed {
             self.offset_unfed.clone_from(offset);
         }
-        if !with_eta {
+        if model.solver.method == Method::GaussSeidel {
+            self.levers.clear();
+        } else {
+            self.levers.resize(contacts.incident.len(), DVec3::ZERO);
+            scatter_rows(&mut self.levers, &contacts.incident_start, |b, row| {
+                for (lever, incident) in row.iter_mut().zip(contacts.of_body(b)) {
+                    *lever = contacts.arms(*incident as usize / 2)[*incident as usize & 1];
+                }
+            });
+        }
+        if sweeps_balls {
             self.eta.clear();
             return;
         }

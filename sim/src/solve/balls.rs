@@ -2,7 +2,8 @@
 //!
 //! A ball's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
 //! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
-//! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). All that a visit needs is laid out once a solve,
+//! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
+//! of its own, and the tangents are kept within the disc that its answer gives (Jourdan et al. 1998). All that a visit needs is laid out once a solve,
 //! colour by colour, in groups of contacts that share no body; a visit streams through it. In single precision a group has
 //! eight contacts and half the bytes, which is what a large bed's sweep is bound by.
 
@@ -11,6 +12,7 @@ use super::bodies::BodyOperator;
 use super::lanes::Wide;
 use super::lanes::{Lane3, Lanes, Plain, Real, project};
 use super::{Cells, Image, Twist};
+use crate::FrictionLaw;
 use crate::cpu::fill_rows;
 use crate::state::Arms;
 use glam::DVec3;
@@ -115,14 +117,17 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
     }
 
     /// Visit all contacts once, colour by colour; returns the sum of `|Δγ/η|²`.
-    pub fn sweep(&mut self, omega: f64) -> f64 {
+    pub fn sweep(&mut self, law: FrictionLaw, omega: f64) -> f64 {
         let motion = Cells::new(&mut self.motion);
         let mut rest = &mut self.groups[..];
         let mut missed = 0.0;
         for ends in self.start.windows(2) {
             let (color, after) = std::mem::take(&mut rest).split_at_mut(ends[1] - ends[0]);
             rest = after;
-            missed += super::share(color.par_chunks_mut(TASK), |g| visit(g, &motion, omega));
+            missed += super::share(color.par_chunks_mut(TASK), |g| match law {
+                FrictionLaw::Relaxed => visit::<T, L, false>(g, &motion, omega),
+                FrictionLaw::Exact => visit::<T, L, true>(g, &motion, omega),
+            });
         }
         missed
     }
@@ -184,27 +189,31 @@ impl Grouped<4> for f64 {
 }
 
 /// Visit groups of one colour; returns the sum of `|Δγ/η|²`.
-fn visit<T: Grouped<L>, const L: usize>(groups: &mut [Group<T, L>], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+fn visit<T: Grouped<L>, const L: usize, const EXACT: bool>(
+    groups: &mut [Group<T, L>],
+    motion: &Cells<Motion<T>>,
+    omega: f64,
+) -> f64 {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide<T: Grouped<L>, const L: usize>(
+        unsafe fn wide<T: Grouped<L>, const L: usize, const EXACT: bool>(
             groups: &mut [Group<T, L>],
             motion: &Cells<Motion<T>>,
             omega: f64,
         ) -> f64 {
-            visit_lanes::<T, L, T::Wide>(groups, motion, omega)
+            visit_lanes::<T, L, EXACT, T::Wide>(groups, motion, omega)
         }
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { wide(groups, motion, omega) };
+            return unsafe { wide::<T, L, EXACT>(groups, motion, omega) };
         }
     }
-    visit_lanes::<T, L, T::Plain>(groups, motion, omega)
+    visit_lanes::<T, L, EXACT, T::Plain>(groups, motion, omega)
 }
 
 #[inline(always)]
-fn visit_lanes<T: Real, const L: usize, V: Lanes<T, L>>(
+fn visit_lanes<T: Real, const L: usize, const EXACT: bool, V: Lanes<T, L>>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
@@ -231,16 +240,24 @@ fn visit_lanes<T: Real, const L: usize, V: Lanes<T, L>>(
         let b = a + reach_a * lever_a + reach_b * lever_b;
         let along = a.up_to(zero, zero, one / a);
         let across = a.up_to(zero, zero, one / b);
-        let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
         let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
         let v = vb.minus(va).minus(rolling);
         let v_n = v.dot(n);
         let before_n = gamma.dot(n);
         let normal = before_n - (v_n + V::load(&g.offset)) * along;
         let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
-        let z = project(n.times(normal).plus(tangent.times(stretch)), n, V::load(&g.friction) * stretch);
-        let z_n = n.times(z.dot(n));
-        let z = z_n.plus(z.minus(z_n).times(shrink));
+        let friction = V::load(&g.friction);
+        let z = if EXACT {
+            // Coulomb's law itself parts into the two directions.
+            let (kept, length) = (zero.up_to(normal, normal, zero), tangent.dot(tangent).sqrt());
+            let limit = friction * kept;
+            n.times(kept).plus(tangent.times(length.up_to(limit, one, limit / length)))
+        } else {
+            let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
+            let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
+            let z_n = n.times(z.dot(n));
+            z_n.plus(z.minus(z_n).times(shrink))
+        };
         let d = z.minus(gamma).times(omega);
         let gamma = gamma.plus(d);
         g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];

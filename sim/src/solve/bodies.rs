@@ -10,7 +10,7 @@ use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
 use crate::cpu::contact_solve::Masses;
 use crate::cpu::{fill_rows, sum_rows, sweep_two};
 use crate::joint::Row;
-use crate::state::{Arms, ContactLaw};
+use crate::state::ContactLaw;
 use crate::{Contacts, Model, State};
 use glam::{DMat3, DVec3};
 
@@ -59,14 +59,14 @@ pub struct BodyOperator<'a> {
     pub offset_unfed: &'a [f64],
     /// η (n_blocks); none for Gauss–Seidel over balls, which has no use for it.
     pub eta: &'a [f64],
+    /// The arms in the order of the bodies' lists, for methods that go through these at every iteration; else none.
+    pub levers: &'a [DVec3],
     /// Whether there are rolling blocks.
     pub rolls: bool,
     /// Whether contacts have friction alone: no cohesion.
     pub plain: bool,
     /// Whether the blocks are such contacts between balls, and nothing else.
     pub balls: bool,
-    /// h, s.
-    pub step: f64,
     /// δ, m: cohesion reaches this far.
     pub envelope: f64,
 }
@@ -176,7 +176,7 @@ impl BodyOperator<'_> {
     #[inline]
     fn adhesion(&self, contact: usize) -> f64 {
         let cohesion = self.law(contact).cohesion;
-        if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.step } else { 0.0 }
+        if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.recovery.step } else { 0.0 }
     }
 
     /// The velocity of a body with the impulses γ, before the joints answer.
@@ -188,25 +188,22 @@ impl BodyOperator<'_> {
             return free;
         }
         let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
-        if let (Arms::Along(reach), false) = (&contacts.arms, self.rolls) {
-            // Both arms lie along the normal, and so do both turns: they differ by the arms' lengths alone.
-            for incident in contacts.of_body(body) {
-                let (i, side) = (*incident as usize / 2, *incident as usize & 1);
-                let j = gamma[i];
-                linear += if side == 1 { j } else { -j };
-                angular -= contacts.normal[i].cross(j) * reach[i][side];
-            }
-            return Twist { v: free.v + linear * masses.inv_mass[body], w: free.w + masses.turn(body, angular) };
-        }
-        for incident in contacts.of_body(body) {
-            let (i, side) = (*incident as usize / 2, *incident as usize & 1);
-            let j = if side == 1 { gamma[i] } else { -gamma[i] };
+        // An impulse on B counts as it is, on A the other way round.
+        let mut push = |incident: u32, lever: DVec3| {
+            let (i, sign) = (incident as usize / 2, if incident & 1 == 1 { 1.0 } else { -1.0 });
+            let j = gamma[i] * sign;
             linear += j;
-            angular += contacts.arms(i)[side].cross(j);
+            angular += lever.cross(j);
             if self.rolls {
-                let roll = gamma[contacts.len() + i];
-                angular += if incident & 1 == 1 { roll } else { -roll };
+                angular += gamma[contacts.len() + i] * sign;
             }
+        };
+        let own = contacts.of_body(body);
+        if let Some(first) = contacts.incident_start.get(body).filter(|_| !self.levers.is_empty()) {
+            let levers = &self.levers[*first as usize..*first as usize + own.len()];
+            own.iter().zip(levers).for_each(|(incident, lever)| push(*incident, *lever));
+        } else {
+            own.iter().for_each(|i| push(*i, contacts.arms(*i as usize / 2)[*i as usize & 1]));
         }
         Twist { v: free.v + linear * masses.inv_mass[body], w: free.w + masses.turn(body, angular) }
     }

@@ -3,7 +3,7 @@
 //! at the end of each sweep.
 //!
 //! Contacts between balls have a visit of their own (`balls`), first in single precision, and in double once what they miss is
-//! near its rounding. The bodies' velocities are made anew from the impulses after it, so that no rounding of it is left in the
+//! near its rounding; Coulomb's law itself costs these no outer loop. The bodies' velocities are made anew from the impulses after it, so that no rounding of it is left in the
 //! momentum.
 
 use super::*;
@@ -58,7 +58,7 @@ fn balls<T: balls::Grouped<L>, const L: usize>(
     op.pack(start, order, gamma, image, packed);
     while outcome.iterations < settings.iterations {
         // How far each block was off when it was visited, in the residual's units.
-        let missed = packed.sweep(omega);
+        let missed = packed.sweep(settings.friction, omega);
         *outcome = Outcome { iterations: outcome.iterations + 1, residual: missed.sqrt() / gamma.len() as f64 };
         if !image.lambda.is_empty() {
             packed.store(image);

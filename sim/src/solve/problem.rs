@@ -188,23 +188,46 @@ fn blocks(w: &mut Words, n: usize) -> Result<Blocks, Fault> {
 
 /// Solve a problem.
 pub fn solve(op: &mut MatrixOperator, law: &Law) -> Solution {
-    let exact = law.friction == FrictionLaw::Exact;
     match law.method {
         Some(Method::GaussSeidel) => sweeps(op, law, vec![DVec3::ZERO; op.q.len()]),
         Some(method) => descend(op, law, method, vec![DVec3::ZERO; op.q.len()]),
-        None => {
-            // Gauss–Seidel wins on most problems of rigid bodies; where it stalls, a descent method goes on from its best.
-            let share = Law { iterations: (law.iterations / 4).max(1), ..*law };
-            let first = sweeps(op, &share, vec![DVec3::ZERO; op.q.len()]);
-            if first.error <= law.tolerance {
-                return first;
-            }
-            let rest = Law { iterations: law.iterations - share.iterations, ..*law };
-            let mut second = descend(op, &rest, Method::Apgd, first.gamma.clone());
-            second.iterations += first.iterations;
-            if op.error(&second.gamma, exact) < first.error { second } else { first }
-        }
+        None => in_turns(op, law),
     }
+}
+
+/// Gauss–Seidel wins on most problems of rigid bodies, a descent method on some by far: they take turns, ever longer ones, each
+/// from the best so far.
+fn in_turns(op: &mut MatrixOperator, law: &Law) -> Solution {
+    /// Sweeps of the first turn.
+    const FIRST: u32 = 32;
+    /// A sweep takes as long as so many iterations of the other.
+    const RATIO: u32 = 16;
+    let exact = law.friction == FrictionLaw::Exact;
+    let start = vec![DVec3::ZERO; op.q.len()];
+    let mut best =
+        Solution { error: op.error(&start, exact), gamma: start, iterations: 0, method: Method::GaussSeidel.name() };
+    let (mut done, mut turn) = (0, FIRST);
+    while best.error > law.tolerance && done < law.iterations {
+        for method in [Method::GaussSeidel, Method::Apgd] {
+            let length = if method == Method::GaussSeidel { turn } else { turn.saturating_mul(RATIO) };
+            let share = Law { iterations: length.min(law.iterations - done), ..*law };
+            let next = match method {
+                Method::GaussSeidel => sweeps(op, &share, best.gamma.clone()),
+                _ => descend(op, &share, method, best.gamma.clone()),
+            };
+            let ends = next.error <= law.tolerance;
+            // What did not help has been done all the same.
+            done += if ends { next.iterations } else { share.iterations };
+            if next.error < best.error {
+                best = Solution { iterations: done, ..next };
+            }
+            if ends || done >= law.iterations {
+                return best;
+            }
+        }
+        turn = turn.saturating_mul(2);
+    }
+    best
 }
 
 /// Gauss–Seidel on the law itself: each contact's own problem is solved with the others held (Jourdan et al. 1998).

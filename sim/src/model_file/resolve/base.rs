@@ -1,0 +1,92 @@
+//! The bodies of another run or model, as they stood at an instant.
+
+use super::*;
+
+impl Builder<'_> {
+    /// The bodies of another run as they were at its last checkpoint, with the joints, springs and loads among them.
+    pub(super) fn base(&mut self, base: &BaseFile) -> Result<(), Fault> {
+        let doc = self.doc;
+        let fail = |key: &str, message: String| doc.fault(&format!("base.{key}"), message);
+        let (file, other): (ModelFile, Resolved) = crate::model_file::read(&base.run.join("model.yaml"))
+            .map_err(|f| fail("run", format!("its model: {}", f.message)))?;
+        let latest = checkpoint::latest(&base.run).map_err(|f| fail("run", f.message.clone()))?;
+        let Some(path) = latest else {
+            return Err(fail("run", format!("{} has no checkpoint to go on from", base.run.display())));
+        };
+        let (state, _) = checkpoint::read(&path).map_err(|f| fail("run", f.message.clone()))?;
+        let other_model = crate::Simulation::new(other.model, state.clone()).model;
+        if state.position.len() != other_model.n_bodies() {
+            return Err(fail("run", "its checkpoint is not of its model".into()));
+        }
+        for (name, material) in file.materials {
+            self.materials.entry(name).or_insert(material);
+        }
+        self.model.material_names = self.materials.keys().cloned().collect();
+        let wanted = |b: usize| {
+            let class = &other_model.class_names[other_model.class[b] as usize];
+            !other_model.absent[b] && base.classes.as_ref().is_none_or(|c| c.contains(class))
+        };
+        if let Some(classes) = &base.classes {
+            let known: Vec<&str> = other_model.class_names.iter().map(String::as_str).collect();
+            if let Some(name) = classes.iter().find(|c| !known.contains(&c.as_str())) {
+                return Err(doc.unknown("base.classes", "class", name, &known));
+            }
+        }
+        let mut number = vec![u32::MAX; other_model.n_bodies()];
+        for b in (0..other_model.n_bodies()).filter(|b| wanted(*b)) {
+            number[b] = self.model.n_bodies() as u32;
+            let class = self.class(&other_model.class_names[other_model.class[b] as usize]);
+            let model = &mut self.model;
+            model.inv_mass.push(other_model.inv_mass[b]);
+            model.inv_inertia.push(other_model.inv_inertia[b]);
+            model.absent.push(false);
+            model.class.push(class);
+            model.body_frame.push(other_model.body_frame[b]);
+            self.state.position.push(state.position[b]);
+            self.state.orientation.push(state.orientation[b]);
+            let still = base.at_rest;
+            self.state.velocity.push(if still { DVec3::ZERO } else { state.velocity[b] });
+            self.state.angular_velocity.push(if still { DVec3::ZERO } else { state.angular_velocity[b] });
+        }
+        for (name, b) in other_model.body_names.iter().filter(|(_, b)| number[**b as usize] != u32::MAX) {
+            self.model.body_names.insert(name.clone(), number[*b as usize]);
+        }
+        for s in (0..other_model.n_shapes()).filter(|s| number[other_model.shape_body[*s] as usize] != u32::MAX) {
+            let (kind, part) = (other_model.shape_kind[s], other_model.shape_part[s] as usize);
+            let material = &other_model.material_names[other_model.shape_material[s] as usize];
+            let group =
+                self.group(Some(&other_model.group_names[other_model.shape_group[s] as usize]).map(|s| s.as_str()));
+            let shape = Shape {
+                hull: (kind == ShapeKind::Hull).then(|| other_model.hulls[part].clone()),
+                surface: matches!(kind, ShapeKind::Mesh | ShapeKind::HeightField)
+                    .then(|| other_model.surfaces[part].clone()),
+                ..Shape::simple(kind, other_model.shape_size[s])
+            };
+            let (material, density) = self.material("base", &material.clone())?;
+            let new = NewShape { shape, pose: other_model.shape_pose[s], material, density, group };
+            self.add_shape(number[other_model.shape_body[s] as usize], other_model.shape_pose[s], new);
+        }
+        let kept = |bodies: [u32; 2]| {
+            let pair = bodies.map(|b| number[b as usize]);
+            (!pair.contains(&u32::MAX)).then_some(pair)
+        };
+        for j in &other_model.joints {
+            if let Some(bodies) = kept(j.bodies) {
+                self.model.joints.push(Joint { bodies, from: 0.0, ..j.clone() });
+            }
+        }
+        for s in &other_model.springs {
+            if let Some(bodies) = kept(s.bodies) {
+                self.model.springs.push(Spring { bodies, from: 0.0, ..s.clone() });
+            }
+        }
+        self.apart.extend(other_model.apart.iter().filter_map(|p| kept(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
+        let n = other_model.group_names.len();
+        for (k, _) in other_model.groups_pass.iter().enumerate().filter(|(_, pass)| **pass) {
+            let names = [&other_model.group_names[k / n], &other_model.group_names[k % n]];
+            let pair = [self.group(Some(names[0])), self.group(Some(names[1]))];
+            self.groups_pass.push(pair);
+        }
+        Ok(())
+    }
+}

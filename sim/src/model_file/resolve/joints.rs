@@ -1,0 +1,212 @@
+//! Joints, motors and springs between bodies that were named.
+
+use super::*;
+
+impl Builder<'_> {
+    /// A body by name; `world` is made when it is first asked for.
+    pub(super) fn find(&mut self, key: &str, name: &str) -> Result<u32, Fault> {
+        if let Some(id) = self.model.body_names.get(name) {
+            return Ok(*id);
+        }
+        if name == "world" {
+            let class = self.class("world");
+            let body = NewBody {
+                class,
+                place: Pose::default(),
+                velocity: DVec3::ZERO,
+                angular_velocity: DVec3::ZERO,
+                fixed: true,
+                mass: None,
+                inertia: None,
+                center: None,
+                appears: 0.0,
+                moves: 0.0,
+            };
+            let id = self.add(body, vec![]).expect("a fixed body needs no mass");
+            self.model.body_names.insert("world".into(), id);
+            return Ok(id);
+        }
+        let mut known: Vec<&str> = self.model.body_names.keys().map(String::as_str).collect();
+        known.push("world");
+        Err(self.doc.unknown(key, "body", name, &known))
+    }
+
+    pub(super) fn ends(&mut self, key: &str, a: &str, b: &str) -> Result<[u32; 2], Fault> {
+        let pair = [self.find(&format!("{key}.a"), a)?, self.find(&format!("{key}.b"), b)?];
+        if pair[0] == pair[1] {
+            return Err(self.doc.fault(&format!("{key}.b"), format!("joins `{a}` to itself")));
+        }
+        if pair.iter().all(|b| !self.moves_ever(*b)) {
+            return Err(self.doc.fault(&format!("{key}.b"), format!("`{a}` and `{b}` are both held in place")));
+        }
+        Ok(pair)
+    }
+
+    /// A world pose in a body's principal frame.
+    pub(super) fn in_body(&self, body: u32, world: Pose) -> Pose {
+        let b = body as usize;
+        Pose { position: self.state.position[b], orientation: self.state.orientation[b] }.inverse().place(&world)
+    }
+
+    pub(super) fn interval(
+        &self,
+        key: &str,
+        from: Option<f64>,
+        until: Option<f64>,
+        begins: f64,
+    ) -> Result<[f64; 2], Fault> {
+        let (from, until) = (from.unwrap_or(begins), until.unwrap_or(f64::INFINITY));
+        if !(from >= 0.0) || !(until > from) {
+            return Err(self.doc.fault(&format!("{key}.until"), format!("acts from {from} s until {until} s")));
+        }
+        Ok([from, until])
+    }
+
+    pub(super) fn joint(&mut self, key: &str, file: &JointFile, begins: f64) -> Result<(), Fault> {
+        let doc = self.doc;
+        let at = |part: &str| format!("{key}.{part}");
+        if self.model.joints.iter().any(|j| j.name == file.name) {
+            return Err(doc.fault(&at("name"), format!("there is a joint `{}` already", file.name)));
+        }
+        let bodies = self.ends(key, &file.a, &file.b)?;
+        finite(doc, &at("position"), &file.position)?;
+        let z = direction(doc, &at("axis"), file.axis)?;
+        let turn = match file.axis_x {
+            Some(x) => {
+                let x = direction(doc, &at("axis_x"), x)?;
+                let x =
+                    x.reject_from_normalized(z).try_normalize().filter(|_| x.dot(z).abs() < 0.999).ok_or_else(
+                        || doc.fault(&at("axis_x"), "is along `axis`: expected a direction square to it"),
+                    )?;
+                DQuat::from_mat3(&DMat3::from_cols(x, z.cross(x), z))
+            }
+            None => DQuat::from_rotation_arc(DVec3::Z, z),
+        };
+        let pa = DVec3::from(file.position);
+        let pb = file.position_b.map_or(pa, DVec3::from);
+        finite(doc, &at("position_b"), &pb.to_array())?;
+        let two_points =
+            matches!(file.kind, JointKind::Distance | JointKind::RevoluteSpherical | JointKind::PointOnPlane);
+        if file.position_b.is_some() && !two_points {
+            return Err(
+                doc.fault(&at("position_b"), "is only for distance, revolute_spherical and point_on_plane joints")
+            );
+        }
+        let long = matches!(file.kind, JointKind::Distance | JointKind::RevoluteSpherical);
+        let length = match &file.length {
+            Some(f) if long => self.function(&at("length"), f)?,
+            Some(_) => return Err(doc.fault(&at("length"), "is only for distance and revolute_spherical joints")),
+            None => Function::Constant((pb - pa).length()),
+        };
+        if long && !(length.at(0.0) > 0.0) {
+            return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
+        }
+        if file.kind == JointKind::RevoluteSpherical && (pb - pa).normalize().dot(z).abs() > 1e-6 {
+            return Err(doc.fault(&at("axis"), "is not square to the line between the joint's two points"));
+        }
+        let motor = match &file.motor {
+            Some(m) => Some(self.motor(&at("motor"), file.kind, m)?),
+            None => None,
+        };
+        let angle = matches!(file.kind, JointKind::Revolute | JointKind::Cylindrical);
+        let limits = match file.limits {
+            Some(_) if file.kind.coordinate().is_none() => {
+                return Err(doc.fault(&at("limits"), "this kind of joint has no coordinate to limit"));
+            }
+            Some([lo, hi]) => {
+                if !(lo < hi) {
+                    return Err(doc.fault(&at("limits"), format!("run from {lo} to {hi}, expected the smaller first")));
+                }
+                Some(if angle { [lo.to_radians(), hi.to_radians()] } else { [lo, hi] })
+            }
+            None => None,
+        };
+        let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        let frame = |p: DVec3| Pose { position: p, orientation: turn };
+        let joint = Joint {
+            name: file.name.clone(),
+            kind: file.kind,
+            bodies,
+            frame_a: self.in_body(bodies[0], frame(pa)),
+            frame_b: self.in_body(bodies[1], frame(pb)),
+            length,
+            limits,
+            motor,
+            from,
+            until,
+        };
+        self.model.joints.push(joint);
+        if !file.collide {
+            self.apart.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
+        }
+        Ok(())
+    }
+
+    fn motor(&self, key: &str, kind: JointKind, m: &MotorFile) -> Result<Motor, Fault> {
+        let doc = self.doc;
+        let turns = matches!(kind, JointKind::Revolute | JointKind::Cylindrical);
+        if !turns && kind != JointKind::Prismatic {
+            return Err(doc
+                .fault(key, "only revolute, cylindrical and prismatic joints have motors")
+                .hint("a distance joint becomes a linear actuator by its `length`"));
+        }
+        match (&m.speed, &m.motion, &m.torque, &m.force) {
+            (Some(f), None, None, None) => Ok(Motor::Speed(self.function(&format!("{key}.speed"), f)?)),
+            (None, Some(f), None, None) => Ok(Motor::Position(self.function(&format!("{key}.motion"), f)?)),
+            (None, None, Some(f), None) if turns => Ok(Motor::Effort(self.function(&format!("{key}.torque"), f)?)),
+            (None, None, None, Some(f)) if !turns => Ok(Motor::Effort(self.function(&format!("{key}.force"), f)?)),
+            _ => {
+                let effort = if turns { "torque" } else { "force" };
+                Err(doc.fault(key, format!("needs exactly one of `speed`, `motion` and `{effort}`")))
+            }
+        }
+    }
+
+    pub(super) fn spring(&mut self, key: &str, file: &SpringFile, begins: f64) -> Result<(), Fault> {
+        let doc = self.doc;
+        let at = |part: &str| format!("{key}.{part}");
+        if self.model.springs.iter().any(|s| s.name == file.name) {
+            return Err(doc.fault(&at("name"), format!("there is a spring `{}` already", file.name)));
+        }
+        let bodies = self.ends(key, &file.a, &file.b)?;
+        finite(doc, &at("position"), &file.position)?;
+        not_negative(doc, &at("stiffness"), file.stiffness)?;
+        not_negative(doc, &at("damping"), file.damping)?;
+        let pa = DVec3::from(file.position);
+        let pb = file.position_b.map_or(pa, DVec3::from);
+        finite(doc, &at("position_b"), &pb.to_array())?;
+        let turn = match file.about {
+            Some(axis) => DQuat::from_rotation_arc(DVec3::Z, direction(doc, &at("about"), axis)?),
+            None => DQuat::IDENTITY,
+        };
+        if file.about.is_none() && !((pb - pa).length() > 0.0) {
+            return Err(doc.fault(&at("position_b"), "the spring's two points coincide: it has no line to act along"));
+        }
+        let rest = match (file.rest, file.about) {
+            (Some(degrees), Some(_)) => degrees.to_radians(),
+            (Some(length), None) => length,
+            (None, Some(_)) => 0.0,
+            (None, None) => (pb - pa).length(),
+        };
+        finite(doc, &at("rest"), &[rest])?;
+        let preload = match &file.preload {
+            Some(f) => self.function(&at("preload"), f)?,
+            None => Function::Constant(0.0),
+        };
+        let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        self.model.springs.push(Spring {
+            name: file.name.clone(),
+            bodies,
+            frame_a: self.in_body(bodies[0], Pose { position: pa, orientation: turn }),
+            frame_b: self.in_body(bodies[1], Pose { position: pb, orientation: turn }),
+            rotational: file.about.is_some(),
+            stiffness: file.stiffness,
+            damping: file.damping,
+            rest,
+            preload,
+            from,
+            until,
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+//! Loads on bodies, and functions of time.
+
+use super::*;
+
+impl Builder<'_> {
+    pub(super) fn load(&mut self, key: &str, file: &LoadFile, begins: f64) -> Result<(), Fault> {
+        let doc = self.doc;
+        let at = |part: &str| format!("{key}.{part}");
+        let body = self.find(&at("body"), &file.body)?;
+        if !self.moves_ever(body) {
+            return Err(doc.fault(&at("body"), format!("`{}` is held in place: a load does nothing to it", file.body)));
+        }
+        let (torque, v) = match (file.force, file.torque) {
+            (Some(f), None) => (false, f),
+            (None, Some(t)) => (true, t),
+            _ => return Err(doc.fault(key, "needs exactly one of `force` and `torque`")),
+        };
+        let direction = direction(doc, &at(if torque { "torque" } else { "force" }), v)?;
+        let point = match file.point {
+            Some(_) if torque => return Err(doc.fault(&at("point"), "a torque has no point")),
+            Some(p) => {
+                finite(doc, &at("point"), &p)?;
+                let frame = self.model.body_frame[body as usize];
+                frame.position + frame.orientation * DVec3::from(p)
+            }
+            None => DVec3::ZERO,
+        };
+        let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        let value = self.function(&at("value"), &file.value)?;
+        self.model.loads.push(Load {
+            body,
+            torque,
+            direction,
+            follows: file.frame == LoadFrame::Body,
+            point,
+            value,
+            from,
+            until,
+        });
+        Ok(())
+    }
+
+    pub(super) fn function(&self, key: &str, file: &FunctionFile) -> Result<Function, Fault> {
+        let doc = self.doc;
+        let sound = |values: &[f64]| finite(doc, key, values);
+        match file {
+            FunctionFile::Constant(x) => {
+                sound(&[*x])?;
+                Ok(Function::Constant(*x))
+            }
+            FunctionFile::Step { step } => {
+                sound(&[step.before, step.after, step.at])?;
+                Ok(Function::Step { before: step.before, after: step.after, at: step.at })
+            }
+            FunctionFile::Ramp { ramp } => {
+                sound(&ramp.values)?;
+                sound(&ramp.times)?;
+                if !(ramp.times[1] > ramp.times[0]) {
+                    return Err(doc.fault(&format!("{key}.ramp.times"), "expected the earlier time first"));
+                }
+                Ok(Function::Ramp { values: ramp.values, times: ramp.times })
+            }
+            FunctionFile::Sine { sine } => {
+                sound(&[sine.mean, sine.amplitude, sine.frequency, sine.phase])?;
+                Ok(Function::Sine {
+                    mean: sine.mean,
+                    amplitude: sine.amplitude,
+                    frequency: sine.frequency,
+                    phase: sine.phase.to_radians(),
+                })
+            }
+            FunctionFile::Table { table } => self.table(&format!("{key}.table"), table.clone()),
+            FunctionFile::Csv { csv } => {
+                let key = format!("{key}.csv");
+                let text =
+                    std::fs::read_to_string(csv).map_err(|e| doc.fault(&key, format!("{}: {e}", csv.display())))?;
+                let mut points = vec![];
+                for (i, line) in text.lines().enumerate() {
+                    let line = line.trim();
+                    if line.is_empty() || line.starts_with('#') {
+                        continue;
+                    }
+                    let cells: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|c| !c.is_empty()).collect();
+                    match cells.iter().take(2).map(|c| c.parse::<f64>()).collect::<Result<Vec<f64>, _>>() {
+                        Ok(pair) if pair.len() == 2 => points.push([pair[0], pair[1]]),
+                        // The first line may be a header.
+                        _ if points.is_empty() && i == 0 => {}
+                        _ => {
+                            let message =
+                                format!("{}, line {}: expected two numbers, time and value", csv.display(), i + 1);
+                            return Err(doc.fault(&key, message));
+                        }
+                    }
+                }
+                self.table(&key, points)
+            }
+        }
+    }
+
+    fn table(&self, key: &str, points: Vec<[f64; 2]>) -> Result<Function, Fault> {
+        points.iter().try_for_each(|p| finite(self.doc, key, p))?;
+        if points.is_empty() {
+            return Err(self.doc.fault(key, "has no points: expected pairs of time and value"));
+        }
+        match points.windows(2).find(|p| !(p[1][0] > p[0][0])) {
+            Some(p) => Err(self.doc.fault(key, format!("times must rise, but {} s follows {} s", p[1][0], p[0][0]))),
+            None => Ok(Function::Table(points)),
+        }
+    }
+}
