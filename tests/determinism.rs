@@ -36,13 +36,17 @@ fn simulation_and_pictures_do_not_depend_on_threads() {
 fn a_run_goes_on_from_a_checkpoint_bit_for_bit() {
     let work = scratch();
     let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
-    for (model, steps) in [("pour", 1000), ("pendulums", 800)] {
+    let sweeps = ["--set", "solver.method=gauss_seidel", "--set", "solver.friction=exact"];
+    for (case, (model, steps, set)) in
+        [("pour", 1000, &[][..]), ("pour", 1000, &sweeps), ("pendulums", 800, &[])].into_iter().enumerate()
+    {
         let path = format!("sim/models/{model}.yaml");
         let (half, whole) = if model == "pour" { ("0.5", "1.0") } else { ("0.2", "0.4") };
-        let (one, two) = (place(&format!("{model}1")), place(&format!("{model}2")));
-        scree(&["simulate", &path, "--until", whole, "--threads", "1", "-o", &one]).ok();
-        scree(&["simulate", &path, "--until", half, "--threads", "2", "-o", &two]).ok();
-        scree(&["simulate", &path, "--until", whole, "--threads", "7", "--resume", "-o", &two]).ok();
+        let (one, two) = (place(&format!("{case}a")), place(&format!("{case}b")));
+        let run = |rest: &[&str]| scree(&[&["simulate", &path][..], set, rest].concat()).ok();
+        run(&["--until", whole, "--threads", "1", "-o", &one]);
+        run(&["--until", half, "--threads", "2", "-o", &two]);
+        run(&["--until", whole, "--threads", "7", "--resume", "-o", &two]);
         let last = format!("checkpoints/{steps:09}.state");
         for file in [last.as_str(), "probes.csv"] {
             let read = |run: &str| std::fs::read(Path::new(run).join(file)).unwrap();
