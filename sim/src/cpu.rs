@@ -128,7 +128,7 @@ pub struct Pieces<T> {
 pub trait List: Default + Send {
     /// Empty it, and keep its memory.
     fn clear(&mut self);
-    /// Let go of memory far beyond what is used.
+    /// Let go of memory that is not used.
     fn trim(&mut self);
 }
 

@@ -286,8 +286,8 @@ struct Best {
 }
 
 impl Best {
-    /// Iterations between looks at the residual.
-    const LOOK: u32 = 10;
+    /// Iterations between looks at the residual, and where no residual is good enough to stop at.
+    const LOOK: [u32; 2] = [10, 25];
 
     fn new() -> Best {
         Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: false }
@@ -303,7 +303,7 @@ impl Best {
         (kept, kept_image): (&mut Vec<DVec3>, &mut Image),
     ) -> bool {
         let last = done >= settings.iterations;
-        if !done.is_multiple_of(Self::LOOK) && !last {
+        if !done.is_multiple_of(Self::LOOK[(settings.tolerance <= 0.0) as usize]) && !last {
             return false;
         }
         let residual = residual(op, gamma, image);

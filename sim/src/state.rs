@@ -126,6 +126,9 @@ impl Pose {
 #[derive(Clone, Debug, Default)]
 pub struct PoseColumn {
     distinct: Vec<Pose>,
+    /// So many rows, from the first, have the first pose.
+    alike: usize,
+    /// Which pose each of the others has.
     row: Vec<u32>,
     known: HashMap<[u64; 7], u32>,
 }
@@ -140,7 +143,11 @@ impl PoseColumn {
         if row == next {
             self.distinct.push(pose);
         }
-        self.row.push(row);
+        if row == 0 && self.row.is_empty() {
+            self.alike += 1;
+        } else {
+            self.row.push(row);
+        }
     }
 }
 
@@ -149,7 +156,8 @@ impl std::ops::Index<usize> for PoseColumn {
 
     #[inline]
     fn index(&self, row: usize) -> &Pose {
-        &self.distinct[self.row[row] as usize]
+        let which = if row < self.alike { 0 } else { self.row[row - self.alike] };
+        &self.distinct[which as usize]
     }
 }
 

@@ -39,8 +39,8 @@ impl List for Candidates {
     }
 
     fn trim(&mut self) {
-        self.pair.shrink_to(self.pair.len() + self.pair.len() / 8);
-        self.triangle.shrink_to(self.triangle.len() + self.triangle.len() / 8);
+        self.pair.shrink_to_fit();
+        self.triangle.shrink_to_fit();
     }
 }
 
