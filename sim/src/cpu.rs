@@ -57,7 +57,7 @@ impl Aabb {
 }
 
 /// Rows below which one thread does the work: handing it out would cost more.
-const ALONE: usize = 10 * PIECE;
+const ALONE: usize = 4 * PIECE;
 
 /// Fill `out[i] = f(i)` in parallel.
 pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
