@@ -88,8 +88,8 @@ impl Scratch {
         if roomy.is_empty() || !self.has_pairs {
             self.balls_only = model.has_balls_only();
         }
-        // Not kept: the solver has the memory meanwhile.
-        let mut balls = vec![bounds::Ball::default(); if self.balls_only { model.n_shapes() } else { 0 }];
+        let n_balls = if self.balls_only { model.n_shapes() } else { 0 };
+        let mut balls = bounds::rows_of(std::mem::take(&mut self.solver.image.twist), n_balls);
         let left = bounds::run(model, state, &mut self.margin, &mut balls, roomy);
         clock.lap();
         if left || !self.has_pairs {
@@ -101,6 +101,7 @@ impl Scratch {
         let Scratch { margin, candidate, touching, .. } = self;
         let at = contact_write::Input { model, state, margin, balls: &balls };
         contact_write::run(&at, candidate.filled(), touching, contacts);
+        self.solver.image.twist = bounds::rows_back(balls);
         clock.lap();
     }
 

@@ -11,16 +11,48 @@
 //! box leaves its own. Contacts hang on the tight boxes alone, so that the room changes no result but their order.
 
 use super::{Aabb, fill_rows, sweep, sweep_two};
+use crate::solve::Twist;
 use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A};
 
-/// A ball in its place, in one piece for those who look for its neighbours.
+/// A ball in its place, in one piece for those who look for its neighbours. It stands in a row of the solver's velocities, which
+/// nobody needs before the solver makes them anew.
 #[derive(Clone, Copy, Default)]
-pub struct Ball {
+#[repr(transparent)]
+pub struct Ball(Twist);
+
+impl Ball {
+    fn of(centre: DVec3, reach: f64) -> Ball {
+        Ball(Twist { v: centre, w: DVec3::new(reach, 0.0, 0.0) })
+    }
+
     /// Its centre, m, world.
-    pub centre: DVec3,
+    #[inline(always)]
+    pub fn centre(&self) -> DVec3 {
+        self.0.v
+    }
+
     /// Its radius and its margin, m.
-    pub reach: f64,
+    #[inline(always)]
+    pub fn reach(&self) -> f64 {
+        self.0.w.x
+    }
+}
+
+/// Room for so many balls in the rows of a column of velocities.
+pub fn rows_of(velocities: Vec<Twist>, n: usize) -> Vec<Ball> {
+    let mut rows = std::mem::ManuallyDrop::new(velocities);
+    // SAFETY: a ball is a motion by another name (`repr(transparent)`), and the column is not used again.
+    let mut balls = unsafe { Vec::from_raw_parts(rows.as_mut_ptr().cast(), rows.len(), rows.capacity()) };
+    balls.resize(n, Ball::default());
+    balls
+}
+
+/// The rows for the velocities again.
+pub fn rows_back(balls: Vec<Ball>) -> Vec<Twist> {
+    let mut rows = std::mem::ManuallyDrop::new(balls);
+    // SAFETY: as above.
+    unsafe { Vec::from_raw_parts(rows.as_mut_ptr().cast(), rows.len(), rows.capacity()) }
 }
 
 /// The stage; whether pairs must be found anew. The roomy boxes are renewed if so. `balls` is as long as the model has shapes if
@@ -64,10 +96,10 @@ fn of_balls(model: &Model, state: &State, margin: &mut [f32], balls: &mut [Ball]
             let s = first + k;
             let body = model.shape_body[s] as usize;
             *margin = (model.envelope + state.velocity[body].length() * model.step) as f32;
-            *ball = Ball { centre: state.position[body], reach: model.shape_size[s].x + *margin as f64 };
+            *ball = Ball::of(state.position[body], model.shape_size[s].x + *margin as f64);
             let holds = |room: &Aabb| {
                 if model.shape_kind[s] == ShapeKind::Sphere && !model.absent[body] {
-                    room.holds(&Aabb::about(ball.centre, DVec3::splat(ball.reach)))
+                    room.holds(&Aabb::about(ball.centre(), DVec3::splat(ball.reach())))
                 } else {
                     room.holds(&tight(model, state, s, *margin))
                 }

@@ -34,7 +34,7 @@ impl Input<'_> {
     #[inline(always)]
     fn ball(&self, s: usize) -> (DVec3, f64) {
         match self.balls.get(s) {
-            Some(ball) => (ball.centre, ball.reach - self.margin[s] as f64),
+            Some(ball) => (ball.centre(), ball.reach() - self.margin[s] as f64),
             None => (self.model.shape_place(self.state, s).position, self.model.shape_size[s].x),
         }
     }
@@ -43,8 +43,8 @@ impl Input<'_> {
     #[inline(always)]
     fn touch(&self, s: usize, t: usize) -> bool {
         if let (Some(a), Some(b)) = (self.balls.get(s), self.balls.get(t)) {
-            let reach = a.reach + b.reach;
-            return (a.centre - b.centre).length_squared() <= reach * reach;
+            let reach = a.reach() + b.reach();
+            return (a.centre() - b.centre()).length_squared() <= reach * reach;
         }
         let ((a, r_a), (b, r_b)) = (self.ball(s), self.ball(t));
         let reach = r_a + r_b + (self.margin[s] + self.margin[t]) as f64;
