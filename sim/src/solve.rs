@@ -106,7 +106,7 @@ pub struct Outcome {
 }
 
 /// A motion: of a body, its linear and angular velocity in the world frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Twist {
     /// Linear, m/s.

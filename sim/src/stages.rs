@@ -3,6 +3,7 @@
 //! Each stage is a function over columns in `cpu/<stage>.rs`; the file's head names its inputs and outputs.
 
 use crate::cpu::bin_emit::BinGrid;
+use crate::cpu::bounds::Ball;
 use crate::cpu::contact_solve::Workspace;
 use crate::cpu::contact_write::Touching;
 use crate::cpu::pair_write::Candidates;
@@ -88,8 +89,10 @@ impl Scratch {
         if roomy.is_empty() || !self.has_pairs {
             self.balls_only = model.has_balls_only();
         }
-        let n_balls = if self.balls_only { model.n_shapes() } else { 0 };
-        let mut balls = bounds::rows_of(std::mem::take(&mut self.solver.image.twist), n_balls);
+        let mut balls = vec![];
+        if self.balls_only {
+            balls = Ball::rows_in(std::mem::take(&mut self.solver.image.twist), model.n_shapes());
+        }
         let left = bounds::run(model, state, &mut self.margin, &mut balls, roomy);
         clock.lap();
         if left || !self.has_pairs {
@@ -101,7 +104,9 @@ impl Scratch {
         let Scratch { margin, candidate, touching, .. } = self;
         let at = contact_write::Input { model, state, margin, balls: &balls };
         contact_write::run(&at, candidate.filled(), touching, contacts);
-        self.solver.image.twist = bounds::rows_back(balls);
+        if self.balls_only {
+            self.solver.image.twist = bytemuck::cast_vec(balls);
+        }
         clock.lap();
     }
 

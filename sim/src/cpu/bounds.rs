@@ -15,44 +15,50 @@ use crate::solve::Twist;
 use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A};
 
-/// A ball in its place, in one piece for those who look for its neighbours. It stands in a row of the solver's velocities, which
-/// nobody needs before the solver makes them anew.
-#[derive(Clone, Copy, Default)]
-#[repr(transparent)]
-pub struct Ball(Twist);
+/// A ball in its place: all that those who look for its contacts ask for, in one piece. It has the size of a [`Twist`], so
+/// that the column of balls can stand where the solver keeps its velocities, which nobody needs before it makes them anew.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Ball {
+    /// Its centre, m, world.
+    pub centre: DVec3,
+    /// Its radius and its margin, m.
+    pub reach: f64,
+    /// Its radius, m.
+    pub radius: f64,
+    /// The body that carries it.
+    pub body: u32,
+    /// Its material.
+    pub material: u32,
+}
 
 impl Ball {
-    fn of(centre: DVec3, reach: f64) -> Ball {
-        Ball(Twist { v: centre, w: DVec3::new(reach, 0.0, 0.0) })
+    /// A shape that is a ball; `margin` is how far from its surface contacts are looked for, m.
+    #[inline]
+    pub fn of(model: &Model, state: &State, s: usize, margin: f32) -> Ball {
+        Ball { centre: model.shape_place(state, s).position, ..Ball::centred(model, state, s, margin) }
     }
 
-    /// Its centre, m, world.
+    /// The same of a ball about its body's centre.
     #[inline(always)]
-    pub fn centre(&self) -> DVec3 {
-        self.0.v
+    fn centred(model: &Model, state: &State, s: usize, margin: f32) -> Ball {
+        let (body, radius) = (model.shape_body[s], model.shape_size[s].x);
+        let centre = state.position[body as usize];
+        Ball { centre, reach: radius + margin as f64, radius, body, material: model.shape_material[s] }
     }
 
-    /// Its radius and its margin, m.
+    /// The box around it and its margin.
     #[inline(always)]
-    pub fn reach(&self) -> f64 {
-        self.0.w.x
+    fn tight(&self) -> Aabb {
+        Aabb::about(self.centre, DVec3::splat(self.reach))
     }
-}
 
-/// Room for so many balls in the rows of a column of velocities.
-pub fn rows_of(velocities: Vec<Twist>, n: usize) -> Vec<Ball> {
-    let mut rows = std::mem::ManuallyDrop::new(velocities);
-    // SAFETY: a ball is a motion by another name (`repr(transparent)`), and the column is not used again.
-    let mut balls = unsafe { Vec::from_raw_parts(rows.as_mut_ptr().cast(), rows.len(), rows.capacity()) };
-    balls.resize(n, Ball::default());
-    balls
-}
-
-/// The rows for the velocities again.
-pub fn rows_back(balls: Vec<Ball>) -> Vec<Twist> {
-    let mut rows = std::mem::ManuallyDrop::new(balls);
-    // SAFETY: as above.
-    unsafe { Vec::from_raw_parts(rows.as_mut_ptr().cast(), rows.len(), rows.capacity()) }
+    /// Room for `n` balls in the rows of a column of velocities.
+    pub fn rows_in(velocities: Vec<Twist>, n: usize) -> Vec<Ball> {
+        let mut balls: Vec<Ball> = bytemuck::cast_vec(velocities);
+        balls.resize(n, Ball::default());
+        balls
+    }
 }
 
 /// The stage; whether pairs must be found anew. The roomy boxes are renewed if so. `balls` is as long as the model has shapes if
@@ -60,56 +66,36 @@ pub fn rows_back(balls: Vec<Ball>) -> Vec<Twist> {
 pub fn run(model: &Model, state: &State, margin: &mut Vec<f32>, balls: &mut [Ball], roomy: &mut Vec<Aabb>) -> bool {
     let n = model.n_shapes();
     margin.resize(n, 0.0);
-    if !balls.is_empty() {
-        return of_balls(model, state, margin, balls, roomy);
-    }
-    let known = roomy.len() == n;
-    let rooms = &*roomy;
-    let [left] = sweep(margin, |first, margin| {
-        let mut left = 0.0;
-        for (k, margin) in margin.iter_mut().enumerate() {
-            let s = first + k;
-            let body = model.shape_body[s] as usize;
-            let spin =
-                if model.is_centred_ball(s) { 0.0 } else { state.angular_velocity[body].length() * arm(model, s) };
-            *margin = (model.envelope + (state.velocity[body].length() + spin) * model.step) as f32;
-            if known && !rooms[s].holds(&tight(model, state, s, *margin)) {
-                left += 1.0;
+    let (known, rooms) = (roomy.len() == n, &*roomy);
+    let margin_of = |s: usize, spin: f64| {
+        let speed = state.velocity[model.shape_body[s] as usize].length() + spin;
+        (model.envelope + speed * model.step) as f32
+    };
+    let has_left = |s: usize, tight: Aabb| known && !rooms[s].holds(&tight);
+    let [left] = if balls.is_empty() {
+        sweep(margin, |first, margin| {
+            let mut left = 0;
+            for (k, margin) in margin.iter_mut().enumerate() {
+                let s = first + k;
+                *margin = margin_of(s, surface_speed(model, state, s));
+                left += has_left(s, tight(model, state, s, *margin)) as u32;
             }
-        }
-        [left]
-    });
-    if known && left == 0.0 {
-        return false;
-    }
-    renew(model, state, margin, roomy);
-    true
-}
-
-/// The same of balls.
-fn of_balls(model: &Model, state: &State, margin: &mut [f32], balls: &mut [Ball], roomy: &mut Vec<Aabb>) -> bool {
-    let known = roomy.len() == margin.len();
-    let rooms = &*roomy;
-    let [left] = sweep_two(margin, balls, |first, margin, balls| {
-        let mut left = 0.0;
-        for (k, (margin, ball)) in margin.iter_mut().zip(balls).enumerate() {
-            let s = first + k;
-            let body = model.shape_body[s] as usize;
-            *margin = (model.envelope + state.velocity[body].length() * model.step) as f32;
-            *ball = Ball::of(state.position[body], model.shape_size[s].x + *margin as f64);
-            let holds = |room: &Aabb| {
-                if model.shape_kind[s] == ShapeKind::Sphere && !model.absent[body] {
-                    room.holds(&Aabb::about(ball.centre(), DVec3::splat(ball.reach())))
-                } else {
-                    room.holds(&tight(model, state, s, *margin))
-                }
-            };
-            if known && !holds(&rooms[s]) {
-                left += 1.0;
+            [left as f64]
+        })
+    } else {
+        sweep_two(margin, balls, |first, margin, balls| {
+            let mut left = 0;
+            for (k, (margin, ball)) in margin.iter_mut().zip(balls).enumerate() {
+                let s = first + k;
+                *margin = margin_of(s, 0.0);
+                *ball = Ball::centred(model, state, s, *margin);
+                let is_here = model.shape_kind[s] == ShapeKind::Sphere && !model.absent[ball.body as usize];
+                let tight = if is_here { ball.tight() } else { tight(model, state, s, *margin) };
+                left += has_left(s, tight) as u32;
             }
-        }
-        [left]
-    });
+            [left as f64]
+        })
+    };
     if known && left == 0.0 {
         return false;
     }
@@ -129,10 +115,10 @@ pub fn tight(model: &Model, state: &State, s: usize, margin: f32) -> Aabb {
     if model.absent[body] {
         return Aabb::EMPTY;
     }
-    let grown = DVec3::splat(margin as f64);
     if model.is_centred_ball(s) {
-        return Aabb::about(state.position[body], model.shape_size[s] + grown);
+        return Ball::centred(model, state, s, margin).tight();
     }
+    let grown = DVec3::splat(margin as f64);
     let at = model.shape_place(state, s);
     let reach = reach_of(model.shape_kind[s], model.shape_size[s], || DMat3::from_quat(at.orientation));
     Aabb::about(at.position, reach + grown)
@@ -149,16 +135,22 @@ fn with_room(model: &Model, state: &State, s: usize, b: Aabb) -> Aabb {
     if model.inv_mass[body] == 0.0 || b.min.x > b.max.x {
         return b;
     }
-    let spin = if model.is_centred_ball(s) { 0.0 } else { state.angular_velocity[body].length() * arm(model, s) };
+    let spin = surface_speed(model, state, s);
     let moved = (state.velocity[body] * model.step * STEPS).as_vec3a();
     let room = Vec3A::splat(0.5 * ROOM * (b.max - b.min).min_element() + (spin * model.step * STEPS) as f32);
     Aabb { min: b.min - room + moved.min(Vec3A::ZERO), max: b.max + room + moved.max(Vec3A::ZERO) }
 }
 
-/// How far from its body's centre a shape's surface moves with the spin, m; a ball's does not leave its place.
-fn arm(model: &Model, s: usize) -> f64 {
+/// The speed at which a shape's surface leaves its place by the spin of its body, m/s; that of a ball about its body's centre
+/// does not.
+#[inline]
+fn surface_speed(model: &Model, state: &State, s: usize) -> f64 {
+    if model.is_centred_ball(s) {
+        return 0.0;
+    }
     let own = if model.shape_kind[s] == ShapeKind::Sphere { 0.0 } else { model.shape_size[s].length() };
-    model.shape_pose[s].position.length() + own
+    let arm = model.shape_pose[s].position.length() + own;
+    state.angular_velocity[model.shape_body[s] as usize].length() * arm
 }
 
 /// Half lengths of the box around a turned shape.

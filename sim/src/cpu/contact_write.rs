@@ -13,7 +13,6 @@ use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, 
 use super::pair_write::Candidates;
 use crate::state::Arms;
 use crate::{Contacts, Model, ShapeKind, State};
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// What the stage reads.
@@ -29,185 +28,163 @@ pub struct Input<'a> {
     pub balls: &'a [Ball],
 }
 
-impl Input<'_> {
-    /// A ball's centre and radius, m.
-    #[inline(always)]
-    fn ball(&self, s: usize) -> (DVec3, f64) {
-        match self.balls.get(s) {
-            Some(ball) => (ball.centre(), ball.reach() - self.margin[s] as f64),
-            None => (self.model.shape_place(self.state, s).position, self.model.shape_size[s].x),
-        }
-    }
-
-    /// Whether two balls are near enough.
-    #[inline(always)]
-    fn touch(&self, s: usize, t: usize) -> bool {
-        if let (Some(a), Some(b)) = (self.balls.get(s), self.balls.get(t)) {
-            let reach = a.reach() + b.reach();
-            return (a.centre() - b.centre()).length_squared() <= reach * reach;
-        }
-        let ((a, r_a), (b, r_b)) = (self.ball(s), self.ball(t));
-        let reach = r_a + r_b + (self.margin[s] + self.margin[t]) as f64;
-        (a - b).length_squared() <= reach * reach
-    }
-
-    #[inline]
-    fn tight(&self, s: usize) -> super::Aabb {
-        bounds::tight(self.model, self.state, s, self.margin[s])
-    }
-}
-
 /// What touches, of a piece of the candidates.
 #[derive(Default)]
 pub struct Touching {
-    /// Candidates that touch, in order: two balls by their place in the piece, others by [`POINTS`] plus their place in `some`.
-    who: Vec<u32>,
-    /// Candidates that touch, not two balls: their place in the piece, their triangle and their range in `point`.
-    some: Vec<[u32; 4]>,
+    /// Two balls, by their place in the piece; where they touch is cheaper to find again than to keep.
+    balls: Vec<u32>,
+    /// Others: their place in the piece and the end of their points in `point`.
+    others: Vec<[u32; 2]>,
     /// Points of those.
     point: Vec<Point>,
-    /// Contacts of the piece.
-    n: usize,
 }
 
-/// Set for candidates whose points are kept; those of two balls are cheaper to find again than to keep.
-const POINTS: u32 = 1 << 31;
+impl Touching {
+    /// Contacts of the piece.
+    fn len(&self) -> usize {
+        self.balls.len() + self.point.len()
+    }
+}
 
 /// The stage. `touching` is scratch.
 pub fn run(at: &Input, candidate: &[Candidates], touching: &mut Vec<Touching>, contacts: &mut Contacts) {
-    touching.resize_with(candidate.len(), Touching::default);
-    let few = candidate.iter().map(|c| c.pair.len()).sum::<usize>() < 4 * PIECE;
-    let least = if few { candidate.len().max(1) } else { 1 };
-    let pieces = touching.par_iter_mut().zip(candidate).with_min_len(least).with_max_len(least);
-    pieces.for_each(|(touching, candidate)| touching.find(at, candidate));
-
-    let n = touching.iter().map(|t| t.n).sum();
-    contacts.bodies.resize(n, [0; 2]);
-    contacts.key.resize(n, [0; 3]);
-    contacts.normal.resize(n, DVec3::ZERO);
-    contacts.gap.resize(n, 0.0);
-    contacts.law.resize(n, 0);
-    let Contacts { bodies, key, normal, gap, law, arms, .. } = contacts;
-    let columns = (
-        split(bodies, touching),
-        split(key, touching),
-        split(normal, touching),
-        split(gap, touching),
-        split(law, touching),
-    );
-    if !at.balls.is_empty() {
-        if !matches!(arms, Arms::Along(_)) {
-            *arms = Arms::Along(vec![]);
-        }
-        let Arms::Along(reach) = arms else { unreachable!("it was made so") };
-        reach.resize(n, [0.0; 2]);
-        // The contact point is half the gap away from a ball's surface.
-        let reach_of = |body: u32, shape: u32, point: &Point| {
-            let moves = at.model.inv_mass[body as usize] > 0.0;
-            if moves { at.ball(shape as usize).1 + 0.5 * point.gap } else { 0.0 }
-        };
-        let arms_of =
-            |[a, b]: [u32; 2], [s, t]: [u32; 2], point: &Point| [reach_of(a, s, point), reach_of(b, t, point)];
-        write(at, candidate, touching, least, columns, split(reach, touching), arms_of);
-    } else {
-        if !matches!(arms, Arms::Any(_)) {
-            *arms = Arms::Any(vec![]);
-        }
-        let Arms::Any(arms) = arms else { unreachable!("it was made so") };
-        arms.resize(n, [DVec3::ZERO; 2]);
-        let arms_of = |bodies: [u32; 2], _, point: &Point| {
+    let arms = std::mem::take(&mut contacts.arms);
+    if at.balls.is_empty() {
+        let middle = |bodies: [u32; 2], point: &Point, _| {
             let middle = 0.5 * (point.on_first + point.on_second);
             bodies.map(|b| middle - at.state.position[b as usize])
         };
-        write(at, candidate, touching, least, columns, split(arms, touching), arms_of);
+        let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
+        let ball = |s: u32| Ball::of(at.model, at.state, s as usize, at.margin[s as usize]);
+        find_and_write(at, ball, candidate, touching, contacts, &mut arms, middle);
+        contacts.arms = Arms::Any(arms);
+    } else {
+        // The contact point is half the gap away from a ball's surface.
+        let along = |_, point: &Point, radii: [f64; 2]| radii.map(|r| r + 0.5 * point.gap);
+        let mut arms = if let Arms::Along(arms) = arms { arms } else { vec![] };
+        let ball = |s: u32| at.balls[s as usize];
+        find_and_write(at, ball, candidate, touching, contacts, &mut arms, along);
+        contacts.arms = Arms::Along(arms);
     }
     list_incident(at.model.n_bodies(), contacts);
 }
 
-/// The columns but the arms, cut as the pieces are.
-type Columns<'a> =
-    (Vec<&'a mut [[u32; 2]]>, Vec<&'a mut [[u32; 3]]>, Vec<&'a mut [DVec3]>, Vec<&'a mut [f64]>, Vec<&'a mut [u32]>);
-
-/// Write the columns; `arms_of` makes the arms of two bodies with their shapes that touch in a point.
-fn write<A: Send>(
+/// The stage, but for the lists of the bodies. `ball` gives a shape that is a ball; `arms_of` makes the arms of two bodies
+/// that touch in a point, of which those that are balls have the radii given.
+fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
+    ball: impl Fn(u32) -> Ball + Sync,
     candidate: &[Candidates],
-    touching: &[Touching],
-    least: usize,
-    (bodies, key, normal, gap, law): Columns,
-    arms: Vec<&mut [A]>,
-    arms_of: impl Fn([u32; 2], [u32; 2], &Point) -> A + Sync,
+    touching: &mut Vec<Touching>,
+    contacts: &mut Contacts,
+    arms: &mut Vec<A>,
+    arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A + Sync,
 ) {
-    (touching.par_iter().zip(candidate), bodies, key, normal, gap, law, arms)
-        .into_par_iter()
-        .with_min_len(least)
-        .with_max_len(least)
-        .for_each(|((touching, candidate), bodies, key, normal, gap, law, arms)| {
+    touching.resize_with(candidate.len(), Touching::default);
+    let few = candidate.iter().map(|c| c.len()).sum::<usize>() < 4 * PIECE;
+    let least = if few { candidate.len().max(1) } else { 1 };
+    let pieces = touching.par_iter_mut().zip(candidate).with_min_len(least).with_max_len(least);
+    pieces.for_each(|(touching, candidate)| {
+        touching.find_balls(&candidate.balls, &ball);
+        touching.find_others(at, &candidate.others);
+    });
+
+    let n = touching.iter().map(|t| t.len()).sum();
+    let Contacts { bodies, key, normal, gap, law, .. } = contacts;
+    let columns = (
+        touching.par_iter().zip(candidate),
+        split(bodies, n, touching),
+        split(key, n, touching),
+        split(normal, n, touching),
+        split(gap, n, touching),
+        split(law, n, touching),
+        split(arms, n, touching),
+    );
+    let n_materials = at.model.material_names.len() as u32;
+    columns.into_par_iter().with_min_len(least).with_max_len(least).for_each(
+        |((touching, candidate), bodies, key, normal, gap, law, arms)| {
             let mut i = 0;
-            touching.each(at, candidate, |[s, t], triangle, point| {
-                let (a, b) = (at.model.shape_body[s as usize], at.model.shape_body[t as usize]);
-                let turned = a > b;
-                let (pair, shapes) = if turned { ([b, a], [t, s]) } else { ([a, b], [s, t]) };
-                bodies[i] = pair;
-                key[i] = [s, t, (triangle << 17) ^ point.feature];
+            touching.each(candidate, &ball, at.model, |[p, q], key_of_pair, point| {
+                let turned = p.body > q.body;
+                let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
+                bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
+                key[i] = key_of_pair;
                 normal[i] = if turned { -point.normal } else { point.normal };
                 gap[i] = point.gap;
-                law[i] = at.model.law(s as usize, t as usize);
-                arms[i] = arms_of(pair, shapes, point);
+                law[i] = p.material * n_materials + q.material;
+                arms[i] = arms_of(bodies[i], point, radii);
                 i += 1;
             });
-        });
+        },
+    );
 }
 
 impl Touching {
-    /// Find which candidates touch, and where.
-    fn find(&mut self, at: &Input, candidate: &Candidates) {
-        self.who.clear();
-        self.some.clear();
+    /// Find which balls touch.
+    #[inline(always)]
+    fn find_balls(&mut self, pairs: &[[u32; 2]], ball: impl Fn(u32) -> Ball) {
+        /// Pairs whose answers are gathered without asking: nothing foretells them.
+        const BLOCK: usize = 64;
+        self.balls.clear();
+        for (block, pairs) in pairs.chunks(BLOCK).enumerate() {
+            let (mut found, mut n) = ([0; BLOCK], 0);
+            for (k, [s, t]) in pairs.iter().enumerate() {
+                let (p, q) = (ball(*s), ball(*t));
+                let reach = p.reach + q.reach;
+                found[n] = (block * BLOCK + k) as u32;
+                n += ((p.centre - q.centre).length_squared() <= reach * reach) as usize;
+            }
+            self.balls.extend_from_slice(&found[..n]);
+        }
+    }
+
+    /// Find which of the other candidates touch, and where.
+    fn find_others(&mut self, at: &Input, candidates: &[[u32; 3]]) {
+        self.others.clear();
         self.point.clear();
+        let tight = |s: u32| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]);
         let mut out = [Point::default(); MAX_POINTS];
-        let mut triangles = candidate.triangle.iter().peekable();
-        for (k, pair) in candidate.pair.iter().enumerate() {
-            let [s, t] = pair.map(|s| s as usize);
-            let triangle = triangles.next_if(|own| own[0] as usize == k).map_or(0, |own| own[1]);
-            if are_balls(at.model, s, t) {
-                if at.touch(s, t) {
-                    self.who.push(k as u32);
-                }
-            } else if at.tight(s).overlaps(&at.tight(t)) {
-                let n = points(at, *pair, triangle, &mut out);
+        for (k, &[s, t, triangle]) in candidates.iter().enumerate() {
+            if tight(s).overlaps(&tight(t)) {
+                let n = points(at, [s, t], triangle, &mut out);
                 if n > 0 {
-                    self.who.push(POINTS | self.some.len() as u32);
-                    let first = self.point.len() as u32;
-                    self.some.push([k as u32, triangle, first, first + n as u32]);
                     self.point.extend_from_slice(&out[..n]);
+                    self.others.push([k as u32, self.point.len() as u32]);
                 }
             }
         }
-        self.n = self.who.len() - self.some.len() + self.point.len();
     }
 
-    /// Visit the contacts of the piece in order; normals point from the first shape to the second.
-    #[inline]
-    fn each(&self, at: &Input, candidate: &Candidates, mut visit: impl FnMut([u32; 2], u32, &Point)) {
-        for who in &self.who {
-            let ball;
-            let (pair, triangle, points) = if who & POINTS == 0 {
-                let pair = candidate.pair[*who as usize];
-                ball = [collide_balls(at.ball(pair[0] as usize), at.ball(pair[1] as usize))];
-                (pair, 0, &ball[..])
-            } else {
-                let [k, triangle, first, end] = self.some[(who ^ POINTS) as usize];
-                (candidate.pair[k as usize], triangle, &self.point[first as usize..end as usize])
-            };
-            points.iter().for_each(|p| visit(pair, triangle, p));
+    /// Visit the contacts of the piece in order, each with its two shapes as far as balls go, its key and its point; normals
+    /// point from the first shape to the second.
+    #[inline(always)]
+    fn each(
+        &self,
+        candidate: &Candidates,
+        ball: impl Fn(u32) -> Ball,
+        model: &Model,
+        mut visit: impl FnMut([Ball; 2], [u32; 3], &Point),
+    ) {
+        for k in &self.balls {
+            let pair = candidate.balls[*k as usize];
+            let [p, q] = pair.map(&ball);
+            let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
+            visit([p, q], [pair[0], pair[1], point.feature], &point);
+        }
+        let mut first = 0;
+        for [k, end] in &self.others {
+            let [s, t, triangle] = candidate.others[*k as usize];
+            let both = [s, t].map(|s| {
+                let (s, is_ball) = (s as usize, model.shape_kind[s as usize] == ShapeKind::Sphere);
+                let radius = if is_ball { model.shape_size[s].x } else { 0.0 };
+                Ball { radius, body: model.shape_body[s], material: model.shape_material[s], ..Ball::default() }
+            });
+            for point in &self.point[first..*end as usize] {
+                visit(both, [s, t, (triangle << 17) ^ point.feature], point);
+            }
+            first = *end as usize;
         }
     }
-}
-
-#[inline]
-fn are_balls(model: &Model, s: usize, t: usize) -> bool {
-    model.shape_kind[s] == ShapeKind::Sphere && model.shape_kind[t] == ShapeKind::Sphere
 }
 
 /// The points of a candidate.
@@ -228,13 +205,15 @@ fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usiz
     }
 }
 
-/// Cut a column as the pieces are cut.
-fn split<'a, T>(mut column: &'a mut [T], pieces: &[Touching]) -> Vec<&'a mut [T]> {
+/// Make room for `n` rows in a column, and cut it as the pieces are cut.
+fn split<'a, T: Clone + Default>(column: &'a mut Vec<T>, n: usize, pieces: &[Touching]) -> Vec<&'a mut [T]> {
+    column.resize(n, T::default());
+    let mut rest = &mut column[..];
     pieces
         .iter()
         .map(|piece| {
-            let (own, rest) = std::mem::take(&mut column).split_at_mut(piece.n);
-            column = rest;
+            let (own, after) = std::mem::take(&mut rest).split_at_mut(piece.len());
+            rest = after;
             own
         })
         .collect()

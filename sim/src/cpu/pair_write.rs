@@ -4,7 +4,7 @@
 //!      bin_start  [n_active]      first and last-but-one pair of each active bin
 //!      aabb       [n_shapes]      m, world
 //! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a mesh or a height field; in
-//!                                 pieces, in the order of the bins
+//!                                 pieces, in the order of the bins, those of two balls before the others
 //! Source: paper §3, stages 7–9.
 //!
 //! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
@@ -19,28 +19,37 @@ use glam::{DMat3, DVec3, Vec3A};
 /// Pairs of shapes, the lower index first.
 #[derive(Default)]
 pub struct Candidates {
-    /// The pairs.
-    pub pair: Vec<[u32; 2]>,
-    /// Of those with a surface: which pair, rising, and which triangle.
-    pub triangle: Vec<[u32; 2]>,
+    /// Of two balls.
+    pub balls: Vec<[u32; 2]>,
+    /// Of others, and the triangle if one is a mesh or a height field.
+    pub others: Vec<[u32; 3]>,
 }
 
 impl Candidates {
     #[inline]
-    fn push(&mut self, s: u32, t: u32) {
-        self.pair.push([s.min(t), s.max(t)]);
+    fn push(&mut self, model: &Model, s: u32, t: u32) {
+        if [s, t].map(|s| model.shape_kind[s as usize]) == [ShapeKind::Sphere; 2] {
+            self.balls.push([s.min(t), s.max(t)]);
+        } else {
+            self.others.push([s.min(t), s.max(t), 0]);
+        }
+    }
+
+    /// How many pairs.
+    pub fn len(&self) -> usize {
+        self.balls.len() + self.others.len()
     }
 }
 
 impl List for Candidates {
     fn clear(&mut self) {
-        self.pair.clear();
-        self.triangle.clear();
+        self.balls.clear();
+        self.others.clear();
     }
 
     fn trim(&mut self) {
-        self.pair.shrink_to_fit();
-        self.triangle.shrink_to_fit();
+        self.balls.shrink_to_fit();
+        self.others.shrink_to_fit();
     }
 }
 
@@ -105,7 +114,7 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Candidates) {
         for (k, &t) in members[i + 1..].iter().enumerate() {
             let other = if few { bits[i + 1 + k] } else { begins(t) };
             if own | other == 7 && a.overlaps(&aabb[t as usize]) && may_meet(model, s, t) {
-                found.push(s, t);
+                found.push(model, s, t);
             }
         }
     }
@@ -129,7 +138,7 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Candidates) {
             for (_, &t) in members {
                 let b = &aabb[t as usize];
                 if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && may_meet(model, s, t) {
-                    found.push(s, t);
+                    found.push(model, s, t);
                 }
             }
         });
@@ -175,7 +184,7 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
             && !input.model.shape_kind[s as usize].is_surface()
             && may_meet(input.model, s, t.shape)
         {
-            found.push(s, t.shape);
+            found.push(input.model, s, t.shape);
         }
         return;
     }
@@ -189,8 +198,7 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
     let local = t.turn * (centre - t.position);
     let reach = t.turn.x_axis.abs() * half.x + t.turn.y_axis.abs() * half.y + t.turn.z_axis.abs() * half.z;
     surface.visit(local - reach, local + reach, &mut |triangle| {
-        found.triangle.push([found.pair.len() as u32, triangle]);
-        found.push(s, t.shape);
+        found.others.push([s.min(t.shape), s.max(t.shape), triangle]);
     });
 }
 
