@@ -1,7 +1,7 @@
 //! GPU kernels against their CPU twins. Without any adapter they say so; `REQUIRE_GPU=1` makes that a failure.
 
 use gpu::Device;
-use gpu::radix_sort::{RadixSort, Scratch, sort_cpu};
+use gpu::radix_sort::{RadixSort, sort_cpu};
 use gpu::scan::{Scan, exclusive_cpu};
 
 /// A device for a test, the software one if need be.
@@ -47,7 +47,7 @@ fn radix_sort_on_the_gpu_is_its_twin() {
         let mut keys = numbers(n, bound);
         let mut values: Vec<u32> = (0..n as u32).collect();
         let (k, v) = sort.sort(&device, device.upload(&keys), device.upload(&values), n, bound - 1);
-        sort_cpu(&mut keys, &mut values, bound - 1, &mut Scratch::default());
+        sort_cpu(&mut keys, &mut values, bound - 1);
         assert!(keys.is_sorted());
         assert_eq!(device.download::<u32>(&k, n).unwrap(), keys, "n = {n}");
         assert_eq!(device.download::<u32>(&v, n).unwrap(), values, "the sort is stable, n = {n}");

@@ -2,43 +2,80 @@
 
 use crate::scan::{BLOCK, Scan};
 use crate::{Device, Kernel};
+use rayon::prelude::*;
 
 /// Bits that a key can have if the greatest is `max_key`.
 fn bits(max_key: u32) -> u32 {
     32 - max_key.leading_zeros()
 }
 
-/// Memory that the CPU twin sorts through, kept from call to call.
-#[derive(Default)]
-pub struct Scratch {
-    keys: Vec<u32>,
-    values: Vec<u32>,
+/// The CPU twin: sorts in place; `max_key` bounds the keys and so the number of passes.
+pub fn sort_cpu(keys: &mut [u32], values: &mut [u32], max_key: u32) {
+    /// Bits of a key that a pass may look at: so many counters stay in the cache.
+    const DIGIT: u32 = 16;
+    let bits = bits(max_key);
+    let n_passes = bits.div_ceil(DIGIT);
+    let digit = bits.div_ceil(n_passes.max(1));
+    let (mut from, mut to, mut start) = (vec![], vec![], vec![]);
+    for pass in 0..n_passes {
+        let bucket = |key: u32| key >> (pass * digit) & ((1 << digit) - 1);
+        if pass == 0 {
+            let pairs = || keys.iter().zip(values.iter()).map(|(key, value)| (bucket(*key), [*key, *value]));
+            distribute_cpu(1 << digit, pairs, &mut start, &mut to);
+        } else {
+            let pairs = || from.iter().map(|pair: &[u32; 2]| (bucket(pair[0]), *pair));
+            distribute_cpu(1 << digit, pairs, &mut start, &mut to);
+        }
+        std::mem::swap(&mut from, &mut to);
+    }
+    for ((key, value), pair) in keys.iter_mut().zip(values).zip(from) {
+        [*key, *value] = pair;
+    }
 }
 
-/// The CPU twin: sorts in place; `max_key` bounds the keys and so the number of passes.
-pub fn sort_cpu(keys: &mut Vec<u32>, values: &mut Vec<u32>, max_key: u32, scratch: &mut Scratch) {
-    const DIGIT: u32 = 11;
-    const BUCKETS: usize = 1 << DIGIT;
-    let n = keys.len();
-    scratch.keys.resize(n, 0);
-    scratch.values.resize(n, 0);
-    let mut shift = 0;
-    while shift < bits(max_key) {
-        let mut place = [0u32; BUCKETS];
-        for key in keys.iter() {
-            place[(key >> shift) as usize & (BUCKETS - 1)] += 1;
+/// Put items into buckets, in order: those of bucket b become `out[start[b]..start[b + 1]]`. Each thread goes through all items
+/// for a range of buckets, so that the result does not hang on how many there are.
+pub fn distribute_cpu<T: Copy + Default + Send, I: ExactSizeIterator<Item = (u32, T)>>(
+    n_buckets: usize,
+    items: impl Fn() -> I + Sync,
+    start: &mut Vec<u32>,
+    out: &mut Vec<T>,
+) {
+    /// Items that are not worth a second thread.
+    const FEW: usize = 8192;
+    let n = items().len();
+    let n_ranges = if n < FEW { 1 } else { rayon::current_num_threads().min(8) };
+    let length = n_buckets.div_ceil(n_ranges).max(1);
+    start.clear();
+    start.resize(n_buckets + 1, 0);
+    start[..n_buckets].par_chunks_mut(length).enumerate().for_each(|(range, count)| {
+        for (bucket, _) in items() {
+            if let Some(count) = count.get_mut((bucket as usize).wrapping_sub(range * length)) {
+                *count += 1;
+            }
         }
-        crate::scan::exclusive_cpu(&mut place);
-        for (key, value) in keys.iter().zip(values.iter()) {
-            let to = &mut place[(key >> shift) as usize & (BUCKETS - 1)];
-            scratch.keys[*to as usize] = *key;
-            scratch.values[*to as usize] = *value;
-            *to += 1;
-        }
-        std::mem::swap(keys, &mut scratch.keys);
-        std::mem::swap(values, &mut scratch.values);
-        shift += DIGIT;
+    });
+    crate::scan::exclusive_cpu(start);
+    out.resize(n, T::default());
+    let mut rest = &mut out[..];
+    let mut ranges = vec![];
+    for (range, slots) in start[..n_buckets].chunks(length).enumerate() {
+        let end = start[((range + 1) * length).min(n_buckets)];
+        let (own, after) = std::mem::take(&mut rest).split_at_mut((end - slots[0]) as usize);
+        rest = after;
+        ranges.push((slots[0], own));
     }
+    start[..n_buckets].par_chunks_mut(length).zip(ranges).enumerate().for_each(|(range, (slot, (base, own)))| {
+        for (bucket, item) in items() {
+            if let Some(slot) = slot.get_mut((bucket as usize).wrapping_sub(range * length)) {
+                own[(*slot - base) as usize] = item;
+                *slot += 1;
+            }
+        }
+    });
+    // Each start has moved to the next bucket's: move them back by one.
+    start.rotate_right(1);
+    start[0] = 0;
 }
 
 /// The sort kernels, compiled for a device.

@@ -144,13 +144,9 @@ fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, D
 /// Mean speed at which contacts that carry slip, m/s.
 fn mean_slip(state: &State) -> f64 {
     let c = &state.contacts;
-    let spin = |b: usize| state.orientation[b] * state.angular_velocity[b];
     let (mut n, mut sum) = (0usize, 0.0);
     for i in (0..c.len()).filter(|i| c.impulse[*i] != DVec3::ZERO) {
-        let [a, b] = c.bodies[i].map(|b| b as usize);
-        let [arm_a, arm_b] = c.arms(i);
-        let v = state.velocity[b] + spin(b).cross(arm_b) - state.velocity[a] - spin(a).cross(arm_a);
-        sum += v.reject_from_normalized(c.normal[i]).length();
+        sum += c.velocity(state, i).reject_from_normalized(c.normal[i]).length();
         n += 1;
     }
     if n == 0 { 0.0 } else { sum / n as f64 }

@@ -119,7 +119,7 @@ impl Scratch {
         let (mut pair_start, mut bin, mut shape) = (vec![], vec![], vec![]);
         bin_emit::run(model, roomy, &grid, &mut pair_start, &mut bin, &mut shape);
         clock.lap();
-        gpu::radix_sort::sort_cpu(&mut bin, &mut shape, grid.len(), &mut gpu::radix_sort::Scratch::default());
+        gpu::radix_sort::sort_cpu(&mut bin, &mut shape, grid.len());
         clock.lap();
         let mut bin_start = vec![];
         bin_start::run(&bin, &mut bin_start);

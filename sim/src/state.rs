@@ -367,10 +367,28 @@ pub struct Contacts {
     pub impulse: Vec<DVec3>,
     /// Angular impulse on B of rolling and spinning friction, N m s, world; empty where no material has any.
     pub twist: Vec<DVec3>,
-    /// Contacts of each body: `incident[incident_start[b]..incident_start[b+1]]` (n_bodies + 1).
-    pub incident_start: Vec<u32>,
-    /// Twice the contact's index, plus one where the body is B.
-    pub incident: Vec<u32>,
+    /// Contacts of each body.
+    pub incident: Incident,
+}
+
+/// Which contacts each body has: `list[start[b]..start[b+1]]`.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Incident {
+    /// First entry of each body (n_bodies + 1).
+    pub start: Vec<u32>,
+    /// Twice the contact's index, plus one where the body is B (2 n_contacts).
+    pub list: Vec<u32>,
+}
+
+impl Incident {
+    /// The entries of a body.
+    #[inline]
+    pub fn of_body(&self, body: usize) -> &[u32] {
+        match self.start.get(body..body + 2) {
+            Some(ends) => &self.list[ends[0] as usize..ends[1] as usize],
+            None => &[],
+        }
+    }
 }
 
 /// From the centres of A and B to the contact point, m, world (n_contacts). Of a body that is held in place nobody asks it.
@@ -425,12 +443,12 @@ impl Contacts {
         DVec3::new(self.impulse[i].dot(self.normal[i]), self.impulse[i].dot(u), self.impulse[i].dot(w))
     }
 
-    /// Indices into the contacts of a body.
-    pub(crate) fn of_body(&self, body: usize) -> &[u32] {
-        match self.incident_start.get(body..body + 2) {
-            Some(ends) => &self.incident[ends[0] as usize..ends[1] as usize],
-            None => &[],
-        }
+    /// The velocity of B against A at a contact, m/s, world.
+    pub fn velocity(&self, state: &State, i: usize) -> DVec3 {
+        let [a, b] = self.bodies[i].map(|b| b as usize);
+        let [arm_a, arm_b] = self.arms(i);
+        let spin = |b: usize| state.orientation[b] * state.angular_velocity[b];
+        state.velocity[b] + spin(b).cross(arm_b) - state.velocity[a] - spin(a).cross(arm_a)
     }
 }
 

@@ -8,9 +8,10 @@
 //! Bins come in levels, each four times as large as the one below; a shape goes to the level whose bins are about its size, so
 //! that a chassis among grains costs a few large bins and not a million small ones.
 
-use super::{Aabb, fill_rows, scatter_rows};
+use super::{Aabb, PIECE, fill_rows, scatter_rows};
 use crate::Model;
 use glam::{UVec3, Vec3A};
+use rayon::prelude::*;
 
 /// How many levels there may be: sizes of up to 4⁵ times the least.
 const LEVELS: usize = 6;
@@ -45,6 +46,28 @@ pub struct BinGrid {
     n_bins: u32,
 }
 
+/// Boxes that move: what is around them, how many they are, and the sum of their reciprocal widths.
+#[derive(Clone, Copy)]
+struct Crowd {
+    around: Aabb,
+    n: u32,
+    inverse: f64,
+}
+
+impl Crowd {
+    const NONE: Crowd = Crowd { around: Aabb::EMPTY, n: 0, inverse: 0.0 };
+
+    fn of(b: &Aabb) -> Crowd {
+        Crowd { around: *b, n: 1, inverse: 1.0 / (b.max - b.min).max_element() as f64 }
+    }
+
+    fn join(self, other: &Crowd) -> Crowd {
+        let (a, b) = (self.around, other.around);
+        let around = Aabb { min: a.min.min(b.min), max: a.max.max(b.max) };
+        Crowd { around, n: self.n + other.n, inverse: self.inverse + other.inverse }
+    }
+}
+
 /// More bins than this would cost more to count than they save.
 const MAX_BINS: f32 = 16_000_000.0;
 
@@ -54,22 +77,23 @@ impl BinGrid {
         let moving = |s: usize| {
             model.inv_mass[model.shape_body[s] as usize] > 0.0 && aabb[s].min.is_finite() && aabb[s].max.is_finite()
         };
-        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-        let (mut inverse, mut n_moving) = (0.0f64, 0u32);
-        for b in (0..aabb.len()).filter(|s| moving(*s)).map(|s| &aabb[s]) {
-            min = min.min(b.min);
-            max = max.max(b.max);
-            inverse += 1.0 / (b.max - b.min).max_element() as f64;
-            n_moving += 1;
-        }
-        if n_moving == 0 {
+        let pieces: Vec<Crowd> = aabb
+            .par_chunks(PIECE)
+            .enumerate()
+            .map(|(piece, boxes)| {
+                let own = boxes.iter().enumerate().filter(|(k, _)| moving(piece * PIECE + k));
+                own.fold(Crowd::NONE, |crowd, (_, b)| crowd.join(&Crowd::of(b)))
+            })
+            .collect();
+        let Crowd { around: Aabb { min, max }, n, inverse } = pieces.iter().fold(Crowd::NONE, |a, b| a.join(b));
+        if n == 0 {
             *self = BinGrid { level: vec![0; aabb.len()], ..BinGrid::default() };
             return;
         }
         (self.origin, self.end) = (min, max);
         let extent = max - min;
         // The harmonic mean: the many small ones count, not the few large ones.
-        let mut size = (1.7 * n_moving as f64 / inverse) as f32;
+        let mut size = (1.7 * n as f64 / inverse) as f32;
         while (extent / size).ceil().max(Vec3A::ONE).element_product() > MAX_BINS {
             size *= 1.26;
         }

@@ -198,7 +198,7 @@ impl Workspace {
                     return opening;
                 }
                 let restitution = model.laws[contacts.law[i] as usize].restitution;
-                let speed = normal_speed(state, contacts, i);
+                let speed = contacts.velocity(state, i).dot(contacts.normal[i]);
                 let least = BOUNCE_LEAST.max(2.0 * model.gravity.length() * h);
                 let meets = speed < -least && contacts.gap[i] + h * speed <= 0.0;
                 if restitution > 0.0 && meets { opening.min(restitution * speed) } else { opening }
@@ -215,9 +215,9 @@ impl Workspace {
         if model.solver.method == Method::GaussSeidel {
             self.levers.clear();
         } else {
-            self.levers.resize(contacts.incident.len(), DVec3::ZERO);
-            scatter_rows(&mut self.levers, &contacts.incident_start, |b, row| {
-                for (lever, incident) in row.iter_mut().zip(contacts.of_body(b)) {
+            self.levers.resize(contacts.incident.list.len(), DVec3::ZERO);
+            scatter_rows(&mut self.levers, &contacts.incident.start, |b, row| {
+                for (lever, incident) in row.iter_mut().zip(contacts.incident.of_body(b)) {
                     *lever = contacts.arms(*incident as usize / 2)[*incident as usize & 1];
                 }
             });
@@ -256,13 +256,4 @@ fn turning_trace(masses: &Masses, body: usize, arm: DVec3) -> f64 {
     }
     let inverse = masses.inertia(body);
     [DVec3::X, DVec3::Y, DVec3::Z].into_iter().map(|e| arm.cross(e).dot(inverse * arm.cross(e))).sum()
-}
-
-/// The speed at which a contact opens before the step, m/s.
-fn normal_speed(state: &State, contacts: &Contacts, i: usize) -> f64 {
-    let [a, b] = contacts.bodies[i].map(|b| b as usize);
-    let spin = |b: usize| state.orientation[b] * state.angular_velocity[b];
-    let [arm_a, arm_b] = contacts.arms(i);
-    let v = state.velocity[b] + spin(b).cross(arm_b) - state.velocity[a] - spin(a).cross(arm_a);
-    v.dot(contacts.normal[i])
 }

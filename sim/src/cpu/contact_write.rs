@@ -11,7 +11,7 @@ use super::PIECE;
 use super::bounds::{self, Ball};
 use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
 use super::pair_write::Candidates;
-use crate::state::Arms;
+use crate::state::{Arms, Incident};
 use crate::{Contacts, Model, ShapeKind, State};
 use rayon::prelude::*;
 
@@ -66,7 +66,10 @@ pub fn run(at: &Input, candidate: &[Candidates], touching: &mut Vec<Touching>, c
         find_and_write(at, ball, candidate, touching, contacts, &mut arms, along);
         contacts.arms = Arms::Along(arms);
     }
-    list_incident(at.model.n_bodies(), contacts);
+    let Contacts { bodies, incident: Incident { start, list }, .. } = contacts;
+    // Two sides a contact: side k is that of body k % 2 of contact k / 2.
+    let sides = || bodies.as_flattened().iter().enumerate().map(|(k, body)| (*body, k as u32));
+    gpu::radix_sort::distribute_cpu(at.model.n_bodies(), sides, start, list);
 }
 
 /// The stage, but for the lists of the bodies. `ball` gives a shape that is a ball; `arms_of` makes the arms of two bodies
@@ -217,45 +220,4 @@ fn split<'a, T: Clone + Default>(column: &'a mut Vec<T>, n: usize, pieces: &[Tou
             own
         })
         .collect()
-}
-
-/// List the contacts of each body, in the contacts' order. Each thread looks at all contacts for a range of bodies.
-fn list_incident(n_bodies: usize, contacts: &mut Contacts) {
-    let Contacts { bodies, incident_start: start, incident, .. } = contacts;
-    let n_ranges = if bodies.len() < 4 * PIECE { 1 } else { rayon::current_num_threads().min(8) };
-    let length = n_bodies.div_ceil(n_ranges).max(1);
-    start.clear();
-    start.resize(n_bodies + 1, 0);
-    start[..n_bodies].par_chunks_mut(length).enumerate().for_each(|(range, count)| {
-        let first = range * length;
-        for body in bodies.iter().flatten() {
-            if let Some(count) = (*body as usize).checked_sub(first).and_then(|b| count.get_mut(b)) {
-                *count += 1;
-            }
-        }
-    });
-    gpu::scan::exclusive_cpu(start);
-    incident.resize(2 * bodies.len(), 0);
-    let mut rest = &mut incident[..];
-    let mut ranges = vec![];
-    for (range, slots) in start[..n_bodies].chunks(length).enumerate() {
-        let end = start[((range + 1) * length).min(n_bodies)];
-        let (own, after) = std::mem::take(&mut rest).split_at_mut((end - slots[0]) as usize);
-        rest = after;
-        ranges.push((slots[0], own));
-    }
-    start[..n_bodies].par_chunks_mut(length).zip(ranges).enumerate().for_each(|(range, (slot, (base, own)))| {
-        let first = range * length;
-        for (i, pair) in bodies.iter().enumerate() {
-            for (side, body) in pair.iter().enumerate() {
-                if let Some(slot) = (*body as usize).checked_sub(first).and_then(|b| slot.get_mut(b)) {
-                    own[(*slot - base) as usize] = 2 * i as u32 + side as u32;
-                    *slot += 1;
-                }
-            }
-        }
-    });
-    // Each start has moved to the next body's: move them back by one.
-    start.rotate_right(1);
-    start[0] = 0;
 }

@@ -14,7 +14,7 @@ use super::bin_emit::BinGrid;
 use super::collide::surface_of;
 use super::{Aabb, List, Pieces, collect_pieces};
 use crate::{Model, ShapeKind, State};
-use glam::{DMat3, DVec3, Vec3A};
+use glam::{DMat3, DVec3, Vec3A, Vec4};
 
 /// Pairs of shapes, the lower index first.
 #[derive(Default)]
@@ -53,7 +53,7 @@ impl List for Candidates {
     }
 }
 
-/// Members of a bin whose bits are kept at hand.
+/// Members of a bin that are compared four at a time.
 const MEMBERS: usize = 64;
 
 /// What the stage reads.
@@ -74,13 +74,29 @@ pub struct Input<'a> {
     pub bin_start: &'a [[u32; 2]],
 }
 
+impl Input<'_> {
+    /// Whether two shapes may touch at all: not of one body, not both held in place, not of bodies or groups that pass through
+    /// each other. What is absent has no box, so that nobody asks.
+    #[inline]
+    fn may_meet(&self, s: u32, t: u32) -> bool {
+        let model = self.model;
+        let (a, b) = (model.shape_body[s as usize], model.shape_body[t as usize]);
+        if a == b || (model.inv_mass[a as usize] == 0.0 && model.inv_mass[b as usize] == 0.0) {
+            return false;
+        }
+        let n_groups = model.group_names.len();
+        let group = |s: u32| if n_groups == 1 { 0 } else { model.shape_group[s as usize] as usize };
+        !(model.groups_pass[group(s) * n_groups + group(t)]
+            || (!model.apart.is_empty() && model.apart.binary_search(&[a.min(b), a.max(b)]).is_ok()))
+    }
+}
+
 /// The stage.
 pub fn run(input: &Input, candidate: &mut Pieces<Candidates>) {
     let model = input.model;
-    let surfaces: Vec<SurfaceAt> = (0..model.n_shapes() as u32)
-        .filter(|s| model.shape_kind[*s as usize].is_surface())
-        .map(|s| SurfaceAt::of(input, s))
-        .collect();
+    let is_there = |s: usize| model.shape_kind[s].is_surface() && !model.absent[model.shape_body[s] as usize];
+    let surfaces: Vec<SurfaceAt> =
+        (0..model.n_shapes() as u32).filter(|s| is_there(*s as usize)).map(|s| SurfaceAt::of(input, s)).collect();
     let mixed = input.grid.levels.iter().filter(|l| l.used).count() > 1;
     // Rows: the active bins, then one row a shape for the coarser levels and the surfaces that it meets.
     let n_bins = input.bin_start.len();
@@ -99,24 +115,71 @@ pub fn run(input: &Input, candidate: &mut Pieces<Candidates>) {
 /// The pairs that a bin claims.
 #[inline]
 fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Candidates) {
-    let Input { model, aabb, grid, .. } = input;
+    let Input { model, grid, .. } = input;
     let members = &input.shape[first as usize..end as usize];
     let here = grid.place(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
     // The overlap of two boxes begins in this bin along an axis if one of them does: with a bit an axis, the bin claims a pair
     // whose bits together are all set.
-    let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as u8;
-    let mut bits = [0u8; MEMBERS];
-    let few = members.len() <= MEMBERS;
-    bits.iter_mut().zip(members).for_each(|(bits, s)| *bits = begins(*s));
-    for (i, &s) in members.iter().enumerate() {
-        let a = &aabb[s as usize];
-        let own = if few { bits[i] } else { begins(s) };
-        for (k, &t) in members[i + 1..].iter().enumerate() {
-            let other = if few { bits[i + 1 + k] } else { begins(t) };
-            if own | other == 7 && a.overlaps(&aabb[t as usize]) && may_meet(model, s, t) {
-                found.push(model, s, t);
+    let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as usize;
+    let boxes = |s: u32| &input.aabb[s as usize];
+    let mut find = |s: u32, t: u32| {
+        if input.may_meet(s, t) {
+            found.push(model, s, t);
+        }
+    };
+    if members.len() > MEMBERS {
+        for (i, &s) in members.iter().enumerate() {
+            for &t in &members[i + 1..] {
+                if begins(s) | begins(t) == 7 && boxes(s).overlaps(boxes(t)) {
+                    find(s, t);
+                }
             }
         }
+        return;
+    }
+    let mut side_by_side = [FourBoxes::default(); MEMBERS / 4];
+    let mut bits = [0; MEMBERS];
+    // The members, as bits, that have the bits `k` among theirs.
+    let mut having = [0u64; 8];
+    for (i, &s) in members.iter().enumerate() {
+        side_by_side[i / 4].put(i % 4, boxes(s));
+        bits[i] = begins(s);
+        (0..8).filter(|k| bits[i] & k == *k).for_each(|k| having[k] |= 1 << i);
+    }
+    for (i, &s) in members.iter().enumerate() {
+        let (own, mut claimed) = (boxes(s), having[7 & !bits[i]] & (u64::MAX << i) & !(1 << i));
+        while claimed != 0 {
+            let block = claimed.trailing_zeros() as usize / 4;
+            let mut near = side_by_side[block].overlap(own) & (claimed >> (4 * block)) as u32;
+            while near != 0 {
+                find(s, members[4 * block + near.trailing_zeros() as usize]);
+                near &= near - 1;
+            }
+            claimed &= !(15 << (4 * block));
+        }
+    }
+}
+
+/// Four boxes, coordinate by coordinate.
+#[derive(Clone, Copy, Default)]
+struct FourBoxes {
+    min: [Vec4; 3],
+    max: [Vec4; 3],
+}
+
+impl FourBoxes {
+    #[inline(always)]
+    fn put(&mut self, lane: usize, b: &Aabb) {
+        for axis in 0..3 {
+            (self.min[axis][lane], self.max[axis][lane]) = (b.min[axis], b.max[axis]);
+        }
+    }
+
+    /// Which of them share a point with a box, as bits.
+    #[inline(always)]
+    fn overlap(&self, b: &Aabb) -> u32 {
+        let along = |k: usize| self.min[k].cmple(Vec4::splat(b.max[k])) & self.max[k].cmpge(Vec4::splat(b.min[k]));
+        (along(0) & along(1) & along(2)).bitmask()
     }
 }
 
@@ -137,7 +200,7 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Candidates) {
             let members = input.bin[start..].iter().zip(&input.shape[start..]).take_while(|(b, _)| **b == here);
             for (_, &t) in members {
                 let b = &aabb[t as usize];
-                if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && may_meet(model, s, t) {
+                if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && input.may_meet(s, t) {
                     found.push(model, s, t);
                 }
             }
@@ -182,13 +245,13 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
         let deepest = Vec3A::select(t.up.cmpgt(Vec3A::ZERO), a.min, a.max);
         if deepest.dot(t.up) <= t.height
             && !input.model.shape_kind[s as usize].is_surface()
-            && may_meet(input.model, s, t.shape)
+            && input.may_meet(s, t.shape)
         {
             found.push(input.model, s, t.shape);
         }
         return;
     }
-    if input.model.shape_kind[s as usize].is_surface() || !a.min.is_finite() || !may_meet(input.model, s, t.shape) {
+    if input.model.shape_kind[s as usize].is_surface() || !a.min.is_finite() || !input.may_meet(s, t.shape) {
         return;
     }
     let (min, max) = (a.min.as_dvec3(), a.max.as_dvec3());
@@ -200,19 +263,4 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
     surface.visit(local - reach, local + reach, &mut |triangle| {
         found.others.push([s.min(t.shape), s.max(t.shape), triangle]);
     });
-}
-
-/// Whether two shapes may touch at all: not of one body, not both held in place, not of bodies or groups that pass through
-/// each other.
-#[inline]
-fn may_meet(model: &Model, s: u32, t: u32) -> bool {
-    let (a, b) = (model.shape_body[s as usize], model.shape_body[t as usize]);
-    if a == b || (model.inv_mass[a as usize] == 0.0 && model.inv_mass[b as usize] == 0.0) {
-        return false;
-    }
-    let (ga, gb) = (model.shape_group[s as usize] as usize, model.shape_group[t as usize] as usize);
-    !(model.groups_pass[ga * model.group_names.len() + gb]
-        || model.absent[a as usize]
-        || model.absent[b as usize]
-        || (!model.apart.is_empty() && model.apart.binary_search(&[a.min(b), a.max(b)]).is_ok()))
 }

@@ -6,6 +6,7 @@
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 
 use super::fill_rows;
+use crate::state::Incident;
 use crate::{Contacts, Model};
 use glam::{DVec3, Vec3};
 
@@ -15,15 +16,13 @@ pub struct Last {
     key: Vec<[u32; 3]>,
     impulse: Vec<Vec3>,
     twist: Vec<Vec3>,
-    incident_start: Vec<u32>,
-    incident: Vec<u32>,
+    incident: Incident,
 }
 
 impl Last {
     /// Take these contacts, and hand their memory to the next.
     pub fn take(&mut self, contacts: &mut Contacts) {
         std::mem::swap(&mut self.key, &mut contacts.key);
-        std::mem::swap(&mut self.incident_start, &mut contacts.incident_start);
         std::mem::swap(&mut self.incident, &mut contacts.incident);
         self.impulse.resize(contacts.impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
@@ -31,16 +30,9 @@ impl Last {
         fill_rows(&mut self.twist, |i| contacts.twist[i].as_vec3());
     }
 
-    fn of_body(&self, body: u32) -> &[u32] {
-        match self.incident_start.get(body as usize..body as usize + 2) {
-            Some(ends) => &self.incident[ends[0] as usize..ends[1] as usize],
-            None => &[],
-        }
-    }
-
     /// The contact of the same key, looked for in the shorter list of the two bodies.
-    fn find(&self, [a, b]: [u32; 2], key: [u32; 3]) -> Option<usize> {
-        let (of_a, of_b) = (self.of_body(a), self.of_body(b));
+    fn find(&self, bodies: [u32; 2], key: [u32; 3]) -> Option<usize> {
+        let [of_a, of_b] = bodies.map(|b| self.incident.of_body(b as usize));
         let list = if of_a.len() < of_b.len() { of_a } else { of_b };
         list.iter().map(|i| *i as usize / 2).find(|&i| self.key[i] == key)
     }

@@ -198,8 +198,8 @@ impl BodyOperator<'_> {
                 angular += gamma[contacts.len() + i] * sign;
             }
         };
-        let own = contacts.of_body(body);
-        if let Some(first) = contacts.incident_start.get(body).filter(|_| !self.levers.is_empty()) {
+        let own = contacts.incident.of_body(body);
+        if let Some(first) = contacts.incident.start.get(body).filter(|_| !self.levers.is_empty()) {
             let levers = &self.levers[*first as usize..*first as usize + own.len()];
             own.iter().zip(levers).for_each(|(incident, lever)| push(*incident, *lever));
         } else {
