@@ -118,51 +118,14 @@ fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
     a
 }
 
-/// What the pieces of a stage found, kept so that nothing is allocated step by step.
-pub struct Pieces<T> {
-    lists: Vec<T>,
-    n: usize,
-}
-
-/// A list that rows add to.
-pub trait List: Default + Send {
-    /// Empty it, and keep its memory.
-    fn clear(&mut self);
-    /// Let go of memory that is not used.
-    fn trim(&mut self);
-}
-
-impl<T> Default for Pieces<T> {
-    fn default() -> Pieces<T> {
-        Pieces { lists: vec![], n: 0 }
-    }
-}
-
-impl<T> Pieces<T> {
-    /// The lists of the last call, in order.
-    pub fn filled(&self) -> &[T] {
-        &self.lists[..self.n]
-    }
-}
-
-/// Let every row add to its piece's list.
-pub fn collect_pieces<T: List>(n_rows: usize, pieces: &mut Pieces<T>, f: impl Fn(usize, &mut T) + Sync) {
-    pieces.n = n_rows.div_ceil(PIECE);
-    if pieces.lists.len() < pieces.n {
-        pieces.lists.resize_with(pieces.n, T::default);
-    }
-    let body = |(piece, list): (usize, &mut T)| {
-        list.clear();
-        (piece * PIECE..((piece + 1) * PIECE).min(n_rows)).for_each(|row| f(row, list));
-        list.trim();
+/// Cut a column into parts of these lengths.
+pub fn cut<T>(mut column: &mut [T], lengths: impl IntoIterator<Item = usize>) -> Vec<&mut [T]> {
+    let part = |n| {
+        let (own, rest) = std::mem::take(&mut column).split_at_mut(n);
+        column = rest;
+        own
     };
-    let lists = &mut pieces.lists[..pieces.n];
-    if n_rows <= ALONE {
-        lists.iter_mut().enumerate().for_each(body);
-    } else {
-        // Rows differ much in what they hold: each piece is a task of its own.
-        lists.par_iter_mut().with_max_len(1).enumerate().for_each(body);
-    }
+    lengths.into_iter().map(part).collect()
 }
 
 /// Write each row `i`'s own values to `out[start[i]..start[i+1]]` in parallel; `start` rises and ends at `out.len()`.

@@ -7,7 +7,7 @@
 //! Multipliers are three numbers a block. Those of contacts are vectors of the world, so that no tangent frame is needed.
 
 mod apgd;
-mod balls;
+pub mod balls;
 mod barzilai_borwein;
 pub mod bodies;
 mod descend;
@@ -19,12 +19,14 @@ mod lanes;
 mod ldl;
 pub mod matrix;
 pub mod problem;
+mod schedule;
 mod visit;
 
 use crate::FrictionLaw;
 use crate::cpu::{fill_rows, sum_rows, sweep};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use schedule::{Colored, Tiled};
 
 /// The iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -188,21 +190,11 @@ pub trait Operator: Sync {
     fn pull_cells(&self, image: &Cells<Twist>, block: usize) -> DVec3;
     /// Let the joints answer to kicks.
     fn settle(&mut self, image: &mut Image);
-    /// Blocks in groups whose members have no image entry in common: `order[start[c]..start[c+1]]` is group c.
-    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>);
-    /// Whether all blocks are contacts with friction alone between balls, for which `pack` lays out a faster visit.
-    fn has_balls_only(&self) -> bool {
-        false
-    }
-    /// Lay the blocks out, colour by colour.
-    fn pack<T: balls::Grouped<L>, const L: usize>(
-        &self,
-        _start: &[u32],
-        _order: &[u32],
-        _gamma: &[DVec3],
-        _image: &Image,
-        _packed: &mut balls::Packed<T, L>,
-    ) {
+    /// Colour the blocks: those of a colour have no image entry in common.
+    fn colors(&self, colored: &mut Colored);
+    /// Whether no block's cone hangs on another's multipliers.
+    fn has_cones_apart(&self) -> bool {
+        true
     }
     /// The coefficient of friction of a block, and its normal; (0, 0) where it has none.
     fn friction(&self, block: usize) -> (f64, DVec3);
@@ -229,9 +221,8 @@ impl<'a, T: Copy> Cells<'a, T> {
     /// Read an entry.
     #[inline(always)]
     pub fn get(&self, i: usize) -> T {
-        // SAFETY: blocks of one colour share no moving body (`Operator::colors`) and stand in it once, and entries of bodies
-        // held in place are never written; where entries are blocks, each task has its own; so nobody writes this one
-        // meanwhile.
+        // SAFETY: blocks that are visited at once share no moving body (`schedule`), and entries of bodies held in place are
+        // never written; where entries are blocks, each task has its own; so nobody writes this one meanwhile.
         unsafe { *self.entry[i].get() }
     }
 
@@ -253,8 +244,8 @@ pub struct Workspace {
     image_y: Image,
     image_y_next: Image,
     image_best: Image,
-    color_start: Vec<u32>,
-    color_order: Vec<u32>,
+    colored: Colored,
+    tiled: Tiled,
     coarse: balls::Packed<f32, 8>,
     fine: balls::Packed<f64, 4>,
     /// The step length that was right for the last APGD; the next begins with it.
@@ -268,11 +259,13 @@ impl Workspace {
     }
 }
 
-/// Visit the tasks of a colour, side by side if there are enough to be worth it; sums in order.
-fn share<T: Send>(tasks: impl IndexedParallelIterator<Item = T>, visit: impl Fn(T) -> f64 + Send + Sync) -> f64 {
-    /// Up to so many are done by one thread.
-    const FEW: usize = 4;
-    let least = if tasks.len() <= FEW { FEW } else { 1 };
+/// Visit tasks that share no body, side by side unless there is little to do; sums in order.
+fn share<T: Send>(
+    tasks: impl IndexedParallelIterator<Item = T>,
+    is_little: bool,
+    visit: impl Fn(T) -> f64 + Send + Sync,
+) -> f64 {
+    let least = if is_little { tasks.len().max(1) } else { 1 };
     let parts: Vec<f64> = tasks.with_min_len(least).map(visit).collect();
     parts.into_iter().sum()
 }
@@ -344,7 +337,7 @@ pub fn solve(
         op.image(gamma, image);
         return Outcome::default();
     }
-    if op.has_balls_only() {
+    if op.has_cones_apart() {
         let values = Cells::new(gamma);
         let project = |i: usize| values.set(i, op.project_cells(i, values.get(i), &values));
         (0..op.n_blocks()).into_par_iter().with_min_len(crate::cpu::PIECE).for_each(project);
@@ -355,9 +348,6 @@ pub fn solve(
     op.image(gamma, image);
     match settings.friction {
         FrictionLaw::Relaxed => run(op, settings, gamma, image, work),
-        FrictionLaw::Exact if op.has_balls_only() && settings.method == Method::GaussSeidel => {
-            run(op, settings, gamma, image, work)
-        }
         FrictionLaw::Exact => exact::run(op, settings, gamma, image, work),
     }
 }

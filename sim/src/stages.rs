@@ -6,9 +6,9 @@ use crate::cpu::bin_emit::BinGrid;
 use crate::cpu::bounds::Ball;
 use crate::cpu::contact_solve::Workspace;
 use crate::cpu::contact_write::Touching;
-use crate::cpu::pair_write::Candidates;
+use crate::cpu::pair_write::Tiled;
 use crate::cpu::{
-    Aabb, Pieces, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
+    Aabb, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
     warm_start,
 };
 use crate::joint::{JointState, SpringState};
@@ -65,8 +65,8 @@ pub struct Simulation {
 #[derive(Default)]
 struct Scratch {
     margin: Vec<f32>,
-    candidate: Pieces<Candidates>,
-    touching: Vec<Touching>,
+    candidate: Tiled,
+    touching: Touching,
     /// Whether `candidate` has the pairs of the state's roomy boxes.
     has_pairs: bool,
     /// Whether nothing but balls moves.
@@ -77,7 +77,7 @@ struct Scratch {
 
 impl Scratch {
     /// Find the contacts: the stages from `bounds` to `contact_write`; those between the two are passed over while the pairs
-    /// of the last time hold. `roomy` has the boxes that the pairs were found for.
+    /// of the last time hold, which is what is returned. `roomy` has the boxes that the pairs were found for.
     fn detect(
         &mut self,
         model: &Model,
@@ -85,7 +85,7 @@ impl Scratch {
         roomy: &mut Vec<Aabb>,
         contacts: &mut Contacts,
         clock: &mut Clock,
-    ) {
+    ) -> bool {
         if roomy.is_empty() || !self.has_pairs {
             self.balls_only = model.has_balls_only();
         }
@@ -95,7 +95,8 @@ impl Scratch {
         }
         let left = bounds::run(model, state, &mut self.margin, &mut balls, roomy);
         clock.lap();
-        if left || !self.has_pairs {
+        let kept = self.has_pairs && !left;
+        if !kept {
             self.find_pairs(model, state, roomy, clock);
             self.has_pairs = true;
         } else {
@@ -103,11 +104,12 @@ impl Scratch {
         }
         let Scratch { margin, candidate, touching, .. } = self;
         let at = contact_write::Input { model, state, margin, balls: &balls };
-        contact_write::run(&at, candidate.filled(), touching, contacts);
+        contact_write::run(&at, candidate, touching, contacts);
         if self.balls_only {
             self.solver.image.twist = bytemuck::cast_vec(balls);
         }
         clock.lap();
+        kept
     }
 
     /// The stages from `bin_emit` to `pair_write`. Their bins are not kept: pairs are looked for now and then, and meanwhile the
@@ -162,10 +164,10 @@ impl Simulation {
         let mut clock = Clock::start();
 
         let (mut contacts, mut roomy) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.roomy));
-        w.last.take(&mut contacts);
-        w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
+        w.last.take(&mut contacts, &mut w.touching);
+        let kept = w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
         state.roomy = roomy;
-        warm_start::run(model, &w.last, &mut contacts);
+        warm_start::run(model, &w.last, &w.touching, kept, &mut contacts);
         clock.lap();
         let balls = matches!(contacts.arms, Arms::Along(_));
         force::run(model, state, balls, &mut w.solver);

@@ -367,8 +367,22 @@ pub struct Contacts {
     pub impulse: Vec<DVec3>,
     /// Angular impulse on B of rolling and spinning friction, N m s, world; empty where no material has any.
     pub twist: Vec<DVec3>,
-    /// Contacts of each body.
+    /// Contacts of each body, for solvers that go body by body; else none.
+    #[serde(skip)]
     pub incident: Incident,
+    /// How they lie by tiles.
+    #[serde(skip)]
+    pub tiles: Tiles,
+}
+
+/// Contacts lie tile by tile: the tiles of a round share no moving body. The second round has what the first cuts, and the
+/// contacts after its last tile are in none.
+#[derive(Clone, Debug, Default)]
+pub struct Tiles {
+    /// First contact of each tile, and of the contacts in none (n_tiles + 1).
+    pub start: Vec<u32>,
+    /// Tiles of the first round.
+    pub n_first: usize,
 }
 
 /// Which contacts each body has: `list[start[b]..start[b+1]]`.
@@ -381,6 +395,12 @@ pub struct Incident {
 }
 
 impl Incident {
+    /// List the contacts of each of `n_bodies` bodies, in the contacts' order.
+    pub fn fill(&mut self, n_bodies: usize, bodies: &[[u32; 2]]) {
+        let sides = || bodies.as_flattened().iter().enumerate().map(|(side, body)| (*body, side as u32));
+        gpu::radix_sort::distribute_cpu(n_bodies, sides, &mut self.start, &mut self.list);
+    }
+
     /// The entries of a body.
     #[inline]
     pub fn of_body(&self, body: usize) -> &[u32] {

@@ -6,7 +6,8 @@
 //! Source: paper §3, stages 1–3.
 //!
 //! Bins come in levels, each four times as large as the one below; a shape goes to the level whose bins are about its size, so
-//! that a chassis among grains costs a few large bins and not a million small ones.
+//! that a chassis among grains costs a few large bins and not a million small ones. The bins of a level are numbered brick by
+//! brick, so that what is near in space is near in memory; `pair_write` hands the bricks to the threads.
 
 use super::{Aabb, PIECE, fill_rows, scatter_rows};
 use crate::Model;
@@ -23,6 +24,9 @@ pub struct Level {
     pub size: f32,
     /// Bins along each axis.
     pub n: UVec3,
+    /// Bricks along each axis, and the bins that the first of them lack, so that the first and the last are alike.
+    bricks: UVec3,
+    lack: UVec3,
     /// Number of the level's first bin; coarser levels come first.
     pub first: u32,
     /// Whether any shape is on it.
@@ -42,7 +46,7 @@ pub struct BinGrid {
     pub level: Vec<u8>,
     /// The bin of the least corner of each shape's box, on its own level (n_shapes).
     pub low: Vec<UVec3>,
-    /// Bins in all.
+    /// Bins in all, those that fill the last bricks up among them.
     n_bins: u32,
 }
 
@@ -68,6 +72,8 @@ impl Crowd {
     }
 }
 
+/// Log₂ of the bins along the edge of a brick, which is a dozen grains.
+const BRICK: u32 = 3;
 /// More bins than this would cost more to count than they save.
 const MAX_BINS: f32 = 16_000_000.0;
 
@@ -87,14 +93,15 @@ impl BinGrid {
             .collect();
         let Crowd { around: Aabb { min, max }, n, inverse } = pieces.iter().fold(Crowd::NONE, |a, b| a.join(b));
         if n == 0 {
-            *self = BinGrid { level: vec![0; aabb.len()], ..BinGrid::default() };
+            *self = BinGrid { level: vec![0; aabb.len()], low: vec![UVec3::ZERO; aabb.len()], ..BinGrid::default() };
             return;
         }
         (self.origin, self.end) = (min, max);
         let extent = max - min;
         // The harmonic mean: the many small ones count, not the few large ones.
         let mut size = (1.7 * n as f64 / inverse) as f32;
-        while (extent / size).ceil().max(Vec3A::ONE).element_product() > MAX_BINS {
+        let n_of = |size: f32| (extent / size).ceil().max(Vec3A::ONE);
+        while n_of(size).element_product() > MAX_BINS {
             size *= 1.26;
         }
         self.level.resize(aabb.len(), 0);
@@ -115,10 +122,12 @@ impl BinGrid {
         self.n_bins = 0;
         for l in (0..LEVELS).rev() {
             let size = finest * 4f32.powi(l as i32);
-            let n = (extent / size).ceil().max(Vec3A::ONE).as_uvec3();
-            self.levels[l] = Level { size, n, first: self.n_bins, used: used[l] };
+            let n = n_of(size).as_uvec3();
+            let bricks = (n + (1 << BRICK) - 1) >> BRICK;
+            let lack = ((bricks << BRICK) - n) / 2;
+            self.levels[l] = Level { size, n, bricks, lack, first: self.n_bins, used: used[l] };
             if used[l] {
-                self.n_bins += n.element_product();
+                self.n_bins += bricks.element_product() << (3 * BRICK);
             }
         }
         let mut low = std::mem::take(&mut self.low);
@@ -130,9 +139,26 @@ impl BinGrid {
     /// Where a bin is among those of its level.
     #[inline]
     pub fn place(&self, level: usize, index: u32) -> UVec3 {
-        let Level { n, first, .. } = self.levels[level];
-        let k = index - first;
-        UVec3::new(k % n.x, k / n.x % n.y, k / (n.x * n.y))
+        let Level { bricks: n, first, .. } = self.levels[level];
+        let (inner, k) = (index - first, (index - first) >> (3 * BRICK));
+        let brick = UVec3::new(k % n.x, k / n.x % n.y, k / (n.x * n.y));
+        let mask = (1 << BRICK) - 1;
+        (brick << BRICK) + (UVec3::new(inner, inner >> BRICK, inner >> (2 * BRICK)) & mask)
+    }
+
+    /// The brick of a bin.
+    #[inline]
+    pub fn brick(&self, index: u32) -> u32 {
+        index >> (3 * BRICK)
+    }
+
+    /// The brick of the bin that holds the least corner of a shape's box, and the same of bricks that are moved by half a brick
+    /// along each axis.
+    pub fn bricks_of(&self, shape: usize) -> [u32; 2] {
+        let (level, low) = (self.level[shape] as usize, self.low[shape]);
+        let (moved, n) = ((low + (1 << BRICK >> 1)) >> BRICK, self.levels[level].bricks + 1);
+        let second = moved.x + n.x * (moved.y + n.y * moved.z);
+        [self.brick(self.index(level, low)), (level as u32) << 28 | second]
     }
 
     /// Whether a shape goes into bins: not a surface, and within the box of what moves.
@@ -143,15 +169,17 @@ impl BinGrid {
     /// The bin of a level that holds a point; points outside fall into the nearest one.
     #[inline]
     pub fn bin_of(&self, level: usize, p: Vec3A) -> UVec3 {
-        let Level { size, n, .. } = self.levels[level];
-        ((p - self.origin) / size).max(Vec3A::ZERO).as_uvec3().min(n - UVec3::ONE)
+        let Level { size, n, lack, .. } = self.levels[level];
+        ((p - self.origin) / size).max(Vec3A::ZERO).as_uvec3().min(n - UVec3::ONE) + lack
     }
 
     /// Number of a bin.
     #[inline]
     pub fn index(&self, level: usize, bin: UVec3) -> u32 {
-        let Level { n, first, .. } = self.levels[level];
-        first + bin.x + n.x * (bin.y + n.y * bin.z)
+        let Level { bricks: n, first, .. } = self.levels[level];
+        let (brick, inner) = (bin >> BRICK, bin & ((1 << BRICK) - 1));
+        let k = brick.x + n.x * (brick.y + n.y * brick.z);
+        first + ((k << (3 * BRICK)) | inner.x | inner.y << BRICK | inner.z << (2 * BRICK))
     }
 
     /// Visit the bins of a level that a box touches.

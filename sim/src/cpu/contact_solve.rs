@@ -132,7 +132,11 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
     let rolls = !contacts.twist.is_empty();
     let plain = model.laws.iter().all(|l| l.cohesion == 0.0);
     let balls = plain && !rolls && work.limits.is_empty() && matches!(contacts.arms, Arms::Along(_));
-    work.prepare(model, state, contacts, balls && model.solver.method == Method::GaussSeidel);
+    let sweeps_balls = balls && model.solver.method == Method::GaussSeidel && n > 0;
+    if !sweeps_balls {
+        contacts.incident.fill(model.n_bodies(), &contacts.bodies);
+    }
+    work.prepare(model, state, contacts, sweeps_balls);
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
     if rolls || !work.limits.is_empty() {
@@ -157,10 +161,13 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
         levers: &work.levers,
         rolls,
         plain,
-        balls,
         envelope: model.envelope,
     };
-    let outcome = solve::solve(&mut op, &model.solver, &mut gamma, &mut work.image, &mut work.methods);
+    let outcome = if sweeps_balls {
+        solve::balls::run(&mut op, &model.solver, &mut gamma, &mut work.image, &mut work.methods)
+    } else {
+        solve::solve(&mut op, &model.solver, &mut gamma, &mut work.image, &mut work.methods)
+    };
     if rolls || !work.limits.is_empty() {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if rolls {

@@ -1,4 +1,4 @@
-//! Write the contacts of every candidate pair, then list each body's contacts.
+//! Write the contacts of every candidate pair.
 //! in   candidate  [n_candidates]  pairs of shapes
 //!      margin     [n_shapes]      m
 //! out  contacts   [n_contacts]    every column but the impulses
@@ -7,11 +7,11 @@
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
 //! momentum of the pair to round-off.
 
-use super::PIECE;
 use super::bounds::{self, Ball};
 use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
-use super::pair_write::Candidates;
-use crate::state::{Arms, Incident};
+use super::pair_write::Tiled;
+use super::{PIECE, cut};
+use crate::state::{Arms, Tiles};
 use crate::{Contacts, Model, ShapeKind, State};
 use rayon::prelude::*;
 
@@ -28,26 +28,55 @@ pub struct Input<'a> {
     pub balls: &'a [Ball],
 }
 
-/// What touches, of a piece of the candidates.
+/// Which candidates touch.
 #[derive(Default)]
 pub struct Touching {
-    /// Two balls, by their place in the piece; where they touch is cheaper to find again than to keep.
-    balls: Vec<u32>,
-    /// Others: their place in the piece and the end of their points in `point`.
-    others: Vec<[u32; 2]>,
-    /// Points of those.
+    /// Two balls; where they touch is cheaper to find again than to keep.
+    pub balls: Balls,
+    /// Others, piece by piece.
+    others: Vec<Others>,
+}
+
+/// Candidates of two balls that touch, piece by piece.
+#[derive(Default)]
+pub struct Balls {
+    /// Their places in the piece, rising; there is room for all of a piece's candidates.
+    place: Vec<u32>,
+    room: Vec<usize>,
+    /// How many there are in each piece.
+    n: Vec<usize>,
+}
+
+impl Balls {
+    /// Their places, piece by piece.
+    pub fn pieces(&self) -> Vec<&[u32]> {
+        let mut rest = &self.place[..];
+        let piece = |(room, n): (&usize, &usize)| {
+            let (own, after) = rest.split_at(*room);
+            rest = after;
+            &own[..*n]
+        };
+        self.room.iter().zip(&self.n).map(piece).collect()
+    }
+}
+
+/// Other candidates of a piece.
+#[derive(Default)]
+struct Others {
+    /// Those that touch: their place in the piece and the end of their points in `point`.
+    some: Vec<[u32; 2]>,
     point: Vec<Point>,
 }
 
 impl Touching {
-    /// Contacts of the piece.
-    fn len(&self) -> usize {
-        self.balls.len() + self.point.len()
+    /// Contacts of each piece.
+    pub fn lengths(&self) -> impl Iterator<Item = usize> {
+        self.balls.n.iter().zip(&self.others).map(|(n, others)| n + others.point.len())
     }
 }
 
 /// The stage. `touching` is scratch.
-pub fn run(at: &Input, candidate: &[Candidates], touching: &mut Vec<Touching>, contacts: &mut Contacts) {
+pub fn run(at: &Input, candidate: &Tiled, touching: &mut Touching, contacts: &mut Contacts) {
     let arms = std::mem::take(&mut contacts.arms);
     if at.balls.is_empty() {
         let middle = |bodies: [u32; 2], point: &Point, _| {
@@ -66,48 +95,55 @@ pub fn run(at: &Input, candidate: &[Candidates], touching: &mut Vec<Touching>, c
         find_and_write(at, ball, candidate, touching, contacts, &mut arms, along);
         contacts.arms = Arms::Along(arms);
     }
-    let Contacts { bodies, incident: Incident { start, list }, .. } = contacts;
-    // Two sides a contact: side k is that of body k % 2 of contact k / 2.
-    let sides = || bodies.as_flattened().iter().enumerate().map(|(k, body)| (*body, k as u32));
-    gpu::radix_sort::distribute_cpu(at.model.n_bodies(), sides, start, list);
+    let first = touching.lengths().scan(0, |first, n| {
+        *first += n as u32;
+        Some(*first - n as u32)
+    });
+    contacts.tiles = Tiles { start: first.collect(), n_first: candidate.n_first };
 }
 
-/// The stage, but for the lists of the bodies. `ball` gives a shape that is a ball; `arms_of` makes the arms of two bodies
+/// The stage, but for the tiles. `ball` gives a shape that is a ball; `arms_of` makes the arms of two bodies
 /// that touch in a point, of which those that are balls have the radii given.
 fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
     ball: impl Fn(u32) -> Ball + Sync,
-    candidate: &[Candidates],
-    touching: &mut Vec<Touching>,
+    candidate: &Tiled,
+    touching: &mut Touching,
     contacts: &mut Contacts,
     arms: &mut Vec<A>,
     arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A + Sync,
 ) {
-    touching.resize_with(candidate.len(), Touching::default);
-    let few = candidate.iter().map(|c| c.len()).sum::<usize>() < 4 * PIECE;
-    let least = if few { candidate.len().max(1) } else { 1 };
-    let pieces = touching.par_iter_mut().zip(candidate).with_min_len(least).with_max_len(least);
-    pieces.for_each(|(touching, candidate)| {
-        touching.find_balls(&candidate.balls, &ball);
-        touching.find_others(at, &candidate.others);
+    let pieces = &candidate.pieces;
+    let Touching { balls, others } = touching;
+    others.resize_with(pieces.len(), Others::default);
+    balls.n.resize(pieces.len(), 0);
+    balls.room.clear();
+    balls.room.extend(pieces.iter().map(|piece| piece.balls.len()));
+    balls.place.resize(balls.room.iter().sum(), 0);
+    let least = if pieces.iter().map(|piece| piece.len()).sum::<usize>() < 4 * PIECE { pieces.len().max(1) } else { 1 };
+    let rooms = cut(&mut balls.place, balls.room.iter().copied());
+    let each = (rooms, &mut balls.n, others, pieces).into_par_iter().with_min_len(least).with_max_len(least);
+    each.for_each(|(room, n, others, piece)| {
+        *n = find_balls(&piece.balls, &ball, room);
+        others.find(at, &piece.others);
     });
 
-    let n = touching.iter().map(|t| t.len()).sum();
     let Contacts { bodies, key, normal, gap, law, .. } = contacts;
+    let places = touching.balls.pieces();
     let columns = (
-        touching.par_iter().zip(candidate),
-        split(bodies, n, touching),
-        split(key, n, touching),
-        split(normal, n, touching),
-        split(gap, n, touching),
-        split(law, n, touching),
-        split(arms, n, touching),
+        (pieces, places, &touching.others).into_par_iter(),
+        split(bodies, touching),
+        split(key, touching),
+        split(normal, touching),
+        split(gap, touching),
+        split(law, touching),
+        split(arms, touching),
     );
     let n_materials = at.model.material_names.len() as u32;
     columns.into_par_iter().with_min_len(least).with_max_len(least).for_each(
-        |((touching, candidate), bodies, key, normal, gap, law, arms)| {
+        |((piece, places, others), bodies, key, normal, gap, law, arms)| {
             let mut i = 0;
-            touching.each(candidate, &ball, at.model, |[p, q], key_of_pair, point| {
+            let mut write = |[p, q]: [Ball; 2], key_of_pair, point: &Point| {
                 let turned = p.body > q.body;
                 let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
                 bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
@@ -117,33 +153,36 @@ fn find_and_write<A: Copy + Default + Send>(
                 law[i] = p.material * n_materials + q.material;
                 arms[i] = arms_of(bodies[i], point, radii);
                 i += 1;
-            });
+            };
+            for place in places {
+                let pair = piece.balls[*place as usize];
+                let [p, q] = pair.map(&ball);
+                let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
+                write([p, q], [pair[0], pair[1], point.feature], &point);
+            }
+            others.each(at.model, &piece.others, write);
         },
     );
 }
 
-impl Touching {
-    /// Find which balls touch.
-    #[inline(always)]
-    fn find_balls(&mut self, pairs: &[[u32; 2]], ball: impl Fn(u32) -> Ball) {
-        /// Pairs whose answers are gathered without asking: nothing foretells them.
-        const BLOCK: usize = 64;
-        self.balls.clear();
-        for (block, pairs) in pairs.chunks(BLOCK).enumerate() {
-            let (mut found, mut n) = ([0; BLOCK], 0);
-            for (k, [s, t]) in pairs.iter().enumerate() {
-                let (p, q) = (ball(*s), ball(*t));
-                let reach = p.reach + q.reach;
-                found[n] = (block * BLOCK + k) as u32;
-                n += ((p.centre - q.centre).length_squared() <= reach * reach) as usize;
-            }
-            self.balls.extend_from_slice(&found[..n]);
-        }
+/// Find which balls touch; returns how many, and their places at the beginning of `place`. Nothing foretells which, so that every
+/// pair is written and only those that touch are counted.
+#[inline(always)]
+fn find_balls(pairs: &[[u32; 2]], ball: impl Fn(u32) -> Ball, place: &mut [u32]) -> usize {
+    let mut n = 0;
+    for (k, [s, t]) in pairs.iter().enumerate() {
+        let (p, q) = (ball(*s), ball(*t));
+        let reach = p.reach + q.reach;
+        place[n] = k as u32;
+        n += ((p.centre - q.centre).length_squared() <= reach * reach) as usize;
     }
+    n
+}
 
+impl Others {
     /// Find which of the other candidates touch, and where.
-    fn find_others(&mut self, at: &Input, candidates: &[[u32; 3]]) {
-        self.others.clear();
+    fn find(&mut self, at: &Input, candidates: &[[u32; 3]]) {
+        self.some.clear();
         self.point.clear();
         let tight = |s: u32| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]);
         let mut out = [Point::default(); MAX_POINTS];
@@ -152,31 +191,18 @@ impl Touching {
                 let n = points(at, [s, t], triangle, &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
-                    self.others.push([k as u32, self.point.len() as u32]);
+                    self.some.push([k as u32, self.point.len() as u32]);
                 }
             }
         }
     }
 
-    /// Visit the contacts of the piece in order, each with its two shapes as far as balls go, its key and its point; normals
-    /// point from the first shape to the second.
-    #[inline(always)]
-    fn each(
-        &self,
-        candidate: &Candidates,
-        ball: impl Fn(u32) -> Ball,
-        model: &Model,
-        mut visit: impl FnMut([Ball; 2], [u32; 3], &Point),
-    ) {
-        for k in &self.balls {
-            let pair = candidate.balls[*k as usize];
-            let [p, q] = pair.map(&ball);
-            let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
-            visit([p, q], [pair[0], pair[1], point.feature], &point);
-        }
+    /// Visit the contacts in order, each with its two shapes as far as balls go, its key and its point; normals point from the
+    /// first shape to the second.
+    fn each(&self, model: &Model, candidates: &[[u32; 3]], mut visit: impl FnMut([Ball; 2], [u32; 3], &Point)) {
         let mut first = 0;
-        for [k, end] in &self.others {
-            let [s, t, triangle] = candidate.others[*k as usize];
+        for [k, end] in &self.some {
+            let [s, t, triangle] = candidates[*k as usize];
             let both = [s, t].map(|s| {
                 let (s, is_ball) = (s as usize, model.shape_kind[s as usize] == ShapeKind::Sphere);
                 let radius = if is_ball { model.shape_size[s].x } else { 0.0 };
@@ -208,16 +234,8 @@ fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usiz
     }
 }
 
-/// Make room for `n` rows in a column, and cut it as the pieces are cut.
-fn split<'a, T: Clone + Default>(column: &'a mut Vec<T>, n: usize, pieces: &[Touching]) -> Vec<&'a mut [T]> {
-    column.resize(n, T::default());
-    let mut rest = &mut column[..];
-    pieces
-        .iter()
-        .map(|piece| {
-            let (own, after) = std::mem::take(&mut rest).split_at_mut(piece.len());
-            rest = after;
-            own
-        })
-        .collect()
+/// Make room for the contacts in a column, and cut it as the pieces are cut.
+fn split<'a, T: Clone + Default>(column: &'a mut Vec<T>, touching: &Touching) -> Vec<&'a mut [T]> {
+    column.resize(touching.lengths().sum(), T::default());
+    cut(column, touching.lengths())
 }

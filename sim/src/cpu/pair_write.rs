@@ -3,21 +3,27 @@
 //! in   bin, shape [n_pairs]       sorted by bin
 //!      bin_start  [n_active]      first and last-but-one pair of each active bin
 //!      aabb       [n_shapes]      m, world
-//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a mesh or a height field; in
-//!                                 pieces, in the order of the bins, those of two balls before the others
+//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a mesh or a height field; by
+//!                                 tiles, those of two balls before the others
 //! Source: paper §3, stages 7–9.
 //!
 //! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
 //! meshes, height fields) are few and are asked shape by shape.
+//!
+//! Bodies belong to the brick of bins where their boxes begin, which is their tile. A pair within one is found there. Pairs
+//! between tiles go to a second round of tiles, moved by half a brick along each axis, and the few that both rounds cut come
+//! last: a solver can work on the tiles of a round side by side, and finds what it asks for near together.
 
 use super::bin_emit::BinGrid;
 use super::collide::surface_of;
-use super::{Aabb, List, Pieces, collect_pieces};
+use super::{Aabb, PIECE, fill_rows};
 use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A, Vec4};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Pairs of shapes, the lower index first.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Candidates {
     /// Of two balls.
     pub balls: Vec<[u32; 2]>,
@@ -27,11 +33,11 @@ pub struct Candidates {
 
 impl Candidates {
     #[inline]
-    fn push(&mut self, model: &Model, s: u32, t: u32) {
+    fn push(&mut self, model: &Model, [s, t, triangle]: [u32; 3]) {
         if [s, t].map(|s| model.shape_kind[s as usize]) == [ShapeKind::Sphere; 2] {
-            self.balls.push([s.min(t), s.max(t)]);
+            self.balls.push([s, t]);
         } else {
-            self.others.push([s.min(t), s.max(t), 0]);
+            self.others.push([s, t, triangle]);
         }
     }
 
@@ -41,15 +47,39 @@ impl Candidates {
     }
 }
 
-impl List for Candidates {
-    fn clear(&mut self) {
-        self.balls.clear();
-        self.others.clear();
-    }
+/// All pairs by tiles.
+#[derive(Default)]
+pub struct Tiled {
+    /// Those of each tile of the first round, of each of the second, and of neither.
+    pub pieces: Vec<Candidates>,
+    /// Tiles of the first round.
+    pub n_first: usize,
+}
 
-    fn trim(&mut self) {
-        self.balls.shrink_to_fit();
-        self.others.shrink_to_fit();
+/// The tile of a body that is held in place: any.
+const HELD: u32 = u32::MAX;
+
+/// What is found in a tile. One thread uses it tile after tile.
+struct Found<'a> {
+    model: &'a Model,
+    /// The tile of each body in both rounds (n_bodies).
+    tile: &'a [[u32; 2]],
+    here: u32,
+    /// Pairs within the tile, and the others.
+    own: Candidates,
+    cut: Vec<[u32; 3]>,
+}
+
+impl Found<'_> {
+    #[inline]
+    fn push(&mut self, s: u32, t: u32, triangle: u32) {
+        let pair = [s.min(t), s.max(t), triangle];
+        let tiles = [s, t].map(|s| self.tile[self.model.shape_body[s as usize] as usize][0]);
+        if tiles.iter().all(|tile| *tile == self.here || *tile == HELD) {
+            self.own.push(self.model, pair);
+        } else {
+            self.cut.push(pair);
+        }
     }
 }
 
@@ -92,30 +122,117 @@ impl Input<'_> {
 }
 
 /// The stage.
-pub fn run(input: &Input, candidate: &mut Pieces<Candidates>) {
+pub fn run(input: &Input, candidate: &mut Tiled) {
+    candidate.pieces.clear();
     let model = input.model;
     let is_there = |s: usize| model.shape_kind[s].is_surface() && !model.absent[model.shape_body[s] as usize];
     let surfaces: Vec<SurfaceAt> =
         (0..model.n_shapes() as u32).filter(|s| is_there(*s as usize)).map(|s| SurfaceAt::of(input, s)).collect();
     let mixed = input.grid.levels.iter().filter(|l| l.used).count() > 1;
-    // Rows: the active bins, then one row a shape for the coarser levels and the surfaces that it meets.
-    let n_bins = input.bin_start.len();
-    let alone = if mixed || !surfaces.is_empty() { model.n_shapes() } else { 0 };
-    collect_pieces(n_bins + alone, candidate, |row, found| match row.checked_sub(n_bins) {
-        None => in_bin(input, input.bin_start[row], found),
-        Some(s) => {
-            if mixed {
-                in_coarser_levels(input, s as u32, found);
-            }
-            surfaces.iter().for_each(|t| on_surface(input, s as u32, t, found));
-        }
+    let tile = tiles_of(input);
+    // Room for so many pairs is no small block, whose memory would not go back to the system.
+    const ROOM: usize = 1 << 14;
+    let found = || {
+        let own = Candidates { balls: Vec::with_capacity(ROOM), others: vec![] };
+        Found { model, tile: &tile, here: NOWHERE, own, cut: vec![] }
+    };
+
+    let bricks = bricks_of(input);
+    let within = bricks.par_iter().with_max_len(1).map_init(found, |found, (brick, rows)| {
+        found.here = *brick;
+        found.own.balls.clear();
+        found.own.others.clear();
+        rows.clone().for_each(|row| in_bin(input, input.bin_start[row], found));
+        (found.own.clone(), std::mem::take(&mut found.cut))
     });
+    let (mut pieces, mut cut): (Vec<Candidates>, Vec<Vec<[u32; 3]>>) = within.unzip();
+    // The coarser levels and the surfaces that each shape meets.
+    if mixed || !surfaces.is_empty() {
+        let rows =
+            (0..model.n_shapes().div_ceil(PIECE)).into_par_iter().with_max_len(1).map_init(found, |found, piece| {
+                for s in piece * PIECE..((piece + 1) * PIECE).min(model.n_shapes()) {
+                    if mixed {
+                        in_coarser_levels(input, s as u32, found);
+                    }
+                    surfaces.iter().for_each(|t| on_surface(input, s as u32, t, found));
+                }
+                std::mem::take(&mut found.cut)
+            });
+        cut.par_extend(rows);
+    }
+
+    // What was not found in its tile goes there, round by round.
+    let round_of = |[s, t, _]: &[u32; 3]| {
+        let [a, b] = [s, t].map(|s| tile[model.shape_body[*s as usize] as usize]);
+        match (0..2).find(|round| a[*round] == b[*round] || a[*round] == HELD || b[*round] == HELD) {
+            Some(round) => (round, a[round].min(b[round])),
+            None => (2, 0),
+        }
+    };
+    let cut: Vec<[u32; 3]> = cut.concat();
+    // Round, tile and place in one number, by which they are sorted.
+    let key = |(k, pair): (usize, &[u32; 3])| {
+        let (round, tile) = round_of(pair);
+        (round as u64) << 62 | (tile as u64) << 30 | k as u64
+    };
+    let mut order: Vec<u64> = cut.par_iter().enumerate().map(key).collect();
+    order.par_sort_unstable();
+    let mut shared = Candidates::default();
+    for run in order.chunk_by(|a, b| a >> 30 == b >> 30) {
+        let (round, tile) = (run[0] >> 62, (run[0] >> 30) as u32);
+        let known = bricks.binary_search_by_key(&tile, |(brick, _)| *brick);
+        let piece = match (round, known) {
+            (0, Ok(brick)) => &mut pieces[brick],
+            (1, _) => {
+                pieces.push(Candidates::default());
+                pieces.last_mut().expect("it was just pushed")
+            }
+            _ => &mut shared,
+        };
+        run.iter().for_each(|key| piece.push(model, cut[*key as usize & ((1 << 30) - 1)]));
+    }
+    pieces.push(shared);
+    for piece in &mut pieces[bricks.len()..] {
+        piece.balls.shrink_to_fit();
+    }
+    *candidate = Tiled { pieces, n_first: bricks.len() };
+}
+
+/// No brick.
+const NOWHERE: u32 = u32::MAX - 1;
+
+/// The tile of each body in both rounds; of a body of several shapes, the last one's.
+fn tiles_of(input: &Input) -> Vec<[u32; 2]> {
+    let Input { model, grid, .. } = input;
+    let mut of_shape = vec![[0; 2]; model.n_shapes()];
+    fill_rows(&mut of_shape, |s| grid.bricks_of(s));
+    let mut tile = vec![[HELD; 2]; model.n_bodies()];
+    for (body, of_shape) in model.shape_body.iter().zip(of_shape) {
+        if model.inv_mass[*body as usize] > 0.0 {
+            tile[*body as usize] = of_shape;
+        }
+    }
+    tile
+}
+
+/// The bricks that have any shape, rising, and which of the active bins are theirs.
+fn bricks_of(input: &Input) -> Vec<(u32, Range<usize>)> {
+    let Input { grid, bin, bin_start, .. } = input;
+    let mut rows = 0;
+    let of_brick = |shapes: &[u32]| {
+        let brick = grid.brick(shapes[0]);
+        let first = rows;
+        let in_brick = |row: &[u32; 2]| grid.brick(bin[row[0] as usize]) == brick;
+        rows += bin_start[first..].iter().take_while(|row| in_brick(row)).count();
+        (brick, first..rows)
+    };
+    bin.chunk_by(|a, b| grid.brick(*a) == grid.brick(*b)).map(of_brick).collect()
 }
 
 /// The pairs that a bin claims.
 #[inline]
-fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Candidates) {
-    let Input { model, grid, .. } = input;
+fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
+    let grid = input.grid;
     let members = &input.shape[first as usize..end as usize];
     let here = grid.place(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
     // The overlap of two boxes begins in this bin along an axis if one of them does: with a bit an axis, the bin claims a pair
@@ -124,7 +241,7 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Candidates) {
     let boxes = |s: u32| &input.aabb[s as usize];
     let mut find = |s: u32, t: u32| {
         if input.may_meet(s, t) {
-            found.push(model, s, t);
+            found.push(s, t, 0);
         }
     };
     if members.len() > MEMBERS {
@@ -184,7 +301,7 @@ impl FourBoxes {
 }
 
 /// The pairs of a shape with shapes of coarser levels.
-fn in_coarser_levels(input: &Input, s: u32, found: &mut Candidates) {
+fn in_coarser_levels(input: &Input, s: u32, found: &mut Found) {
     let Input { model, aabb, grid, .. } = input;
     if model.shape_kind[s as usize].is_surface() {
         return;
@@ -201,7 +318,7 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Candidates) {
             for (_, &t) in members {
                 let b = &aabb[t as usize];
                 if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && input.may_meet(s, t) {
-                    found.push(model, s, t);
+                    found.push(s, t, 0);
                 }
             }
         });
@@ -238,7 +355,7 @@ impl SurfaceAt {
 
 /// The pairs of a shape with a plane, or with the triangles of a mesh or a height field.
 #[inline]
-fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
+fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Found) {
     let a = &input.aabb[s as usize];
     if t.kind == ShapeKind::Plane {
         // The box's corner that is deepest; an empty box has none.
@@ -247,7 +364,7 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
             && !input.model.shape_kind[s as usize].is_surface()
             && input.may_meet(s, t.shape)
         {
-            found.push(input.model, s, t.shape);
+            found.push(s, t.shape, 0);
         }
         return;
     }
@@ -260,7 +377,5 @@ fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Candidates) {
     // The box of the shape's box, in the surface's frame.
     let local = t.turn * (centre - t.position);
     let reach = t.turn.x_axis.abs() * half.x + t.turn.y_axis.abs() * half.y + t.turn.z_axis.abs() * half.z;
-    surface.visit(local - reach, local + reach, &mut |triangle| {
-        found.others.push([s.min(t.shape), s.max(t.shape), triangle]);
-    });
+    surface.visit(local - reach, local + reach, &mut |triangle| found.push(s, t.shape, triangle));
 }

@@ -4,11 +4,16 @@
 //! out  impulse  [n_contacts]  N s, world; zero for a new contact
 //!      twist    [n_contacts]  N m s, world, where the model has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
+//!
+//! While the list of candidates holds, the contacts of two balls stand in its order in both steps, and one walk along both
+//! finds the same ones. The others, and all after the list was made anew, are looked for by their keys.
 
-use super::fill_rows;
-use crate::state::Incident;
+use super::contact_write::{Balls, Touching};
+use super::{cut, fill_rows};
 use crate::{Contacts, Model};
 use glam::{DVec3, Vec3};
+use gpu::radix_sort::distribute_cpu;
+use rayon::prelude::*;
 
 /// What is kept of a step's contacts. A starting point needs no double precision.
 #[derive(Default)]
@@ -16,39 +21,89 @@ pub struct Last {
     key: Vec<[u32; 3]>,
     impulse: Vec<Vec3>,
     twist: Vec<Vec3>,
-    incident: Incident,
+    /// The candidates of two balls that touched, piece by piece, and the first contact of each piece.
+    balls: Balls,
+    start: Vec<u32>,
 }
 
+/// No contact of the last step.
+const NEW: u32 = u32::MAX;
+
 impl Last {
-    /// Take these contacts, and hand their memory to the next.
-    pub fn take(&mut self, contacts: &mut Contacts) {
+    /// Take these contacts with the candidates that they are of, and hand their memory to the next.
+    pub fn take(&mut self, contacts: &mut Contacts, touching: &mut Touching) {
         std::mem::swap(&mut self.key, &mut contacts.key);
-        std::mem::swap(&mut self.incident, &mut contacts.incident);
+        std::mem::swap(&mut self.start, &mut contacts.tiles.start);
+        std::mem::swap(&mut self.balls, &mut touching.balls);
         self.impulse.resize(contacts.impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
         self.twist.resize(contacts.twist.len(), Vec3::ZERO);
         fill_rows(&mut self.twist, |i| contacts.twist[i].as_vec3());
     }
 
-    /// The contact of the same key, looked for in the shorter list of the two bodies.
-    fn find(&self, bodies: [u32; 2], key: [u32; 3]) -> Option<usize> {
-        let [of_a, of_b] = bodies.map(|b| self.incident.of_body(b as usize));
-        let list = if of_a.len() < of_b.len() { of_a } else { of_b };
-        list.iter().map(|i| *i as usize / 2).find(|&i| self.key[i] == key)
+    /// Find the contacts between two balls, piece by piece along the candidates.
+    fn find_balls(&self, touching: &Touching, same: &mut [u32]) {
+        let same = cut(same, touching.lengths());
+        let pieces = (touching.balls.pieces(), self.balls.pieces(), &self.start, same).into_par_iter();
+        pieces.for_each(|(now, last, first, same)| {
+            let mut at = 0;
+            for (candidate, same) in now.iter().zip(same) {
+                while last.get(at).is_some_and(|known| known < candidate) {
+                    at += 1;
+                }
+                if last.get(at) == Some(candidate) {
+                    *same = first + at as u32;
+                }
+            }
+        });
+    }
+
+    /// Find the contacts with these keys among some of the last step's, in the shorter list of their two shapes.
+    fn find(&self, known: &[u32], n_shapes: usize, keys: impl Fn(usize) -> [u32; 3] + Sync, same: &mut [u32]) {
+        let sides = || (0..2 * known.len()).map(|k| (self.key[known[k / 2] as usize][k % 2], known[k / 2]));
+        let (mut start, mut of_shape) = (vec![], vec![]);
+        distribute_cpu(n_shapes, sides, &mut start, &mut of_shape);
+        fill_rows(same, |i| {
+            let key = keys(i);
+            let of = |s: u32| &of_shape[start[s as usize] as usize..start[s as usize + 1] as usize];
+            let (a, b) = (of(key[0]), of(key[1]));
+            let shorter = if a.len() < b.len() { a } else { b };
+            shorter.iter().copied().find(|j| self.key[*j as usize] == key).unwrap_or(NEW)
+        });
     }
 }
 
-/// The stage.
-pub fn run(model: &Model, last: &Last, contacts: &mut Contacts) {
+/// Those of `n` contacts that are not between two balls.
+fn others(n: usize, start: &[u32], balls: &Balls) -> Vec<u32> {
+    let end = start.iter().skip(1).copied().chain([n as u32]);
+    let pieces = start.iter().zip(balls.pieces()).zip(end);
+    pieces.flat_map(|((first, balls), end)| first + balls.len() as u32..end).collect()
+}
+
+/// The stage. `touching` has the candidates that the contacts are of; `kept` says that the list of these is the last step's.
+pub fn run(model: &Model, last: &Last, touching: &Touching, kept: bool, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
     let mut twist = std::mem::take(&mut contacts.twist);
     let rolls = model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0);
-    impulse.resize(contacts.len(), DVec3::ZERO);
-    twist.resize(if rolls { contacts.len() } else { 0 }, DVec3::ZERO);
+    let n = contacts.len();
+    impulse.resize(n, DVec3::ZERO);
+    twist.resize(if rolls { n } else { 0 }, DVec3::ZERO);
     if model.solver.warm_start {
-        let same = |i: usize| last.find(contacts.bodies[i], contacts.key[i]);
-        fill_rows(&mut impulse, |i| same(i).map_or(DVec3::ZERO, |j| last.impulse[j].as_dvec3()));
-        fill_rows(&mut twist, |i| same(i).and_then(|j| last.twist.get(j)).map_or(DVec3::ZERO, |t| t.as_dvec3()));
+        let mut same = vec![NEW; n];
+        if kept {
+            last.find_balls(touching, &mut same);
+            let known = others(last.key.len(), &last.start, &last.balls);
+            let asked = others(n, &contacts.tiles.start, &touching.balls);
+            let mut found = vec![NEW; asked.len()];
+            last.find(&known, model.n_shapes(), |k| contacts.key[asked[k] as usize], &mut found);
+            asked.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
+        } else {
+            let known: Vec<u32> = (0..last.key.len() as u32).collect();
+            last.find(&known, model.n_shapes(), |i| contacts.key[i], &mut same);
+        }
+        let of = |column: &[Vec3], i: usize| column.get(same[i] as usize).map_or(DVec3::ZERO, |v| v.as_dvec3());
+        fill_rows(&mut impulse, |i| of(&last.impulse, i));
+        fill_rows(&mut twist, |i| of(&last.twist, i));
     } else {
         impulse.fill(DVec3::ZERO);
         twist.fill(DVec3::ZERO);

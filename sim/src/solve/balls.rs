@@ -3,25 +3,70 @@
 //! A ball's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
 //! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
 //! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
-//! of its own, and the tangents are kept within the disc that its answer gives (Jourdan et al. 1998). All that a visit needs is laid out once a solve,
-//! colour by colour, in groups of contacts that share no body; a visit streams through it. In single precision a group has
-//! eight contacts and half the bytes, which is what a large bed's sweep is bound by.
+//! of its own, and the tangents are kept within the disc that its answer gives (Jourdan et al. 1998): no outer loop is needed.
+//!
+//! All that a visit needs is laid out once a solve, tile by tile and colour by colour (`schedule`), in groups of contacts that
+//! share no body; a visit streams through it. The first sweeps are in single precision, where a group has eight contacts and
+//! half the bytes; double precision follows once what contacts miss is near its rounding. The bodies' velocities are made anew
+//! from the impulses after it, so that no rounding of it is left in the momentum.
 
 use super::bodies::BodyOperator;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::Wide;
 use super::lanes::{Lane3, Lanes, Plain, Real, project};
-use super::{Cells, Image, Twist};
+use super::schedule::{Colored, Tiled};
+use super::{Cells, Image, Operator, Outcome, SolverSettings, Twist, Workspace, share};
 use crate::FrictionLaw;
-use crate::cpu::fill_rows;
+use crate::cpu::{cut, fill_rows};
 use crate::state::Arms;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Where single precision ends: contacts miss by so many times the greatest speed, root mean square.
+const COARSE: f64 = 1e-5;
+
+/// Solve: γ comes in as the starting point and goes out as the solution, `image` as its image.
+pub fn run(
+    op: &mut BodyOperator,
+    settings: &SolverSettings,
+    gamma: &mut [DVec3],
+    image: &mut Image,
+    work: &mut Workspace,
+) -> Outcome {
+    let Workspace { tiled, coarse, fine, .. } = work;
+    tiled.fill(op);
+    let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
+    if op.joints.rows.is_empty() {
+        coarse.fill(op, tiled, gamma);
+        let enough = COARSE * coarse.fastest() / (gamma.len() as f64).sqrt();
+        coarse.sweeps(settings, gamma.len(), settings.tolerance.max(enough), &mut outcome, |_| ());
+        coarse.unpack(tiled, gamma);
+    }
+    if outcome.iterations < settings.iterations && outcome.residual > settings.tolerance {
+        fine.fill(op, tiled, gamma);
+        let mut settle = |fine: &mut Packed<f64, 4>| {
+            if !op.joints.rows.is_empty() {
+                fine.store(image);
+                op.settle(image);
+                fine.load(image);
+            }
+        };
+        settle(fine);
+        fine.sweeps(settings, gamma.len(), settings.tolerance, &mut outcome, settle);
+        fine.unpack(tiled, gamma);
+        fine.store(image);
+    } else {
+        op.image_of(tiled, gamma, image);
+    }
+    outcome
+}
 
 /// Contacts of one colour.
 #[derive(Clone, Copy)]
 struct Group<T, const L: usize> {
     bodies: [[u32; 2]; L],
+    /// Whether all these bodies move.
+    moves: bool,
     normal: [[T; L]; 3],
     gamma: [[T; L]; 3],
     /// The arms' lengths.
@@ -49,104 +94,186 @@ impl<T: Real> Motion<T> {
     }
 }
 
-/// All contacts by colours, and the motions of the bodies.
+/// All contacts in groups, and the motions of the bodies.
 pub struct Packed<T, const L: usize> {
     groups: Vec<Group<T, L>>,
-    /// First group of each colour (n_colors + 1).
-    start: Vec<usize>,
+    /// Groups of each tile of both rounds, and of each colour of the contacts in none.
+    n_groups: [Vec<usize>; 3],
     motion: Vec<Motion<T>>,
 }
 
 impl<T, const L: usize> Default for Packed<T, L> {
     fn default() -> Self {
-        Packed { groups: vec![], start: vec![], motion: vec![] }
+        Packed { groups: vec![], n_groups: Default::default(), motion: vec![] }
     }
 }
 
-/// Groups that one task visits.
-const TASK: usize = 128;
+/// Groups that are not worth a second thread.
+const LITTLE: usize = 512;
+
+/// What is done with a contact.
+mod act {
+    /// Its bodies are given its impulse.
+    pub const KICK: u8 = 0;
+    /// Its problem is solved in the relaxed form.
+    pub const RELAXED: u8 = 1;
+    /// Its problem is solved in Coulomb's.
+    pub const EXACT: u8 = 2;
+}
 
 impl<T: Grouped<L>, const L: usize> Packed<T, L> {
-    /// Lay out the contacts; `start` and `order` are the colours.
-    pub fn fill(&mut self, op: &BodyOperator, start: &[u32], order: &[u32], gamma: &[DVec3], image: &Image) {
-        self.start.clear();
-        self.start.push(0);
-        for ends in start.windows(2) {
-            self.start.push(self.start[self.start.len() - 1] + ((ends[1] - ends[0]) as usize).div_ceil(L));
+    /// Lay out the contacts, and take the motions of the bodies with the impulses γ, projected onto their cones.
+    fn fill(&mut self, op: &BodyOperator, tiled: &Tiled, gamma: &[DVec3]) {
+        let (masses, n_bodies) = (op.masses, op.masses.inv_mass.len());
+        let groups_of = |color: &[u32]| color.len().div_ceil(L);
+        let of_round = |tiles: &[Colored]| tiles.iter().map(|tile| tile.colors().map(groups_of).sum()).collect();
+        let [first, second] = &tiled.rounds;
+        self.n_groups = [of_round(first), of_round(second), tiled.shared.colors().map(groups_of).collect()];
+        let n_groups = self.n_groups.iter().flatten().sum();
+        self.groups.truncate(n_groups);
+        self.groups.reserve_exact(n_groups - self.groups.len());
+        self.groups.resize(n_groups, Group::empty(n_bodies));
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(groups, tile)| lay_out(groups, tile.colors(), op, gamma));
         }
-        let n_groups = self.start[self.start.len() - 1];
-        // What a colour's last group has no contact for is between the last motion, that of no body, and itself.
-        let empty = Group {
-            bodies: [[image.twist.len() as u32; 2]; L],
-            normal: [[T::default(); L]; 3],
-            gamma: [[T::default(); L]; 3],
-            reach: [[T::default(); L]; 2],
-            offset: [T::default(); L],
-            friction: [T::default(); L],
-        };
-        self.groups.resize(n_groups, empty);
+        let colors = shared.into_iter().zip(tiled.shared.colors());
+        colors.for_each(|(groups, color)| lay_out(groups, [color].into_iter(), op, gamma));
+        self.motion.resize(n_bodies + 1, Motion::default());
+        fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.round[b]));
+        self.visit::<{ act::KICK }>(1.0);
+    }
+
+    /// The groups of each tile of both rounds, and of each colour of the contacts in none.
+    fn parts(&mut self) -> [Vec<&mut [Group<T, L>]>; 3] {
         let mut rest = &mut self.groups[..];
-        for (color, ends) in start.windows(2).enumerate() {
-            let (own, after) = std::mem::take(&mut rest).split_at_mut(self.start[color + 1] - self.start[color]);
+        self.n_groups.each_ref().map(|lengths| {
+            let (own, after) = std::mem::take(&mut rest).split_at_mut(lengths.iter().sum());
             rest = after;
-            let some = &order[ends[0] as usize..ends[1] as usize];
-            fill_rows(own, |k| {
-                let mut group = empty;
-                let these = some[k * L..].iter().take(L).enumerate();
-                these.for_each(|(l, i)| group.put(l, op, *i as usize, gamma[*i as usize]));
-                group
-            });
-        }
-        let masses = op.masses;
-        self.motion.resize(image.twist.len() + 1, Motion::default());
-        fill_rows(&mut self.motion[..image.twist.len()], |b| {
-            Motion::of(&image.twist[b], masses.inv_mass[b], masses.round[b])
-        });
+            cut(own, lengths.iter().copied())
+        })
     }
 
     /// Take the motions of the bodies.
-    pub fn load(&mut self, image: &Image) {
+    fn load(&mut self, image: &Image) {
         for (motion, twist) in self.motion.iter_mut().zip(&image.twist) {
             *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
         }
     }
 
     /// Give the motions of the bodies back.
-    pub fn store(&self, image: &mut Image) {
+    fn store(&self, image: &mut Image) {
+        image.twist.resize(self.motion.len() - 1, Twist::default());
         fill_rows(&mut image.twist, |b| self.motion[b].twist());
     }
 
-    /// Visit all contacts once, colour by colour; returns the sum of `|Δγ/η|²`.
-    pub fn sweep(&mut self, law: FrictionLaw, omega: f64) -> f64 {
-        let motion = Cells::new(&mut self.motion);
-        let mut rest = &mut self.groups[..];
-        let mut missed = 0.0;
-        for ends in self.start.windows(2) {
-            let (color, after) = std::mem::take(&mut rest).split_at_mut(ends[1] - ends[0]);
-            rest = after;
-            missed += super::share(color.par_chunks_mut(TASK), |g| match law {
-                FrictionLaw::Relaxed => visit::<T, L, false>(g, &motion, omega),
-                FrictionLaw::Exact => visit::<T, L, true>(g, &motion, omega),
-            });
+    /// The greatest speed of a body, m/s.
+    fn fastest(&self) -> f64 {
+        self.motion.iter().fold(0.0f64, |most, m| most.max(m.twist().v.length_squared())).sqrt()
+    }
+
+    /// Sweep until contacts are good enough; `settle` follows every sweep.
+    fn sweeps(
+        &mut self,
+        settings: &SolverSettings,
+        n: usize,
+        enough: f64,
+        outcome: &mut Outcome,
+        mut settle: impl FnMut(&mut Self),
+    ) {
+        let omega = settings.omega.unwrap_or(1.0);
+        while outcome.iterations < settings.iterations {
+            // How far each block was off when it was visited, in the residual's units.
+            let missed = match settings.friction {
+                FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),
+                FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega),
+            };
+            *outcome = Outcome { iterations: outcome.iterations + 1, residual: missed.sqrt() / n as f64 };
+            settle(self);
+            if outcome.residual <= enough {
+                break;
+            }
         }
+    }
+
+    /// Visit all contacts once; returns the sum of `|Δγ/η|²`.
+    fn visit<const ACT: u8>(&mut self, omega: f64) -> f64 {
+        /// Groups of a shared colour that one task visits.
+        const TASK: usize = 128;
+        let mut motion = std::mem::take(&mut self.motion);
+        let cells = Cells::new(&mut motion);
+        let visit = |groups: &mut [Group<T, L>]| visit::<T, L, ACT>(groups, &cells, omega);
+        let mut missed = 0.0;
+        let [first, second, shared] = self.parts();
+        for tiles in [first, second] {
+            let is_little = tiles.iter().map(|groups| groups.len()).sum::<usize>() < LITTLE;
+            missed += share(tiles.into_par_iter(), is_little, visit);
+        }
+        for color in shared {
+            let is_little = color.len() < LITTLE;
+            missed += share(color.par_chunks_mut(TASK), is_little, visit);
+        }
+        self.motion = motion;
         missed
     }
 
     /// Read the impulses back.
-    pub fn unpack(&self, start: &[u32], order: &[u32], gamma: &mut [DVec3]) {
+    fn unpack(&mut self, tiled: &Tiled, gamma: &mut [DVec3]) {
         let gamma = Cells::new(gamma);
-        for (color, ends) in start.windows(2).enumerate() {
-            let groups = &self.groups[self.start[color]..];
-            let pieces = order[ends[0] as usize..ends[1] as usize].par_chunks(TASK * L).zip(groups.par_chunks(TASK));
-            pieces.with_min_len(4).for_each(|(contacts, groups)| {
-                // Each contact is in the order once.
-                contacts.iter().enumerate().for_each(|(k, i)| gamma.set(*i as usize, groups[k / L].gamma(k % L)));
+        let read = |groups: &[Group<T, L>], color: &[u32]| {
+            for (group, contacts) in groups.iter().zip(color.chunks(L)) {
+                // Each contact is in one group.
+                contacts.iter().enumerate().for_each(|(l, i)| gamma.set(*i as usize, group.gamma(l)));
+            }
+        };
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(mut groups, tile)| {
+                for color in tile.colors() {
+                    let (own, after) = std::mem::take(&mut groups).split_at_mut(color.len().div_ceil(L));
+                    groups = after;
+                    read(own, color);
+                }
             });
         }
+        shared.into_iter().zip(tiled.shared.colors()).for_each(|(groups, color)| read(groups, color));
+    }
+}
+
+/// Fill the groups of some colours.
+fn lay_out<'a, T: Real, const L: usize>(
+    groups: &mut [Group<T, L>],
+    colors: impl Iterator<Item = &'a [u32]>,
+    op: &BodyOperator,
+    gamma: &[DVec3],
+) {
+    let inv_mass = &op.masses.inv_mass;
+    for (group, contacts) in groups.iter_mut().zip(colors.flat_map(|color| color.chunks(L))) {
+        *group = Group::empty(inv_mass.len());
+        for (l, i) in contacts.iter().enumerate() {
+            group.put(l, op, *i as usize, op.project(*i as usize, gamma[*i as usize], gamma));
+        }
+        let moves = |b: &u32| inv_mass.get(*b as usize).is_some_and(|inv_mass| *inv_mass > 0.0);
+        group.moves = group.bodies.as_flattened().iter().all(moves);
     }
 }
 
 impl<T: Real, const L: usize> Group<T, L> {
+    /// What a group has no contact for is between the motion after the last body's, which is nobody's, and itself.
+    fn empty(n_bodies: usize) -> Group<T, L> {
+        Group {
+            bodies: [[n_bodies as u32; 2]; L],
+            moves: false,
+            normal: [[T::default(); L]; 3],
+            gamma: [[T::default(); L]; 3],
+            reach: [[T::default(); L]; 2],
+            offset: [T::default(); L],
+            friction: [T::default(); L],
+        }
+    }
+
     fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3) {
         let c = op.contacts;
         let [arm_a, arm_b] = match &c.arms {
@@ -188,8 +315,8 @@ impl Grouped<4> for f64 {
     type Plain = Plain<f64, 4>;
 }
 
-/// Visit groups of one colour; returns the sum of `|Δγ/η|²`.
-fn visit<T: Grouped<L>, const L: usize, const EXACT: bool>(
+/// Visit groups one after the other; returns the sum of `|Δγ/η|²`.
+fn visit<T: Grouped<L>, const L: usize, const ACT: u8>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
@@ -197,30 +324,30 @@ fn visit<T: Grouped<L>, const L: usize, const EXACT: bool>(
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide<T: Grouped<L>, const L: usize, const EXACT: bool>(
+        unsafe fn wide<T: Grouped<L>, const L: usize, const ACT: u8>(
             groups: &mut [Group<T, L>],
             motion: &Cells<Motion<T>>,
             omega: f64,
         ) -> f64 {
-            visit_lanes::<T, L, EXACT, T::Wide>(groups, motion, omega)
+            visit_lanes::<T, L, ACT, T::Wide>(groups, motion, omega)
         }
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { wide::<T, L, EXACT>(groups, motion, omega) };
+            return unsafe { wide::<T, L, ACT>(groups, motion, omega) };
         }
     }
-    visit_lanes::<T, L, EXACT, T::Plain>(groups, motion, omega)
+    visit_lanes::<T, L, ACT, T::Plain>(groups, motion, omega)
 }
 
 #[inline(always)]
-fn visit_lanes<T: Real, const L: usize, const EXACT: bool, V: Lanes<T, L>>(
+fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
 ) -> f64 {
-    let mut missed = [0.0; L];
     let (zero, one, third, omega) =
         (V::splat(T::of(0.0)), V::splat(T::of(1.0)), V::splat(T::of(1.0 / 3.0)), V::splat(T::of(omega)));
+    let mut missed = zero;
     for g in groups {
         let (mut rows_a, mut rows_b) = ([[T::default(); 8]; L], [[T::default(); 8]; L]);
         for l in 0..L {
@@ -240,27 +367,35 @@ fn visit_lanes<T: Real, const L: usize, const EXACT: bool, V: Lanes<T, L>>(
         let b = a + reach_a * lever_a + reach_b * lever_b;
         let along = a.up_to(zero, zero, one / a);
         let across = a.up_to(zero, zero, one / b);
-        let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
-        let v = vb.minus(va).minus(rolling);
-        let v_n = v.dot(n);
-        let before_n = gamma.dot(n);
-        let normal = before_n - (v_n + V::load(&g.offset)) * along;
-        let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
-        let friction = V::load(&g.friction);
-        let z = if EXACT {
-            // Coulomb's law itself parts into the two directions.
-            let (kept, length) = (zero.up_to(normal, normal, zero), tangent.dot(tangent).sqrt());
-            let limit = friction * kept;
-            n.times(kept).plus(tangent.times(length.up_to(limit, one, limit / length)))
+        let d = if ACT == act::KICK {
+            gamma
         } else {
-            let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
-            let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
-            let z_n = n.times(z.dot(n));
-            z_n.plus(z.minus(z_n).times(shrink))
+            let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
+            let v = vb.minus(va).minus(rolling);
+            let v_n = v.dot(n);
+            let before_n = gamma.dot(n);
+            let normal = before_n - (v_n + V::load(&g.offset)) * along;
+            let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
+            let friction = V::load(&g.friction);
+            let z = if ACT == act::EXACT {
+                // Coulomb's law itself parts into the two directions.
+                let (kept, length) = (zero.up_to(normal, normal, zero), tangent.dot(tangent).sqrt());
+                let limit = friction * kept;
+                n.times(kept).plus(tangent.times(length.up_to(limit, one, limit / length)))
+            } else {
+                let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
+                let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
+                let z_n = n.times(z.dot(n));
+                z_n.plus(z.minus(z_n).times(shrink))
+            };
+            let d = z.minus(gamma).times(omega);
+            let gamma = gamma.plus(d);
+            g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
+            // 1/η is a third of the trace of N_ii.
+            let trace = (a + b + b) * third;
+            missed = missed + d.dot(d) * trace * trace;
+            d
         };
-        let d = z.minus(gamma).times(omega);
-        let gamma = gamma.plus(d);
-        g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
         let spin = n.cross(d);
         let (va, vb) = (va.minus(d.times(mass_a)), vb.plus(d.times(mass_b)));
         let (wa, wb) = (wa.minus(spin.times(lever_a)), wb.minus(spin.times(lever_b)));
@@ -269,19 +404,13 @@ fn visit_lanes<T: Real, const L: usize, const EXACT: bool, V: Lanes<T, L>>(
         for l in 0..L {
             let [a, b] = g.bodies[l];
             // What is held in place may be in several contacts at once: it is never written.
-            if rows_a[l][3] > T::default() {
+            if g.moves || rows_a[l][3] > T::default() {
                 motion.set(a as usize, Motion { row: rows_a[l] });
             }
-            if rows_b[l][3] > T::default() {
+            if g.moves || rows_b[l][3] > T::default() {
                 motion.set(b as usize, Motion { row: rows_b[l] });
             }
         }
-        // 1/η is a third of the trace of N_ii.
-        let trace = (a + b + b) * third;
-        let squares = (d.dot(d) * trace * trace).to_array();
-        for l in 0..L {
-            missed[l] += squares[l].wide();
-        }
     }
-    missed.iter().sum()
+    missed.to_array().iter().map(|m| m.wide()).sum()
 }

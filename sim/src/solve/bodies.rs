@@ -4,8 +4,8 @@
 //! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
 //! then the limits of joints, one number each.
 
-use super::balls::{Grouped, Packed};
 use super::joints::Joints;
+use super::schedule::{Colored, Tiled};
 use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
 use crate::cpu::contact_solve::Masses;
 use crate::cpu::{fill_rows, sum_rows, sweep_two};
@@ -57,7 +57,7 @@ pub struct BodyOperator<'a> {
     pub recovery: Recovery,
     /// The same without what exact friction feeds.
     pub offset_unfed: &'a [f64],
-    /// η (n_blocks); none for Gauss–Seidel over balls, which has no use for it.
+    /// η (n_blocks); none for sweeps over balls (`super::balls`), which have no use for it.
     pub eta: &'a [f64],
     /// The arms in the order of the bodies' lists, for methods that go through these at every iteration; else none.
     pub levers: &'a [DVec3],
@@ -65,8 +65,6 @@ pub struct BodyOperator<'a> {
     pub rolls: bool,
     /// Whether contacts have friction alone: no cohesion.
     pub plain: bool,
-    /// Whether the blocks are such contacts between balls, and nothing else.
-    pub balls: bool,
     /// δ, m: cohesion reaches this far.
     pub envelope: f64,
 }
@@ -179,11 +177,27 @@ impl BodyOperator<'_> {
         if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.recovery.step } else { 0.0 }
     }
 
+    /// The velocity of a body without contacts and joints.
+    #[inline(always)]
+    pub fn free(&self, body: usize) -> Twist {
+        self.free.get(body).copied().unwrap_or_else(|| self.falling.twist(body))
+    }
+
+    /// The image, made contact by contact rather than body by body, which goes through less memory.
+    pub fn image_of(&mut self, tiled: &Tiled, gamma: &[DVec3], out: &mut Image) {
+        out.twist.resize(self.masses.inv_mass.len(), Twist::default());
+        fill_rows(&mut out.twist, |body| self.free(body));
+        let (twist, this) = (Cells::new(&mut out.twist), &*self);
+        tiled.each(|i| this.kick(&twist, i, gamma[i]));
+        out.lambda.clear();
+        self.joints.answer(self.masses, out);
+    }
+
     /// The velocity of a body with the impulses γ, before the joints answer.
     #[inline(always)]
     fn push_body(&self, body: usize, gamma: &[DVec3]) -> Twist {
         let (contacts, masses) = (self.contacts, self.masses);
-        let free = self.free.get(body).copied().unwrap_or_else(|| self.falling.twist(body));
+        let free = self.free(body);
         if masses.inv_mass[body] == 0.0 {
             return free;
         }
@@ -357,55 +371,18 @@ impl Operator for BodyOperator<'_> {
         self.joints.answer(self.masses, image);
     }
 
-    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>) {
-        let bodies = |i: usize| match self.block(i) {
-            Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i],
-            Block::Limit(i) => self.limits[i].bodies,
+    fn colors(&self, colored: &mut Colored) {
+        let moving = |body: u32| (self.masses.inv_mass[body as usize] > 0.0).then_some(body);
+        let bodies = |i: u32| match self.block(i as usize) {
+            Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i].map(moving),
+            Block::Limit(i) => self.limits[i].bodies.map(moving),
         };
-        let moves = |b: u32| self.masses.inv_mass[b as usize] > 0.0;
-        let n = self.n_blocks();
-        // The colours that a body's blocks have, as bits; the first that is free of both bodies is taken.
-        let mut taken = vec![0u64; self.masses.inv_mass.len()];
-        let mut color = vec![0u32; n];
-        // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
-        let mut n_colors = 64;
-        for (i, color) in color.iter_mut().enumerate() {
-            let [a, b] = bodies(i);
-            let used = (if moves(a) { taken[a as usize] } else { 0 }) | (if moves(b) { taken[b as usize] } else { 0 });
-            *color = (!used).trailing_zeros();
-            if *color == 64 {
-                *color = n_colors;
-                n_colors += 1;
-            } else {
-                taken[a as usize] |= 1 << *color;
-                taken[b as usize] |= 1 << *color;
-            }
-        }
-        start.clear();
-        start.resize(n_colors as usize + 1, 0);
-        color.iter().for_each(|c| start[*c as usize + 1] += 1);
-        (1..start.len()).for_each(|c| start[c] += start[c - 1]);
-        let mut slot = start.clone();
-        order.resize(n, 0);
-        for (i, c) in color.iter().enumerate() {
-            order[slot[*c as usize] as usize] = i as u32;
-            slot[*c as usize] += 1;
-        }
+        let mut taken = vec![0; self.masses.inv_mass.len()];
+        colored.fill(0..self.n_blocks() as u32, bodies, &Cells::new(&mut taken));
     }
 
-    fn has_balls_only(&self) -> bool {
-        self.balls
-    }
-
-    fn pack<T: Grouped<L>, const L: usize>(
-        &self,
-        start: &[u32],
-        order: &[u32],
-        gamma: &[DVec3],
-        image: &Image,
-        packed: &mut Packed<T, L>,
-    ) {
-        packed.fill(self, start, order, gamma, image);
+    fn has_cones_apart(&self) -> bool {
+        !self.rolls
     }
 
     fn friction(&self, i: usize) -> (f64, DVec3) {

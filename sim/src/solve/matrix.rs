@@ -1,5 +1,6 @@
 //! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q`, with (normal, tangent, tangent) a block.
 
+use super::schedule::Colored;
 use super::{Cells, Image, Operator, Twist, project_cone};
 use crate::cpu::{fill_rows, sum_rows};
 use glam::{DMat3, DVec3};
@@ -114,10 +115,9 @@ impl Operator for MatrixOperator {
 
     fn settle(&mut self, _: &mut Image) {}
 
-    fn colors(&self, start: &mut Vec<u32>, order: &mut Vec<u32>) {
-        // A kick writes whole columns: one block at a time.
-        let n = self.q.len() as u32;
-        (*start, *order) = ((0..=n).collect(), (0..n).collect());
+    fn colors(&self, colored: &mut Colored) {
+        // A kick writes whole columns.
+        colored.one_by_one(self.q.len() as u32);
     }
 
     fn friction(&self, i: usize) -> (f64, DVec3) {

@@ -1,0 +1,105 @@
+//! In which order Gauss–Seidel visits blocks, so that those visited at once share no moving body and the result does not hang on
+//! the number of threads.
+//!
+//! Any blocks are coloured: those of a colour share no body. Where contacts lie by tiles ([`crate::state::Tiles`]), each tile is
+//! one thread's, which finds its bodies in its own cache, and only the few contacts in none are coloured for all threads
+//! together.
+
+use super::Cells;
+use super::bodies::BodyOperator;
+use crate::Contacts;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Blocks by colours.
+#[derive(Default)]
+pub struct Colored {
+    order: Vec<u32>,
+    /// First of each colour (n_colors + 1).
+    start: Vec<u32>,
+}
+
+impl Colored {
+    /// Give each block the first colour that its moving bodies do not have yet. `taken` has the colours of each body as bits;
+    /// those of the blocks' bodies are clear at first.
+    pub fn fill(&mut self, blocks: Range<u32>, bodies: impl Fn(u32) -> [Option<u32>; 2], taken: &Cells<u64>) {
+        // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
+        let mut n_colors = 64;
+        let color_of = |block: u32| {
+            let own = bodies(block);
+            let own = own.iter().flatten().map(|b| *b as usize);
+            let used = own.clone().fold(0, |used, b| used | taken.get(b));
+            let first = (!used).trailing_zeros();
+            if first == 64 {
+                n_colors += 1;
+                return n_colors - 1;
+            }
+            own.for_each(|b| taken.set(b, taken.get(b) | 1 << first));
+            first
+        };
+        let color: Vec<u32> = blocks.clone().map(color_of).collect();
+        // A counting sort; each start is where the colour's next block goes, and in the end where the next colour begins.
+        self.start.clear();
+        self.start.resize(n_colors as usize + 1, 0);
+        color.iter().for_each(|c| self.start[*c as usize] += 1);
+        gpu::scan::exclusive_cpu(&mut self.start);
+        self.order.resize(blocks.len(), 0);
+        for (block, c) in blocks.zip(color) {
+            let slot = &mut self.start[c as usize];
+            self.order[*slot as usize] = block;
+            *slot += 1;
+        }
+        self.start.rotate_right(1);
+        self.start[0] = 0;
+    }
+
+    /// Each of so many blocks alone.
+    pub fn one_by_one(&mut self, n: u32) {
+        (self.order, self.start) = ((0..n).collect(), (0..=n).collect());
+    }
+
+    /// The blocks of each colour.
+    pub fn colors(&self) -> impl Iterator<Item = &[u32]> {
+        self.start.windows(2).map(|ends| &self.order[ends[0] as usize..ends[1] as usize])
+    }
+}
+
+/// A bed's contacts by tiles.
+#[derive(Default)]
+pub struct Tiled {
+    /// Two rounds; the tiles of a round share no moving body.
+    pub rounds: [Vec<Colored>; 2],
+    /// What is in no tile.
+    pub shared: Colored,
+}
+
+impl Tiled {
+    /// Colour the contacts tile by tile.
+    pub fn fill(&mut self, op: &BodyOperator) {
+        let Contacts { bodies, tiles, .. } = op.contacts;
+        let moving = |body: u32| (op.masses.inv_mass[body as usize] > 0.0).then_some(body);
+        let bodies = |contact: u32| bodies[contact as usize].map(moving);
+        let mut taken = vec![0; op.masses.inv_mass.len()];
+        let (first, second) = tiles.start.split_at(tiles.n_first);
+        let starts = [&tiles.start[..=first.len()], second];
+        for (tiles, start) in self.rounds.iter_mut().zip(starts) {
+            taken.fill(0);
+            let taken = Cells::new(&mut taken);
+            tiles.resize_with(start.len() - 1, Colored::default);
+            let each = tiles.par_iter_mut().zip(start.par_windows(2)).with_max_len(1);
+            each.for_each(|(colored, ends)| colored.fill(ends[0]..ends[1], bodies, &taken));
+        }
+        taken.fill(0);
+        let rest = tiles.start[tiles.start.len() - 1]..op.contacts.len() as u32;
+        self.shared.fill(rest, bodies, &Cells::new(&mut taken));
+    }
+
+    /// Visit every contact once, several at a time that share no moving body.
+    pub fn each(&self, visit: impl Fn(usize) + Sync) {
+        for round in &self.rounds {
+            let tiles = round.par_iter().with_max_len(1);
+            tiles.for_each(|tile| tile.order.iter().for_each(|i| visit(*i as usize)));
+        }
+        self.shared.order.iter().for_each(|i| visit(*i as usize));
+    }
+}
