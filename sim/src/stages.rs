@@ -77,7 +77,8 @@ struct Scratch {
 
 impl Scratch {
     /// Find the contacts: the stages from `bounds` to `contact_write`; those between the two are passed over while the pairs
-    /// of the last time hold, which is what is returned. `roomy` has the boxes that the pairs were found for.
+    /// of the last time hold. `roomy` has the boxes that the pairs were found for; `contacts` has the last step's, of which `last`
+    /// takes what the next start from.
     fn detect(
         &mut self,
         model: &Model,
@@ -85,7 +86,7 @@ impl Scratch {
         roomy: &mut Vec<Aabb>,
         contacts: &mut Contacts,
         clock: &mut Clock,
-    ) -> bool {
+    ) {
         if roomy.is_empty() || !self.has_pairs {
             self.balls_only = model.has_balls_only();
         }
@@ -102,6 +103,7 @@ impl Scratch {
         } else {
             clock.pass_to("contact_write");
         }
+        self.last.take(contacts, &mut self.touching, kept);
         let Scratch { margin, candidate, touching, .. } = self;
         let at = contact_write::Input { model, state, margin, balls: &balls };
         contact_write::run(&at, candidate, touching, contacts);
@@ -109,7 +111,6 @@ impl Scratch {
             self.solver.image.twist = bytemuck::cast_vec(balls);
         }
         clock.lap();
-        kept
     }
 
     /// The stages from `bin_emit` to `pair_write`. Their bins are not kept: pairs are looked for now and then, and meanwhile the
@@ -164,10 +165,9 @@ impl Simulation {
         let mut clock = Clock::start();
 
         let (mut contacts, mut roomy) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.roomy));
-        w.last.take(&mut contacts, &mut w.touching);
-        let kept = w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
+        w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
         state.roomy = roomy;
-        warm_start::run(model, &w.last, &w.touching, kept, &mut contacts);
+        warm_start::run(model, &mut w.last, &w.touching, &mut contacts);
         clock.lap();
         let balls = matches!(contacts.arms, Arms::Along(_));
         force::run(model, state, balls, &mut w.solver);

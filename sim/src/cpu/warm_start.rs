@@ -18,6 +18,10 @@ use rayon::prelude::*;
 /// What is kept of a step's contacts. A starting point needs no double precision.
 #[derive(Default)]
 pub struct Last {
+    /// Whether the list of candidates still holds.
+    kept: bool,
+    /// Contacts that are looked for by their keys, and these: those that are not between two balls if the list holds, else all.
+    known: Vec<u32>,
     key: Vec<[u32; 3]>,
     impulse: Vec<Vec3>,
     twist: Vec<Vec3>,
@@ -30,11 +34,18 @@ pub struct Last {
 const NEW: u32 = u32::MAX;
 
 impl Last {
-    /// Take these contacts with the candidates that they are of, and hand their memory to the next.
-    pub fn take(&mut self, contacts: &mut Contacts, touching: &mut Touching) {
-        std::mem::swap(&mut self.key, &mut contacts.key);
+    /// Take these contacts with the candidates that they are of; `kept` says that the list of candidates holds.
+    pub fn take(&mut self, contacts: &mut Contacts, touching: &mut Touching, kept: bool) {
+        self.kept = kept;
         std::mem::swap(&mut self.start, &mut contacts.tiles.start);
         std::mem::swap(&mut self.balls, &mut touching.balls);
+        if kept {
+            self.known = others(contacts.len(), &self.start, &self.balls);
+            self.key = self.known.iter().map(|i| contacts.key[*i as usize]).collect();
+        } else {
+            self.known = (0..contacts.len() as u32).collect();
+            self.key = std::mem::take(&mut contacts.key);
+        }
         self.impulse.resize(contacts.impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
         self.twist.resize(contacts.twist.len(), Vec3::ZERO);
@@ -58,9 +69,9 @@ impl Last {
         });
     }
 
-    /// Find the contacts with these keys among some of the last step's, in the shorter list of their two shapes.
-    fn find(&self, known: &[u32], n_shapes: usize, keys: impl Fn(usize) -> [u32; 3] + Sync, same: &mut [u32]) {
-        let sides = || (0..2 * known.len()).map(|k| (self.key[known[k / 2] as usize][k % 2], known[k / 2]));
+    /// Find contacts by their keys, in the shorter list of their two shapes.
+    fn find(&self, n_shapes: usize, keys: impl Fn(usize) -> [u32; 3] + Sync, same: &mut [u32]) {
+        let sides = || (0..2 * self.key.len()).map(|k| (self.key[k / 2][k % 2], k as u32 / 2));
         let (mut start, mut of_shape) = (vec![], vec![]);
         distribute_cpu(n_shapes, sides, &mut start, &mut of_shape);
         fill_rows(same, |i| {
@@ -68,7 +79,7 @@ impl Last {
             let of = |s: u32| &of_shape[start[s as usize] as usize..start[s as usize + 1] as usize];
             let (a, b) = (of(key[0]), of(key[1]));
             let shorter = if a.len() < b.len() { a } else { b };
-            shorter.iter().copied().find(|j| self.key[*j as usize] == key).unwrap_or(NEW)
+            shorter.iter().find(|k| self.key[**k as usize] == key).map_or(NEW, |k| self.known[*k as usize])
         });
     }
 }
@@ -80,8 +91,8 @@ fn others(n: usize, start: &[u32], balls: &Balls) -> Vec<u32> {
     pieces.flat_map(|((first, balls), end)| first + balls.len() as u32..end).collect()
 }
 
-/// The stage. `touching` has the candidates that the contacts are of; `kept` says that the list of these is the last step's.
-pub fn run(model: &Model, last: &Last, touching: &Touching, kept: bool, contacts: &mut Contacts) {
+/// The stage. `touching` has the candidates that the contacts are of. The last step's keys are let go.
+pub fn run(model: &Model, last: &mut Last, touching: &Touching, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
     let mut twist = std::mem::take(&mut contacts.twist);
     let rolls = model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0);
@@ -90,16 +101,14 @@ pub fn run(model: &Model, last: &Last, touching: &Touching, kept: bool, contacts
     twist.resize(if rolls { n } else { 0 }, DVec3::ZERO);
     if model.solver.warm_start {
         let mut same = vec![NEW; n];
-        if kept {
+        if last.kept {
             last.find_balls(touching, &mut same);
-            let known = others(last.key.len(), &last.start, &last.balls);
             let asked = others(n, &contacts.tiles.start, &touching.balls);
             let mut found = vec![NEW; asked.len()];
-            last.find(&known, model.n_shapes(), |k| contacts.key[asked[k] as usize], &mut found);
+            last.find(model.n_shapes(), |k| contacts.key[asked[k] as usize], &mut found);
             asked.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
         } else {
-            let known: Vec<u32> = (0..last.key.len() as u32).collect();
-            last.find(&known, model.n_shapes(), |i| contacts.key[i], &mut same);
+            last.find(model.n_shapes(), |i| contacts.key[i], &mut same);
         }
         let of = |column: &[Vec3], i: usize| column.get(same[i] as usize).map_or(DVec3::ZERO, |v| v.as_dvec3());
         fill_rows(&mut impulse, |i| of(&last.impulse, i));
@@ -110,4 +119,5 @@ pub fn run(model: &Model, last: &Last, touching: &Touching, kept: bool, contacts
     }
     contacts.impulse = impulse;
     contacts.twist = twist;
+    (last.known, last.key) = (vec![], vec![]);
 }
