@@ -43,7 +43,11 @@ fn a_bed_of_many_tiles_does_not_depend_on_threads() {
     let run = |threads: usize, state: State, steps: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut sim = Simulation::new(model.clone(), state);
-        pool.install(|| (0..steps).for_each(|_| drop(sim.step())));
+        pool.install(|| {
+            for _ in 0..steps {
+                sim.step();
+            }
+        });
         sim.state
     };
     let path = |name: &str| work.path().join(name);

@@ -65,8 +65,9 @@ pub struct SolverSettings {
     pub method: Method,
     /// The law of friction: `relaxed` (the paper's convex form) or `exact`.
     pub friction: FrictionLaw,
-    /// The most iterations a step.
-    pub iterations: u32,
+    /// The most iterations a step; if not given 50, and more where contacts are few: up to 50,000 over their number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<u32>,
     /// Stop when the residual (as in `report.csv`) is below this, m/s; 0 does all iterations.
     pub tolerance: f64,
     /// Relaxation ω of Jacobi and Gauss–Seidel; 0.3 and 1 if not given.
@@ -87,7 +88,7 @@ impl Default for SolverSettings {
         SolverSettings {
             method: Method::Apgd,
             friction: FrictionLaw::Relaxed,
-            iterations: 50,
+            iterations: None,
             tolerance: 1e-7,
             omega: None,
             lambda: 1.0,
@@ -95,6 +96,13 @@ impl Default for SolverSettings {
             recovery_speed: 1.0,
             envelope: None,
         }
+    }
+}
+
+impl SolverSettings {
+    /// The most iterations for so many blocks.
+    pub fn most_iterations(&self, n_blocks: usize) -> u32 {
+        self.iterations.unwrap_or((50_000 / n_blocks.max(1)).max(50) as u32)
     }
 }
 
@@ -192,6 +200,10 @@ pub trait Operator: Sync {
     fn settle(&mut self, image: &mut Image);
     /// Colour the blocks: those of a colour have no image entry in common.
     fn colors(&self, colored: &mut Colored);
+    /// Whether multiples of what is in the cones are in them: none has its tip below zero.
+    fn has_open_cones(&self) -> bool {
+        true
+    }
     /// Whether no block's cone hangs on another's multipliers.
     fn has_cones_apart(&self) -> bool {
         true
@@ -295,7 +307,7 @@ impl Best {
         (gamma, image): (&[DVec3], &Image),
         (kept, kept_image): (&mut Vec<DVec3>, &mut Image),
     ) -> bool {
-        let last = done >= settings.iterations;
+        let last = done >= settings.most_iterations(gamma.len());
         if !done.is_multiple_of(Self::LOOK[(settings.tolerance <= 0.0) as usize]) && !last {
             return false;
         }
@@ -347,8 +359,36 @@ pub fn solve(
     }
     op.image(gamma, image);
     match settings.friction {
-        FrictionLaw::Relaxed => run(op, settings, gamma, image, work),
+        FrictionLaw::Relaxed => {
+            scale(op, gamma, image, work);
+            run(op, settings, gamma, image, work)
+        }
         FrictionLaw::Exact => exact::run(op, settings, gamma, image, work),
+    }
+}
+
+/// Scale the starting point so that the objective is least along it, which can only lessen it: cones are kept. Impulses of the
+/// last step that stopped a fall would otherwise push back, and those of a load that has just come would be too small for as
+/// many iterations as a stack's slowest mode takes, which is the common factor of its impulses.
+fn scale(op: &mut impl Operator, gamma: &mut Vec<DVec3>, image: &mut Image, work: &mut Workspace) {
+    if gamma.iter().all(|g| *g == DVec3::ZERO) {
+        return;
+    }
+    let Workspace { next, image_next, image_y, .. } = work;
+    next.clear();
+    next.resize(gamma.len(), DVec3::ZERO);
+    op.image(next, image_next);
+    // γᵀNγ, and γᵀ(Nγ + r).
+    let curvature = op.curvature(image, image_next);
+    let [slope] = sum_rows(gamma.len(), |i| [gamma[i].dot(op.pull(image, i))]);
+    let factor = 1.0 - slope / curvature;
+    let most = if op.has_open_cones() { f64::INFINITY } else { 1.0 };
+    if curvature > 0.0 && factor.is_finite() {
+        let factor = factor.clamp(0.0, most);
+        fill_rows(next, |i| gamma[i] * factor);
+        std::mem::swap(gamma, next);
+        image_y.extrapolate(image, image_next, factor - 1.0);
+        std::mem::swap(image, image_y);
     }
 }
 

@@ -70,7 +70,13 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
 
 /// The settings that the workloads are compared under.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
-    SolverSettings { method, iterations, tolerance: 0.0, envelope: Some(2e-4), ..SolverSettings::default() }
+    SolverSettings {
+        method,
+        iterations: Some(iterations),
+        tolerance: 0.0,
+        envelope: Some(2e-4),
+        ..SolverSettings::default()
+    }
 }
 
 #[allow(clippy::too_many_arguments)]

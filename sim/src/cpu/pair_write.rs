@@ -161,41 +161,51 @@ pub fn run(input: &Input, candidate: &mut Tiled) {
         cut.par_extend(rows);
     }
 
-    // What was not found in its tile goes there, round by round.
-    let round_of = |[s, t, _]: &[u32; 3]| {
+    hand_over(model, &tile, &bricks, &cut.concat(), &mut pieces);
+    *candidate = Tiled { pieces, n_first: bricks.len() };
+}
+
+/// Hand the pairs that were not found in their tiles over to these: to those of the first round, which are there already, to
+/// those of the second, which are added, or to the piece of neither, which comes last.
+fn hand_over(
+    model: &Model,
+    tile: &[[u32; 2]],
+    bricks: &[(u32, Range<usize>)],
+    cut: &[[u32; 3]],
+    pieces: &mut Vec<Candidates>,
+) {
+    /// Bits of a pair's place in `cut`.
+    const PLACE: u32 = 30;
+    let tile_of = |[s, t, _]: &[u32; 3]| {
         let [a, b] = [s, t].map(|s| tile[model.shape_body[*s as usize] as usize]);
         match (0..2).find(|round| a[*round] == b[*round] || a[*round] == HELD || b[*round] == HELD) {
             Some(round) => (round, a[round].min(b[round])),
             None => (2, 0),
         }
     };
-    let cut: Vec<[u32; 3]> = cut.concat();
     // Round, tile and place in one number, by which they are sorted.
-    let key = |(k, pair): (usize, &[u32; 3])| {
-        let (round, tile) = round_of(pair);
-        (round as u64) << 62 | (tile as u64) << 30 | k as u64
+    let key = |(place, pair): (usize, &[u32; 3])| {
+        let (round, tile) = tile_of(pair);
+        (round as u64) << (32 + PLACE) | (tile as u64) << PLACE | place as u64
     };
     let mut order: Vec<u64> = cut.par_iter().enumerate().map(key).collect();
     order.par_sort_unstable();
-    let mut shared = Candidates::default();
-    for run in order.chunk_by(|a, b| a >> 30 == b >> 30) {
-        let (round, tile) = (run[0] >> 62, (run[0] >> 30) as u32);
-        let known = bricks.binary_search_by_key(&tile, |(brick, _)| *brick);
-        let piece = match (round, known) {
-            (0, Ok(brick)) => &mut pieces[brick],
-            (1, _) => {
-                pieces.push(Candidates::default());
-                pieces.last_mut().expect("it was just pushed")
-            }
-            _ => &mut shared,
+    let mut neither = Candidates::default();
+    for run in order.chunk_by(|a, b| a >> PLACE == b >> PLACE) {
+        let (round, tile) = (run[0] >> (32 + PLACE), (run[0] >> PLACE) as u32);
+        let mut piece = Candidates::default();
+        let home = match round {
+            0 => bricks.binary_search_by_key(&tile, |(brick, _)| *brick).map_or(&mut neither, |k| &mut pieces[k]),
+            1 => &mut piece,
+            _ => &mut neither,
         };
-        run.iter().for_each(|key| piece.push(model, cut[*key as usize & ((1 << 30) - 1)]));
+        run.iter().for_each(|key| home.push(model, cut[*key as usize & ((1 << PLACE) - 1)]));
+        if round == 1 {
+            piece.balls.shrink_to_fit();
+            pieces.push(piece);
+        }
     }
-    pieces.push(shared);
-    for piece in &mut pieces[bricks.len()..] {
-        piece.balls.shrink_to_fit();
-    }
-    *candidate = Tiled { pieces, n_first: bricks.len() };
+    pieces.push(neither);
 }
 
 /// No brick.

@@ -67,7 +67,7 @@ impl ModelFile {
             ("frame_rate", self.frame_rate),
             ("solver.omega", s.omega.unwrap_or(1.0)),
             ("solver.lambda", s.lambda),
-            ("solver.iterations", s.iterations as f64),
+            ("solver.iterations", s.iterations.unwrap_or(1) as f64),
             ("solver.recovery_speed", s.recovery_speed),
             ("checkpoint_interval", self.checkpoint_interval.unwrap_or(1.0)),
             ("probes.interval", self.probes.interval.unwrap_or(1.0)),

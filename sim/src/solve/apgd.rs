@@ -18,7 +18,8 @@ pub fn run(
     let (mut theta, mut beta) = (1.0f64, 0.0);
     let mut step = if work.step_length > 0.0 { work.step_length } else { 1.0 };
     let mut done = 0;
-    while done < settings.iterations {
+    let most = settings.most_iterations(gamma.len());
+    while done < most {
         loop {
             done += 1;
             let from = Extrapolated { x: gamma, previous: &work.previous, beta, image: &work.image_y };
@@ -31,7 +32,7 @@ pub fn run(
             let images = [&mut work.image_next, &mut work.image_y_next];
             let curvature = op.advance(&work.next, next_beta, [image, &work.image_y], images);
             // The step is short enough if ½ dᵀNd ≤ |d|²/(2 t) in the metric of η; d is from y.
-            if curvature * step <= moved * (1.0 + 1e-9) || done >= settings.iterations {
+            if curvature * step <= moved * (1.0 + 1e-9) || done >= most {
                 beta = next_beta;
                 theta = if uphill { 1.0 } else { next_theta };
                 break;

@@ -42,7 +42,7 @@ pub fn run(
         coarse.sweeps(settings, gamma.len(), settings.tolerance.max(enough), &mut outcome, |_| ());
         coarse.unpack(tiled, gamma);
     }
-    if outcome.iterations < settings.iterations && outcome.residual > settings.tolerance {
+    if outcome.iterations < settings.most_iterations(gamma.len()) && outcome.residual > settings.tolerance {
         fine.fill(op, tiled, gamma);
         let mut settle = |fine: &mut Packed<f64, 4>| {
             if !op.joints.rows.is_empty() {
@@ -183,7 +183,7 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         mut settle: impl FnMut(&mut Self),
     ) {
         let omega = settings.omega.unwrap_or(1.0);
-        while outcome.iterations < settings.iterations {
+        while outcome.iterations < settings.most_iterations(n) {
             // How far each block was off when it was visited, in the residual's units.
             let missed = match settings.friction {
                 FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),

@@ -15,7 +15,7 @@ pub fn run(
     let mut alpha = 1.0;
     let mut best = Best::new();
     let mut done = 0;
-    while done < settings.iterations {
+    while done < settings.most_iterations(gamma.len()) {
         done += 1;
         // next = the projected point; d = next − γ.
         let from = Extrapolated { x: gamma, previous: gamma, beta: 0.0, image };

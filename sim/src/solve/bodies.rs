@@ -381,6 +381,10 @@ impl Operator for BodyOperator<'_> {
         colored.fill(0..self.n_blocks() as u32, bodies, &Cells::new(&mut taken));
     }
 
+    fn has_open_cones(&self) -> bool {
+        self.plain
+    }
+
     fn has_cones_apart(&self) -> bool {
         !self.rolls
     }

@@ -12,7 +12,8 @@ pub fn run(
 ) -> Outcome {
     const ROUNDS: u32 = 40;
     let mut total = Outcome::default();
-    let share = (settings.iterations / 4).max(1);
+    let most = settings.most_iterations(gamma.len());
+    let share = (most / 4).max(1);
     // The slip of the start is the first guess.
     let mut fed = vec![0.0; gamma.len()];
     for round in 0..ROUNDS {
@@ -20,14 +21,17 @@ pub fn run(
         let change: f64 = slip.iter().zip(&fed).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
         let settled = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
-        if round > 0 && (settled || total.iterations >= settings.iterations) {
+        if round > 0 && (settled || total.iterations >= most) {
             break;
         }
         op.feed(&slip);
         fed = slip;
         op.image(gamma, image);
-        let left = settings.iterations - total.iterations.min(settings.iterations - 1);
-        let budget = SolverSettings { iterations: share.min(left), ..settings.clone() };
+        if round == 0 {
+            scale(op, gamma, image, work);
+        }
+        let left = most - total.iterations.min(most - 1);
+        let budget = SolverSettings { iterations: Some(share.min(left)), ..settings.clone() };
         let outcome = super::run(op, &budget, gamma, image, work);
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
     }

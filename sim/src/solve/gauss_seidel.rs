@@ -20,7 +20,7 @@ pub fn run(
     let omega = settings.omega.unwrap_or(1.0);
     let n = gamma.len();
     let mut outcome = Outcome::default();
-    for iteration in 1..=settings.iterations {
+    for iteration in 1..=settings.most_iterations(n) {
         let twist = Cells::new(&mut image.twist);
         let (values, now) = (Cells::new(gamma), &*op);
         let visit = |blocks: &[u32]| visit::visit(now, blocks, &twist, &values, omega);

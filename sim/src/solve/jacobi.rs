@@ -12,7 +12,8 @@ pub fn run(
     let (omega, lambda) = (settings.omega.unwrap_or(0.3), settings.lambda);
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut outcome = Outcome::default();
-    for iteration in 1..=settings.iterations {
+    let most = settings.most_iterations(gamma.len());
+    for iteration in 1..=most {
         let (now, x, im) = (&*op, &*gamma, &*image);
         fill_rows(&mut work.next, |i| {
             let stepped = x[i] - now.pull(im, i) * (omega * now.eta(i));
@@ -21,7 +22,7 @@ pub fn run(
         std::mem::swap(gamma, &mut work.next);
         op.image(gamma, image);
         outcome.iterations = iteration;
-        if settings.tolerance > 0.0 || iteration == settings.iterations {
+        if settings.tolerance > 0.0 || iteration == most {
             outcome.residual = residual(op, gamma, image);
             if outcome.residual <= settings.tolerance {
                 break;

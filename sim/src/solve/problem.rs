@@ -326,7 +326,7 @@ fn descend(op: &mut MatrixOperator, law: &Law, method: Method, mut gamma: Vec<DV
         let settings = SolverSettings {
             method,
             friction: FrictionLaw::Relaxed,
-            iterations: (law.iterations - done).min(200),
+            iterations: Some((law.iterations - done).min(200)),
             tolerance: 0.0,
             ..SolverSettings::default()
         };
