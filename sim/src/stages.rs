@@ -87,6 +87,10 @@ impl Scratch {
         contacts: &mut Contacts,
         clock: &mut Clock,
     ) {
+        // Pairs and tiles hang on what moves.
+        if self.has_pairs && self.solver.masses.inv_mass != model.inv_mass {
+            roomy.clear();
+        }
         if roomy.is_empty() || !self.has_pairs {
             self.balls_only = model.has_balls_only();
         }
