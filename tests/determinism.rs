@@ -58,10 +58,10 @@ fn a_bed_of_many_tiles_does_not_depend_on_threads() {
     checkpoint::write(&path("two"), &run(7, half, 57), "").unwrap();
     assert!(std::fs::read(path("whole")).unwrap() == std::fs::read(path("two")).unwrap(), "the states differ");
 
-    let (contacts, tiles) = (&whole.contacts, &whole.contacts.tiles);
-    let (first, second) = tiles.start.split_at(tiles.n_first);
-    assert!(contacts.len() > 8_000 && first.len() >= 8 && second.len() > 8, "{} {}", contacts.len(), first.len());
-    for starts in [&tiles.start[..=first.len()], second] {
+    let contacts = &whole.contacts;
+    let [first, second] = contacts.tiles.rounds();
+    assert!(contacts.len() > 8_000 && first.len() > 8 && second.len() > 8, "{} {}", contacts.len(), first.len());
+    for starts in [first, second] {
         let mut tile_of = vec![None; model.n_bodies()];
         for (tile, ends) in starts.windows(2).enumerate() {
             let bodies = contacts.bodies[ends[0] as usize..ends[1] as usize].as_flattened();

@@ -7,7 +7,7 @@
 //! Multipliers are three numbers a block. Those of contacts are vectors of the world, so that no tangent frame is needed.
 
 mod apgd;
-pub mod balls;
+pub(crate) mod balls;
 mod barzilai_borwein;
 pub mod bodies;
 mod descend;

@@ -6,7 +6,7 @@ use crate::cpu::bin_emit::BinGrid;
 use crate::cpu::bounds::Ball;
 use crate::cpu::contact_solve::Workspace;
 use crate::cpu::contact_write::Touching;
-use crate::cpu::pair_write::Tiled;
+use crate::cpu::pair_write::Pairs;
 use crate::cpu::{
     Aabb, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
     warm_start,
@@ -65,7 +65,7 @@ pub struct Simulation {
 #[derive(Default)]
 struct Scratch {
     margin: Vec<f32>,
-    candidate: Tiled,
+    candidate: Pairs,
     touching: Touching,
     /// Whether `candidate` has the pairs of the state's roomy boxes.
     has_pairs: bool,
@@ -88,7 +88,7 @@ impl Scratch {
         clock: &mut Clock,
     ) {
         // Pairs and tiles hang on what moves.
-        if self.has_pairs && self.solver.masses.inv_mass != model.inv_mass {
+        if self.solver.masses.look(model) && self.has_pairs {
             roomy.clear();
         }
         if roomy.is_empty() || !self.has_pairs {

@@ -385,6 +385,13 @@ pub struct Tiles {
     pub n_first: usize,
 }
 
+impl Tiles {
+    /// Where the tiles of each round begin, and after the last where it ends. There must be contacts.
+    pub fn rounds(&self) -> [&[u32]; 2] {
+        [&self.start[..=self.n_first], &self.start[self.n_first..]]
+    }
+}
+
 /// Which contacts each body has: `list[start[b]..start[b+1]]`.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Incident {

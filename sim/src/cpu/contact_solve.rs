@@ -34,8 +34,8 @@ pub struct Masses {
 }
 
 impl Masses {
-    /// Of this instant.
-    pub fn prepare(&mut self, model: &Model, state: &State) {
+    /// Look which bodies move; whether that has changed since the last step.
+    pub fn look(&mut self, model: &Model) -> bool {
         self.changed = self.inv_mass != model.inv_mass;
         if self.changed {
             self.inv_mass.clone_from(&model.inv_mass);
@@ -47,6 +47,11 @@ impl Masses {
             }
             self.tensor = vec![[DMat3::ZERO; 2]; n as usize];
         }
+        self.changed
+    }
+
+    /// Turn the moments of inertia to where the bodies are.
+    pub fn turn_to(&mut self, model: &Model, state: &State) {
         for (b, slot) in self.slot.iter().enumerate().filter(|(_, s)| **s != u32::MAX) {
             let inverse = world_inv_inertia(state.orientation[b], model.inv_inertia[b]);
             self.tensor[*slot as usize] =

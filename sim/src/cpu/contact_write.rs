@@ -9,7 +9,7 @@
 
 use super::bounds::{self, Ball};
 use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
-use super::pair_write::Tiled;
+use super::pair_write::Pairs;
 use super::{PIECE, cut};
 use crate::state::{Arms, Tiles};
 use crate::{Contacts, Model, ShapeKind, State};
@@ -76,7 +76,7 @@ impl Touching {
 }
 
 /// The stage. `touching` is scratch.
-pub fn run(at: &Input, candidate: &Tiled, touching: &mut Touching, contacts: &mut Contacts) {
+pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mut Contacts) {
     let arms = std::mem::take(&mut contacts.arms);
     if at.balls.is_empty() {
         let middle = |bodies: [u32; 2], point: &Point, _| {
@@ -107,7 +107,7 @@ pub fn run(at: &Input, candidate: &Tiled, touching: &mut Touching, contacts: &mu
 fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
     ball: impl Fn(u32) -> Ball + Sync,
-    candidate: &Tiled,
+    candidate: &Pairs,
     touching: &mut Touching,
     contacts: &mut Contacts,
     arms: &mut Vec<A>,

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 /// The stage. `balls` says that nothing else moves.
 pub fn run(model: &Model, state: &State, balls: bool, work: &mut Workspace) {
-    work.masses.prepare(model, state);
+    work.masses.turn_to(model, state);
     let (masses, free, h) = (&work.masses, &mut work.free, model.step);
     // Sweeps ask for it twice a step, which is not worth a column; iterations of the other methods do each time.
     let pushed = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());

@@ -49,7 +49,7 @@ impl Candidates {
 
 /// All pairs by tiles.
 #[derive(Default)]
-pub struct Tiled {
+pub struct Pairs {
     /// Those of each tile of the first round, of each of the second, and of neither.
     pub pieces: Vec<Candidates>,
     /// Tiles of the first round.
@@ -122,7 +122,7 @@ impl Input<'_> {
 }
 
 /// The stage.
-pub fn run(input: &Input, candidate: &mut Tiled) {
+pub fn run(input: &Input, candidate: &mut Pairs) {
     candidate.pieces.clear();
     let model = input.model;
     let is_there = |s: usize| model.shape_kind[s].is_surface() && !model.absent[model.shape_body[s] as usize];
@@ -162,7 +162,7 @@ pub fn run(input: &Input, candidate: &mut Tiled) {
     }
 
     hand_over(model, &tile, &bricks, &cut.concat(), &mut pieces);
-    *candidate = Tiled { pieces, n_first: bricks.len() };
+    *candidate = Pairs { pieces, n_first: bricks.len() };
 }
 
 /// Hand the pairs that were not found in their tiles over to these: to those of the first round, which are there already, to

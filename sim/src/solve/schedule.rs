@@ -8,6 +8,7 @@
 use super::Cells;
 use super::bodies::BodyOperator;
 use crate::Contacts;
+use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -38,19 +39,8 @@ impl Colored {
             first
         };
         let color: Vec<u32> = blocks.clone().map(color_of).collect();
-        // A counting sort; each start is where the colour's next block goes, and in the end where the next colour begins.
-        self.start.clear();
-        self.start.resize(n_colors as usize + 1, 0);
-        color.iter().for_each(|c| self.start[*c as usize] += 1);
-        gpu::scan::exclusive_cpu(&mut self.start);
-        self.order.resize(blocks.len(), 0);
-        for (block, c) in blocks.zip(color) {
-            let slot = &mut self.start[c as usize];
-            self.order[*slot as usize] = block;
-            *slot += 1;
-        }
-        self.start.rotate_right(1);
-        self.start[0] = 0;
+        let colored = || color.iter().copied().zip(blocks.clone());
+        distribute_cpu(n_colors as usize, colored, &mut self.start, &mut self.order);
     }
 
     /// Each of so many blocks alone.
@@ -80,9 +70,7 @@ impl Tiled {
         let moving = |body: u32| (op.masses.inv_mass[body as usize] > 0.0).then_some(body);
         let bodies = |contact: u32| bodies[contact as usize].map(moving);
         let mut taken = vec![0; op.masses.inv_mass.len()];
-        let (first, second) = tiles.start.split_at(tiles.n_first);
-        let starts = [&tiles.start[..=first.len()], second];
-        for (tiles, start) in self.rounds.iter_mut().zip(starts) {
+        for (tiles, start) in self.rounds.iter_mut().zip(tiles.rounds()) {
             taken.fill(0);
             let taken = Cells::new(&mut taken);
             tiles.resize_with(start.len() - 1, Colored::default);
