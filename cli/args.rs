@@ -327,7 +327,7 @@ pub enum BenchCommand {
         #[arg(long)]
         friction: Option<String>,
         /// Greatest speed at which overlaps are pushed apart, m/s.
-        #[arg(long, default_value_t = 0.02)]
+        #[arg(long, default_value_t = 0.03)]
         recovery_speed: f64,
         /// Print JSON.
         #[arg(long)]

@@ -39,34 +39,39 @@ fn simulation_and_pictures_do_not_depend_on_threads() {
 #[test]
 fn a_bed_of_many_tiles_does_not_depend_on_threads() {
     let work = scratch();
-    let (model, state) = workload::build(Workload::S, 12_000, workload::solver(Method::GaussSeidel, 12), 2e-3);
-    let run = |threads: usize, state: State, steps: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut sim = Simulation::new(model.clone(), state);
-        pool.install(|| {
-            for _ in 0..steps {
-                sim.step();
-            }
-        });
-        sim.state
-    };
-    let path = |name: &str| work.path().join(name);
-    let whole = run(1, state.clone(), 120);
-    checkpoint::write(&path("whole"), &whole, "").unwrap();
-    checkpoint::write(&path("half"), &run(2, state, 63), "").unwrap();
-    let half = checkpoint::read(&path("half")).unwrap().0;
-    checkpoint::write(&path("two"), &run(7, half, 57), "").unwrap();
-    assert!(std::fs::read(path("whole")).unwrap() == std::fs::read(path("two")).unwrap(), "the states differ");
+    for method in [Method::GaussSeidel, Method::Apgd] {
+        let (model, state) = workload::build(Workload::S, 12_000, workload::solver(method, 12), 2e-3);
+        let run = |threads: usize, state: State, steps: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut sim = Simulation::new(model.clone(), state);
+            pool.install(|| {
+                for _ in 0..steps {
+                    sim.step();
+                }
+            });
+            sim.state
+        };
+        let path = |name: &str| work.path().join(name);
+        let whole = run(1, state.clone(), 120);
+        checkpoint::write(&path("whole"), &whole, "").unwrap();
+        checkpoint::write(&path("half"), &run(2, state, 63), "").unwrap();
+        let half = checkpoint::read(&path("half")).unwrap().0;
+        checkpoint::write(&path("two"), &run(7, half, 57), "").unwrap();
+        assert!(
+            std::fs::read(path("whole")).unwrap() == std::fs::read(path("two")).unwrap(),
+            "{method:?}: the states differ"
+        );
 
-    let contacts = &whole.contacts;
-    let [first, second] = contacts.tiles.rounds();
-    assert!(contacts.len() > 8_000 && first.len() > 8 && second.len() > 8, "{} {}", contacts.len(), first.len());
-    for starts in [first, second] {
-        let mut tile_of = vec![None; model.n_bodies()];
-        for (tile, ends) in starts.windows(2).enumerate() {
-            let bodies = contacts.bodies[ends[0] as usize..ends[1] as usize].as_flattened();
-            for body in bodies.iter().map(|b| *b as usize).filter(|b| model.inv_mass[*b] > 0.0) {
-                assert_eq!(*tile_of[body].get_or_insert(tile), tile, "body {body} is in two tiles of a round");
+        let contacts = &whole.contacts;
+        let [first, second] = contacts.tiles.rounds();
+        assert!(contacts.len() > 8_000 && first.len() > 8 && second.len() > 8, "{} {}", contacts.len(), first.len());
+        for starts in [first, second] {
+            let mut tile_of = vec![None; model.n_bodies()];
+            for (tile, ends) in starts.windows(2).enumerate() {
+                let bodies = contacts.bodies[ends[0] as usize..ends[1] as usize].as_flattened();
+                for body in bodies.iter().map(|b| *b as usize).filter(|b| model.inv_mass[*b] > 0.0) {
+                    assert_eq!(*tile_of[body].get_or_insert(tile), tile, "body {body} is in two tiles of a round");
+                }
             }
         }
     }

@@ -57,7 +57,7 @@ impl Aabb {
 }
 
 /// Rows below which one thread does the work: handing it out would cost more.
-const ALONE: usize = 4 * PIECE;
+pub const ALONE: usize = 4 * PIECE;
 
 /// Fill `out[i] = f(i)` in parallel.
 pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
@@ -110,8 +110,9 @@ pub fn sweep_two<T: Send, U: Send, const K: usize>(
     parts.into_iter().fold([0.0; K], add)
 }
 
+/// The sums of two rows of sums.
 #[inline]
-fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
+pub fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
     for k in 0..K {
         a[k] += b[k];
     }

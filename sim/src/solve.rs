@@ -23,7 +23,7 @@ mod schedule;
 mod visit;
 
 use crate::FrictionLaw;
-use crate::cpu::{fill_rows, sum_rows, sweep};
+use crate::cpu::{add, fill_rows, sum_rows, sweep};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use schedule::{Colored, Tiled};
@@ -125,6 +125,24 @@ pub struct Twist {
     pub w: DVec3,
 }
 
+impl Twist {
+    #[inline(always)]
+    fn plus(&self, other: &Twist) -> Twist {
+        Twist { v: self.v + other.v, w: self.w + other.w }
+    }
+
+    #[inline(always)]
+    fn minus(&self, other: &Twist) -> Twist {
+        Twist { v: self.v - other.v, w: self.w - other.w }
+    }
+
+    /// `self + β (self − from)`.
+    #[inline(always)]
+    fn beyond(&self, from: &Twist, beta: f64) -> Twist {
+        Twist { v: self.v + (self.v - from.v) * beta, w: self.w + (self.w - from.w) * beta }
+    }
+}
+
 /// What an operator makes of multipliers, in the space where it is cheap to combine: all motions, and the joints' multipliers.
 #[derive(Clone, Debug, Default)]
 pub struct Image {
@@ -138,10 +156,7 @@ impl Image {
     /// `self = a + β (a − b)`.
     fn extrapolate(&mut self, a: &Image, b: &Image, beta: f64) {
         self.twist.resize(a.twist.len(), Twist::default());
-        fill_rows(&mut self.twist, |i| {
-            let (p, q) = (&a.twist[i], &b.twist[i]);
-            Twist { v: p.v + (p.v - q.v) * beta, w: p.w + (p.w - q.w) * beta }
-        });
+        fill_rows(&mut self.twist, |i| a.twist[i].beyond(&b.twist[i], beta));
         self.lambda.clear();
         self.lambda.extend(a.lambda.iter().zip(&b.lambda).map(|(p, q)| p + (p - q) * beta));
     }
@@ -175,12 +190,13 @@ pub trait Operator: Sync {
     fn pull(&self, image: &Image, block: usize) -> DVec3;
     /// dᵀNd for the difference of two multipliers, given by their images.
     fn curvature(&self, a: &Image, b: &Image) -> f64;
-    /// A projected step from y = x + β (x − previous) for the blocks `first..`: `next = Π(y − t η (N y + r))`. Returns
-    /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed.
-    fn descend(&self, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
-        descend::any(self, first, next, from, step)
+    /// A projected step from y = x + β (x − previous): `next = Π(y − t η (N y + r))`. Returns
+    /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed. An operator may begin the image of `next` in `to`.
+    fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, _to: &mut Image) -> [f64; 2] {
+        sweep(next, |first, rows| descend::any(self, first, rows, from, step))
     }
-    /// The image of `next`, the image of the point extrapolated from `x` and it, and the curvature along `next` − y.
+    /// After `descend`: the image of `next`, the image of the point extrapolated from `x` and it, and the curvature along
+    /// `next` − y.
     fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
         descend::advance(self, next, beta, [x, y], [to, to_y])
     }
@@ -272,14 +288,14 @@ impl Workspace {
 }
 
 /// Visit tasks that share no body, side by side unless there is little to do; sums in order.
-fn share<T: Send>(
+fn share<T: Send, const K: usize>(
     tasks: impl IndexedParallelIterator<Item = T>,
     is_little: bool,
-    visit: impl Fn(T) -> f64 + Send + Sync,
-) -> f64 {
+    visit: impl Fn(T) -> [f64; K] + Send + Sync,
+) -> [f64; K] {
     let least = if is_little { tasks.len().max(1) } else { 1 };
-    let parts: Vec<f64> = tasks.with_min_len(least).map(visit).collect();
-    parts.into_iter().sum()
+    let parts: Vec<[f64; K]> = tasks.with_min_len(least).map(visit).collect();
+    parts.into_iter().fold([0.0; K], add)
 }
 
 /// The best iterate of a method whose residual does not fall at every step. The residual is looked at now and then, and at the

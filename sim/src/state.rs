@@ -367,9 +367,6 @@ pub struct Contacts {
     pub impulse: Vec<DVec3>,
     /// Angular impulse on B of rolling and spinning friction, N m s, world; empty where no material has any.
     pub twist: Vec<DVec3>,
-    /// Contacts of each body, for solvers that go body by body; else none.
-    #[serde(skip)]
-    pub incident: Incident,
     /// How they lie by tiles.
     #[serde(skip)]
     pub tiles: Tiles,
@@ -389,32 +386,6 @@ impl Tiles {
     /// Where the tiles of each round begin, and after the last where it ends. There must be contacts.
     pub fn rounds(&self) -> [&[u32]; 2] {
         [&self.start[..=self.n_first], &self.start[self.n_first..]]
-    }
-}
-
-/// Which contacts each body has: `list[start[b]..start[b+1]]`.
-#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct Incident {
-    /// First entry of each body (n_bodies + 1).
-    pub start: Vec<u32>,
-    /// Twice the contact's index, plus one where the body is B (2 n_contacts).
-    pub list: Vec<u32>,
-}
-
-impl Incident {
-    /// List the contacts of each of `n_bodies` bodies, in the contacts' order.
-    pub fn fill(&mut self, n_bodies: usize, bodies: &[[u32; 2]]) {
-        let sides = || bodies.as_flattened().iter().enumerate().map(|(side, body)| (*body, side as u32));
-        gpu::radix_sort::distribute_cpu(n_bodies, sides, &mut self.start, &mut self.list);
-    }
-
-    /// The entries of a body.
-    #[inline]
-    pub fn of_body(&self, body: usize) -> &[u32] {
-        match self.start.get(body..body + 2) {
-            Some(ends) => &self.list[ends[0] as usize..ends[1] as usize],
-            None => &[],
-        }
     }
 }
 

@@ -10,7 +10,7 @@
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one number a
 //! contact, so that its cone is kept. The methods are in [`crate::solve`].
 
-use super::{fill_rows, scatter_rows};
+use super::fill_rows;
 use crate::joint::Row;
 use crate::solve::bodies::{BodyOperator, Falling, Recovery};
 use crate::solve::joints::Joints;
@@ -60,17 +60,25 @@ impl Masses {
     }
 
     /// Reciprocal inertia times a vector.
-    #[inline]
+    #[inline(always)]
     pub fn turn(&self, body: usize, angular: DVec3) -> DVec3 {
         let round = self.round[body];
         if round.is_nan() { self.tensor[self.slot[body] as usize][0] * angular } else { angular * round }
     }
 
-    /// Inertia times a vector; the body must move.
-    #[inline]
-    pub fn momentum(&self, body: usize, w: DVec3) -> DVec3 {
-        let round = self.round[body];
-        if round.is_nan() { self.tensor[self.slot[body] as usize][1] * w } else { w / round }
+    /// Twice the kinetic energy of a motion, J; 0 for a body that is held in place.
+    #[inline(always)]
+    pub fn energy(&self, body: usize, t: &Twist) -> f64 {
+        let (inv_mass, round) = (self.inv_mass[body], self.round[body]);
+        if inv_mass == 0.0 {
+            return 0.0;
+        }
+        let turning = if round.is_nan() {
+            t.w.dot(self.tensor[self.slot[body] as usize][1] * t.w)
+        } else {
+            t.w.length_squared() / round
+        };
+        t.v.length_squared() / inv_mass + turning
     }
 
     /// Give a body an impulse, N s, and an angular impulse, N m s.
@@ -126,7 +134,6 @@ pub struct Workspace {
     offset: Vec<f64>,
     offset_unfed: Vec<f64>,
     eta: Vec<f64>,
-    levers: Vec<DVec3>,
     /// The methods' own.
     pub methods: solve::Workspace,
 }
@@ -138,9 +145,6 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
     let plain = model.laws.iter().all(|l| l.cohesion == 0.0);
     let balls = plain && !rolls && work.limits.is_empty() && matches!(contacts.arms, Arms::Along(_));
     let sweeps_balls = balls && model.solver.method == Method::GaussSeidel && n > 0;
-    if !sweeps_balls {
-        contacts.incident.fill(model.n_bodies(), &contacts.bodies);
-    }
     work.prepare(model, state, contacts, sweeps_balls);
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
@@ -163,7 +167,6 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
         recovery: recovery_of(model),
         offset_unfed: &work.offset_unfed,
         eta: &work.eta,
-        levers: &work.levers,
         rolls,
         plain,
         envelope: model.envelope,
@@ -223,16 +226,6 @@ impl Workspace {
         }
         if is_fed {
             self.offset_unfed.clone_from(offset);
-        }
-        if model.solver.method == Method::GaussSeidel {
-            self.levers.clear();
-        } else {
-            self.levers.resize(contacts.incident.list.len(), DVec3::ZERO);
-            scatter_rows(&mut self.levers, &contacts.incident.start, |b, row| {
-                for (lever, incident) in row.iter_mut().zip(contacts.incident.of_body(b)) {
-                    *lever = contacts.arms(*incident as usize / 2)[*incident as usize & 1];
-                }
-            });
         }
         if sweeps_balls {
             self.eta.clear();

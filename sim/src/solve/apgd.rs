@@ -23,8 +23,7 @@ pub fn run(
         loop {
             done += 1;
             let from = Extrapolated { x: gamma, previous: &work.previous, beta, image: &work.image_y };
-            let now = &*op;
-            let [moved, slope] = sweep(&mut work.next, |first, rows| now.descend(first, rows, &from, step));
+            let [moved, slope] = op.descend(&mut work.next, &from, step, &mut work.image_next);
             // Restart where the gradient and the move disagree.
             let uphill = slope > 0.0;
             let next_theta = 0.5 * (theta * (theta * theta + 4.0).sqrt() - theta * theta);

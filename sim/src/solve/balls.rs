@@ -17,7 +17,7 @@ use super::lanes::{Lane3, Lanes, Plain, Real, project};
 use super::schedule::{Colored, Tiled};
 use super::{Cells, Image, Operator, Outcome, SolverSettings, Twist, Workspace, share};
 use crate::FrictionLaw;
-use crate::cpu::{cut, fill_rows};
+use crate::cpu::{add, cut, fill_rows};
 use crate::state::Arms;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,7 +56,7 @@ pub fn run(
         fine.unpack(tiled, gamma);
         fine.store(image);
     } else {
-        op.image_of(tiled, gamma, image);
+        op.image(gamma, image);
     }
     outcome
 }
@@ -203,19 +203,19 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         const TASK: usize = 128;
         let mut motion = std::mem::take(&mut self.motion);
         let cells = Cells::new(&mut motion);
-        let visit = |groups: &mut [Group<T, L>]| visit::<T, L, ACT>(groups, &cells, omega);
-        let mut missed = 0.0;
+        let visit = |groups: &mut [Group<T, L>]| [visit::<T, L, ACT>(groups, &cells, omega)];
+        let mut missed = [0.0];
         let [first, second, shared] = self.parts();
         for tiles in [first, second] {
             let is_little = tiles.iter().map(|groups| groups.len()).sum::<usize>() < LITTLE;
-            missed += share(tiles.into_par_iter(), is_little, visit);
+            missed = add(missed, share(tiles.into_par_iter(), is_little, visit));
         }
         for color in shared {
             let is_little = color.len() < LITTLE;
-            missed += share(color.par_chunks_mut(TASK), is_little, visit);
+            missed = add(missed, share(color.par_chunks_mut(TASK), is_little, visit));
         }
         self.motion = motion;
-        missed
+        missed[0]
     }
 
     /// Read the impulses back.

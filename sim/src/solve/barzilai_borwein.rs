@@ -19,13 +19,12 @@ pub fn run(
         done += 1;
         // next = the projected point; d = next − γ.
         let from = Extrapolated { x: gamma, previous: gamma, beta: 0.0, image };
-        let now = &*op;
-        let [length2, slope] = sweep(&mut work.next, |first, rows| now.descend(first, rows, &from, alpha));
+        let [length2, slope] = op.descend(&mut work.next, &from, alpha, &mut work.image_next);
         if !(length2 > 0.0) {
             return Outcome { iterations: done, residual: residual(op, gamma, image) };
         }
-        op.image(&work.next, &mut work.image_next);
-        let curvature = op.curvature(&work.image_next, image);
+        let images = [&mut work.image_next, &mut work.image_y];
+        let curvature = op.advance(&work.next, 0.0, [image, image], images);
         // Spectral steps are not monotone; a full step is taken unless the objective rises along it.
         let along = if curvature > 0.0 && slope < 0.0 { (-slope / curvature).min(1.0) } else { 1.0 };
         alpha = if curvature > 0.0 { (length2 / curvature).clamp(1e-4, 1e4) } else { 1e4 };

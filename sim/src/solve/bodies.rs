@@ -1,14 +1,14 @@
-//! N = Dᵀ M̃⁻¹ D, matrix-free: the impulses of the contacts are summed body by body over each body's contacts in a fixed
-//! order, the joints answer, and the relative velocities are read contact by contact.
+//! N = Dᵀ M̃⁻¹ D, matrix-free: each block gives its impulse to its two bodies, tile by tile ([`crate::state::Tiles`]) and in a
+//! fixed order, the joints answer, and the relative velocities are read block by block.
 //!
 //! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
 //! then the limits of joints, one number each.
 
 use super::joints::Joints;
-use super::schedule::{Colored, Tiled};
-use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone};
+use super::schedule::Colored;
+use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone, schedule};
 use crate::cpu::contact_solve::Masses;
-use crate::cpu::{fill_rows, sum_rows, sweep_two};
+use crate::cpu::{add, sum_rows, sweep, sweep_two};
 use crate::joint::Row;
 use crate::state::ContactLaw;
 use crate::{Contacts, Model, State};
@@ -59,8 +59,6 @@ pub struct BodyOperator<'a> {
     pub offset_unfed: &'a [f64],
     /// η (n_blocks); none for sweeps over balls (`super::balls`), which have no use for it.
     pub eta: &'a [f64],
-    /// The arms in the order of the bodies' lists, for methods that go through these at every iteration; else none.
-    pub levers: &'a [DVec3],
     /// Whether there are rolling blocks.
     pub rolls: bool,
     /// Whether contacts have friction alone: no cohesion.
@@ -183,53 +181,76 @@ impl BodyOperator<'_> {
         self.free.get(body).copied().unwrap_or_else(|| self.falling.twist(body))
     }
 
-    /// The image, made contact by contact rather than body by body, which goes through less memory.
-    pub fn image_of(&mut self, tiled: &Tiled, gamma: &[DVec3], out: &mut Image) {
-        out.twist.resize(self.masses.inv_mass.len(), Twist::default());
-        fill_rows(&mut out.twist, |body| self.free(body));
-        let (twist, this) = (Cells::new(&mut out.twist), &*self);
-        tiled.each(|i| this.kick(&twist, i, gamma[i]));
+    /// What a block's impulse gives to its bodies: `give(body, linear, angular)`.
+    #[inline(always)]
+    fn split(&self, i: usize, d: DVec3, give: impl Fn(u32, DVec3, DVec3)) {
+        match self.block(i) {
+            Block::Contact(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                let [arm_a, arm_b] = self.contacts.arms(i);
+                give(a, -d, -arm_a.cross(d));
+                give(b, d, arm_b.cross(d));
+            }
+            Block::Roll(i) => {
+                let [a, b] = self.contacts.bodies[i];
+                give(a, DVec3::ZERO, -d);
+                give(b, DVec3::ZERO, d);
+            }
+            Block::Limit(i) => {
+                let row = &self.limits[i];
+                give(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
+                give(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
+            }
+        }
+    }
+
+    /// Add an impulse to what a body is given; one that is held in place takes none.
+    #[inline(always)]
+    pub fn give(&self, sums: &Cells<Twist>, body: u32, impulse: &Twist) {
+        let b = body as usize;
+        if self.masses.inv_mass[b] > 0.0 {
+            sums.set(b, sums.get(b).plus(impulse));
+        }
+    }
+
+    /// Add a block's impulse to what its bodies are given.
+    #[inline(always)]
+    pub fn push(&self, i: usize, d: DVec3, sums: &Cells<Twist>) {
+        self.split(i, d, |body, linear, angular| self.give(sums, body, &Twist { v: linear, w: angular }));
+    }
+
+    /// Nothing given to any body yet.
+    fn nothing(&self, sums: &mut Vec<Twist>) {
+        sums.clear();
+        sums.resize(self.masses.inv_mass.len(), Twist::default());
+    }
+
+    /// Add the impulses of the blocks from `first` on.
+    fn spread(&self, first: usize, gamma: &[DVec3], sums: &Cells<Twist>) {
+        let limits = gamma.len() - self.limits.len()..gamma.len();
+        // The contacts, then their rolling blocks.
+        for first in (first..limits.start).step_by(self.contacts.len().max(1)) {
+            schedule::each(self.contacts, |contact| self.push(first + contact, gamma[first + contact], sums));
+        }
+        limits.for_each(|i| self.push(i, gamma[i], sums));
+    }
+
+    /// The velocity of a body that has been given impulses.
+    #[inline(always)]
+    fn moved(&self, body: usize, free: &Twist, sum: &Twist) -> Twist {
+        // One that is held in place has been given nothing.
+        Twist { v: free.v + sum.v * self.masses.inv_mass[body], w: free.w + self.masses.turn(body, sum.w) }
+    }
+
+    /// Make velocities of what bodies have been given, and let the joints answer.
+    fn finish(&mut self, out: &mut Image) {
+        let this = &*self;
+        let [] = sweep(&mut out.twist, |first, rows| {
+            rows.iter_mut().enumerate().for_each(|(k, t)| *t = this.moved(first + k, &this.free(first + k), t));
+            []
+        });
         out.lambda.clear();
         self.joints.answer(self.masses, out);
-    }
-
-    /// The velocity of a body with the impulses γ, before the joints answer.
-    #[inline(always)]
-    fn push_body(&self, body: usize, gamma: &[DVec3]) -> Twist {
-        let (contacts, masses) = (self.contacts, self.masses);
-        let free = self.free(body);
-        if masses.inv_mass[body] == 0.0 {
-            return free;
-        }
-        let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
-        // An impulse on B counts as it is, on A the other way round.
-        let mut push = |incident: u32, lever: DVec3| {
-            let (i, sign) = (incident as usize / 2, if incident & 1 == 1 { 1.0 } else { -1.0 });
-            let j = gamma[i] * sign;
-            linear += j;
-            angular += lever.cross(j);
-            if self.rolls {
-                angular += gamma[contacts.len() + i] * sign;
-            }
-        };
-        let own = contacts.incident.of_body(body);
-        if let Some(first) = contacts.incident.start.get(body).filter(|_| !self.levers.is_empty()) {
-            let levers = &self.levers[*first as usize..*first as usize + own.len()];
-            own.iter().zip(levers).for_each(|(incident, lever)| push(*incident, *lever));
-        } else {
-            own.iter().for_each(|i| push(*i, contacts.arms(*i as usize / 2)[*i as usize & 1]));
-        }
-        Twist { v: free.v + linear * masses.inv_mass[body], w: free.w + masses.turn(body, angular) }
-    }
-
-    /// Velocities with the impulses γ, before the joints answer.
-    fn spread(&self, gamma: &[DVec3], out: &mut Vec<Twist>) {
-        out.resize(self.masses.inv_mass.len(), Twist::default());
-        fill_rows(out, |body| self.push_body(body, gamma));
-        let first = gamma.len() - self.limits.len();
-        for (row, gamma) in self.limits.iter().zip(&gamma[first..]) {
-            self.masses.push_row(out, row, gamma.x);
-        }
     }
 }
 
@@ -239,11 +260,9 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn image(&mut self, gamma: &[DVec3], out: &mut Image) {
-        let mut twist = std::mem::take(&mut out.twist);
-        self.spread(gamma, &mut twist);
-        out.twist = twist;
-        out.lambda.clear();
-        self.joints.answer(self.masses, out);
+        self.nothing(&mut out.twist);
+        self.spread(0, gamma, &Cells::new(&mut out.twist));
+        self.finish(out);
     }
 
     #[inline]
@@ -252,44 +271,44 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn curvature(&self, a: &Image, b: &Image) -> f64 {
-        let masses = self.masses;
-        let [sum] = sum_rows(masses.inv_mass.len(), |i| {
-            if masses.inv_mass[i] == 0.0 {
-                return [0.0];
-            }
-            let (v, w) = (a.twist[i].v - b.twist[i].v, a.twist[i].w - b.twist[i].w);
-            [v.length_squared() / masses.inv_mass[i] + w.dot(masses.momentum(i, w))]
-        });
-        sum + self.joints.compliance(&a.lambda, &b.lambda)
+        let energy = |i: usize| [self.masses.energy(i, &a.twist[i].minus(&b.twist[i]))];
+        sum_rows(self.masses.inv_mass.len(), energy)[0] + self.joints.compliance(&a.lambda, &b.lambda)
     }
 
-    fn descend(&self, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
-        if !self.plain || first + next.len() > self.contacts.len() {
-            return descend::any(self, first, next, from, step);
+    fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, to: &mut Image) -> [f64; 2] {
+        if !self.plain {
+            return sweep(next, |first, rows| descend::any(self, first, rows, from, step));
         }
-        descend::run(self, first, next, from, step)
+        self.nothing(&mut to.twist);
+        let sums = Cells::new(&mut to.twist);
+        let n = self.contacts.len();
+        let (own, others) = next.split_at_mut(n);
+        let done = descend::contacts(self, own, from, step, &sums);
+        let rest = sweep(others, |first, rows| descend::any(self, n + first, rows, from, step));
+        self.spread(n, next, &sums);
+        add(done, rest)
     }
 
     fn advance(&mut self, next: &[DVec3], beta: f64, [x, y]: [&Image; 2], [to, to_y]: [&mut Image; 2]) -> f64 {
-        if !self.joints.rows.is_empty() || !self.limits.is_empty() {
+        if !self.plain {
             return descend::advance(self, next, beta, [x, y], [to, to_y]);
         }
+        if !self.joints.rows.is_empty() {
+            self.finish(to);
+            to_y.extrapolate(to, x, beta);
+            return self.curvature(to, y);
+        }
         // Without joints one pass over the bodies does it all.
-        let n = self.masses.inv_mass.len();
-        to.twist.resize(n, Twist::default());
-        to_y.twist.resize(n, Twist::default());
+        to_y.twist.resize(to.twist.len(), Twist::default());
         let this = &*self;
         let [curvature] = sweep_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
             let mut sum = 0.0;
             for (k, (to, to_y)) in to.iter_mut().zip(to_y).enumerate() {
                 let b = first + k;
-                let (new, x, y) = (this.push_body(b, next), &x.twist[b], &y.twist[b]);
+                let (new, x, y) = (this.moved(b, &this.free[b], to), &x.twist[b], &y.twist[b]);
                 *to = new;
-                *to_y = Twist { v: new.v + (new.v - x.v) * beta, w: new.w + (new.w - x.w) * beta };
-                if this.masses.inv_mass[b] > 0.0 {
-                    let (v, w) = (new.v - y.v, new.w - y.w);
-                    sum += v.length_squared() / this.masses.inv_mass[b] + w.dot(this.masses.momentum(b, w));
-                }
+                *to_y = new.beyond(x, beta);
+                sum += this.masses.energy(b, &new.minus(y));
             }
             [sum]
         });
@@ -336,31 +355,13 @@ impl Operator for BodyOperator<'_> {
 
     fn kick(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
         let masses = self.masses;
-        let push = |body: u32, linear: DVec3, angular: DVec3| {
+        self.split(i, d, |body, linear, angular| {
             let b = body as usize;
             if masses.inv_mass[b] > 0.0 {
                 let t = cells.get(b);
                 cells.set(b, Twist { v: t.v + linear * masses.inv_mass[b], w: t.w + masses.turn(b, angular) });
             }
-        };
-        match self.block(i) {
-            Block::Contact(i) => {
-                let [a, b] = self.contacts.bodies[i];
-                let [arm_a, arm_b] = self.contacts.arms(i);
-                push(a, -d, -arm_a.cross(d));
-                push(b, d, arm_b.cross(d));
-            }
-            Block::Roll(i) => {
-                let [a, b] = self.contacts.bodies[i];
-                push(a, DVec3::ZERO, -d);
-                push(b, DVec3::ZERO, d);
-            }
-            Block::Limit(i) => {
-                let row = &self.limits[i];
-                push(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
-                push(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
-            }
-        }
+        });
     }
 
     fn pull_cells(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {

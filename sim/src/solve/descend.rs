@@ -7,9 +7,11 @@ use super::bodies::BodyOperator;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::Wide;
 use super::lanes::{Lanes4, Plain, project};
-use super::{Extrapolated, Image, Operator};
+use super::{Cells, Extrapolated, Image, Operator, Twist, share};
+use crate::cpu::{ALONE, add, cut, sweep};
 use crate::state::Arms;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Contacts that go side by side.
 const LANES: usize = 4;
@@ -48,8 +50,43 @@ pub fn advance(
     op.curvature(to, y)
 }
 
-/// For contacts with friction alone.
-pub fn run(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapolated, step: f64) -> [f64; 2] {
+/// For contacts with friction alone; what they give to their bodies is added to `sums`. Each tile's is added while its bodies
+/// are at hand.
+pub fn contacts(
+    op: &BodyOperator,
+    next: &mut [DVec3],
+    from: &Extrapolated,
+    step: f64,
+    sums: &Cells<Twist>,
+) -> [f64; 2] {
+    let n = next.len();
+    if n == 0 {
+        return [0.0; 2];
+    }
+    let (mut done, mut rest) = ([0.0; 2], next);
+    for starts in op.contacts.tiles.rounds() {
+        let lengths = starts.windows(2).map(|ends| (ends[1] - ends[0]) as usize);
+        let (own, after) = rest.split_at_mut(lengths.clone().sum());
+        rest = after;
+        let tiles = cut(own, lengths).into_par_iter().zip(starts).with_max_len(1);
+        let visit = |(rows, first): (&mut [DVec3], &u32)| run(op, *first as usize, rows, from, step, Some(sums));
+        done = add(done, share(tiles, n <= ALONE, visit));
+    }
+    let first = n - rest.len();
+    done = add(done, sweep(rest, |k, rows| run(op, first + k, rows, from, step, None)));
+    rest.iter().enumerate().for_each(|(k, z)| op.push(first + k, *z, sums));
+    done
+}
+
+/// For some contacts; what they give to their bodies is added to `sums`, if there are any.
+fn run(
+    op: &BodyOperator,
+    first: usize,
+    next: &mut [DVec3],
+    from: &Extrapolated,
+    step: f64,
+    sums: Option<&Cells<Twist>>,
+) -> [f64; 2] {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
@@ -59,15 +96,16 @@ pub fn run(op: &BodyOperator, first: usize, next: &mut [DVec3], from: &Extrapola
             next: &mut [DVec3],
             from: &Extrapolated,
             step: f64,
+            sums: Option<&Cells<Twist>>,
         ) -> [f64; 2] {
-            run_either::<Wide<std::arch::x86_64::__m256d>>(op, first, next, from, step)
+            run_either::<Wide<std::arch::x86_64::__m256d>>(op, first, next, from, step, sums)
         }
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2.
-            return unsafe { wide(op, first, next, from, step) };
+            return unsafe { wide(op, first, next, from, step, sums) };
         }
     }
-    run_either::<Plain<f64, LANES>>(op, first, next, from, step)
+    run_either::<Plain<f64, LANES>>(op, first, next, from, step, sums)
 }
 
 #[inline(always)]
@@ -77,10 +115,11 @@ fn run_either<V: Lanes4>(
     next: &mut [DVec3],
     from: &Extrapolated,
     step: f64,
+    sums: Option<&Cells<Twist>>,
 ) -> [f64; 2] {
     match op.contacts.arms {
-        Arms::Any(_) => run_lanes::<V, false>(op, first, next, from, step),
-        Arms::Along(_) => run_lanes::<V, true>(op, first, next, from, step),
+        Arms::Any(_) => run_lanes::<V, false>(op, first, next, from, step, sums),
+        Arms::Along(_) => run_lanes::<V, true>(op, first, next, from, step, sums),
     }
 }
 
@@ -97,6 +136,7 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
     next: &mut [DVec3],
     from: &Extrapolated,
     step: f64,
+    sums: Option<&Cells<Twist>>,
 ) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
@@ -112,7 +152,7 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
     let (x, previous) = (&from.x[range.clone()], &from.previous[range]);
     let twist = &from.image.twist[..];
     let (beta, step_v) = (V::splat(from.beta), V::splat(step));
-    let mut sums = [V::splat(0.0); 2];
+    let mut done = [V::splat(0.0); 2];
     let whole = n - n % LANES;
     for k in (0..whole).step_by(LANES) {
         let [p, q, r, s] = four(bodies, k);
@@ -120,7 +160,7 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
             V::twists([&twist[p[0] as usize], &twist[q[0] as usize], &twist[r[0] as usize], &twist[s[0] as usize]]);
         let [vb, wb] =
             V::twists([&twist[p[1] as usize], &twist[q[1] as usize], &twist[r[1] as usize], &twist[s[1] as usize]]);
-        let n = V::load3(four(normal, k));
+        let normals = V::load3(four(normal, k));
         let offset = match offset {
             Some(offset) => V::load(four(offset, k)),
             None => {
@@ -130,12 +170,12 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
         };
         let turned = if BALLS {
             let [reach_a, reach_b] = V::load2(four(reach, k));
-            n.cross(wa.times(reach_a).plus(wb.times(reach_b)))
+            normals.cross(wa.times(reach_a).plus(wb.times(reach_b)))
         } else {
             let [p, q, r, s] = four(arms, k);
             wb.cross(V::load3(&[p[1], q[1], r[1], s[1]])).minus(wa.cross(V::load3(&[p[0], q[0], r[0], s[0]])))
         };
-        let gradient = vb.minus(va).plus(turned).plus(n.times(offset));
+        let gradient = vb.minus(va).plus(turned).plus(normals.times(offset));
         let (x, eta) = (V::load3(four(x, k)), V::load(four(eta, k)));
         let y = x.plus(x.minus(V::load3(four(previous, k))).times(beta));
         let [p, q, r, s] = four(law, k);
@@ -145,12 +185,28 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
             op.laws[*r as usize].friction,
             op.laws[*s as usize].friction,
         ]);
-        let z = project(y.minus(gradient.times(eta * step_v)), n, mu);
-        V::store3(z, (&mut next[k..k + LANES]).try_into().expect("four rows"));
+        let z = project(y.minus(gradient.times(eta * step_v)), normals, mu);
+        let next: &mut [DVec3; LANES] = (&mut next[k..k + LANES]).try_into().expect("four rows");
+        V::store3(z, next);
         let d = z.minus(y);
-        sums = [sums[0] + d.dot(d) / eta, sums[1] + gradient.dot(z.minus(x))];
+        done = [done[0] + d.dot(d) / eta, done[1] + gradient.dot(z.minus(x))];
+        let Some(sums) = sums else { continue };
+        if BALLS {
+            let ([reach_a, reach_b], turn) = (V::load2(four(reach, k)), z.cross(normals));
+            let to_a = V::to_twists(z.times(V::splat(-1.0)), turn.times(reach_a));
+            let to_b = V::to_twists(z, turn.times(reach_b));
+            for l in 0..LANES {
+                op.give(sums, bodies[k + l][0], &to_a[l]);
+                op.give(sums, bodies[k + l][1], &to_b[l]);
+            }
+        } else {
+            (0..LANES).for_each(|l| op.push(first + k + l, next[l], sums));
+        }
     }
     let rest = any(op, first + whole, &mut next[whole..], from, step);
-    let (moved, slope) = (sums[0].to_array(), sums[1].to_array());
+    if let Some(sums) = sums {
+        (whole..next.len()).for_each(|k| op.push(first + k, next[k], sums));
+    }
+    let (moved, slope) = (done[0].to_array(), done[1].to_array());
     [moved[0] + moved[1] + moved[2] + moved[3] + rest[0], slope[0] + slope[1] + slope[2] + slope[3] + rest[1]]
 }

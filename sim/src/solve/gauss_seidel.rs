@@ -23,9 +23,9 @@ pub fn run(
     for iteration in 1..=settings.most_iterations(n) {
         let twist = Cells::new(&mut image.twist);
         let (values, now) = (Cells::new(gamma), &*op);
-        let visit = |blocks: &[u32]| visit::visit(now, blocks, &twist, &values, omega);
-        let missed: f64 =
-            work.colored.colors().map(|color| share(color.par_chunks(TASK), color.len() <= LITTLE, visit)).sum();
+        let visit = |blocks: &[u32]| [visit::visit(now, blocks, &twist, &values, omega)];
+        let visit_color = |color: &[u32]| share(color.par_chunks(TASK), color.len() <= LITTLE, visit);
+        let [missed] = work.colored.colors().map(visit_color).fold([0.0], add);
         op.settle(image);
         outcome = Outcome { iterations: iteration, residual: missed.sqrt() / n as f64 };
         if outcome.residual <= settings.tolerance {

@@ -68,6 +68,8 @@ pub trait Lanes4: Lanes<f64, 4> {
     fn load2(v: &[[f64; 2]; 4]) -> [Self; 2];
     /// Four motions: linear and angular.
     fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2];
+    /// Write four motions.
+    fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4];
 }
 
 /// Lanes as an array.
@@ -148,6 +150,11 @@ impl Lanes4 for Plain<f64, 4> {
     #[inline(always)]
     fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2] {
         [Self::load3(&t.map(|t| t.v)), Self::load3(&t.map(|t| t.w))]
+    }
+    #[inline(always)]
+    fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4] {
+        let vector = |u: &Lane3<Self>, l: usize| DVec3::new(u.x.0[l], u.y.0[l], u.z.0[l]);
+        std::array::from_fn(|l| Twist { v: vector(&v, l), w: vector(&w, l) })
     }
 }
 
@@ -338,6 +345,10 @@ mod wide {
         fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2] {
             unsafe { twists(t) }
         }
+        #[inline(always)]
+        fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4] {
+            unsafe { to_twists(v, w) }
+        }
     }
 
     /// Twelve numbers in a row as the components of four vectors.
@@ -389,6 +400,30 @@ mod wide {
         let (p, q) = (_mm256_set_m128d(rest[2], rest[0]), _mm256_set_m128d(rest[3], rest[1]));
         let (wy, wz) = (Wide(_mm256_unpacklo_pd(p, q)), Wide(_mm256_unpackhi_pd(p, q)));
         [Lane3 { x: vx, y: vy, z: vz }, Lane3 { x: wx, y: wy, z: wz }]
+    }
+
+    /// The way back.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    unsafe fn to_twists(v: Lane3<Wide<__m256d>>, w: Lane3<Wide<__m256d>>) -> [Twist; 4] {
+        let first = transpose4([v.x, v.y, v.z, w.x]);
+        // y₀ z₀ y₂ z₂ | y₁ z₁ y₃ z₃
+        let (p, q) = (_mm256_unpacklo_pd(w.y.0, w.z.0), _mm256_unpackhi_pd(w.y.0, w.z.0));
+        let rest = [
+            _mm256_castpd256_pd128(p),
+            _mm256_castpd256_pd128(q),
+            _mm256_extractf128_pd::<1>(p),
+            _mm256_extractf128_pd::<1>(q),
+        ];
+        let mut out = [Twist::default(); 4];
+        for i in 0..4 {
+            let numbers: *mut f64 = (&raw mut out[i]).cast();
+            unsafe {
+                _mm256_storeu_pd(numbers, first[i].0);
+                _mm_storeu_pd(numbers.add(4), rest[i]);
+            }
+        }
+        out
     }
 }
 

@@ -8,6 +8,8 @@
 use super::Cells;
 use super::bodies::BodyOperator;
 use crate::Contacts;
+use crate::cpu::ALONE;
+use crate::state::Tiles;
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -54,6 +56,21 @@ impl Colored {
     }
 }
 
+/// Visit every contact once, several at a time that share no moving body.
+pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
+    let n = contacts.len();
+    if n == 0 {
+        return;
+    }
+    let tile = |first: u32, end: u32| (first as usize..end as usize).for_each(&visit);
+    let Tiles { start, .. } = &contacts.tiles;
+    for round in contacts.tiles.rounds() {
+        let tasks = round.par_windows(2).with_min_len(if n <= ALONE { round.len() } else { 1 });
+        tasks.for_each(|ends| tile(ends[0], ends[1]));
+    }
+    tile(start[start.len() - 1], n as u32);
+}
+
 /// A bed's contacts by tiles.
 #[derive(Default)]
 pub struct Tiled {
@@ -80,14 +97,5 @@ impl Tiled {
         taken.fill(0);
         let rest = tiles.start[tiles.start.len() - 1]..op.contacts.len() as u32;
         self.shared.fill(rest, bodies, &Cells::new(&mut taken));
-    }
-
-    /// Visit every contact once, several at a time that share no moving body.
-    pub fn each(&self, visit: impl Fn(usize) + Sync) {
-        for round in &self.rounds {
-            let tiles = round.par_iter().with_max_len(1);
-            tiles.for_each(|tile| tile.order.iter().for_each(|i| visit(*i as usize)));
-        }
-        self.shared.order.iter().for_each(|i| visit(*i as usize));
     }
 }
