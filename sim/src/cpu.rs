@@ -3,6 +3,7 @@
 //! Every stage that runs in parallel cuts its rows into pieces of fixed length, so that results are the same bits for any
 //! number of threads.
 
+mod ball_pairs;
 pub mod bin_emit;
 pub mod bin_start;
 pub mod bounds;

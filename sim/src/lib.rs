@@ -12,6 +12,7 @@ mod cpu;
 mod fill;
 pub mod geometry;
 pub mod joint;
+mod lanes;
 pub mod load;
 pub mod model_file;
 mod probe;

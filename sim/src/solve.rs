@@ -15,7 +15,6 @@ mod exact;
 mod gauss_seidel;
 mod jacobi;
 pub mod joints;
-mod lanes;
 mod ldl;
 pub mod matrix;
 pub mod problem;

@@ -47,6 +47,13 @@ impl Ball {
         Ball { centre, reach: radius + margin as f64, radius, body, material: model.shape_material[s] }
     }
 
+    /// Whether another is within both margins.
+    #[inline(always)]
+    pub fn is_near(&self, other: &Ball) -> bool {
+        let reach = self.reach + other.reach;
+        (self.centre - other.centre).length_squared() <= reach * reach
+    }
+
     /// The box around it and its margin.
     #[inline(always)]
     fn tight(&self) -> Aabb {

@@ -10,9 +10,11 @@
 use super::bounds::{self, Ball};
 use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
 use super::pair_write::Pairs;
-use super::{PIECE, cut};
+use super::{PIECE, ball_pairs, cut};
+use crate::lanes::widest;
 use crate::state::{Arms, Tiles};
 use crate::{Contacts, Model, ShapeKind, State};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// What the stage reads.
@@ -75,26 +77,85 @@ impl Touching {
     }
 }
 
+/// The rows of a piece's contacts.
+pub struct Rows<'a, A> {
+    /// Bodies A and B.
+    pub bodies: &'a mut [[u32; 2]],
+    /// What each is known by.
+    pub key: &'a mut [[u32; 3]],
+    /// Unit normal, out of A.
+    pub normal: &'a mut [DVec3],
+    /// Gap, m.
+    pub gap: &'a mut [f64],
+    /// The law that holds.
+    pub law: &'a mut [u32],
+    /// The arms.
+    pub arms: &'a mut [A],
+}
+
+impl<A> Rows<'_, A> {
+    /// Write row `i`: two shapes, as far as balls go, touch in a point. `arms_of` makes the arms of two bodies that touch in a
+    /// point, of which those that are balls have the radii given.
+    #[inline(always)]
+    pub fn put(
+        &mut self,
+        i: usize,
+        [p, q]: [Ball; 2],
+        key: [u32; 3],
+        point: &Point,
+        n_materials: u32,
+        arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
+    ) {
+        let turned = p.body > q.body;
+        let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
+        self.bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
+        self.key[i] = key;
+        self.normal[i] = if turned { -point.normal } else { point.normal };
+        self.gap[i] = point.gap;
+        self.law[i] = p.material * n_materials + q.material;
+        self.arms[i] = arms_of(self.bodies[i], point, radii);
+    }
+}
+
+/// The lengths of the arms of balls: the contact point is half the gap away from a ball's surface.
+pub fn along(_: [u32; 2], point: &Point, radii: [f64; 2]) -> [f64; 2] {
+    radii.map(|r| r + 0.5 * point.gap)
+}
+
 /// The stage. `touching` is scratch.
 pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mut Contacts) {
-    let arms = std::mem::take(&mut contacts.arms);
-    if at.balls.is_empty() {
-        let middle = |bodies: [u32; 2], point: &Point, _| {
-            let middle = 0.5 * (point.on_first + point.on_second);
-            bodies.map(|b| middle - at.state.position[b as usize])
-        };
-        let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
-        let ball = |s: u32| Ball::of(at.model, at.state, s as usize, at.margin[s as usize]);
-        find_and_write(at, ball, candidate, touching, contacts, &mut arms, middle);
-        contacts.arms = Arms::Any(arms);
-    } else {
-        // The contact point is half the gap away from a ball's surface.
-        let along = |_, point: &Point, radii: [f64; 2]| radii.map(|r| r + 0.5 * point.gap);
-        let mut arms = if let Arms::Along(arms) = arms { arms } else { vec![] };
-        let ball = |s: u32| at.balls[s as usize];
-        find_and_write(at, ball, candidate, touching, contacts, &mut arms, along);
-        contacts.arms = Arms::Along(arms);
-    }
+    let n_materials = at.model.material_names.len() as u32;
+    contacts.arms = match std::mem::take(&mut contacts.arms) {
+        arms if at.balls.is_empty() => {
+            let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
+            let middle = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
+                let middle = 0.5 * (point.on_first + point.on_second);
+                bodies.map(|b| middle - at.state.position[b as usize])
+            };
+            let ball = |s: u32| Ball::of(at.model, at.state, s as usize, at.margin[s as usize]);
+            let find = |pairs: &[[u32; 2]], place: &mut [u32]| find_balls(pairs, ball, place);
+            let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
+                for (i, place) in places.iter().enumerate() {
+                    let pair = pairs[*place as usize];
+                    let [p, q] = pair.map(ball);
+                    let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
+                    rows.put(i, [p, q], [pair[0], pair[1], point.feature], &point, n_materials, middle);
+                }
+            };
+            find_and_write(at, candidate, touching, contacts, &mut arms, (find, write, middle));
+            Arms::Any(arms)
+        }
+        arms => {
+            let mut arms = if let Arms::Along(arms) = arms { arms } else { vec![] };
+            let balls = at.balls;
+            let find = |pairs: &[[u32; 2]], place: &mut [u32]| widest(ball_pairs::Find { pairs, balls, place });
+            let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
+                widest(ball_pairs::Write { pairs, places, balls, n_materials, rows })
+            };
+            find_and_write(at, candidate, touching, contacts, &mut arms, (find, write, along));
+            Arms::Along(arms)
+        }
+    };
     let first = touching.lengths().scan(0, |first, n| {
         *first += n as u32;
         Some(*first - n as u32)
@@ -102,16 +163,19 @@ pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mu
     contacts.tiles = Tiles { start: first.collect(), n_first: candidate.n_first };
 }
 
-/// The stage, but for the tiles. `ball` gives a shape that is a ball; `arms_of` makes the arms of two bodies
-/// that touch in a point, of which those that are balls have the radii given.
+/// The stage, but for the tiles: `find` puts the places of balls that touch into a column and returns how many, `write` writes
+/// their contacts, and `arms_of` makes the arms of the others.
 fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
-    ball: impl Fn(u32) -> Ball + Sync,
     candidate: &Pairs,
     touching: &mut Touching,
     contacts: &mut Contacts,
     arms: &mut Vec<A>,
-    arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A + Sync,
+    (find, write, arms_of): (
+        impl Fn(&[[u32; 2]], &mut [u32]) -> usize + Sync,
+        impl Fn(&[[u32; 2]], &[u32], &mut Rows<A>) + Sync,
+        impl Fn([u32; 2], &Point, [f64; 2]) -> A + Sync,
+    ),
 ) {
     let pieces = &candidate.pieces;
     let Touching { balls, others } = touching;
@@ -124,7 +188,7 @@ fn find_and_write<A: Copy + Default + Send>(
     let rooms = cut(&mut balls.place, balls.room.iter().copied());
     let each = (rooms, &mut balls.n, others, pieces).into_par_iter().with_min_len(least).with_max_len(least);
     each.for_each(|(room, n, others, piece)| {
-        *n = find_balls(&piece.balls, &ball, room);
+        *n = find(&piece.balls, room);
         others.find(at, &piece.others);
     });
 
@@ -142,39 +206,23 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_materials = at.model.material_names.len() as u32;
     columns.into_par_iter().with_min_len(least).with_max_len(least).for_each(
         |((piece, places, others), bodies, key, normal, gap, law, arms)| {
-            let mut i = 0;
-            let mut write = |[p, q]: [Ball; 2], key_of_pair, point: &Point| {
-                let turned = p.body > q.body;
-                let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
-                bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
-                key[i] = key_of_pair;
-                normal[i] = if turned { -point.normal } else { point.normal };
-                gap[i] = point.gap;
-                law[i] = p.material * n_materials + q.material;
-                arms[i] = arms_of(bodies[i], point, radii);
+            let mut rows = Rows { bodies, key, normal, gap, law, arms };
+            write(&piece.balls, places, &mut rows);
+            let mut i = places.len();
+            others.each(at.model, &piece.others, |pair, key, point| {
+                rows.put(i, pair, key, point, n_materials, &arms_of);
                 i += 1;
-            };
-            for place in places {
-                let pair = piece.balls[*place as usize];
-                let [p, q] = pair.map(&ball);
-                let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
-                write([p, q], [pair[0], pair[1], point.feature], &point);
-            }
-            others.each(at.model, &piece.others, write);
+            });
         },
     );
 }
 
-/// Find which balls touch; returns how many, and their places at the beginning of `place`. Nothing foretells which, so that every
-/// pair is written and only those that touch are counted.
-#[inline(always)]
+/// Find which of any balls touch, as [`ball_pairs::Find`] does.
 fn find_balls(pairs: &[[u32; 2]], ball: impl Fn(u32) -> Ball, place: &mut [u32]) -> usize {
     let mut n = 0;
     for (k, [s, t]) in pairs.iter().enumerate() {
-        let (p, q) = (ball(*s), ball(*t));
-        let reach = p.reach + q.reach;
         place[n] = k as u32;
-        n += ((p.centre - q.centre).length_squared() <= reach * reach) as usize;
+        n += ball(*s).is_near(&ball(*t)) as usize;
     }
     n
 }

@@ -11,13 +11,13 @@
 //! from the impulses after it, so that no rounding of it is left in the momentum.
 
 use super::bodies::BodyOperator;
-#[cfg(target_arch = "x86_64")]
-use super::lanes::Wide;
-use super::lanes::{Lane3, Lanes, Plain, Real, project};
 use super::schedule::{Colored, Tiled};
 use super::{Cells, Image, Operator, Outcome, SolverSettings, Twist, Workspace, share};
 use crate::FrictionLaw;
 use crate::cpu::{add, cut, fill_rows};
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Wide;
+use crate::lanes::{Lane3, Lanes, Plain, Real, project};
 use crate::state::Arms;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! N = Dᵀ M̃⁻¹ D, matrix-free: each block gives its impulse to its two bodies, tile by tile ([`crate::state::Tiles`]) and in a
+//! N = Dᵀ M̃⁻¹ D, matrix-free: each block gives its impulse to its two bodies, tile by tile (`state::Tiles`) and in a
 //! fixed order, the joints answer, and the relative velocities are read block by block.
 //!
 //! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;

@@ -4,11 +4,9 @@
 //! machine, so that all machines agree.
 
 use super::bodies::BodyOperator;
-#[cfg(target_arch = "x86_64")]
-use super::lanes::Wide;
-use super::lanes::{Lanes4, Plain, project};
 use super::{Cells, Extrapolated, Image, Operator, Twist, share};
 use crate::cpu::{ALONE, add, cut, sweep};
+use crate::lanes::{Kernel, Lanes4, four, four_mut, project, widest};
 use crate::state::Arms;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -69,75 +67,41 @@ pub fn contacts(
         let (own, after) = rest.split_at_mut(lengths.clone().sum());
         rest = after;
         let tiles = cut(own, lengths).into_par_iter().zip(starts).with_max_len(1);
-        let visit = |(rows, first): (&mut [DVec3], &u32)| run(op, *first as usize, rows, from, step, Some(sums));
+        let visit = |(next, first): (&mut [DVec3], &u32)| {
+            widest(Contacts { op, first: *first as usize, next, from, step, sums: Some(sums) })
+        };
         done = add(done, share(tiles, n <= ALONE, visit));
     }
     let first = n - rest.len();
-    done = add(done, sweep(rest, |k, rows| run(op, first + k, rows, from, step, None)));
+    done = add(done, sweep(rest, |k, next| widest(Contacts { op, first: first + k, next, from, step, sums: None })));
     rest.iter().enumerate().for_each(|(k, z)| op.push(first + k, *z, sums));
     done
 }
 
-/// For some contacts; what they give to their bodies is added to `sums`, if there are any.
-fn run(
-    op: &BodyOperator,
+/// Some contacts; what they give to their bodies is added to `sums`, if there are any.
+struct Contacts<'a> {
+    op: &'a BodyOperator<'a>,
     first: usize,
-    next: &mut [DVec3],
-    from: &Extrapolated,
+    next: &'a mut [DVec3],
+    from: &'a Extrapolated<'a>,
     step: f64,
-    sums: Option<&Cells<Twist>>,
-) -> [f64; 2] {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        unsafe fn wide(
-            op: &BodyOperator,
-            first: usize,
-            next: &mut [DVec3],
-            from: &Extrapolated,
-            step: f64,
-            sums: Option<&Cells<Twist>>,
-        ) -> [f64; 2] {
-            run_either::<Wide<std::arch::x86_64::__m256d>>(op, first, next, from, step, sums)
-        }
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2.
-            return unsafe { wide(op, first, next, from, step, sums) };
+    sums: Option<&'a Cells<'a, Twist>>,
+}
+
+impl Kernel for Contacts<'_> {
+    type Out = [f64; 2];
+
+    #[inline(always)]
+    fn run<V: Lanes4>(self) -> [f64; 2] {
+        match self.op.contacts.arms {
+            Arms::Any(_) => run::<V, false>(self),
+            Arms::Along(_) => run::<V, true>(self),
         }
     }
-    run_either::<Plain<f64, LANES>>(op, first, next, from, step, sums)
 }
 
 #[inline(always)]
-fn run_either<V: Lanes4>(
-    op: &BodyOperator,
-    first: usize,
-    next: &mut [DVec3],
-    from: &Extrapolated,
-    step: f64,
-    sums: Option<&Cells<Twist>>,
-) -> [f64; 2] {
-    match op.contacts.arms {
-        Arms::Any(_) => run_lanes::<V, false>(op, first, next, from, step, sums),
-        Arms::Along(_) => run_lanes::<V, true>(op, first, next, from, step, sums),
-    }
-}
-
-/// The next four rows of a column.
-#[inline(always)]
-fn four<T>(column: &[T], k: usize) -> &[T; LANES] {
-    column[k..k + LANES].try_into().expect("four rows")
-}
-
-#[inline(always)]
-fn run_lanes<V: Lanes4, const BALLS: bool>(
-    op: &BodyOperator,
-    first: usize,
-    next: &mut [DVec3],
-    from: &Extrapolated,
-    step: f64,
-    sums: Option<&Cells<Twist>>,
-) -> [f64; 2] {
+fn run<V: Lanes4, const BALLS: bool>(Contacts { op, first, next, from, step, sums }: Contacts) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
     let c = op.contacts;
@@ -186,7 +150,7 @@ fn run_lanes<V: Lanes4, const BALLS: bool>(
             op.laws[*s as usize].friction,
         ]);
         let z = project(y.minus(gradient.times(eta * step_v)), normals, mu);
-        let next: &mut [DVec3; LANES] = (&mut next[k..k + LANES]).try_into().expect("four rows");
+        let next = four_mut(next, k);
         V::store3(z, next);
         let d = z.minus(y);
         done = [done[0] + d.dot(d) / eta, done[1] + gradient.dot(z.minus(x))];

@@ -2,9 +2,10 @@
 //! No operation is fused: all machines get the same bits.
 //!
 //! A kernel is a function generic over [`Lanes`], `#[inline(always)]` down to here, which a function compiled for AVX2 calls with
-//! [`Wide`] and one that is not with [`Plain`]. No closures on the way: they would be compiled for plain processors.
+//! [`Wide`] and one that is not with [`Plain`] ([`widest`] does this for those of double precision). No closures on the way: they
+//! would be compiled for plain processors.
 
-use super::Twist;
+use crate::solve::Twist;
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -60,6 +61,8 @@ pub trait Lanes<T: Real, const L: usize>:
 
 /// Double precision, four contacts: what the descent methods read of them.
 pub trait Lanes4: Lanes<f64, 4> {
+    /// Bit l says whether lane l of `self` ≤ that of `most`.
+    fn at_most(self, most: Self) -> u32;
     /// Four vectors.
     fn load3(v: &[DVec3; 4]) -> Lane3<Self>;
     /// Write four vectors.
@@ -70,6 +73,42 @@ pub trait Lanes4: Lanes<f64, 4> {
     fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2];
     /// Write four motions.
     fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4];
+}
+
+/// A kernel of double precision, four contacts side by side, with what it works on.
+pub trait Kernel {
+    /// What comes out.
+    type Out;
+    /// Do it; `#[inline(always)]`.
+    fn run<V: Lanes4>(self) -> Self::Out;
+}
+
+/// Run a kernel with the widest lanes that the processor has.
+pub fn widest<K: Kernel>(kernel: K) -> K::Out {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        unsafe fn wide<K: Kernel>(kernel: K) -> K::Out {
+            kernel.run::<Wide<std::arch::x86_64::__m256d>>()
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            return unsafe { wide(kernel) };
+        }
+    }
+    kernel.run::<Plain<f64, 4>>()
+}
+
+/// The next four rows of a column.
+#[inline(always)]
+pub fn four<T>(column: &[T], k: usize) -> &[T; 4] {
+    column[k..k + 4].try_into().expect("four rows")
+}
+
+/// The same, to be written.
+#[inline(always)]
+pub fn four_mut<T>(column: &mut [T], k: usize) -> &mut [T; 4] {
+    (&mut column[k..k + 4]).try_into().expect("four rows")
 }
 
 /// Lanes as an array.
@@ -135,6 +174,10 @@ plain!(f32);
 plain!(f64);
 
 impl Lanes4 for Plain<f64, 4> {
+    #[inline(always)]
+    fn at_most(self, most: Self) -> u32 {
+        (0..4).fold(0, |bits, l| bits | ((self.0[l] <= most.0[l]) as u32) << l)
+    }
     #[inline(always)]
     fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
         Lane3 { x: Plain(v.map(|v| v.x)), y: Plain(v.map(|v| v.y)), z: Plain(v.map(|v| v.z)) }
@@ -328,6 +371,10 @@ mod wide {
 
     impl Lanes4 for Wide<__m256d> {
         #[inline(always)]
+        fn at_most(self, most: Self) -> u32 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) as u32 }
+        }
+        #[inline(always)]
         fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
             let [x, y, z] = unsafe { load3(v.as_ptr().cast()) };
             Lane3 { x: Wide(x), y: Wide(y), z: Wide(z) }
@@ -488,18 +535,21 @@ mod tests {
     #[test]
     fn registers_and_arrays_agree() {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide(v: &[DVec3; 4], t: [&Twist; 4], f: &[[f32; 8]; 8], out: &mut [DVec3; 4]) -> [[f32; 8]; 8] {
+        unsafe fn wide(v: &[DVec3; 4], t: [&Twist; 4], f: &[[f32; 8]; 8], out: &mut Out) -> [[f32; 8]; 8] {
             double::<Wide<__m256d>>(v, t, out);
             single::<Wide<__m256>>(f)
         }
-        fn double<V: Lanes4>(v: &[DVec3; 4], t: [&Twist; 4], out: &mut [DVec3; 4]) {
+        /// Vectors, motions and bits.
+        type Out = ([DVec3; 4], [Twist; 4], u32);
+        fn double<V: Lanes4>(v: &[DVec3; 4], t: [&Twist; 4], out: &mut Out) {
             let n = V::load3(v);
             let [lin, ang] = V::twists(t);
             let [a, b] = V::load2(&[[0.1, 0.2], [1.0, -3.0], [0.5, 0.25], [7.0, 9.0]]);
             let n = n.times(V::splat(1.0) / n.dot(n).sqrt());
             let columns = V::columns(&[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]; 4]);
             let row = V::load(&V::rows(columns)[2][..4].try_into().unwrap());
-            V::store3(project(lin.cross(ang).times(a).plus(lin.times(row)), n, b * b), out);
+            V::store3(project(lin.cross(ang).times(a).plus(lin.times(row)), n, b * b), &mut out.0);
+            (out.1, out.2) = (V::to_twists(ang, lin.cross(n)), lin.x.at_most(ang.y));
         }
         fn single<V: Lanes<f32, 8>>(f: &[[f32; 8]; 8]) -> [[f32; 8]; 8] {
             let mut c = V::columns(f);
@@ -516,12 +566,12 @@ mod tests {
         let t: [Twist; 4] = std::array::from_fn(|i| Twist { v: vector(50 + 6 * i), w: vector(53 + 6 * i) });
         let f = std::array::from_fn(|i| std::array::from_fn(|k| number(8 * i + k).abs() as f32 + 0.5));
         let t = [&t[0], &t[1], &t[2], &t[3]];
-        let (mut a, mut b) = ([DVec3::ZERO; 4], [DVec3::ZERO; 4]);
+        let (mut a, mut b): (Out, Out) = Default::default();
         // SAFETY: the processor has AVX2.
         let single_wide = unsafe { wide(&v, t, &f, &mut a) };
         double::<Plain<f64, 4>>(&v, t, &mut b);
         assert_eq!(a, b);
         assert_eq!(single_wide, single::<Plain<f32, 8>>(&f));
-        assert!(a.iter().all(|v| v.is_finite()) && a != [DVec3::ZERO; 4]);
+        assert!(a.0.iter().all(|v| v.is_finite()) && a.0 != [DVec3::ZERO; 4] && a.2 != 0 && a.2 != 15);
     }
 }
