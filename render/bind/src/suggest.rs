@@ -75,14 +75,14 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     })
 }
 
-/// The box around boxes; of very many, without the few that lie farthest out, as stray grains do.
+/// The box around boxes; of many, without the few that lie farthest out, as stray grains do.
 fn extent(boxes: &[[Vec3; 2]]) -> [Vec3; 2] {
-    /// Boxes from which on one in a hundred is left out on each side.
-    const MANY: usize = 300;
+    /// Boxes from which on three in a hundred are left out on each side.
+    const MANY: usize = 60;
     let end = |side: usize, axis: usize| {
         let mut x: Vec<f32> = boxes.iter().map(|b| b[side][axis]).collect();
         x.sort_by(f32::total_cmp);
-        let skip = if x.len() >= MANY { x.len() / 100 } else { 0 };
+        let skip = if x.len() >= MANY { x.len() * 3 / 100 } else { 0 };
         let k = if side == 0 { skip } else { x.len().saturating_sub(1 + skip) };
         x.get(k).copied().unwrap_or(f32::NAN)
     };
