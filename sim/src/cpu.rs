@@ -8,6 +8,7 @@ pub mod bin_emit;
 pub mod bin_start;
 pub mod bounds;
 pub mod collide;
+mod contact_rows;
 pub mod contact_solve;
 pub mod contact_write;
 pub mod force;

@@ -18,7 +18,7 @@
 //! Computer Aided Kinematics and Dynamics, ch. 9 for the forms of Ψ.
 
 use crate::load::Function;
-use crate::solve::Twist;
+use crate::twist::Twist;
 use crate::{Model, Pose, State};
 use glam::DVec3;
 

@@ -5,7 +5,7 @@
 //! [`Wide`] and one that is not with [`Plain`] ([`widest`] does this for those of double precision). No closures on the way: they
 //! would be compiled for plain processors.
 
-use crate::solve::Twist;
+use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -21,6 +21,7 @@ pub mod stages;
 mod state;
 mod table;
 mod terrain;
+mod twist;
 pub mod workload;
 
 pub use builder::ModelBuilder;

@@ -21,6 +21,8 @@ pub mod problem;
 mod schedule;
 mod visit;
 
+pub use crate::twist::Twist;
+
 use crate::FrictionLaw;
 use crate::cpu::{add, fill_rows, sum_rows, sweep};
 use glam::{DMat3, DVec3};
@@ -112,34 +114,6 @@ pub struct Outcome {
     pub iterations: u32,
     /// `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks` with g = 10⁻³ η: the velocity, m/s, by which contacts still miss their cones.
     pub residual: f64,
-}
-
-/// A motion: of a body, its linear and angular velocity in the world frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Twist {
-    /// Linear, m/s.
-    pub v: DVec3,
-    /// Angular, rad/s.
-    pub w: DVec3,
-}
-
-impl Twist {
-    #[inline(always)]
-    fn plus(&self, other: &Twist) -> Twist {
-        Twist { v: self.v + other.v, w: self.w + other.w }
-    }
-
-    #[inline(always)]
-    fn minus(&self, other: &Twist) -> Twist {
-        Twist { v: self.v - other.v, w: self.w - other.w }
-    }
-
-    /// `self + β (self − from)`.
-    #[inline(always)]
-    fn beyond(&self, from: &Twist, beta: f64) -> Twist {
-        Twist { v: self.v + (self.v - from.v) * beta, w: self.w + (self.w - from.w) * beta }
-    }
 }
 
 /// What an operator makes of multipliers, in the space where it is cheap to combine: all motions, and the joints' multipliers.

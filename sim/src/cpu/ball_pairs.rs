@@ -2,9 +2,9 @@
 
 use super::bounds::Ball;
 use super::collide::collide_balls;
-use super::contact_write::{Rows, along};
+use super::contact_rows::{Rows, along};
 use crate::lanes::{Kernel, Lane3, Lanes4, four, four_mut};
-use crate::solve::Twist;
+use crate::twist::Twist;
 
 /// Four balls.
 struct Balls<V> {

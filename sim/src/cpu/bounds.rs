@@ -11,7 +11,7 @@
 //! box leaves its own. Contacts hang on the tight boxes alone, so that the room changes no result but their order.
 
 use super::{Aabb, fill_rows, sweep, sweep_two};
-use crate::solve::Twist;
+use crate::twist::Twist;
 use crate::{Model, ShapeKind, State};
 use glam::{DMat3, DVec3, Vec3A};
 

@@ -9,12 +9,12 @@
 
 use super::bounds::{self, Ball};
 use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
+use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
 use super::{PIECE, ball_pairs, cut};
 use crate::lanes::widest;
 use crate::state::{Arms, Tiles};
 use crate::{Contacts, Model, ShapeKind, State};
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// What the stage reads.
@@ -75,51 +75,6 @@ impl Touching {
     pub fn lengths(&self) -> impl Iterator<Item = usize> {
         self.balls.n.iter().zip(&self.others).map(|(n, others)| n + others.point.len())
     }
-}
-
-/// The rows of a piece's contacts.
-pub struct Rows<'a, A> {
-    /// Bodies A and B.
-    pub bodies: &'a mut [[u32; 2]],
-    /// What each is known by.
-    pub key: &'a mut [[u32; 3]],
-    /// Unit normal, out of A.
-    pub normal: &'a mut [DVec3],
-    /// Gap, m.
-    pub gap: &'a mut [f64],
-    /// The law that holds.
-    pub law: &'a mut [u32],
-    /// The arms.
-    pub arms: &'a mut [A],
-}
-
-impl<A> Rows<'_, A> {
-    /// Write row `i`: two shapes, as far as balls go, touch in a point. `arms_of` makes the arms of two bodies that touch in a
-    /// point, of which those that are balls have the radii given.
-    #[inline(always)]
-    pub fn put(
-        &mut self,
-        i: usize,
-        [p, q]: [Ball; 2],
-        key: [u32; 3],
-        point: &Point,
-        n_materials: u32,
-        arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
-    ) {
-        let turned = p.body > q.body;
-        let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
-        self.bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
-        self.key[i] = key;
-        self.normal[i] = if turned { -point.normal } else { point.normal };
-        self.gap[i] = point.gap;
-        self.law[i] = p.material * n_materials + q.material;
-        self.arms[i] = arms_of(self.bodies[i], point, radii);
-    }
-}
-
-/// The lengths of the arms of balls: the contact point is half the gap away from a ball's surface.
-pub fn along(_: [u32; 2], point: &Point, radii: [f64; 2]) -> [f64; 2] {
-    radii.map(|r| r + 0.5 * point.gap)
 }
 
 /// The stage. `touching` is scratch.

@@ -8,8 +8,8 @@
 use super::contact_solve::Workspace;
 use super::fill_rows;
 use crate::joint::frames;
-use crate::solve::Twist;
 use crate::solve::bodies::Falling;
+use crate::twist::Twist;
 use crate::{Method, Model, State};
 use glam::DVec3;
 

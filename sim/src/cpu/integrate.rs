@@ -6,8 +6,8 @@
 //! frame is carried over it, so that a free body keeps it to round-off.
 
 use super::PIECE;
-use crate::solve::Twist;
 use crate::state::is_isotropic;
+use crate::twist::Twist;
 use crate::{Model, State};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
