@@ -1,7 +1,6 @@
 //! Candidates of two balls in a model that has balls only, four at a time.
 
 use super::bounds::Ball;
-use super::collide::collide_balls;
 use super::contact_rows::{Rows, along};
 use crate::lanes::{Kernel, Lane3, Lanes4, four, four_mut};
 use crate::twist::Twist;
@@ -67,8 +66,6 @@ pub struct Write<'a, 'b> {
     pub places: &'a [u32],
     /// The balls (n_shapes).
     pub balls: &'a [Ball],
-    /// Materials that the model has.
-    pub n_materials: u32,
     /// Where to.
     pub rows: &'a mut Rows<'b, [f64; 2]>,
 }
@@ -78,7 +75,7 @@ impl Kernel for Write<'_, '_> {
 
     #[inline(always)]
     fn run<V: Lanes4>(self) {
-        let Write { pairs, places, balls, n_materials, rows } = self;
+        let Write { pairs, places, balls, rows } = self;
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let whole = places.len() - places.len() % 4;
         for k in (0..whole).step_by(4) {
@@ -97,7 +94,7 @@ impl Kernel for Write<'_, '_> {
                 rows.bodies[k + l] = if turned { [q.body, p.body] } else { [p.body, q.body] };
                 rows.arms[k + l] = if turned { [reach_q[l], reach_p[l]] } else { [reach_p[l], reach_q[l]] };
                 rows.key[k + l] = [s, t, 0];
-                rows.law[k + l] = p.material * n_materials + q.material;
+                rows.law[k + l] = p.material * rows.n_materials + q.material;
                 out[l] = if turned { -1.0 } else { 1.0 };
             }
             let normal = Lane3 {
@@ -110,9 +107,7 @@ impl Kernel for Write<'_, '_> {
         }
         for (k, place) in places.iter().enumerate().skip(whole) {
             let pair = pairs[*place as usize];
-            let [p, q] = pair.map(|s| balls[s as usize]);
-            let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
-            rows.put(k, [p, q], [pair[0], pair[1], point.feature], &point, n_materials, along);
+            rows.put_balls(k, pair, pair.map(|s| balls[s as usize]), along);
         }
     }
 }
@@ -130,7 +125,7 @@ mod tests {
         let mut c: Columns =
             (vec![[0; 2]; n], vec![[0; 3]; n], vec![DVec3::ZERO; n], vec![0.0; n], vec![0; n], vec![[0.0; 2]; n]);
         let (bodies, key, normal, gap, law, arms) = (&mut c.0, &mut c.1, &mut c.2, &mut c.3, &mut c.4, &mut c.5);
-        write(&mut Rows { bodies, key, normal, gap, law, arms });
+        write(&mut Rows { bodies, key, normal, gap, law, arms, n_materials: 3 });
         c
     }
 
@@ -162,17 +157,14 @@ mod tests {
 
         let single = written(n, |rows| {
             for (i, place) in touching.iter().enumerate() {
-                let [s, t] = pairs[*place as usize];
-                let pair = [s, t].map(|s| balls[s as usize]);
-                let [p, q] = pair;
-                let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
-                rows.put(i, pair, [s, t, point.feature], &point, 3, along);
+                let pair = pairs[*place as usize];
+                rows.put_balls(i, pair, pair.map(|s| balls[s as usize]), along);
             }
         });
         let (pairs, places, balls) = (&pairs[..], &touching[..], &balls[..]);
-        let wide = written(n, |rows| widest(Write { pairs, places, balls, n_materials: 3, rows }));
+        let wide = written(n, |rows| widest(Write { pairs, places, balls, rows }));
         assert_eq!(wide, single);
-        let plain = written(n, |rows| Write { pairs, places, balls, n_materials: 3, rows }.run::<Plain<f64, 4>>());
+        let plain = written(n, |rows| Write { pairs, places, balls, rows }.run::<Plain<f64, 4>>());
         assert_eq!(plain, single);
     }
 }

@@ -1,7 +1,7 @@
 //! The rows that `contact_write` fills, piece by piece.
 
 use super::bounds::Ball;
-use super::collide::Point;
+use super::collide::{Point, collide_balls};
 use glam::DVec3;
 
 /// The rows of a piece's contacts.
@@ -18,6 +18,8 @@ pub struct Rows<'a, A> {
     pub law: &'a mut [u32],
     /// The arms.
     pub arms: &'a mut [A],
+    /// Materials that the model has, by which laws are numbered.
+    pub n_materials: u32,
 }
 
 impl<A> Rows<'_, A> {
@@ -30,7 +32,6 @@ impl<A> Rows<'_, A> {
         [p, q]: [Ball; 2],
         key: [u32; 3],
         point: &Point,
-        n_materials: u32,
         arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
     ) {
         let turned = p.body > q.body;
@@ -39,8 +40,21 @@ impl<A> Rows<'_, A> {
         self.key[i] = key;
         self.normal[i] = if turned { -point.normal } else { point.normal };
         self.gap[i] = point.gap;
-        self.law[i] = p.material * n_materials + q.material;
+        self.law[i] = p.material * self.n_materials + q.material;
         self.arms[i] = arms_of(self.bodies[i], point, radii);
+    }
+
+    /// Write row `i`: the balls of two shapes touch.
+    #[inline(always)]
+    pub fn put_balls(
+        &mut self,
+        i: usize,
+        pair: [u32; 2],
+        [p, q]: [Ball; 2],
+        arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
+    ) {
+        let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
+        self.put(i, [p, q], [pair[0], pair[1], point.feature], &point, arms_of);
     }
 }
 

@@ -8,7 +8,7 @@
 //! momentum of the pair to round-off.
 
 use super::bounds::{self, Ball};
-use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_balls, collide_triangle, surface_of};
+use super::collide::{MAX_POINTS, Placed, Point, Points, collide, collide_triangle, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
 use super::{PIECE, ball_pairs, cut};
@@ -79,7 +79,6 @@ impl Touching {
 
 /// The stage. `touching` is scratch.
 pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mut Contacts) {
-    let n_materials = at.model.material_names.len() as u32;
     contacts.arms = match std::mem::take(&mut contacts.arms) {
         arms if at.balls.is_empty() => {
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
@@ -92,9 +91,7 @@ pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mu
             let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
                 for (i, place) in places.iter().enumerate() {
                     let pair = pairs[*place as usize];
-                    let [p, q] = pair.map(ball);
-                    let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
-                    rows.put(i, [p, q], [pair[0], pair[1], point.feature], &point, n_materials, middle);
+                    rows.put_balls(i, pair, pair.map(ball), middle);
                 }
             };
             find_and_write(at, candidate, touching, contacts, &mut arms, (find, write, middle));
@@ -105,7 +102,7 @@ pub fn run(at: &Input, candidate: &Pairs, touching: &mut Touching, contacts: &mu
             let balls = at.balls;
             let find = |pairs: &[[u32; 2]], place: &mut [u32]| widest(ball_pairs::Find { pairs, balls, place });
             let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
-                widest(ball_pairs::Write { pairs, places, balls, n_materials, rows })
+                widest(ball_pairs::Write { pairs, places, balls, rows })
             };
             find_and_write(at, candidate, touching, contacts, &mut arms, (find, write, along));
             Arms::Along(arms)
@@ -161,11 +158,11 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_materials = at.model.material_names.len() as u32;
     columns.into_par_iter().with_min_len(least).with_max_len(least).for_each(
         |((piece, places, others), bodies, key, normal, gap, law, arms)| {
-            let mut rows = Rows { bodies, key, normal, gap, law, arms };
+            let mut rows = Rows { bodies, key, normal, gap, law, arms, n_materials };
             write(&piece.balls, places, &mut rows);
             let mut i = places.len();
             others.each(at.model, &piece.others, |pair, key, point| {
-                rows.put(i, pair, key, point, n_materials, &arms_of);
+                rows.put(i, pair, key, point, &arms_of);
                 i += 1;
             });
         },

@@ -68,18 +68,18 @@ pub fn contacts(
         rest = after;
         let tiles = cut(own, lengths).into_par_iter().zip(starts).with_max_len(1);
         let visit = |(next, first): (&mut [DVec3], &u32)| {
-            widest(Contacts { op, first: *first as usize, next, from, step, sums: Some(sums) })
+            widest(Piece { op, first: *first as usize, next, from, step, sums: Some(sums) })
         };
         done = add(done, share(tiles, n <= ALONE, visit));
     }
     let first = n - rest.len();
-    done = add(done, sweep(rest, |k, next| widest(Contacts { op, first: first + k, next, from, step, sums: None })));
+    done = add(done, sweep(rest, |k, next| widest(Piece { op, first: first + k, next, from, step, sums: None })));
     rest.iter().enumerate().for_each(|(k, z)| op.push(first + k, *z, sums));
     done
 }
 
 /// Some contacts; what they give to their bodies is added to `sums`, if there are any.
-struct Contacts<'a> {
+struct Piece<'a> {
     op: &'a BodyOperator<'a>,
     first: usize,
     next: &'a mut [DVec3],
@@ -88,7 +88,7 @@ struct Contacts<'a> {
     sums: Option<&'a Cells<'a, Twist>>,
 }
 
-impl Kernel for Contacts<'_> {
+impl Kernel for Piece<'_> {
     type Out = [f64; 2];
 
     #[inline(always)]
@@ -101,7 +101,7 @@ impl Kernel for Contacts<'_> {
 }
 
 #[inline(always)]
-fn run<V: Lanes4, const BALLS: bool>(Contacts { op, first, next, from, step, sums }: Contacts) -> [f64; 2] {
+fn run<V: Lanes4, const BALLS: bool>(Piece { op, first, next, from, step, sums }: Piece) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
     let c = op.contacts;

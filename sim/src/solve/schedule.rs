@@ -5,8 +5,8 @@
 //! one thread's, which finds its bodies in its own cache, and only the few contacts in none are coloured for all threads
 //! together.
 
-use super::Cells;
 use super::bodies::BodyOperator;
+use super::{Cells, share};
 use crate::Contacts;
 use crate::cpu::ALONE;
 use crate::state::Tiles;
@@ -65,8 +65,10 @@ pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
     let tile = |first: u32, end: u32| (first as usize..end as usize).for_each(&visit);
     let Tiles { start, .. } = &contacts.tiles;
     for round in contacts.tiles.rounds() {
-        let tasks = round.par_windows(2).with_min_len(if n <= ALONE { round.len() } else { 1 });
-        tasks.for_each(|ends| tile(ends[0], ends[1]));
+        let [] = share(round.par_windows(2), n <= ALONE, |ends| {
+            tile(ends[0], ends[1]);
+            []
+        });
     }
     tile(start[start.len() - 1], n as u32);
 }
