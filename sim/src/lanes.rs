@@ -523,13 +523,25 @@ pub fn project<T: Real, const L: usize, V: Lanes<T, L>>(y: Lane3<V>, n: Lane3<V>
     let kept = reach.up_to(zero - normal, zero, (reach + normal) / (mu * mu + one));
     let share = t.up_to(zero, zero, mu * kept / t);
     let limit = mu * normal;
-    n.times(t.up_to(limit, normal, kept)).plus(tangent.times(t.up_to(limit, one, share)))
+    // Without friction and tangent, what pulls is no less "inside" than what pushes: 0 ≤ −0.
+    let pushing = zero.up_to(normal, normal, zero);
+    n.times(t.up_to(limit, pushing, kept)).plus(tangent.times(t.up_to(limit, one, share)))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
     use std::arch::x86_64::{__m256, __m256d};
+
+    /// A contact without friction pushes along its normal and never pulls, with or without a tangent part.
+    #[test]
+    fn without_friction_nothing_pulls() {
+        let n = Lane3 { x: Plain([0.0f64; 4]), y: Plain([0.0; 4]), z: Plain([1.0; 4]) };
+        let y = Lane3 { x: Plain([0.0, 0.0, 2.0, 2.0]), y: Plain([0.0; 4]), z: Plain([-3.0, 3.0, -3.0, 3.0]) };
+        let z = project(y, n, Plain([0.0; 4]));
+        assert_eq!(z.z.0, [0.0, 3.0, 0.0, 3.0]);
+        assert_eq!(z.x.0, [0.0; 4]);
+    }
 
     /// What registers load, compute and store is what arrays do, to the bit.
     #[test]
