@@ -112,7 +112,8 @@ impl SolverSettings {
 pub struct Outcome {
     /// Iterations done.
     pub iterations: u32,
-    /// `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks` with g = 10⁻³ η: the velocity, m/s, by which contacts still miss their cones.
+    /// `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks` with g = 10⁻³ η: the velocity, m/s, by which contacts still miss their cones;
+    /// rolling blocks count with the speed at their radius of gyration.
     pub residual: f64,
 }
 
@@ -163,6 +164,8 @@ pub trait Operator: Sync {
     fn pull(&self, image: &Image, block: usize) -> DVec3;
     /// dᵀNd for the difference of two multipliers, given by their images.
     fn curvature(&self, a: &Image, b: &Image) -> f64;
+    /// What the rounding of an image may add to a curvature.
+    fn curvature_rounding(&self, image: &Image) -> f64;
     /// A projected step from y = x + β (x − previous): `next = Π(y − t η (N y + r))`. Returns
     /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed. An operator may begin the image of `next` in `to`.
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, _to: &mut Image) -> [f64; 2] {
@@ -179,6 +182,10 @@ pub trait Operator: Sync {
     fn project_cells(&self, block: usize, value: DVec3, gamma: &Cells<DVec3>) -> DVec3;
     /// η of a block: 3/trace(N_ii).
     fn eta(&self, block: usize) -> f64;
+    /// The length by which the velocities of a block become m/s: 1 but where they are rad/s.
+    fn lever(&self, _block: usize) -> f64 {
+        1.0
+    }
     /// N_ii.
     fn diagonal(&self, block: usize) -> DMat3;
     /// Change block i of γ by `d` and the image with it, but for what the joints do.
@@ -235,6 +242,9 @@ impl<'a, T: Copy> Cells<'a, T> {
     }
 }
 
+/// The rounding of an image's numbers, of their size: some units in the last place.
+const ROUNDING: f64 = 1e-15;
+
 /// The methods' own columns, kept from step to step.
 #[derive(Default)]
 pub struct Workspace {
@@ -272,7 +282,8 @@ fn share<T: Send, const K: usize>(
 }
 
 /// The best iterate of a method whose residual does not fall at every step. The residual is looked at now and then, and at the
-/// end.
+/// end. The starting point is no candidate: where a blow has just come its mean residual may be less than that of iterates that
+/// have begun to spread it.
 struct Best {
     outcome: Outcome,
     /// Whether the iterate that was looked at last is the best.
@@ -284,7 +295,7 @@ impl Best {
     const LOOK: [u32; 2] = [10, 25];
 
     fn new() -> Best {
-        Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: false }
+        Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: true }
     }
 
     /// Look at the iterate after `done` iterations, if it is time; whether it is good enough.
@@ -300,20 +311,22 @@ impl Best {
         if !done.is_multiple_of(Self::LOOK[(settings.tolerance <= 0.0) as usize]) && !last {
             return false;
         }
-        let residual = residual(op, gamma, image);
-        self.is_current = residual <= self.outcome.residual;
-        if self.is_current {
-            self.outcome = Outcome { iterations: done, residual };
-            if residual <= settings.tolerance {
-                return true;
-            }
-            if !last {
-                kept.clear();
-                kept.extend_from_slice(gamma);
-                kept_image.copy_from(image);
-            }
+        self.compare(Outcome { iterations: done, residual: residual(op, gamma, image) });
+        let is_enough = self.is_current && self.outcome.residual <= settings.tolerance;
+        if self.is_current && !is_enough && !last {
+            kept.clear();
+            kept.extend_from_slice(gamma);
+            kept_image.copy_from(image);
         }
-        false
+        is_enough
+    }
+
+    /// Compare an iterate with the best one, of those whose residual is finite.
+    fn compare(&mut self, outcome: Outcome) {
+        self.is_current = outcome.residual <= self.outcome.residual || !self.outcome.residual.is_finite();
+        if self.is_current {
+            self.outcome = outcome;
+        }
     }
 
     /// Put the best iterate back where it is not the last one.
@@ -324,6 +337,11 @@ impl Best {
         }
         Outcome { iterations: done, residual: self.outcome.residual }
     }
+}
+
+/// Whether nothing carries and nothing needs to: the starting point without impulses is the solution.
+fn is_idle(op: &impl Operator, gamma: &[DVec3], image: &Image) -> bool {
+    gamma.iter().all(|g| *g == DVec3::ZERO) && residual(op, gamma, image) == 0.0
 }
 
 /// Solve: γ comes in as the starting point and goes out as the solution, `image` as its image.
@@ -360,6 +378,8 @@ pub fn solve(
 /// last step that stopped a fall would otherwise push back, and those of a load that has just come would be too small for as
 /// many iterations as a stack's slowest mode takes, which is the common factor of its impulses.
 fn scale(op: &mut impl Operator, gamma: &mut Vec<DVec3>, image: &mut Image, work: &mut Workspace) {
+    /// Beyond this factor the image is evaluated again: what small impulses add to velocities is rounded.
+    const FAR: f64 = 1e3;
     if gamma.iter().all(|g| *g == DVec3::ZERO) {
         return;
     }
@@ -376,8 +396,12 @@ fn scale(op: &mut impl Operator, gamma: &mut Vec<DVec3>, image: &mut Image, work
         let factor = factor.clamp(0.0, most);
         fill_rows(next, |i| gamma[i] * factor);
         std::mem::swap(gamma, next);
-        image_y.extrapolate(image, image_next, factor - 1.0);
-        std::mem::swap(image, image_y);
+        if factor > FAR {
+            op.image(gamma, image);
+        } else {
+            image_y.extrapolate(image, image_next, factor - 1.0);
+            std::mem::swap(image, image_y);
+        }
     }
 }
 
@@ -389,6 +413,9 @@ fn run(
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
+    if is_idle(op, gamma, image) {
+        return Outcome::default();
+    }
     match settings.method {
         Method::Jacobi => jacobi::run(op, settings, gamma, image, work),
         Method::GaussSeidel => gauss_seidel::run(op, settings, gamma, image, work),
@@ -414,12 +441,29 @@ pub fn project_cone(y: DVec3, n: DVec3, mu: f64) -> DVec3 {
     n * kept + tangent * (mu * kept / t)
 }
 
+/// What a block misses of its cone: `(γ − Π(γ − g (Nγ + r))) / g` with g = 10⁻³ η, m/s (rad/s for rolling blocks).
+#[inline]
+fn missed(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], image: &Image) -> DVec3 {
+    let g = 1e-3 * eta;
+    let gradient = op.pull(image, i);
+    (gamma[i] - op.project(i, gamma[i] - gradient * g, gamma)) / g
+}
+
 /// The residual of γ: see [`Outcome::residual`].
 pub fn residual(op: &impl Operator, gamma: &[DVec3], image: &Image) -> f64 {
     let [sum] = sum_rows(gamma.len(), |i| {
-        let g = 1e-3 * op.eta(i);
-        let gradient = op.pull(image, i);
-        [((gamma[i] - op.project(i, gamma[i] - gradient * g, gamma)) / g).length_squared()]
+        let lever = op.lever(i);
+        [missed(op, i, op.eta(i), gamma, image).length_squared() * (lever * lever)]
     });
     sum.sqrt() / gamma.len() as f64
+}
+
+/// The block that misses its cone by most. There must be blocks; their η are evaluated again, which some methods do not keep.
+pub fn worst_block(op: &impl Operator, gamma: &[DVec3], image: &Image) -> usize {
+    let miss = |i: usize| {
+        let n = op.diagonal(i);
+        let trace = n.x_axis.x + n.y_axis.y + n.z_axis.z;
+        missed(op, i, 3.0 / trace, gamma, image).length_squared() * op.lever(i).powi(2)
+    };
+    (0..gamma.len()).map(|i| (miss(i), i)).fold((-1.0, 0), |worst, now| if now.0 > worst.0 { now } else { worst }).1
 }

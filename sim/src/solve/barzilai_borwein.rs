@@ -11,9 +11,9 @@ pub fn run(
     image: &mut Image,
     work: &mut Workspace,
 ) -> Outcome {
+    let mut best = Best::new();
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut alpha = 1.0;
-    let mut best = Best::new();
     let mut done = 0;
     while done < settings.most_iterations(gamma.len()) {
         done += 1;
@@ -21,7 +21,9 @@ pub fn run(
         let from = Extrapolated { x: gamma, previous: gamma, beta: 0.0, image };
         let [length2, slope] = op.descend(&mut work.next, &from, alpha, &mut work.image_next);
         if !(length2 > 0.0) {
-            return Outcome { iterations: done, residual: residual(op, gamma, image) };
+            // Every block is where its projection leaves it.
+            best.compare(Outcome { iterations: done, residual: residual(op, gamma, image) });
+            break;
         }
         let images = [&mut work.image_next, &mut work.image_y];
         let curvature = op.advance(&work.next, 0.0, [image, image], images);

@@ -6,7 +6,7 @@
 
 use super::joints::Joints;
 use super::schedule::Colored;
-use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone, schedule};
+use super::{Cells, Extrapolated, Image, Operator, ROUNDING, Twist, descend, project_cone, schedule};
 use crate::cpu::contact_solve::Masses;
 use crate::cpu::{add, sum_rows, sweep, sweep_two};
 use crate::joint::Row;
@@ -102,6 +102,14 @@ impl BodyOperator<'_> {
             Block::Roll(i - n)
         } else {
             Block::Limit(i - if self.rolls { 2 * n } else { n })
+        }
+    }
+
+    /// The bodies of a block.
+    pub fn bodies(&self, block: usize) -> [u32; 2] {
+        match self.block(block) {
+            Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i],
+            Block::Limit(i) => self.limits[i].bodies,
         }
     }
 
@@ -275,6 +283,11 @@ impl Operator for BodyOperator<'_> {
         sum_rows(self.masses.inv_mass.len(), energy)[0] + self.joints.compliance(&a.lambda, &b.lambda)
     }
 
+    fn curvature_rounding(&self, image: &Image) -> f64 {
+        let [energy] = sum_rows(self.masses.inv_mass.len(), |b| [self.masses.energy(b, &image.twist[b])]);
+        (energy + self.joints.compliance(&image.lambda, &vec![0.0; image.lambda.len()])) * (ROUNDING * ROUNDING)
+    }
+
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, to: &mut Image) -> [f64; 2] {
         if !self.plain {
             return sweep(next, |first, rows| descend::any(self, first, rows, from, step));
@@ -327,6 +340,15 @@ impl Operator for BodyOperator<'_> {
     #[inline]
     fn eta(&self, i: usize) -> f64 {
         self.eta[i]
+    }
+
+    /// The radius of gyration √(η_roll/η_contact) of a rolling block.
+    #[inline]
+    fn lever(&self, i: usize) -> f64 {
+        match self.block(i) {
+            Block::Roll(contact) => (self.eta[i] / self.eta[contact]).sqrt(),
+            _ => 1.0,
+        }
     }
 
     fn diagonal(&self, i: usize) -> DMat3 {

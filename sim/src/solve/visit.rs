@@ -32,7 +32,7 @@ pub fn visit(
         let d = (z - before) * omega;
         gamma.set(i, before + d);
         op.kick(image, i, d);
-        missed += (d / op.eta(i)).length_squared();
+        missed += (d / op.eta(i) * op.lever(i)).length_squared();
     }
     missed
 }
