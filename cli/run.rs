@@ -3,13 +3,14 @@
 use crate::args::RunArgs;
 use crate::job::{self, Pictures, Yaml};
 use crate::report::Outcome;
-use crate::{movie, render, source};
+use crate::{movie, render, simulate, source};
 use bind::metadata;
 use std::path::{Path, PathBuf};
 
 /// The command.
 pub fn run(args: &RunArgs) -> Outcome {
     let home = args.output.clone().unwrap_or_else(|| job::default_output(&args.input));
+    let mut is_simulated = true;
     let (checked, data) = match job::kind_of(&args.input)? {
         Yaml::Model => {
             source::ensure_run(&args.input, &home, args.fresh)?;
@@ -19,6 +20,7 @@ pub fn run(args: &RunArgs) -> Outcome {
             let checked = metadata::read(&args.input)?;
             // Everything that can be checked before hours of work is checked first.
             job::check_library(&checked, &checked.files(crate::library::files(&checked.folder())))?;
+            is_simulated = checked.metadata.data.is_none();
             let data = source::data_of(&checked, &home, args.fresh)?;
             (checked, data)
         }
@@ -27,7 +29,8 @@ pub fn run(args: &RunArgs) -> Outcome {
     render::pictures_of(&pictures, None, args.pictures.missing, render::Telling::default())?;
     println!("images: {} in {}", pictures.frames.len(), pictures.folder.display());
     encode(&pictures, &home.join(job::stem(&args.input)))?;
-    render::missing_frames(&pictures)
+    render::missing_frames(&pictures)?;
+    if is_simulated { simulate::warned(&home) } else { Ok(()) }
 }
 
 fn encode(pictures: &Pictures, goal: &Path) -> Outcome {

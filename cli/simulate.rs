@@ -5,9 +5,10 @@ use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{geometry, job, sweep};
 use bind::metadata::Data;
-use frame::run::{FORMAT_VERSION, FrameFormat, Index, RunReader, RunWriter};
+use frame::run::{FORMAT_VERSION, FrameFormat, Index, RunReader, RunWriter, WarningEntry};
 use frame::{Fault, FaultKind, atomic, csv, read_text};
-use sim::model_file::{self, ModelFile, Resolved};
+use sim::model_file::{self, ModelFile, OnDivergence, Resolved};
+use sim::watch::{Broken, Warning, WarningCount};
 use sim::{Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line};
 use std::path::Path;
 use std::time::Instant;
@@ -39,7 +40,7 @@ pub fn command(args: &SimulateArgs) -> Outcome {
     let resolved = file.resolve(&doc)?;
     simulate(&file, resolved, &folder, &Span { until: args.until, resume: args.resume })?;
     println!("{}", folder.display());
-    Ok(())
+    warned(&folder)
 }
 
 /// Which part of a run is to be done.
@@ -63,6 +64,22 @@ pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
             && run.index.model_hash == model_hash(file)
             && run.index.frames.len() as u64 == run.index.expected_frames
     })
+}
+
+/// Whether the run in a folder went wrong on its way: its numbers are there, and not to be trusted.
+pub fn warned(folder: &Path) -> Outcome {
+    let warnings = RunReader::open(folder)?.index.warnings;
+    if warnings.is_empty() {
+        return Ok(());
+    }
+    let count = |w: &WarningEntry| format!("{} in {} steps, first at {:.6} s", w.kind, w.steps, w.first_time);
+    let counts: Vec<String> = warnings.iter().map(count).collect();
+    let message = format!(
+        "the run came to its end with warnings: {} (see {}); try a shorter step or more iterations",
+        counts.join("; "),
+        folder.join("run.json").display()
+    );
+    Err(Failure::new(Exit::Partial, message))
 }
 
 /// A run on its way.
@@ -104,6 +121,7 @@ pub fn simulate(file: &ModelFile, mut resolved: Resolved, folder: &Path, span: &
         expected_frames,
         complete: false,
         columns: vec![],
+        warnings: vec![],
         frames: vec![],
     };
     let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
@@ -122,6 +140,7 @@ pub fn simulate(file: &ModelFile, mut resolved: Resolved, folder: &Path, span: &
     }
     run.advance(until, expected_frames)?;
     run.save()?;
+    run.list_warnings();
     run.finish_metadata()?;
     run.writer.finish()?;
     progress.finish();
@@ -224,10 +243,13 @@ impl<'a> Run<'a> {
     fn advance(&mut self, time: f64, number: u64) -> Outcome {
         let h = self.sim.model.step;
         while self.sim.state.time < time - 0.5 * h {
-            self.report.push_str(&report_line(&self.sim.step()));
-            if let Some((body, why)) = self.sim.broken_body() {
-                self.write_series()?;
-                return Err(blown_up(&self.sim, body, &why, number));
+            let step = self.sim.step();
+            self.report.push_str(&report_line(&step));
+            if let Some(broken) = &step.broken {
+                return Err(self.end_early(blown_up(&self.sim, broken, number)));
+            }
+            for warning in &step.warnings {
+                self.warn(warning, number)?;
             }
             self.probe();
             let now = self.sim.state.time;
@@ -250,6 +272,42 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Say a warning, the first time of its kind, or end the run if the model asks for it.
+    fn warn(&mut self, warning: &Warning, number: u64) -> Outcome {
+        let Warning { kind, step, time, message } = warning;
+        if self.file.on_divergence == OnDivergence::Stop {
+            let message = format!(
+                "step {step} ({time:.6} s): {message}; frames before {number} and the last checkpoint are kept"
+            );
+            return Err(self.end_early(Failure::new(Exit::Data, message)));
+        }
+        let is_first = self.sim.state.watch.warnings.iter().any(|w| w.first == *warning);
+        if is_first {
+            eprintln!("warning: step {step} ({time:.6} s): {message}; more of this kind ({}) are counted", kind.name());
+        }
+        Ok(())
+    }
+
+    /// Write the series as far as they go, and what went wrong.
+    fn end_early(&mut self, failure: Failure) -> Failure {
+        self.list_warnings();
+        match self.write_series().and_then(|()| Ok(self.writer.write()?)) {
+            Ok(()) => failure,
+            Err(more) => Failure::new(failure.exit, format!("{failure}\n{more}")),
+        }
+    }
+
+    fn list_warnings(&mut self) {
+        let entry = |w: &WarningCount| WarningEntry {
+            kind: w.first.kind.name().into(),
+            steps: w.count,
+            first_step: w.first.step,
+            first_time: w.first.time,
+            message: w.first.message.clone(),
+        };
+        self.writer.set_warnings(self.sim.state.watch.warnings.iter().map(entry).collect());
+    }
+
     fn probe(&mut self) {
         let h = self.sim.model.step;
         if self.sim.state.time >= self.next_probe - 0.5 * h {
@@ -259,6 +317,7 @@ impl<'a> Run<'a> {
     }
 
     fn write_frame(&mut self, number: u64) -> Outcome {
+        self.list_warnings();
         self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, number))?;
         if self.resolved.probes.contact_tables {
             let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, number));
@@ -322,12 +381,11 @@ fn series_until(folder: &Path, name: &str, column: usize, time: f64) -> Outcome<
     Ok(kept.map(|(_, line)| format!("{line}\n")).collect())
 }
 
-fn blown_up(sim: &Simulation, body: usize, why: &str, frame: u64) -> Failure {
+fn blown_up(sim: &Simulation, broken: &Broken, frame: u64) -> Failure {
+    let body = broken.body.map_or(String::new(), |b| format!("body {}: ", sim.model.body_label(b)));
     let message = format!(
-        "the simulation blew up at step {} ({:.4} s): body {}: {why}; frames before {frame} are kept; try a shorter step",
-        sim.state.steps,
-        sim.state.time,
-        sim.model.body_label(body)
+        "the simulation blew up at step {} ({:.4} s): {body}{}; frames before {frame} are kept; try a shorter step",
+        sim.state.steps, sim.state.time, broken.why
     );
     Failure::new(Exit::Data, message)
 }

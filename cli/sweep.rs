@@ -55,6 +55,7 @@ pub fn command(args: &SimulateArgs, file: &ModelFile, folder: &Path) -> Outcome 
         }
         None => (0..cases.len()).collect(),
     };
+    let mut warned = vec![];
     for i in chosen {
         let case = &cases[i];
         let mut set = args.set.clone();
@@ -67,14 +68,21 @@ pub fn command(args: &SimulateArgs, file: &ModelFile, folder: &Path) -> Outcome 
         let goal = folder.join(&case.name);
         if args.until.is_none() && simulate::is_done(&file, &goal) {
             eprintln!("sweep {i}: {} is there already", goal.display());
+            warned.extend(simulate::warned(&goal).err());
             continue;
         }
         eprintln!("sweep {i} of {}: {}", cases.len(), case.name);
         let resolved = file.resolve(&doc)?;
         simulate::simulate(&file, resolved, &goal, &Span { until: args.until, resume: args.resume })?;
         println!("{}", goal.display());
+        warned.extend(simulate::warned(&goal).err());
     }
-    Ok(())
+    match warned.first() {
+        None => Ok(()),
+        Some(first) => {
+            Err(Failure::new(Exit::Partial, format!("{} runs have warnings; the first: {first}", warned.len())))
+        }
+    }
 }
 
 /// Print the combinations and write a job array that runs them.

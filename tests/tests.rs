@@ -18,3 +18,5 @@ mod rays;
 mod sheets;
 mod solver;
 mod tidy;
+mod waiting;
+mod watch;

@@ -90,8 +90,26 @@ pub struct Index {
     pub complete: bool,
     /// The frames' columns.
     pub columns: Vec<ColumnEntry>,
+    /// What went wrong in its steps, by kind.
+    #[serde(default)]
+    pub warnings: Vec<WarningEntry>,
     /// The frames written so far.
     pub frames: Vec<FrameEntry>,
+}
+
+/// Steps that went wrong in one way, as `run.json` lists them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WarningEntry {
+    /// `residual`, `joint` or `energy`.
+    pub kind: String,
+    /// Number of steps.
+    pub steps: u64,
+    /// The first of them, from 1.
+    pub first_step: u64,
+    /// Time after it, s.
+    pub first_time: f64,
+    /// What went wrong in it.
+    pub message: String,
 }
 
 /// A run directory that is being written.
@@ -169,6 +187,16 @@ impl RunWriter {
     /// Write a file of the run's own, such as `model.yaml`, whole.
     pub fn write_file(&self, name: &str, text: &str) -> Result<(), Fault> {
         atomic::write(&self.folder.join(name), text.as_bytes())
+    }
+
+    /// List what went wrong; `run.json` has it from the next time that it is written.
+    pub fn set_warnings(&mut self, warnings: Vec<WarningEntry>) {
+        self.index.warnings = warnings;
+    }
+
+    /// Write `run.json` as it is.
+    pub fn write(&self) -> Result<(), Fault> {
+        self.write_index()
     }
 
     /// Mark the run complete.

@@ -86,6 +86,22 @@ pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) 
     parts.into_iter().fold([0.0; K], add)
 }
 
+/// Fold each piece's rows, and merge the pieces in order.
+pub fn fold_rows<T: Send>(
+    n: usize,
+    start: impl Fn() -> T + Sync,
+    row: impl Fn(T, usize) -> T + Sync,
+    merge: impl Fn(T, T) -> T,
+) -> T {
+    let piece = |p: usize| (p * PIECE..((p + 1) * PIECE).min(n)).fold(start(), &row);
+    let n_pieces = n.div_ceil(PIECE);
+    if n <= ALONE {
+        return (0..n_pieces).map(piece).fold(start(), merge);
+    }
+    let parts: Vec<T> = (0..n_pieces).into_par_iter().map(piece).collect();
+    parts.into_iter().fold(start(), merge)
+}
+
 /// Run `f(first row, rows)` on pieces of a column and add up what they return, in order.
 pub fn sweep<T: Send, const K: usize>(out: &mut [T], f: impl Fn(usize, &mut [T]) -> [f64; K] + Sync) -> [f64; K] {
     let alone = out.len() <= ALONE;

@@ -306,6 +306,15 @@ impl Joint {
         }
     }
 
+    /// By how much row `k` of `n` of the joint is off at time `t`, a step's start, at whose end `t_end` what is prescribed for it is
+    /// taken; none for a motor's row, which is no locked motion.
+    pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> Option<f64> {
+        let is_motor = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_))) && k + 1 == n;
+        let has_length = matches!(self.kind, JointKind::Distance | JointKind::RevoluteSpherical) && k == 0;
+        let change = if has_length { self.length.at(t_end) - self.length.at(t) } else { 0.0 };
+        (!is_motor).then_some((row.psi + change).abs())
+    }
+
     fn fixed_length(&self, f: &Frames, t: f64) -> Row {
         let row = f.distance();
         Row { psi: row.psi - self.length.at(t), ..row }

@@ -22,6 +22,7 @@ mod state;
 mod table;
 mod terrain;
 mod twist;
+pub mod watch;
 pub mod workload;
 
 pub use builder::ModelBuilder;

@@ -14,6 +14,7 @@ use crate::cpu::{
 use crate::joint::{JointState, SpringState};
 use crate::solve::Outcome;
 use crate::state::Arms;
+use crate::watch::{Broken, Seen, Warning};
 use crate::{Contacts, Model, State};
 use glam::DVec3;
 use std::time::Instant;
@@ -50,6 +51,10 @@ pub struct StepReport {
     pub worst_penetration: f64,
     /// Milliseconds by stage, in the order of [`STAGES`].
     pub stage_ms: [f64; STAGES.len()],
+    /// What has gone wrong.
+    pub warnings: Vec<Warning>,
+    /// Why the run cannot go on, if so.
+    pub broken: Option<Broken>,
 }
 
 /// A model on its way.
@@ -152,6 +157,9 @@ impl Simulation {
         state.springs.resize(model.springs.len(), SpringState::default());
         let mut sim = Simulation { model, state, work: Scratch::default() };
         sim.wake();
+        let mut watch = std::mem::take(&mut sim.state.watch);
+        watch.start(&sim.model, &sim.state);
+        sim.state.watch = watch;
         sim
     }
 
@@ -183,11 +191,20 @@ impl Simulation {
         state.step_length = w.solver.methods.step_length;
         clock.lap();
         state.contacts = contacts;
-        joint_write::record(model, state, &w.solver);
+        joint_write::record(model, state, &mut w.solver);
         integrate::run(model, &w.solver.image.twist, state);
+        let mut watch = std::mem::take(&mut state.watch);
+        let seen = Seen {
+            outcome: &outcome,
+            worst: w.solver.worst,
+            joints: &w.solver.joint_errors,
+            stiffest: w.solver.stiffest,
+        };
+        let (warnings, broken) = watch.look(model, state, &seen);
+        state.watch = watch;
         clock.lap();
 
-        report(state, outcome, clock)
+        report(state, outcome, clock, warnings, broken)
     }
 
     /// Let bodies appear and move whose time has come.
@@ -205,20 +222,6 @@ impl Simulation {
             self.model.inv_mass[b] = if moves { late.inv_mass } else { 0.0 };
             self.model.inv_inertia[b] = if moves { late.inv_inertia } else { DVec3::ZERO };
         }
-    }
-
-    /// The first body whose state is no longer a number, or that has left at a speed that no model of ours means, and why.
-    pub fn broken_body(&self) -> Option<(usize, String)> {
-        /// Faster than anything that scree is for, m/s.
-        const TOO_FAST: f64 = 1e5;
-        let s = &self.state;
-        (0..self.model.n_bodies()).find_map(|b| {
-            if !(s.position[b].is_finite() && s.velocity[b].is_finite() && s.angular_velocity[b].is_finite()) {
-                return Some((b, "its state is not finite".into()));
-            }
-            let speed = s.velocity[b].length();
-            (speed > TOO_FAST).then(|| (b, format!("it moves at {speed:.3e} m/s")))
-        })
     }
 }
 
@@ -250,7 +253,7 @@ pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
     found
 }
 
-fn report(state: &State, outcome: Outcome, clock: Clock) -> StepReport {
+fn report(state: &State, outcome: Outcome, clock: Clock, warnings: Vec<Warning>, broken: Option<Broken>) -> StepReport {
     StepReport {
         step: state.steps,
         time: state.time,
@@ -259,6 +262,8 @@ fn report(state: &State, outcome: Outcome, clock: Clock) -> StepReport {
         residual: outcome.residual,
         worst_penetration: state.contacts.worst_penetration(),
         stage_ms: clock.ms,
+        warnings,
+        broken,
     }
 }
 

@@ -344,8 +344,10 @@ pub struct State {
     pub joints: Vec<crate::joint::JointState>,
     /// What each spring did in the last step (n_springs).
     pub springs: Vec<crate::joint::SpringState>,
-    /// The step length that was right for the last step's solver.
+    /// The step length that was right for the last step's solver; 0 if none was.
     pub step_length: f64,
+    /// What the watch over the run remembers.
+    pub watch: crate::watch::Watch,
 }
 
 /// Contacts as columns (n_contacts each). Body A is the one with the lower index.

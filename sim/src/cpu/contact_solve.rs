@@ -11,11 +11,13 @@
 //! contact, so that its cone is kept. The methods are in [`crate::solve`].
 
 use super::fill_rows;
+use super::joint_write::JointErrors;
 use crate::joint::Row;
 use crate::solve::bodies::{BodyOperator, Falling, Recovery};
 use crate::solve::joints::Joints;
 use crate::solve::{self, Image, Outcome, Twist};
 use crate::state::{Arms, is_isotropic, world_inv_inertia};
+use crate::watch::residual_bound;
 use crate::{Contacts, FrictionLaw, Method, Model, State};
 use glam::{DMat3, DVec3};
 
@@ -130,6 +132,12 @@ pub struct Workspace {
     pub free: Vec<Twist>,
     /// Velocities with them, and the joints' multipliers.
     pub image: Image,
+    /// The bodies of the contact that misses most, where the residual is above [`residual_bound`].
+    pub worst: Option<[u32; 2]>,
+    /// Errors of the joints, from `joint_write`.
+    pub joint_errors: JointErrors,
+    /// The greatest h²k/m of springs whose step is explicit in their length, from `joint_write`.
+    pub stiffest: f64,
     gamma: Vec<DVec3>,
     offset: Vec<f64>,
     offset_unfed: Vec<f64>,
@@ -176,6 +184,8 @@ pub fn run(model: &Model, state: &State, contacts: &mut Contacts, work: &mut Wor
     } else {
         solve::solve(&mut op, &model.solver, &mut gamma, &mut work.image, &mut work.methods)
     };
+    let has_missed = outcome.residual > residual_bound(model);
+    work.worst = has_missed.then(|| op.bodies(solve::worst_block(&op, &gamma, &work.image)));
     if rolls || !work.limits.is_empty() {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if rolls {

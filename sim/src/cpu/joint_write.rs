@@ -9,6 +9,7 @@
 use crate::cpu::contact_solve::Workspace;
 use crate::joint::{Coordinate, Frames, JointState, Row, frames};
 use crate::{Model, State};
+use glam::DVec3;
 
 /// A limit is looked at when the coordinate may come to it within this many steps.
 const LOOK_AHEAD: f64 = 3.0;
@@ -18,6 +19,7 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
     let h = model.step;
     let end = state.time + h;
     let (joints, limits, masses) = (&mut work.joints, &mut work.limits, &work.masses);
+    work.stiffest = 0.0;
     work.joint_rows.clear();
     work.joint_rows.resize(model.joints.len(), 0..0);
     joints.rows.clear();
@@ -63,7 +65,11 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
         let (k, c) = (spring.stiffness, spring.damping);
         // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
         let response = masses.response(&row);
-        let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
+        let stiff = h * h * k * response;
+        let theta = if stiff < 1.0 { 0.0 } else { 1.0 };
+        if stiff < 1.0 {
+            work.stiffest = work.stiffest.max(stiff);
+        }
         let pull = k * (row.psi - spring.rest) + spring.preload.at(end);
         let damping = c + theta * h * k;
         if damping > 0.0 {
@@ -76,10 +82,30 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
     }
 }
 
+/// The joints that are off most at a step's start.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointErrors {
+    /// A joint and by how much a length is off, m.
+    pub length: (usize, f64),
+    /// A joint and by how much an angle is off, rad.
+    pub angle: (usize, f64),
+}
+
+impl JointErrors {
+    fn add(&mut self, joint: usize, row: &Row, error: f64) {
+        let worst = if row.linear == DVec3::ZERO { &mut self.angle } else { &mut self.length };
+        // An error that is not finite is the greatest.
+        if !(error <= worst.1) {
+            *worst = (joint, error);
+        }
+    }
+}
+
 /// Write what the joints and springs did: reactions, coordinates, violations. Runs before the bodies are moved.
-pub fn record(model: &Model, state: &mut State, work: &Workspace) {
+pub fn record(model: &Model, state: &mut State, work: &mut Workspace) {
     let h = model.step;
     let motion = &work.image.twist;
+    work.joint_errors = JointErrors::default();
     for (i, joint) in model.joints.iter().enumerate() {
         let f = frames(model, state, i);
         let range = work.joint_rows[i].clone();
@@ -91,6 +117,10 @@ pub fn record(model: &Model, state: &mut State, work: &Workspace) {
             now.coordinate += h * now.rate;
         }
         now.violation = rows.iter().fold(0.0, |m, r| r.psi.abs().max(m));
+        for (k, row) in rows.iter().enumerate() {
+            let error = joint.error(row, k, rows.len(), state.time, state.time + h);
+            error.iter().for_each(|error| work.joint_errors.add(i, row, *error));
+        }
         (now.force, now.torque) = f.reaction(rows, lambda, h);
         state.joints[i] = now;
     }

@@ -202,6 +202,10 @@ with_content! {
         /// Time between checkpoints, s; one at each stage's end and at the end of the run are written in any case.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub checkpoint_interval: Option<f64>,
+        /// What to do when a step goes wrong (a residual, a joint or an energy out of bounds): `warn`, and end with exit code 5, or
+        /// `stop` with exit code 4. What is not finite always stops.
+        #[serde(default, skip_serializing_if = "OnDivergence::is_default")]
+        pub on_divergence: OnDivergence,
         /// Another run whose bodies are there from the start, as they were at its last checkpoint.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub base: Option<BaseFile>,
@@ -227,6 +231,23 @@ with_content! {
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         #[schemars(schema_with = "lists")]
     pub sweep: BTreeMap<String, Vec<serde_yaml::Value>>,
+    }
+}
+
+/// What to do when a step goes wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OnDivergence {
+    /// Say it and go on.
+    #[default]
+    Warn,
+    /// Stop the run; its last checkpoint stays.
+    Stop,
+}
+
+impl OnDivergence {
+    fn is_default(&self) -> bool {
+        *self == OnDivergence::default()
     }
 }
 

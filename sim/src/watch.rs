@@ -1,0 +1,366 @@
+//! Watch over a run: after every step, what may have gone wrong in it, so that nothing does silently.
+//!
+//! | warning | when |
+//! |---|---|
+//! | residual | the step's residual is above 100 tolerances and above g h |
+//! | joint | a locked motion is off by more than a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
+//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of what there is, without a cause |
+//!
+//! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move: from the
+//! last step that had one, energy is compared with its least value. "What there is" is kinetic energy, and potential energy over the
+//! bottom of the initial bounding box. Springs count with their elastic energy; the more a step takes of a spring's period, the more
+//! its energy may swing. A velocity, a position or a residual that is not finite ends a run ([`Broken`]).
+
+use crate::cpu::fold_rows;
+use crate::cpu::joint_write::JointErrors;
+use crate::joint::Motor;
+use crate::load::Function;
+use crate::solve::Outcome;
+use crate::{Model, State};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// Faster than anything that scree is for, m/s.
+const TOO_FAST: f64 = 1e5;
+/// A joint's greatest error, of the bounding box's diagonal; and as an angle, rad.
+const JOINT_ERROR: f64 = 1e-3;
+const JOINT_ANGLE: f64 = 1e-2;
+/// How much energy may grow, of what there is.
+const ENERGY_GROWTH: f64 = 0.1;
+
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningKind {
+    /// The contact solver has not converged.
+    Residual,
+    /// A joint is violated.
+    Joint,
+    /// Energy has grown without a cause.
+    Energy,
+}
+
+impl WarningKind {
+    /// All kinds.
+    pub const ALL: [WarningKind; 3] = [WarningKind::Residual, WarningKind::Joint, WarningKind::Energy];
+
+    /// The name, as `run.json` writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            WarningKind::Residual => "residual",
+            WarningKind::Joint => "joint",
+            WarningKind::Energy => "energy",
+        }
+    }
+}
+
+/// A warning about one step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Warning {
+    /// Kind.
+    pub kind: WarningKind,
+    /// The step, from 1.
+    pub step: u64,
+    /// Time after it, s.
+    pub time: f64,
+    /// What it says, with the body's or joint's name and the value and its bound.
+    pub message: String,
+}
+
+/// The steps of a run with a warning of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WarningCount {
+    /// Number of such steps.
+    pub count: u64,
+    /// The first of them.
+    pub first: Warning,
+}
+
+/// Why a run cannot go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// The body that shows it, if it is one.
+    pub body: Option<usize>,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// What is remembered from step to step; part of the state, so that a run that goes on from a checkpoint says the same.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Watch {
+    /// Diagonal of the bounding box of what moved or was jointed at the start, m; 0 before the first step.
+    diagonal: f64,
+    /// Gravitational potential of the box's bottom, J/kg.
+    bottom: f64,
+    /// Moving mass in the last step, kg.
+    mass: f64,
+    /// Whether a spring or joint held in the last step, in their order.
+    held: Vec<bool>,
+    /// Least energy since the last cause, J.
+    least: f64,
+    /// Warnings so far, by kind, in order of their first step.
+    pub warnings: Vec<WarningCount>,
+}
+
+/// What a step shows to the watch.
+pub struct Seen<'a> {
+    /// The solver's outcome.
+    pub outcome: &'a Outcome,
+    /// Bodies of the contact that misses most, where the residual is above [`residual_bound`].
+    pub worst: Option<[u32; 2]>,
+    /// Errors of the joints.
+    pub joints: &'a JointErrors,
+    /// The greatest h²k/m of springs that are integrated explicitly.
+    pub stiffest: f64,
+}
+
+/// The residual above which a step counts as not converged, m/s.
+pub fn residual_bound(model: &Model) -> f64 {
+    let tolerance = if model.solver.tolerance > 0.0 { model.solver.tolerance } else { 1e-7 };
+    (100.0 * tolerance).max(model.gravity.length() * model.step)
+}
+
+/// The bodies in one pass.
+struct Survey {
+    kinetic: f64,
+    potential: f64,
+    /// Potential energy over the bottom, each body's at least that of its own size, J.
+    over_bottom: f64,
+    mass: f64,
+    /// The fastest body and its speed; a speed that is not finite is the greatest.
+    fastest: (usize, f64),
+    /// The body with the most kinetic energy, J.
+    liveliest: (usize, f64),
+}
+
+impl Survey {
+    const EMPTY: Survey =
+        Survey { kinetic: 0.0, potential: 0.0, over_bottom: 0.0, mass: 0.0, fastest: (0, 0.0), liveliest: (0, 0.0) };
+
+    fn of(model: &Model, state: &State, bottom: f64) -> Survey {
+        let gravity = model.gravity.length();
+        let body = |mut sum: Survey, b: usize| {
+            let inv_mass = model.inv_mass[b];
+            if inv_mass == 0.0 {
+                return sum;
+            }
+            let (mass, inv_inertia) = (1.0 / inv_mass, model.inv_inertia[b]);
+            let (v, w) = (state.velocity[b], state.angular_velocity[b]);
+            let kinetic = 0.5 * mass * v.length_squared() + 0.5 * (w * w / inv_inertia).element_sum();
+            let height = -model.gravity.dot(state.position[b]);
+            sum.kinetic += kinetic;
+            sum.potential += mass * height;
+            let size = gyration(inv_mass, inv_inertia.max_element());
+            sum.over_bottom += mass * (height - bottom).max(gravity * size);
+            sum.mass += mass;
+            let speed = v.length();
+            let is_whole = speed.is_finite() && w.is_finite() && state.position[b].is_finite();
+            sum.merge_fastest((b, if is_whole { speed } else { f64::INFINITY }));
+            sum.merge_liveliest((b, kinetic));
+            sum
+        };
+        fold_rows(model.n_bodies(), || Survey::EMPTY, body, Survey::merge)
+    }
+
+    fn merge_fastest(&mut self, other: (usize, f64)) {
+        if other.1 > self.fastest.1 {
+            self.fastest = other;
+        }
+    }
+
+    fn merge_liveliest(&mut self, other: (usize, f64)) {
+        if other.1 > self.liveliest.1 {
+            self.liveliest = other;
+        }
+    }
+
+    fn merge(mut self, other: Survey) -> Survey {
+        self.kinetic += other.kinetic;
+        self.potential += other.potential;
+        self.over_bottom += other.over_bottom;
+        self.mass += other.mass;
+        self.merge_fastest(other.fastest);
+        self.merge_liveliest(other.liveliest);
+        self
+    }
+}
+
+impl Watch {
+    /// Take the measures of the initial state.
+    fn begin(&mut self, model: &Model, state: &State) {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut reach = |p: DVec3, half: DVec3| (min, max) = (min.min(p - half), max.max(p + half));
+        for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
+            let place = model.shape_place(state, s);
+            reach(place.position, DVec3::splat(model.shape_size[s].max_element()));
+        }
+        for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
+            let size = gyration(model.inv_mass[b], model.inv_inertia[b].min_element());
+            reach(state.position[b], DVec3::splat(size));
+        }
+        for joint in 0..model.joints.len() {
+            let frames = crate::joint::frames(model, state, joint);
+            reach(frames.a.position, DVec3::ZERO);
+            reach(frames.b.position, DVec3::ZERO);
+        }
+        if !(min.cmple(max).all()) {
+            (min, max) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        self.diagonal = (max - min).length().max(f64::MIN_POSITIVE);
+        let lowest = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
+        self.bottom = -model.gravity.dot(lowest);
+        let survey = Survey::of(model, state, self.bottom);
+        self.mass = survey.mass;
+        self.held = held(model, state.time);
+        // What a spring holds is known after the first step.
+        let energy = survey.kinetic + survey.potential;
+        self.least = if model.springs.is_empty() { energy } else { f64::INFINITY };
+    }
+
+    /// Look at the bodies before the first step.
+    pub fn start(&mut self, model: &Model, state: &State) {
+        if self.diagonal == 0.0 {
+            self.begin(model, state);
+        }
+    }
+
+    /// Look at a step: its warnings, counted, and whether the run is broken.
+    pub fn look(&mut self, model: &Model, state: &State, seen: &Seen) -> (Vec<Warning>, Option<Broken>) {
+        let survey = Survey::of(model, state, self.bottom);
+        let broken = broken(seen, &survey);
+        if broken.is_some() {
+            return (vec![], broken);
+        }
+        let found = [
+            self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
+            self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
+            self.energy(model, state, seen, &survey).map(|m| (WarningKind::Energy, m)),
+        ];
+        let warning = |(kind, message)| Warning { kind, step: state.steps, time: state.time, message };
+        let warnings: Vec<Warning> = found.into_iter().flatten().map(warning).collect();
+        warnings.iter().for_each(|w| self.count(w));
+        (warnings, None)
+    }
+
+    fn count(&mut self, warning: &Warning) {
+        match self.warnings.iter_mut().find(|w| w.first.kind == warning.kind) {
+            Some(known) => known.count += 1,
+            None => self.warnings.push(WarningCount { count: 1, first: warning.clone() }),
+        }
+    }
+
+    fn residual(&self, model: &Model, seen: &Seen) -> Option<String> {
+        let (residual, bound) = (seen.outcome.residual, residual_bound(model));
+        (residual > bound).then(|| {
+            let at = seen.worst.map_or(String::new(), |[a, b]| {
+                format!("; it is greatest where body {} touches body {}", label(model, a), label(model, b))
+            });
+            format!("the solver has not converged: its residual is {residual:.3e} m/s, above {bound:.3e} m/s{at}")
+        })
+    }
+
+    fn joint(&self, model: &Model, seen: &Seen) -> Option<String> {
+        let JointErrors { length, angle } = *seen.joints;
+        let named = |joint: usize| {
+            let j = &model.joints[joint];
+            let [a, b] = j.bodies.map(|b| label(model, b));
+            format!("joint `{}` of bodies {a} and {b}", j.name)
+        };
+        let bound = JOINT_ERROR * self.diagonal;
+        if length.1 > bound {
+            let of = "a thousandth of the initial bounding box's diagonal";
+            return Some(format!("{} is off by {:.3e} m, above {bound:.3e} m, {of}", named(length.0), length.1));
+        }
+        let (joint, error) = angle;
+        (error > JOINT_ANGLE).then(|| format!("{} is off by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
+    }
+
+    fn energy(&mut self, model: &Model, state: &State, seen: &Seen, survey: &Survey) -> Option<String> {
+        let caused = self.is_caused(model, state, survey.mass);
+        let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
+        let energy = survey.kinetic + survey.potential + elastic;
+        if caused {
+            self.least = energy;
+            return None;
+        }
+        self.least = self.least.min(energy);
+        // Velocities are known to so much.
+        let known = residual_bound(model);
+        let there_is = survey.kinetic + survey.over_bottom + elastic.abs();
+        // A spring's energy swings by hω/2 about its mean in steps that are explicit in its length.
+        let swing = seen.stiffest.sqrt();
+        let bound = (ENERGY_GROWTH + swing / (1.0 - 0.5 * swing)) * there_is + 0.5 * survey.mass * known * known;
+        let growth = energy - self.least;
+        (growth > bound).then(|| {
+            self.least = energy;
+            let (body, own) = survey.liveliest;
+            format!(
+                "energy has grown by {growth:.3e} J without a cause; there are {there_is:.3e} J, {own:.3e} J of it in the motion of body {}",
+                label(model, body as u32)
+            )
+        })
+    }
+
+    /// Whether the step may have added energy.
+    fn is_caused(&mut self, model: &Model, state: &State, mass: f64) -> bool {
+        let (end, h) = (state.time, model.step);
+        let middle = end - 0.5 * h;
+        let changes = |f: &Function| f.at(end) != f.at(end - h);
+        let loaded = model.loads.iter().any(|l| middle >= l.from && middle < l.until && l.value.at(middle) != 0.0);
+        let driven = model.joints.iter().any(|j| {
+            let motor = match &j.motor {
+                Some(Motor::Speed(_) | Motor::Position(_)) => true,
+                Some(Motor::Effort(effort)) => effort.at(middle) != 0.0,
+                None => false,
+            };
+            j.holds(end - h) && (motor || changes(&j.length))
+        });
+        let tensioned = model.springs.iter().any(|s| s.acts(end - h) && changes(&s.preload));
+        let held = held(model, end - h);
+        let switched = held != self.held || mass != self.mass;
+        (self.held, self.mass) = (held, mass);
+        loaded || driven || tensioned || switched
+    }
+}
+
+/// Whether each joint, then each spring, holds at a time.
+fn held(model: &Model, t: f64) -> Vec<bool> {
+    model.joints.iter().map(|j| j.holds(t)).chain(model.springs.iter().map(|s| s.acts(t))).collect()
+}
+
+/// What a spring holds, J: of its stiffness, and of a constant preload.
+fn elastic_energy(model: &Model, state: &State, spring: usize) -> f64 {
+    let s = &model.springs[spring];
+    if !s.acts(state.time - model.step) || s.bodies.iter().any(|b| model.absent[*b as usize]) {
+        return 0.0;
+    }
+    let stretch = state.springs[spring].coordinate - s.rest;
+    0.5 * s.stiffness * stretch * stretch + s.preload.at(state.time) * stretch
+}
+
+fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
+    let (body, speed) = survey.fastest;
+    let body = Some(body);
+    if speed == f64::INFINITY {
+        return Some(Broken { body, why: "its state is not finite".into() });
+    }
+    if speed > TOO_FAST {
+        return Some(Broken { body, why: format!("it moves at {speed:.3e} m/s") });
+    }
+    let residual = seen.outcome.residual;
+    if !residual.is_finite() {
+        return Some(Broken { body: None, why: format!("the solver's residual is {residual} m/s") });
+    }
+    let JointErrors { length, angle } = seen.joints;
+    let is_whole = length.1.is_finite() && angle.1.is_finite();
+    (!is_whole).then(|| Broken { body: None, why: "the joints' errors are not finite".into() })
+}
+
+/// The radius of gyration about an axis, m; 0 where the body does not turn about it.
+fn gyration(inv_mass: f64, inv_inertia: f64) -> f64 {
+    if inv_inertia > 0.0 { (inv_mass / inv_inertia).sqrt() } else { 0.0 }
+}
+
+fn label(model: &Model, body: u32) -> String {
+    model.body_label(body as usize)
+}

@@ -1,0 +1,134 @@
+//! Nothing goes wrong silently: residuals, joints and energies out of bounds are said, counted, and in the exit code.
+
+use crate::analytic::simulation;
+use crate::cli::{scratch, scree};
+use frame::run::RunReader;
+use sim::watch::WarningKind;
+use std::path::Path;
+
+/// The kinds of warnings of a model's first steps.
+fn kinds(yaml: &str, steps: usize) -> Vec<WarningKind> {
+    let mut sim = simulation(yaml);
+    (0..steps).for_each(|_| drop(sim.step()));
+    sim.state.watch.warnings.iter().map(|w| w.first.kind).collect()
+}
+
+/// A heavy box on light ones, which two iterations cannot carry.
+const OVERLOADED: &str = "name: overloaded
+duration: 0.2
+checkpoint_interval: 0.05
+solver: {method: jacobi, iterations: 2}
+materials: {light: {density: 10, friction: 0.5}, heavy: {density: 100000, friction: 0.5}}
+bodies:
+  - {name: ground, material: light, plane: {normal: [0, 0, 1]}}
+  - {name: a, material: light, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.1]}
+  - {name: b, material: light, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.3]}
+  - {name: load, material: heavy, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.5]}
+";
+
+#[test]
+fn a_solver_that_has_not_converged_is_said_and_counted() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let model = at("overloaded.yaml");
+    std::fs::write(&model, format!("# A load.\n{OVERLOADED}")).unwrap();
+    let said = scree(&["simulate", &model, "-o", &at("run")]).fails(5);
+    assert!(said.contains("warning: step ") && said.contains("residual") && said.contains("touches body"), "{said}");
+    assert_eq!(said.matches("warning: step").count(), said.matches("are counted").count(), "{said}");
+    let index = RunReader::open(Path::new(&at("run"))).unwrap().index;
+    assert!(index.complete);
+    let residual = index.warnings.iter().find(|w| w.kind == "residual").unwrap();
+    assert!(residual.steps > 10 && residual.first_step < 10, "{residual:?}");
+    assert!(said.contains(&format!("residual in {} steps", residual.steps)), "{said}");
+
+    // What a run says does not depend on where it was interrupted.
+    scree(&["simulate", &model, "--until", "0.1", "-o", &at("two")]).fails(5);
+    scree(&["simulate", &model, "--resume", "-o", &at("two")]).fails(5);
+    assert_eq!(index.warnings, RunReader::open(Path::new(&at("two"))).unwrap().index.warnings);
+}
+
+#[test]
+fn a_run_that_shall_stop_keeps_its_last_checkpoint() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let model = at("later.yaml");
+    // The load comes when the first checkpoint is written.
+    let late = OVERLOADED.replace("position: [0, 0, 0.5]}", "position: [0, 0, 0.5], appears: 0.12}");
+    let late = late.replace("iterations: 2", "iterations: 60, omega: 0.2");
+    std::fs::write(&model, format!("# A load.\non_divergence: stop\n{late}")).unwrap();
+    let said = scree(&["simulate", &model, "-o", &at("run")]).fails(4);
+    assert!(said.contains("the last checkpoint are kept") && said.contains("error: step 1"), "{said}");
+    let last = sim::checkpoint::latest(Path::new(&at("run"))).unwrap().unwrap();
+    let steps = sim::checkpoint::read(&last).unwrap().0.steps;
+    assert!(steps == 100 || steps == 150, "{}", last.display());
+    let index = RunReader::open(Path::new(&at("run"))).unwrap().index;
+    assert!(!index.complete && index.warnings.len() == 1, "{:?}", index.warnings);
+    let said = scree(&["simulate", &model, "-o", &at("x"), "--set", "on_divergence=go_on"]).fails(3);
+    assert!(said.contains("on_divergence"), "{said}");
+}
+
+#[test]
+fn a_joint_that_is_torn_is_said() {
+    let torn = "materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: a, material: m, box: {size: [0.2, 0.2, 0.2]}}
+  - {name: b, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0], angular_velocity: [0, 900, 0]}
+joints:
+  - {name: pin, kind: spherical, a: a, b: b, position: [0.5, 0, 0]}
+";
+    assert!(kinds(torn, 3).contains(&WarningKind::Joint));
+    // A length that changes as it shall is no violation.
+    let actuator = "gravity: [0, 0, 0]
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: a, material: m, box: {size: [0.2, 0.2, 0.2]}}
+  - {name: b, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0]}
+joints:
+  - {name: rod, kind: distance, a: a, b: b, position: [0.1, 0, 0], position_b: [0.9, 0, 0], length: {ramp: {times: [0, 0.1], values: [0.8, 1.6]}}}
+";
+    assert_eq!(kinds(actuator, 150), []);
+}
+
+#[test]
+fn energy_out_of_nothing_is_said() {
+    // Two balls half in each other are pushed apart at 5 m/s.
+    let overlap = "gravity: [0, 0, 0]
+solver: {recovery_speed: 5}
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: a, material: m, sphere: {radius: 0.1}}
+  - {name: b, material: m, sphere: {radius: 0.1}, position: [0.1, 0, 0]}
+";
+    assert_eq!(kinds(overlap, 10), [WarningKind::Energy]);
+    // What a load, a motor, a spring or a body that comes adds has a cause.
+    let body = "{name: a, material: m, sphere: {radius: 0.1}}";
+    for cause in [
+        "loads:\n  - {body: a, force: [1, 0, 0], value: 100}",
+        "springs:\n  - {name: s, a: world, b: a, position: [-1, 0, 0], position_b: [0, 0, 0], stiffness: 4000, rest: 0.5}",
+        "joints:\n  - {name: j, kind: prismatic, a: world, b: a, axis: [1, 0, 0], motor: {speed: 2}}",
+    ] {
+        let model = format!(
+            "gravity: [0, 0, 0]\nmaterials: {{m: {{density: 1000, friction: 0.5}}}}\nbodies:\n  - {body}\n{cause}\n"
+        );
+        assert_eq!(kinds(&model, 1_000), [], "{cause}");
+    }
+    let comes = "materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: a, material: m, sphere: {radius: 0.1}, position: [0, 0, 1]}
+  - {name: b, material: m, sphere: {radius: 0.1}, position: [0, 0, 40], velocity: [0, 0, -9], appears: 0.1}
+";
+    assert_eq!(kinds(comes, 300), []);
+}
+
+#[test]
+fn what_is_not_finite_stops_a_run() {
+    let ball =
+        "materials: {m: {density: 1000, friction: 0.5}}\nbodies:\n  - {name: a, material: m, sphere: {radius: 0.1}}\n";
+    for (speed, said) in [(f64::NAN, "not finite"), (f64::INFINITY, "not finite"), (2e5, "m/s")] {
+        let mut sim = simulation(ball);
+        assert!(sim.step().broken.is_none());
+        sim.state.velocity[0].y = speed;
+        let broken = sim.step().broken.unwrap();
+        assert!(broken.body == Some(0) && broken.why.contains(said), "{broken:?}");
+    }
+}
