@@ -1,15 +1,14 @@
 //! The hulls, meshes and height fields of a model as RIB archives in its run directory, one for each shape name of the frames.
 
-use crate::report::{Exit, Failure, Outcome};
-use frame::atomic;
+use frame::{Fault, FaultKind, atomic};
 use glam::DVec3;
 use render::ri::writer::Writer;
-use render::ri::{Class, Param, Ri, Type};
+use render::ri::{Class, Fail, Param, Ri, Type};
 use sim::{Model, ShapeKind};
 use std::path::Path;
 
 /// Write `geometry/hull_0.rib` and its like.
-pub fn write_archives(model: &Model, folder: &Path) -> Outcome {
+pub fn write_archives(model: &Model, folder: &Path) -> Result<(), Fault> {
     for s in 0..model.n_shapes() {
         let (kind, part) = (model.shape_kind[s], model.shape_part[s] as usize);
         let rib = match kind {
@@ -28,13 +27,14 @@ pub fn write_archives(model: &Model, folder: &Path) -> Outcome {
             _ => continue,
         };
         let path = folder.join(format!("geometry/{}_{part}.rib", kind.name()));
-        atomic::write(&path, &rib?)?;
+        let rib = rib.map_err(|e| Fault::whole(FaultKind::Machine, &path, e.message))?;
+        atomic::write(&path, &rib)?;
     }
     Ok(())
 }
 
 /// A `PointsPolygons` request.
-fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Outcome<Vec<u8>> {
+fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Result<Vec<u8>, Fail> {
     let numbers = |v: &[DVec3]| v.iter().flat_map(|p| p.as_vec3().to_array()).collect::<Vec<f32>>();
     let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, numbers(vertices))];
     if !normals.is_empty() {
@@ -43,7 +43,7 @@ fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Outcom
     let counts = faces.iter().map(|f| f.len() as i32).collect();
     let corners = faces.iter().flatten().map(|v| *v as i32).collect();
     let mut writer = Writer::archive(Vec::new());
-    writer.points_polygons(counts, corners, params).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    writer.points_polygons(counts, corners, params)?;
     Ok(writer.into_inner())
 }
 

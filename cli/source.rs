@@ -2,12 +2,13 @@
 
 use crate::job::{self, Yaml};
 use crate::report::{Exit, Failure, Outcome};
-use crate::simulate::{self, Span};
+use crate::simulate;
 use bind::data::{Source, Store};
 use bind::metadata::{self, Checked};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind};
 use sim::model_file;
+use sim::run::{self, Span};
 use std::path::{Path, PathBuf};
 
 /// Simulate a model into `folder`, unless the finished run of just this model is there.
@@ -18,7 +19,7 @@ pub fn ensure_run(model: &Path, folder: &Path, fresh: bool) -> Outcome {
             format!("{} has a `sweep`: simulate it with `scree simulate`, then render its runs", model.display());
         return Err(Failure::new(Exit::Usage, message));
     }
-    if !fresh && simulate::is_done(&file, folder) {
+    if !fresh && run::is_done(&file, folder) {
         eprintln!("simulation: {} holds the run of this model already", folder.display());
         return Ok(());
     }

@@ -2,9 +2,10 @@
 
 use crate::args::SimulateArgs;
 use crate::report::{Exit, Failure, Outcome};
-use crate::simulate::{self, Span};
+use crate::simulate;
 use frame::atomic;
 use sim::model_file::{self, ModelFile};
+use sim::run::{self, Span};
 use std::path::Path;
 
 /// A combination: its name, and what is set.
@@ -66,7 +67,7 @@ pub fn command(args: &SimulateArgs, file: &ModelFile, folder: &Path) -> Outcome 
             file.format = frame::run::FrameFormat::Csv;
         }
         let goal = folder.join(&case.name);
-        if args.until.is_none() && simulate::is_done(&file, &goal) {
+        if args.until.is_none() && run::is_done(&file, &goal) {
             eprintln!("sweep {i}: {} is there already", goal.display());
             warned.extend(simulate::warned(&goal).err());
             continue;

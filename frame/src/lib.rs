@@ -2,7 +2,7 @@
 //!
 //! A [`Frame`] is a list of named, typed, unit-carrying columns of equal length. Simulations write frames into a
 //! [`run`] directory; pictures, previews and plots read them back, or read a [`sequence`] of somebody else's files.
-//! Everything that is written is written whole and then renamed ([`atomic`]); everything that is read answers bad
+//! Everything that is written is written whole and then renamed ([`atomic`]), but for [`series`] that grow; everything that is read answers bad
 //! input with a [`Fault`] that names file, line and column.
 
 pub mod arrow;
@@ -12,6 +12,7 @@ pub mod csv;
 mod fault;
 pub mod run;
 pub mod sequence;
+pub mod series;
 pub mod yaml;
 
 pub use column::{Column, Field, Frame};

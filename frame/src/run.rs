@@ -179,6 +179,11 @@ impl RunWriter {
         self.write_index()
     }
 
+    /// The run directory.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Number of frames that are there.
     pub fn frames(&self) -> usize {
         self.index.frames.len()

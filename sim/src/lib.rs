@@ -16,6 +16,7 @@ mod lanes;
 pub mod load;
 pub mod model_file;
 mod probe;
+pub mod run;
 pub mod solve;
 pub mod stages;
 mod state;

@@ -67,6 +67,12 @@ pub struct Warning {
     pub message: String,
 }
 
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "step {} ({:.6} s): {}", self.step, self.time, self.message)
+    }
+}
+
 /// The steps of a run with a warning of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WarningCount {

@@ -1,0 +1,84 @@
+//! A time series as a CSV file that grows: lines are appended, some at a time, so that a long run costs no more a line than a short
+//! one, and whoever looks on sees whole lines.
+
+use crate::{Fault, FaultKind, atomic, read_text};
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How long lines wait to be written.
+const WAIT: Duration = Duration::from_secs(1);
+
+/// A series that is being written.
+pub struct Series {
+    path: PathBuf,
+    file: File,
+    waiting: String,
+    written: Instant,
+}
+
+impl Series {
+    /// Start a series with its header, a line.
+    pub fn create(path: &Path, header: &str) -> Result<Series, Fault> {
+        Series::begin(path, header)
+    }
+
+    /// Go on with a series: the lines whose value in `column` is at most `until` stay. A line that an interruption has cut off goes.
+    pub fn reopen(path: &Path, column: usize, until: f64) -> Result<Series, Fault> {
+        let text = read_text(FaultKind::Data, path)?;
+        let mut lines = text.lines();
+        let header = lines.next().unwrap_or_default();
+        let cells = |line: &str| line.split(',').count();
+        let stays = |line: &&str| {
+            let value = line.split(',').nth(column).and_then(|c| c.parse::<f64>().ok());
+            cells(line) == cells(header) && value.is_some_and(|v| v <= until)
+        };
+        let kept: String = std::iter::once(header).chain(lines.filter(stays)).flat_map(|l| [l, "\n"]).collect();
+        Series::begin(path, &kept)
+    }
+
+    fn begin(path: &Path, text: &str) -> Result<Series, Fault> {
+        atomic::write(path, text.as_bytes())?;
+        let file = File::options().append(true).open(path).map_err(|e| Fault::unwritable(path, &e))?;
+        Ok(Series { path: path.into(), file, waiting: String::new(), written: Instant::now() })
+    }
+
+    /// Add a line, with its end.
+    pub fn push(&mut self, line: &str) -> Result<(), Fault> {
+        self.waiting.push_str(line);
+        if self.written.elapsed() > WAIT { self.flush() } else { Ok(()) }
+    }
+
+    /// Write what waits.
+    pub fn flush(&mut self) -> Result<(), Fault> {
+        self.written = Instant::now();
+        let lines = std::mem::take(&mut self.waiting);
+        self.file.write_all(lines.as_bytes()).map_err(|e| Fault::unwritable(&self.path, &e))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_goes_on_where_it_was_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.csv");
+        let text = || std::fs::read_to_string(&path).unwrap();
+        let mut series = Series::create(&path, "step,time [s]\n").unwrap();
+        series.push("1,0.1\n2,0.2\n").unwrap();
+        series.push("3,0.3\n").unwrap();
+        series.flush().unwrap();
+        assert_eq!(text(), "step,time [s]\n1,0.1\n2,0.2\n3,0.3\n");
+        // Cut off in its last line.
+        std::fs::write(&path, "step,time [s]\n1,0.1\n2,0.2\n3").unwrap();
+        let mut series = Series::reopen(&path, 1, 0.25).unwrap();
+        series.push("3,0.3\n").unwrap();
+        series.flush().unwrap();
+        assert_eq!(text(), "step,time [s]\n1,0.1\n2,0.2\n3,0.3\n");
+        drop(Series::reopen(&path, 1, 0.15).unwrap());
+        assert_eq!(text(), "step,time [s]\n1,0.1\n");
+    }
+}
