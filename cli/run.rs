@@ -4,7 +4,6 @@ use crate::args::RunArgs;
 use crate::job::{self, Pictures, Yaml};
 use crate::report::Outcome;
 use crate::{movie, render, source};
-use bind::metadata;
 use std::path::{Path, PathBuf};
 
 /// The command.
@@ -16,7 +15,7 @@ pub fn run(args: &RunArgs) -> Outcome {
             job::metadata_of_run(&home)?
         }
         Yaml::Metadata => {
-            let checked = metadata::read(&args.input)?;
+            let checked = bind::read(&args.input)?;
             // Everything that can be checked before hours of work is checked first.
             job::check_library(&checked, &checked.files(crate::library::files(&checked.folder())))?;
             let data = source::data_of(&checked, &home, args.fresh)?;
@@ -36,7 +35,7 @@ fn encode(pictures: &Pictures, goal: &Path) -> Outcome {
         eprintln!("movies are made of PNG pictures; these are EXR: no movie");
         return Ok(());
     }
-    let movie = movie::encode(&images, goal, pictures.checked.metadata.movie.frame_rate)?;
+    let movie = movie::encode(&images, goal, pictures.checked.frame_rate)?;
     println!("movie: {}", movie.display());
     Ok(())
 }
