@@ -10,6 +10,7 @@ mod binary;
 mod conditions;
 mod dispatch;
 pub mod files;
+mod groups;
 mod instances;
 mod lexer;
 mod line;

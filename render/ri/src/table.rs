@@ -12,11 +12,11 @@
 //! |---|---|
 //! | `text` `handle` `whole` `number` `flag` | a string; a handle; a whole number; a number; 0 or 1 |
 //! | `numbers "what"` | exactly as many numbers as the arguments hold, one after the other; *what* is said where they are missing |
-//! | `list "what"` | the same, written with brackets; with or without these they are read |
+//! | `list "what"` | the same, written in brackets; both are read with brackets or without |
 //! | `floats` `wholes` `texts` | a bracketed list of any length |
 //! | `params` | the parameter list that ends a request |
 //! | `declaration` `frame` `setting` | texts, a number, and text with parameters that later requests depend on |
-//! | others | groups that one request has: see `arguments.rs` for how they are read, `line.rs` for how they are written |
+//! | others | groups that one request has: read in `groups.rs`, written in `line.rs` |
 //!
 //! A row without a call is done by the reader itself. The trait's methods, the request's name and code, its place in the hash of
 //! names, the names that are suggested for a misspelt one, the dispatch and the writer all come from these rows: a new request is a row,
