@@ -43,7 +43,7 @@ impl fmt::Display for RibError {
 
 impl std::error::Error for RibError {}
 
-/// The deepest that archives may read each other.
+/// Maximum depth of archives that read each other.
 const MAX_DEPTH: usize = 32;
 
 /// What is done with a directive: a comment that starts with `scree`, given without that word. `Err` stops the reading.
@@ -73,7 +73,7 @@ pub fn read(
     reader.run(ri, on_directive).map_err(|e| *e)
 }
 
-/// What gzip has packed, unpacked; anything else as it is.
+/// A gzip file unpacked; anything else as it is.
 fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     /// A packed file that grows beyond this is not a scene.
     const MOST: u64 = 16 << 30;

@@ -16,7 +16,7 @@ pub struct Knots {
     pub order: i32,
     /// Knots (n + order).
     pub knots: Vec<f32>,
-    /// Least and greatest parameter.
+    /// Minimum and maximum parameter.
     pub range: [f32; 2],
 }
 
@@ -29,9 +29,9 @@ pub struct TrimCurves {
     pub order: Vec<i32>,
     /// Knots, one curve after the other.
     pub knot: Vec<f32>,
-    /// Least parameters.
+    /// Minimum parameters.
     pub min: Vec<f32>,
-    /// Greatest parameters.
+    /// Maximum parameters.
     pub max: Vec<f32>,
     /// Control points.
     pub n: Vec<i32>,
@@ -78,7 +78,7 @@ impl std::fmt::Display for Fail {
 
 impl std::error::Error for Fail {}
 
-/// What a call answers.
+/// The result of a call.
 pub type RiResult = Result<(), Fail>;
 
 macro_rules! calls {

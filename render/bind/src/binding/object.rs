@@ -84,7 +84,7 @@ pub enum Color<F = Formula, M = Map> {
 pub struct Shader {
     /// Its name: `gravel` is the library's or a file `gravel.sl` beside the file.
     pub name: String,
-    /// Greatest displacement, m (displacement shaders).
+    /// Maximum displacement, m (displacement shaders).
     pub bound: Option<f32>,
     /// Its parameters, by name.
     pub params: Params,

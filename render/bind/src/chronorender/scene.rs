@@ -1,4 +1,4 @@
-//! The scene of an image as it was put together: camera, lights, scene, and the data in its place.
+//! The RIB scene of an image: camera, lights and scene of the job, and the data in its place.
 
 use super::job::{Job, Map, elements_of, text};
 use super::places::Places;

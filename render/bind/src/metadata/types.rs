@@ -262,7 +262,7 @@ pub enum Quantity {
 pub struct Shader {
     /// Its name: `gravel` is the library's or a file `gravel.sl` beside the metadata.
     pub name: String,
-    /// Greatest displacement, m (displacement shaders).
+    /// Maximum displacement, m (displacement shaders).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<f32>,
     /// Its parameters by name.
