@@ -4,7 +4,6 @@ use crate::args::CheckArgs;
 use crate::job::{self, Yaml};
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
-use bind::metadata;
 use frame::{Fault, FaultKind};
 use render::Context;
 use render::ri::reader;
@@ -44,15 +43,15 @@ fn check(path: &Path) -> Outcome<&'static str> {
                 Ok("model")
             }
             Yaml::Metadata => {
-                let checked = metadata::read(path)?;
+                let checked = bind::read(path)?;
                 job::check_library(&checked, &checked.files(library::files(folder)))?;
-                if checked.metadata.data.is_some() {
+                if checked.data.is_some() {
                     let source = checked.open_data()?;
                     if let Some(first) = source.numbers().first() {
                         checked.check_columns(&source.read(*first)?)?;
                     }
                 }
-                if let Some(model) = &checked.metadata.model {
+                if let Some(model) = &checked.model {
                     model_file::read(&checked.folder().join(model))?;
                 }
                 Ok("metadata file")

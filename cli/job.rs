@@ -3,8 +3,8 @@
 use crate::args::PictureArgs;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
+use bind::binding::{Binding, Camera, Data, ImageFormat, Place};
 use bind::data::{Source, Store};
-use bind::metadata::{self, Checked, Data, ImageFormat};
 use frame::Fault;
 use frame::FaultKind;
 use frame::run::RunReader;
@@ -53,7 +53,7 @@ pub fn default_output(input: &Path) -> PathBuf {
 /// Pictures to be made.
 pub struct Pictures {
     /// The metadata.
-    pub checked: Checked,
+    pub checked: Binding,
     /// The data.
     pub source: Source,
     /// Scenes and shaders.
@@ -68,8 +68,8 @@ pub struct Pictures {
 
 impl Pictures {
     /// Resolve metadata, its data and the options of the command line.
-    pub fn resolve(mut checked: Checked, source: Source, folder: PathBuf, args: &PictureArgs) -> Outcome<Pictures> {
-        let output = &mut checked.metadata.output;
+    pub fn resolve(mut checked: Binding, source: Source, folder: PathBuf, args: &PictureArgs) -> Outcome<Pictures> {
+        let output = &mut checked.output;
         if let Some(res) = args.res {
             output.resolution = res;
         }
@@ -80,7 +80,7 @@ impl Pictures {
         if existing.is_empty() {
             return Err(Failure::new(Exit::Data, "the data has no frames yet"));
         }
-        let frames = match (&args.frames, &checked.metadata.output.frames) {
+        let frames = match (&args.frames, &checked.output.frames) {
             (Some(list), _) => {
                 bind::frames::parse(list, &existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?
             }
@@ -100,7 +100,7 @@ impl Pictures {
 
     /// The picture of a frame.
     pub fn image(&self, frame: u64) -> PathBuf {
-        let ending = match self.checked.metadata.output.format {
+        let ending = match self.checked.output.format {
             ImageFormat::Png => "png",
             ImageFormat::Exr => "exr",
         };
@@ -109,18 +109,19 @@ impl Pictures {
 }
 
 /// Scene, camera and lights are there; shaders are, compile, and have the parameters that the metadata gives them.
-pub fn check_library(checked: &Checked, files: &Files) -> Outcome {
+pub fn check_library(checked: &Binding, files: &Files) -> Outcome {
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
-    let m = &checked.metadata;
-    let camera = m.camera.as_ref().and_then(|c| c.file.as_ref());
-    // A camera that moves has a file a frame: each is looked for when its frame is drawn.
-    let camera = camera.filter(|file| !file.contains("{frame"));
-    for (key, name) in [("scene", Some(&m.scene)), ("lights", m.lights.as_ref()), ("camera.file", camera)] {
+    let camera = match &checked.camera {
+        // A camera that moves has a file a frame: each is looked for when its frame is drawn.
+        Some(Camera::File(file)) if !file.contains("{frame") => Some(file),
+        _ => None,
+    };
+    for (key, name) in [("scene", Some(&checked.scene)), ("lights", checked.lights.as_ref()), ("camera.file", camera)] {
         if let Some(name) = name {
             files.read(name, &["scenes"]).map_err(|e| checked.doc.fault(key, e))?;
         }
     }
-    for (i, object) in m.objects.iter().enumerate() {
+    for (i, object) in checked.objects.iter().enumerate() {
         for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
             let Some(shader) = shader else { continue };
             let key = format!("objects.{i}.{kind}");
@@ -128,7 +129,7 @@ pub fn check_library(checked: &Checked, files: &Files) -> Outcome {
                 .shader_parameters(&shader.name, kind)
                 .map_err(|f| checked.doc.fault(&format!("{key}.name"), f.message))?;
             let names: Vec<&str> = known.iter().map(String::as_str).collect();
-            if let Some(name) = shader.parameters.keys().find(|p| !names.contains(&p.as_str())) {
+            if let Some(name) = shader.params.iter().map(|p| &p.decl.name).find(|p| !names.contains(&p.as_str())) {
                 return Err(checked
                     .doc
                     .unknown(&format!("{key}.{name}"), &format!("parameter of `{}`", shader.name), name, &names)
@@ -140,14 +141,14 @@ pub fn check_library(checked: &Checked, files: &Files) -> Outcome {
 }
 
 /// The metadata of a run directory: its own, with its own data.
-pub fn metadata_of_run(folder: &Path) -> Outcome<(Checked, Source)> {
+pub fn metadata_of_run(folder: &Path) -> Outcome<(Binding, Source)> {
     let run = RunReader::open(folder)?;
     let path = folder.join("metadata.yaml");
     if !path.is_file() {
         let hint = format!("write one with `scree inspect {} --write {}`", folder.display(), path.display());
         return Err(Fault::whole(FaultKind::Data, &path, "is missing: it says what to draw").hint(hint).into());
     }
-    let mut checked = metadata::read(&path)?;
-    checked.metadata.data = Some(Data { run: Some(".".into()), ..Data::default() });
+    let mut checked = bind::read(&path)?;
+    checked.data = Some(Data { place: Some(Place::Run(".".into())), derive: vec![], select: None });
     Ok((checked, Store::Run(run).into()))
 }

@@ -37,7 +37,7 @@ pub fn is_scene(input: &Path) -> bool {
 
 /// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
 pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, telling: Telling) -> Outcome {
-    let size = pictures.checked.metadata.output.resolution;
+    let size = pictures.checked.output.resolution;
     let there =
         |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
     let wanted = |f: &&u64| !(missing && there(&pictures.image(**f)));

@@ -4,7 +4,6 @@ use crate::args::RunArgs;
 use crate::job::{self, Pictures, Yaml};
 use crate::report::Outcome;
 use crate::{movie, render, simulate, source};
-use bind::metadata;
 use std::path::{Path, PathBuf};
 
 /// The command.
@@ -17,10 +16,10 @@ pub fn run(args: &RunArgs) -> Outcome {
             job::metadata_of_run(&home)?
         }
         Yaml::Metadata => {
-            let checked = metadata::read(&args.input)?;
+            let checked = bind::read(&args.input)?;
             // Everything that can be checked before hours of work is checked first.
             job::check_library(&checked, &checked.files(crate::library::files(&checked.folder())))?;
-            is_simulated = checked.metadata.data.is_none();
+            is_simulated = checked.data.is_none();
             let data = source::data_of(&checked, &home, args.fresh)?;
             (checked, data)
         }
@@ -39,7 +38,7 @@ fn encode(pictures: &Pictures, goal: &Path) -> Outcome {
         eprintln!("movies are made of PNG pictures; these are EXR: no movie");
         return Ok(());
     }
-    let movie = movie::encode(&images, goal, pictures.checked.metadata.movie.frame_rate)?;
+    let movie = movie::encode(&images, goal, pictures.checked.frame_rate)?;
     println!("movie: {}", movie.display());
     Ok(())
 }

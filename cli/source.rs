@@ -3,8 +3,8 @@
 use crate::job::{self, Yaml};
 use crate::report::{Exit, Failure, Outcome};
 use crate::simulate;
+use bind::Binding;
 use bind::data::{Source, Store};
-use bind::metadata::{self, Checked};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind};
 use sim::model_file;
@@ -27,8 +27,8 @@ pub fn ensure_run(model: &Path, folder: &Path, fresh: bool) -> Outcome {
 }
 
 /// The data of a metadata file: what it names, or the run of its model, simulated if it is not there.
-pub fn data_of(checked: &Checked, home: &Path, fresh: bool) -> Outcome<Source> {
-    match (&checked.metadata.data, &checked.metadata.model) {
+pub fn data_of(checked: &Binding, home: &Path, fresh: bool) -> Outcome<Source> {
+    match (&checked.data, &checked.model) {
         (Some(_), _) => Ok(checked.open_data()?),
         (None, Some(model)) => {
             let path = checked.folder().join(model);
@@ -45,7 +45,7 @@ pub fn data_of(checked: &Checked, home: &Path, fresh: bool) -> Outcome<Source> {
 }
 
 /// Open what `scree render` and `scree rib` are given: a run directory or a metadata file; and where its results go.
-pub fn open(input: &Path) -> Outcome<(Checked, Source, PathBuf)> {
+pub fn open(input: &Path) -> Outcome<(Binding, Source, PathBuf)> {
     if !input.exists() {
         return Err(Fault::whole(FaultKind::Input, input, "does not exist").into());
     }
@@ -64,7 +64,7 @@ pub fn open(input: &Path) -> Outcome<(Checked, Source, PathBuf)> {
             format!("{} is a model: simulate it first, or give it to `scree run`", input.display()),
         )),
         Yaml::Metadata => {
-            let checked = metadata::read(input)?;
+            let checked = bind::read(input)?;
             let source = data_of(&checked, &home, false)?;
             Ok((checked, source, home))
         }

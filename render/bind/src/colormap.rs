@@ -1,6 +1,13 @@
 //! Named colour maps: from a number in [0, 1] to a linear colour.
 
-/// A map: its name and colours at even steps, as sRGB hexadecimal.
+/// A colour map.
+#[derive(Clone, Copy, Debug)]
+pub struct Map {
+    /// Colours at even steps, as sRGB hexadecimal.
+    stops: &'static [u32],
+}
+
+/// Maps by name.
 const MAPS: &[(&str, &[u32])] = &[
     ("viridis", &[0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725]),
     ("plasma", &[0x0d0887, 0x46039f, 0x7201a8, 0x9c179e, 0xbd3786, 0xd8576b, 0xed7953, 0xfb9f3a, 0xfdca26, 0xf0f921]),
@@ -23,17 +30,24 @@ pub fn names() -> Vec<&'static str> {
     MAPS.iter().map(|(n, _)| *n).collect()
 }
 
-/// The colour of `t`, clamped to [0, 1], in the map of that name; not-a-number is magenta, which no map has.
-pub fn color(map: &str, t: f64) -> Option<[f32; 3]> {
-    let (_, stops) = MAPS.iter().find(|(n, _)| *n == map)?;
-    if t.is_nan() {
-        return Some([1.0, 0.0, 1.0]);
+/// The map of a name.
+pub fn named(name: &str) -> Option<Map> {
+    MAPS.iter().find(|(n, _)| *n == name).map(|(_, stops)| Map { stops })
+}
+
+impl Map {
+    /// The colour of `t`, clamped to [0, 1]; not-a-number is magenta, which no map has.
+    pub fn color(self, t: f64) -> [f32; 3] {
+        if t.is_nan() {
+            return [1.0, 0.0, 1.0];
+        }
+        let stops = self.stops;
+        let x = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+        let i = (x as usize).min(stops.len() - 2);
+        let part = |hex: u32, c: usize| (hex >> (16 - 8 * c) & 255) as f64 / 255.0;
+        let mixed = |c: usize| part(stops[i], c) + (part(stops[i + 1], c) - part(stops[i], c)) * (x - i as f64);
+        [0, 1, 2].map(|c| linear(mixed(c)) as f32)
     }
-    let x = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
-    let i = (x as usize).min(stops.len() - 2);
-    let part = |hex: u32, c: usize| (hex >> (16 - 8 * c) & 255) as f64 / 255.0;
-    let mixed = |c: usize| part(stops[i], c) + (part(stops[i + 1], c) - part(stops[i], c)) * (x - i as f64);
-    Some([0, 1, 2].map(|c| linear(mixed(c)) as f32))
 }
 
 /// An sRGB value as a linear one.
@@ -47,9 +61,10 @@ mod tests {
 
     #[test]
     fn ends_and_strays() {
-        assert_eq!(color("gray", 0.0), Some([0.0; 3]));
-        assert_eq!(color("gray", 7.0), Some([1.0; 3]));
-        assert_eq!(color("none", 0.0), None);
-        assert!(color("viridis", 0.5).unwrap()[1] > 0.2);
+        let gray = named("gray").unwrap();
+        assert_eq!(gray.color(0.0), [0.0; 3]);
+        assert_eq!(gray.color(7.0), [1.0; 3]);
+        assert!(named("none").is_none());
+        assert!(named("viridis").unwrap().color(0.5)[1] > 0.2);
     }
 }

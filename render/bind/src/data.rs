@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub struct Source {
     /// Where they are.
     pub store: Store,
-    /// Columns that are worked out of others, in order; of a name that is there already, they take its place.
+    /// Columns that are computed from others, in order; of a name that is there already, they take its place.
     pub derive: Vec<(String, Expr)>,
     /// The rows that count.
     pub select: Option<Expr>,

@@ -231,9 +231,9 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
         .collect()
 }
 
-/// A camera from the front, a little to the side and above, near enough that the box fills the picture.
+/// A camera from the front, a little to the side and above, near enough that the box fills the image.
 fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
-    /// How much of the picture the box may take.
+    /// How much of the image the box may take.
     const FILL: f32 = 0.8;
     let center = 0.5 * (lo + hi);
     let fov = 35.0f32;

@@ -1,7 +1,7 @@
 //! ASCII RIB as the binary bytestream (RISpec appendix C.2); [`crate::lexer`] reads it.
 
-use crate::Fail;
 use crate::lexer::{Lexer, Token};
+use crate::ri::Fail;
 use std::collections::HashMap;
 
 /// Encodes request after request; names and strings get codes as they come.

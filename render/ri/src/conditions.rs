@@ -3,7 +3,7 @@
 //! `$Frame`, `$name` or `$group:name` of an option, numbers, strings in single quotes, `defined(name)`, comparisons, `&&`, `||`,
 //! `!`, `+ - * /` and brackets. What was never set counts as 0 and as an empty string.
 
-use crate::Values;
+use crate::params::Values;
 use std::collections::HashMap;
 
 /// What conditions may ask for.

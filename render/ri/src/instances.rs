@@ -1,6 +1,6 @@
 //! The instance array: one gprim or object in many places, as columns; the one call that is ours.
 
-use crate::{Class, Param, Ri, RiResult, Type, Values};
+use crate::params::{Param, Values};
 use glam::{Mat4, Quat, Vec3};
 
 /// What is repeated.
@@ -57,53 +57,5 @@ impl Instances {
             Values::Strings(v) => Values::Strings(v[i * width..(i + 1) * width].to_vec()),
         };
         Param { decl: param.decl.clone(), values }
-    }
-
-    /// The same pictures by standard calls: an attribute block an instance.
-    pub fn expand(&self, ri: &mut (impl Ri + ?Sized)) -> RiResult {
-        for i in 0..self.len() {
-            ri.attribute_begin()?;
-            let mut on_shape = Vec::new();
-            for param in &self.params {
-                let own = self.param_of(param, i);
-                if own.decl.name == "Cs" && own.decl.ty == Type::Color {
-                    ri.color([own.numbers()[0], own.numbers()[1], own.numbers()[2]])?;
-                } else {
-                    on_shape.push(Param {
-                        decl: crate::Declaration { class: Class::Constant, ..own.decl },
-                        values: own.values,
-                    });
-                }
-            }
-            if let Some((times, to)) = &self.moved {
-                ri.motion_begin(times.to_vec())?;
-                ri.translate([0.0; 3])?;
-                ri.translate([0, 1, 2].map(|c| to[i][c] - self.position[i][c]))?;
-                ri.motion_end()?;
-            }
-            let uniform = self.scale.get(i).filter(|s| s[0] == s[1] && s[1] == s[2]).map(|s| s[0]);
-            match (&self.shape, uniform) {
-                // A ball of its own radius reads better than a scaled one, and its object space is not scaled.
-                (InstanceShape::Sphere, Some(radius)) => {
-                    let place = Mat4::from_scale_rotation_translation(
-                        Vec3::ONE,
-                        self.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q)),
-                        Vec3::from(self.position[i]),
-                    );
-                    ri.concat_transform(place.to_cols_array())?;
-                    ri.sphere(radius, -radius, radius, 360.0, on_shape)?;
-                }
-                (InstanceShape::Sphere, None) => {
-                    ri.concat_transform(self.matrix(i).to_cols_array())?;
-                    ri.sphere(1.0, -1.0, 1.0, 360.0, on_shape)?;
-                }
-                (InstanceShape::Object(handle), _) => {
-                    ri.concat_transform(self.matrix(i).to_cols_array())?;
-                    ri.object_instance(handle)?;
-                }
-            }
-            ri.attribute_end()?;
-        }
-        Ok(())
     }
 }

@@ -25,10 +25,10 @@ pub enum Token<'a> {
     Comment(Cow<'a, str>),
 }
 
-/// What a bytestream has given codes to.
+/// The codes that a bytestream has defined.
 #[derive(Clone, Default)]
 pub struct Codes {
-    /// With their names; those that are known, as what they are.
+    /// Requests by code: their names, and their rows of the table if they have one.
     requests: Vec<Option<(Cow<'static, str>, Option<Request>)>>,
     strings: Vec<Option<String>>,
 }
@@ -60,7 +60,7 @@ pub(crate) struct Mark {
     line_start: usize,
 }
 
-/// The longest encoded string or array; more is a broken stream.
+/// Maximum length of an encoded string or array; more is a broken stream.
 const LONGEST: usize = 1 << 30;
 
 impl<'a> Lexer<'a> {
@@ -181,7 +181,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// As many of these numbers as follow each other, or an encoded array of just as many; how many there were.
+    /// Read the numbers that follow each other, at most as many as `out` takes, or an encoded array of just its length; their count.
     #[inline]
     pub fn fill(&mut self, out: &mut [f32]) -> Result<usize, String> {
         for i in 0..out.len() {
@@ -223,7 +223,7 @@ impl<'a> Lexer<'a> {
     /// A number of fixed point, after its first byte: two's complement, the highest byte first.
     #[inline]
     fn fixed_point(&mut self, first: u8) -> Result<f32, String> {
-        /// What a number is worth with so many bytes after the point.
+        /// The unit of the last byte, by the bytes after the point.
         const UNIT: [f64; 4] = [1.0, 1.0 / 256.0, 1.0 / 65_536.0, 1.0 / 16_777_216.0];
         let (fraction, width) = ((first >> 2 & 3) as usize, (first & 3) as usize + 1);
         let bytes = self.take(width)?;
@@ -315,7 +315,7 @@ impl<'a> Lexer<'a> {
         String::from_utf8(out).map_err(|_| "a string is not UTF-8".into())
     }
 
-    /// So many bytes, taken.
+    /// The next `n` bytes.
     #[inline]
     fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
         let found = self.bytes.get(self.at..self.at.saturating_add(n));
@@ -323,7 +323,7 @@ impl<'a> Lexer<'a> {
         found.ok_or_else(|| "the stream ends within an encoded value".into())
     }
 
-    /// A whole number of so many bytes, the highest first.
+    /// A whole number of `n` bytes, the highest first.
     #[inline]
     fn whole(&mut self, n: usize) -> Result<usize, String> {
         let x = self.take(n)?.iter().fold(0usize, |x, b| x << 8 | *b as usize);

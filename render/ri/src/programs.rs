@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// The longest answer.
+/// Maximum length of an answer, bytes.
 const MOST: usize = 4 << 30;
 
 struct Running {

@@ -1,13 +1,14 @@
 //! RIB text → calls of an [`Ri`]. Every error has file, line, column and the offending line.
 
-use crate::conditions::Conditions;
+use crate::arguments::{Arguments, Known, Spot, describe};
+use crate::dispatch::{self, Placed};
 use crate::files::Files;
-use crate::lexer::{Lexer, Token};
+use crate::lexer::Token;
 use crate::programs::Programs;
-use crate::requests::{self, Placed, Request};
-use crate::{Declarations, Fail, Param, Params, Ri, RiResult, Type, Values};
+use crate::requests::Request;
+use crate::ri::{Fail, Ri, RiResult};
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ impl fmt::Display for RibError {
 
 impl std::error::Error for RibError {}
 
-/// The deepest that archives may read each other.
+/// Maximum depth of archives that read each other.
 const MAX_DEPTH: usize = 32;
 
 /// What is done with a directive: a comment that starts with `scree`, given without that word. `Err` stops the reading.
@@ -57,20 +58,22 @@ pub fn read(
     ri: &mut dyn Ri,
     on_directive: &mut Directive<'_>,
 ) -> Result<(), RibError> {
-    let mut shared = Shared::default();
+    let (mut known, mut shared) = (Known::default(), Shared::default());
     let unpacked = unpack(rib).map_err(|message| RibError {
         place: Place { file: path.into(), line: 1, column: 1 },
         text: String::new(),
         message,
     })?;
-    let mut reader = Reader::new(path, &unpacked, files, &mut shared, 0);
+    let arguments = Arguments::new(path, &unpacked, &mut known);
+    let bytes = &unpacked;
+    let mut reader = Reader { path, bytes, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
     if unpacked.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
     reader.run(ri, on_directive).map_err(|e| *e)
 }
 
-/// What gzip has packed, unpacked; anything else as it is.
+/// A gzip file unpacked; anything else as it is.
 fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     /// A packed file that grows beyond this is not a scene.
     const MOST: u64 = 16 << 30;
@@ -86,18 +89,13 @@ fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     }
 }
 
-/// What a stream and the archives within it have in common.
+/// What a stream and the archives within it have in common, besides what their arguments know.
 #[derive(Default)]
-pub(crate) struct Shared {
-    pub(crate) declarations: Declarations,
+struct Shared {
     /// Archives that the stream itself holds.
     archives: HashMap<String, Vec<u8>>,
-    /// The frame, and options that conditions ask for.
-    conditions: Conditions,
     /// Programs that make geometry, kept running.
     programs: Programs,
-    /// What has been warned of.
-    warned: HashSet<String>,
 }
 
 /// An open `IfBegin`.
@@ -109,37 +107,18 @@ struct Branch {
 }
 
 /// The state of reading one stream.
-pub(crate) struct Reader<'a> {
+struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
-    lexer: Lexer<'a>,
-    peeked: Option<(Token<'a>, (usize, usize))>,
-    pub(crate) shared: &'a mut Shared,
+    arguments: Arguments<'a>,
+    shared: &'a mut Shared,
     files: &'a Files,
     depth: usize,
     branches: Vec<Branch>,
-    /// Where the request under way stands.
-    request: (usize, usize),
-    warnings: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(path: &'a Path, bytes: &'a [u8], files: &'a Files, shared: &'a mut Shared, depth: usize) -> Reader<'a> {
-        Reader {
-            path,
-            bytes,
-            lexer: Lexer::new(bytes),
-            peeked: None,
-            shared,
-            files,
-            depth,
-            branches: vec![],
-            request: (1, 1),
-            warnings: vec![],
-        }
-    }
-
-    fn error(&self, (line, column): (usize, usize), message: impl Into<String>) -> Box<RibError> {
+    fn error(&self, (line, column): Spot, message: impl Into<String>) -> Box<RibError> {
         let text = self.bytes.split(|b| *b == b'\n').nth(line - 1).unwrap_or(b"");
         Box::new(RibError {
             place: Place { file: self.path.into(), line, column },
@@ -148,26 +127,18 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Warn of something, once for each `key`, with the request's place.
-    pub(crate) fn warn(&mut self, key: &str, message: &str) {
-        if self.shared.warned.insert(key.into()) {
-            let (line, column) = self.request;
-            self.warnings.push(format!("{}:{line}:{column}: {message}", self.path.display()));
-        }
-    }
-
     fn run(&mut self, ri: &mut dyn Ri, on_directive: &mut Directive<'_>) -> Result<(), Box<RibError>> {
         loop {
-            let place = self.lexer.place();
+            let place = self.arguments.lexer.place();
             // Mostly a known request follows: found without making a token of it.
-            if self.peeked.is_none()
+            if self.arguments.peeked().is_none()
                 && self.branches.is_empty()
-                && let Some(request) = self.lexer.request()
+                && let Some(request) = self.arguments.lexer.request()
             {
                 self.perform(Ok(request), ri, on_directive, place)?;
                 continue;
             }
-            let token = self.take().map_err(|m| self.error(place, m))?;
+            let token = self.arguments.take().map_err(|m| self.error(place, m))?;
             let place = token.as_ref().map_or(place, |(_, p)| *p);
             let taken = self.branches.iter().all(|b| b.taken);
             match token {
@@ -203,10 +174,10 @@ impl<'a> Reader<'a> {
         request: Result<Request, &str>,
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
-        place: (usize, usize),
+        place: Spot,
     ) -> Result<(), Box<RibError>> {
-        self.request = place;
-        let start = self.lexer.mark();
+        self.arguments.request = place;
+        let start = self.arguments.lexer.mark();
         let done = match request {
             Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
             Ok(Request::ArchiveBegin) => self.inline_archive(place),
@@ -216,13 +187,13 @@ impl<'a> Reader<'a> {
             }
             known => {
                 let done = match known {
-                    Ok(request) => requests::dispatch(self, ri, request),
-                    Err(name) => requests::pass_over(self, name),
+                    Ok(request) => dispatch::dispatch(&mut self.arguments, ri, request),
+                    Err(name) => dispatch::pass_over(&mut self.arguments, name),
                 };
                 done.map_err(|Placed { fail, in_arguments }| {
                     // A fault in the arguments is placed where reading stopped, one of the call itself at its name.
                     let at = if in_arguments {
-                        self.peeked.as_ref().map_or_else(|| self.lexer.place_after(start), |(_, p)| *p)
+                        self.arguments.peeked().map_or_else(|| self.arguments.lexer.place_after(start), |(_, p)| *p)
                     } else {
                         place
                     };
@@ -230,8 +201,8 @@ impl<'a> Reader<'a> {
                 })
             }
         };
-        if !self.warnings.is_empty() {
-            self.warnings.drain(..).for_each(|w| ri.warn(w));
+        if !self.arguments.warnings.is_empty() {
+            self.arguments.warnings.drain(..).for_each(|w| ri.warn(w));
         }
         done
     }
@@ -241,17 +212,18 @@ impl<'a> Reader<'a> {
         let outer = |branches: &[Branch]| branches.iter().all(|b| b.taken);
         match request {
             Request::IfBegin => {
-                let text = self.string()?;
-                let yes = outer(&self.branches) && self.shared.conditions.holds(&text).map_err(Fail::new)?;
+                let text = self.arguments.text()?;
+                let yes = outer(&self.branches) && self.arguments.known.conditions.holds(&text).map_err(Fail::new)?;
                 self.branches.push(Branch { taken: yes, done: yes });
             }
             Request::ElseIf | Request::Else => {
-                let text = if request == Request::ElseIf { self.string()? } else { "1".into() };
+                let text = if request == Request::ElseIf { self.arguments.text()? } else { "1".into() };
                 let Some(mut branch) = self.branches.pop() else {
-                    return Err(Fail::new(format!("`{request:?}` without `IfBegin`")));
+                    return Err(Fail::new(format!("`{}` without `IfBegin`", request.name())));
                 };
-                branch.taken =
-                    outer(&self.branches) && !branch.done && self.shared.conditions.holds(&text).map_err(Fail::new)?;
+                branch.taken = outer(&self.branches)
+                    && !branch.done
+                    && self.arguments.known.conditions.holds(&text).map_err(Fail::new)?;
                 branch.done |= branch.taken;
                 self.branches.push(branch);
             }
@@ -262,19 +234,14 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Remember a value that conditions may ask for.
-    pub(crate) fn remember(&mut self, name: &str, value: Values) {
-        self.shared.conditions.set(name, value);
-    }
-
     fn read_archive(
         &mut self,
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
-        place: (usize, usize),
+        place: Spot,
     ) -> Result<(), Box<RibError>> {
-        let name = self.string().map_err(|f| self.error(place, f.message))?;
-        self.params().map_err(|f| self.error(place, f.message))?;
+        let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
+        self.arguments.params().map_err(|f| self.error(place, f.message))?;
         self.archive(&name, ri, on_directive, place)
     }
 
@@ -283,7 +250,7 @@ impl<'a> Reader<'a> {
         name: &str,
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
-        place: (usize, usize),
+        place: Spot,
     ) -> Result<(), Box<RibError>> {
         if self.depth >= MAX_DEPTH {
             return Err(self.error(
@@ -307,22 +274,23 @@ impl<'a> Reader<'a> {
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
     ) -> Result<(), Box<RibError>> {
-        let codes = self.lexer.codes.clone();
-        let mut inner = Reader::new(path, bytes, self.files, self.shared, self.depth + 1);
-        inner.lexer.codes = codes;
-        inner.run(ri, on_directive)
+        let codes = self.arguments.lexer.codes.clone();
+        let mut arguments = Arguments::new(path, bytes, self.arguments.known);
+        arguments.lexer.codes = codes;
+        let (shared, files, depth) = (&mut *self.shared, self.files, self.depth + 1);
+        Reader { path, bytes, arguments, shared, files, depth, branches: vec![] }.run(ri, on_directive)
     }
 
     /// Keep what stands between `ArchiveBegin` and its `ArchiveEnd`.
-    fn inline_archive(&mut self, place: (usize, usize)) -> Result<(), Box<RibError>> {
-        let name = self.string().map_err(|f| self.error(place, f.message))?;
-        self.params().map_err(|f| self.error(place, f.message))?;
+    fn inline_archive(&mut self, place: Spot) -> Result<(), Box<RibError>> {
+        let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
+        self.arguments.params().map_err(|f| self.error(place, f.message))?;
         let start = self.peeked_start();
         let mut depth = 1;
         loop {
-            let here = self.lexer.place();
+            let here = self.arguments.lexer.place();
             let before = self.peeked_start();
-            let token = self.take().map_err(|m| self.error(here, m))?;
+            let token = self.arguments.take().map_err(|m| self.error(here, m))?;
             match token {
                 None => return Err(self.error(place, "`ArchiveBegin` without `ArchiveEnd`")),
                 Some((Token::Word(word), _)) if word == "ArchiveBegin" => depth += 1,
@@ -340,12 +308,12 @@ impl<'a> Reader<'a> {
 
     /// The byte where the next token starts.
     fn peeked_start(&mut self) -> usize {
-        match &self.peeked {
+        match self.arguments.peeked() {
             // A peeked token is a word here, and ends where the lexer is.
-            Some((Token::Word(word), _)) => self.lexer.position() - word.len(),
+            Some((Token::Word(word), _)) => self.arguments.lexer.position() - word.len(),
             _ => {
-                self.lexer.place();
-                self.lexer.position()
+                self.arguments.lexer.place();
+                self.arguments.lexer.position()
             }
         }
     }
@@ -355,12 +323,12 @@ impl<'a> Reader<'a> {
         &mut self,
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
-        place: (usize, usize),
+        place: Spot,
     ) -> Result<(), Box<RibError>> {
-        let arguments = |r: &mut Self| -> Result<(String, Vec<String>, [f32; 6]), Fail> {
-            Ok((r.string()?, r.strings()?, r.numbers_of("a bound")?))
+        let read = |from: &mut Arguments<'_>| -> Result<(String, Vec<String>, [f32; 6]), Fail> {
+            Ok((from.text()?, from.texts()?, from.numbers("a bound")?))
         };
-        let (kind, args, bound) = arguments(self).map_err(|f| self.error(place, f.message))?;
+        let (kind, args, bound) = read(&mut self.arguments).map_err(|f| self.error(place, f.message))?;
         match (kind.as_str(), args.as_slice()) {
             ("DelayedReadArchive", [name]) => self.archive(name, ri, on_directive, place),
             ("RunProgram", [program, request]) => {
@@ -370,8 +338,8 @@ impl<'a> Reader<'a> {
                 self.nested(&path, &answer, ri, on_directive)
             }
             ("DynamicLoad", _) => {
-                self.warn("DynamicLoad", "`DynamicLoad` runs code of other programs and is passed over");
-                self.warnings.drain(..).for_each(|w| ri.warn(w));
+                self.arguments.warn("DynamicLoad", "`DynamicLoad` runs code of other programs and is passed over");
+                self.arguments.warnings.drain(..).for_each(|w| ri.warn(w));
                 Ok(())
             }
             _ => Err(self.error(
@@ -379,275 +347,5 @@ impl<'a> Reader<'a> {
                 format!("procedure `{kind}` with {} arguments: expected DelayedReadArchive [file], RunProgram [program request]", args.len()),
             )),
         }
-    }
-
-    fn take(&mut self) -> Result<Option<(Token<'a>, (usize, usize))>, String> {
-        if let Some(token) = self.peeked.take() {
-            return Ok(Some(token));
-        }
-        let place = self.lexer.place();
-        Ok(self.lexer.next()?.map(|t| (t, place)))
-    }
-
-    /// The next token, left in place. Comments within a request are passed over.
-    fn peek(&mut self) -> Result<Option<&Token<'a>>, Fail> {
-        while self.peeked.is_none() {
-            match self.take().map_err(Fail::new)? {
-                None => return Ok(None),
-                Some((Token::Comment(c), _)) if !c.trim_start().starts_with("scree ") => {}
-                some => self.peeked = some,
-            }
-        }
-        Ok(self.peeked.as_ref().map(|(t, _)| t))
-    }
-
-    fn expected<T>(&mut self, what: &str) -> Result<T, Fail> {
-        let found = self.peek()?.map_or("the end of the file".into(), describe);
-        Err(Fail::new(format!("expected {what}, found {found}")))
-    }
-
-    /// At a glance, whether a request follows, in letters or by its code; where it takes a closer look, not.
-    #[inline]
-    fn request_follows(&mut self) -> bool {
-        self.peeked.is_none() && matches!(self.lexer.first(), Some(b'A'..=b'Z' | 0o246))
-    }
-
-    /// An error if arguments are left over.
-    #[inline(always)]
-    pub(crate) fn end_of(&mut self, request: Request) -> Result<(), Fail> {
-        if self.request_follows() || !self.has_argument()? {
-            return Ok(());
-        }
-        Err(Fail::new(format!("`{request:?}` has more arguments than it takes")))
-    }
-
-    /// Whether an argument follows rather than the next request.
-    pub(crate) fn has_argument(&mut self) -> Result<bool, Fail> {
-        Ok(!matches!(self.peek()?, None | Some(Token::Word(_) | Token::Comment(_))))
-    }
-
-    /// Whether a bracketed list follows.
-    pub(crate) fn has_list(&mut self) -> Result<bool, Fail> {
-        Ok(matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))))
-    }
-
-    /// Whether a string follows.
-    pub(crate) fn has_string(&mut self) -> Result<bool, Fail> {
-        Ok(matches!(self.peek()?, Some(Token::Text(_))))
-    }
-
-    /// A number; a bracketed single one counts.
-    pub(crate) fn number(&mut self) -> Result<f32, Fail> {
-        match self.peek()? {
-            Some(Token::Number(x)) => {
-                let x = *x;
-                self.peeked = None;
-                Ok(x)
-            }
-            Some(Token::Open | Token::Numbers(_)) => Ok(self.numbers_of::<1>("a number")?[0]),
-            _ => self.expected("a number"),
-        }
-    }
-
-    /// A whole number.
-    pub(crate) fn integer(&mut self) -> Result<i32, Fail> {
-        let x = self.number()?;
-        if x.fract() == 0.0 && x.abs() < 2e9 {
-            Ok(x as i32)
-        } else {
-            Err(Fail::new(format!("expected a whole number, found {x}")))
-        }
-    }
-
-    /// Exactly `N` numbers, with or without brackets.
-    #[inline(always)]
-    pub(crate) fn numbers_of<const N: usize>(&mut self, what: &str) -> Result<[f32; N], Fail> {
-        let mut out = [0.0; N];
-        let n = if self.peeked.is_none() { self.lexer.fill(&mut out).map_err(Fail::new)? } else { 0 };
-        if n == N { Ok(out) } else { self.more_numbers(out, n, what) }
-    }
-
-    /// The numbers after the first `n`, token by token.
-    #[cold]
-    fn more_numbers<const N: usize>(&mut self, mut out: [f32; N], n: usize, what: &str) -> Result<[f32; N], Fail> {
-        if n == 0 && matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))) {
-            let list = self.numbers()?;
-            let n = list.len();
-            return list.try_into().map_err(|_| Fail::new(format!("expected {what} ({N} numbers), found {n}")));
-        }
-        for x in &mut out[n..] {
-            *x = match self.peek()? {
-                Some(Token::Number(x)) => *x,
-                _ => return self.expected(what),
-            };
-            self.peeked = None;
-        }
-        Ok(out)
-    }
-
-    /// A bracketed list of numbers.
-    pub(crate) fn numbers(&mut self) -> Result<Vec<f32>, Fail> {
-        match self.peek()? {
-            Some(Token::Open) => self.peeked = None,
-            Some(Token::Numbers(_)) => match self.peeked.take() {
-                Some((Token::Numbers(list), _)) => return Ok(list),
-                _ => unreachable!("an array was seen"),
-            },
-            _ => return self.expected("`[`"),
-        }
-        let mut out = Vec::new();
-        loop {
-            self.lexer.numbers(&mut out).map_err(Fail::new)?;
-            match self.peek()? {
-                Some(Token::Close) => {
-                    self.peeked = None;
-                    return Ok(out);
-                }
-                // A comment between the numbers was passed over.
-                Some(Token::Number(x)) => out.push(*x),
-                _ => return self.expected("a number or `]`"),
-            }
-            self.peeked = None;
-        }
-    }
-
-    /// A bracketed list of whole numbers.
-    pub(crate) fn integers(&mut self) -> Result<Vec<i32>, Fail> {
-        Ok(self.numbers()?.into_iter().map(|x| x as i32).collect())
-    }
-
-    /// A string; a bracketed single one counts.
-    pub(crate) fn string(&mut self) -> Result<String, Fail> {
-        match self.peek()? {
-            Some(Token::Text(_)) => match self.peeked.take() {
-                Some((Token::Text(text), _)) => Ok(text),
-                _ => unreachable!("a string was seen"),
-            },
-            Some(Token::Open) => {
-                self.peeked = None;
-                let text = self.string()?;
-                match self.peek()? {
-                    Some(Token::Close) => self.peeked = None,
-                    _ => return self.expected("`]`"),
-                }
-                Ok(text)
-            }
-            _ => self.expected("a string"),
-        }
-    }
-
-    /// A light's or an object's handle: a number or a string.
-    pub(crate) fn handle(&mut self) -> Result<String, Fail> {
-        match self.peek()? {
-            Some(Token::Number(_)) => Ok(self.integer()?.to_string()),
-            _ => self.string(),
-        }
-    }
-
-    /// The parameter list that ends a request.
-    #[inline(always)]
-    pub(crate) fn params(&mut self) -> Result<Params, Fail> {
-        if self.request_follows() { Ok(Vec::new()) } else { self.parameters() }
-    }
-
-    fn parameters(&mut self) -> Result<Params, Fail> {
-        let mut params: Params = Vec::new();
-        while matches!(self.peek()?, Some(Token::Text(_))) {
-            let token = self.string()?;
-            let Some(decl) = self.shared.declarations.resolve(&token).map_err(Fail::new)? else {
-                // What is not declared is read over, as the specification asks.
-                let message = self.undeclared(&token);
-                self.warn(&format!("parameter {token}"), &message);
-                self.pass_value()?;
-                continue;
-            };
-            let values = if decl.ty == Type::String {
-                Values::Strings(self.strings()?)
-            } else {
-                Values::Floats(self.one_or_more()?)
-            };
-            let n = match &values {
-                Values::Floats(v) => v.len(),
-                Values::Strings(v) => v.len(),
-            };
-            if n == 0 || n % decl.width() != 0 {
-                let message = format!("`{}` has {n} values, expected a multiple of {}", decl.inline(), decl.width());
-                return Err(Fail::new(message));
-            }
-            params.push(Param { decl, values });
-        }
-        Ok(params)
-    }
-
-    fn undeclared(&self, name: &str) -> String {
-        let near =
-            self.shared.declarations.names().min_by_key(|n| (strsim::damerau_levenshtein(n, name), n.to_string()));
-        let near = near
-            .filter(|n| strsim::damerau_levenshtein(n, name) <= 2)
-            .map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-        format!("parameter `{name}` is not declared: write \"uniform float {name}\" or `Declare` it before{near}")
-    }
-
-    /// Read over the value of a parameter.
-    fn pass_value(&mut self) -> Result<(), Fail> {
-        match self.peek()? {
-            Some(Token::Text(_) | Token::Number(_) | Token::Numbers(_)) => self.peeked = None,
-            Some(Token::Open) => {
-                while !matches!(self.peek()?, Some(Token::Close)) {
-                    if !matches!(self.peek()?, Some(Token::Text(_) | Token::Number(_) | Token::Open)) {
-                        return self.expected("a value or `]`");
-                    }
-                    self.peeked = None;
-                }
-                self.peeked = None;
-            }
-            _ => return self.expected("a value"),
-        }
-        Ok(())
-    }
-
-    /// Read over the arguments of a request that is not known.
-    pub(crate) fn pass_arguments(&mut self) -> Result<(), Fail> {
-        while self.has_argument()? {
-            self.peeked = None;
-        }
-        Ok(())
-    }
-
-    fn one_or_more(&mut self) -> Result<Vec<f32>, Fail> {
-        match self.peek()? {
-            Some(Token::Number(_)) => Ok(vec![self.number()?]),
-            _ => self.numbers(),
-        }
-    }
-
-    pub(crate) fn strings(&mut self) -> Result<Vec<String>, Fail> {
-        if !matches!(self.peek()?, Some(Token::Open)) {
-            return Ok(vec![self.string()?]);
-        }
-        self.peeked = None;
-        let mut out = Vec::new();
-        loop {
-            match self.peek()? {
-                Some(Token::Text(_)) => out.push(self.string()?),
-                Some(Token::Close) => {
-                    self.peeked = None;
-                    return Ok(out);
-                }
-                _ => return self.expected("a string or `]`"),
-            }
-        }
-    }
-}
-
-fn describe(token: &Token<'_>) -> String {
-    match token {
-        Token::Word(w) => format!("`{w}`"),
-        Token::Text(t) => format!("the string \"{t}\""),
-        Token::Number(x) => format!("the number {x}"),
-        Token::Numbers(_) => "an array of numbers".into(),
-        Token::Open => "`[`".into(),
-        Token::Close => "`]`".into(),
-        Token::Comment(c) => format!("the directive `#{c}`"),
     }
 }

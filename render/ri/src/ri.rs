@@ -2,7 +2,10 @@
 //!
 //! A method that a renderer leaves out answers "not supported yet" with the call's name; the reader adds file and line.
 
-use crate::{Instances, Params};
+use crate::instances::{InstanceShape, Instances};
+use crate::params::{Class, Declaration, Param, Params, Type};
+use crate::table::requests;
+use glam::{Mat4, Quat, Vec3};
 
 /// Numbers of a NURBS patch along one parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +16,7 @@ pub struct Knots {
     pub order: i32,
     /// Knots (n + order).
     pub knots: Vec<f32>,
-    /// Least and greatest parameter.
+    /// Minimum and maximum parameter.
     pub range: [f32; 2],
 }
 
@@ -26,9 +29,9 @@ pub struct TrimCurves {
     pub order: Vec<i32>,
     /// Knots, one curve after the other.
     pub knot: Vec<f32>,
-    /// Least parameters.
+    /// Minimum parameters.
     pub min: Vec<f32>,
-    /// Greatest parameters.
+    /// Maximum parameters.
     pub max: Vec<f32>,
     /// Control points.
     pub n: Vec<i32>,
@@ -75,20 +78,26 @@ impl std::fmt::Display for Fail {
 
 impl std::error::Error for Fail {}
 
-/// What a call answers.
+/// The result of a call.
 pub type RiResult = Result<(), Fail>;
 
 macro_rules! calls {
-    ($($(#[$doc:meta])* $name:ident ( $($arg:ident : $ty:ty),* ) = $call:literal;)*) => {
+    ($(#[doc = $doc:literal] $name:ident [$($where:ident)+]
+       $(=> $method:ident($($kind:ident $($what:literal)? ($($arg:ident: $ty:ty),+))*))?;)*) => {
         /// The RenderMan Interface. Matrices are 16 numbers, row after row, for row vectors.
         #[allow(unused_variables)]
         pub trait Ri {
-            $(
-                $(#[$doc])*
-                fn $name(&mut self, $($arg: $ty),*) -> RiResult {
-                    Err(Fail::new(concat!("`", $call, "` is not supported yet")))
+            $($(
+                #[doc = concat!("`", stringify!($name), "`:", $doc)]
+                fn $method(&mut self, $($($arg: $ty),+),*) -> RiResult {
+                    Err(unsupported(stringify!($name)))
                 }
-            )*
+            )?)*
+
+            /// A structured comment or any other record: kind `comment` or `structure`, and its text.
+            fn archive_record(&mut self, kind: &str, text: &str) -> RiResult {
+                Err(unsupported("ArchiveRecord"))
+            }
 
             /// Be told of something odd that does not stop the reading.
             fn warn(&mut self, message: String) {
@@ -102,211 +111,58 @@ macro_rules! calls {
 
             /// Many instances of one shape; by default as standard calls.
             fn instances(&mut self, instances: Instances) -> RiResult {
-                instances.expand(self)
+                expand(&instances, self)
             }
         }
     };
 }
+requests!(calls);
 
-calls! {
-    /// `version`: of the RIB format.
-    version(number: f32) = "version";
-    /// `Declare`: name a parameter's class and type.
-    declare(name: &str, declaration: &str) = "Declare";
-    /// `FrameBegin`
-    frame_begin(number: i32) = "FrameBegin";
-    /// `FrameEnd`
-    frame_end() = "FrameEnd";
-    /// `WorldBegin`: options are frozen, the current transformation becomes the camera's.
-    world_begin() = "WorldBegin";
-    /// `WorldEnd`: the picture is made.
-    world_end() = "WorldEnd";
-    /// `AttributeBegin`
-    attribute_begin() = "AttributeBegin";
-    /// `AttributeEnd`
-    attribute_end() = "AttributeEnd";
-    /// `TransformBegin`
-    transform_begin() = "TransformBegin";
-    /// `TransformEnd`
-    transform_end() = "TransformEnd";
-    /// `ObjectBegin`: retain the gprims up to `ObjectEnd` under a handle.
-    object_begin(handle: &str) = "ObjectBegin";
-    /// `ObjectEnd`
-    object_end() = "ObjectEnd";
-    /// `ObjectInstance`
-    object_instance(handle: &str) = "ObjectInstance";
-    /// `SolidBegin`
-    solid_begin(operation: &str) = "SolidBegin";
-    /// `SolidEnd`
-    solid_end() = "SolidEnd";
-    /// `MotionBegin`
-    motion_begin(times: Vec<f32>) = "MotionBegin";
-    /// `MotionEnd`
-    motion_end() = "MotionEnd";
+fn unsupported(call: &str) -> Fail {
+    Fail::new(format!("`{call}` is not supported yet"))
+}
 
-    /// `Format`: pixels and pixel aspect ratio.
-    format(width: i32, height: i32, aspect: f32) = "Format";
-    /// `FrameAspectRatio`
-    frame_aspect_ratio(ratio: f32) = "FrameAspectRatio";
-    /// `ScreenWindow`
-    screen_window(left: f32, right: f32, bottom: f32, top: f32) = "ScreenWindow";
-    /// `CropWindow`: fractions of the image.
-    crop_window(x_min: f32, x_max: f32, y_min: f32, y_max: f32) = "CropWindow";
-    /// `Projection`
-    projection(name: &str, params: Params) = "Projection";
-    /// `Clipping`: near and far.
-    clipping(near: f32, far: f32) = "Clipping";
-    /// `DepthOfField`
-    depth_of_field(f_stop: f32, focal_length: f32, focal_distance: f32) = "DepthOfField";
-    /// `Shutter`
-    shutter(open: f32, close: f32) = "Shutter";
-    /// `PixelSamples`: along x and y.
-    pixel_samples(x: f32, y: f32) = "PixelSamples";
-    /// `PixelFilter`: name and widths, pixels.
-    pixel_filter(name: &str, x_width: f32, y_width: f32) = "PixelFilter";
-    /// `Exposure`: gain and gamma.
-    exposure(gain: f32, gamma: f32) = "Exposure";
-    /// `Imager`
-    imager(name: &str, params: Params) = "Imager";
-    /// `Quantize`
-    quantize(kind: &str, one: i32, min: i32, max: i32, dither: f32) = "Quantize";
-    /// `Display`: file, type (`png`, `exr`, `file`, `framebuffer`) and mode (`rgb`, `rgba`).
-    display(name: &str, kind: &str, mode: &str, params: Params) = "Display";
-    /// `Hider`
-    hider(name: &str, params: Params) = "Hider";
-    /// `Option`
-    option(name: &str, params: Params) = "Option";
-
-    /// `Attribute`
-    attribute(name: &str, params: Params) = "Attribute";
-    /// `Color`
-    color(color: [f32; 3]) = "Color";
-    /// `Opacity`
-    opacity(opacity: [f32; 3]) = "Opacity";
-    /// `LightSource`: shader and handle.
-    light_source(name: &str, handle: &str, params: Params) = "LightSource";
-    /// `AreaLightSource`
-    area_light_source(name: &str, handle: &str, params: Params) = "AreaLightSource";
-    /// `Illuminate`: switch a light.
-    illuminate(handle: &str, on: bool) = "Illuminate";
-    /// `Surface`
-    surface(name: &str, params: Params) = "Surface";
-    /// `Displacement`
-    displacement(name: &str, params: Params) = "Displacement";
-    /// `Atmosphere`
-    atmosphere(name: &str, params: Params) = "Atmosphere";
-    /// `Interior`
-    interior(name: &str, params: Params) = "Interior";
-    /// `Exterior`
-    exterior(name: &str, params: Params) = "Exterior";
-    /// `ShadingRate`: pixels a micropolygon.
-    shading_rate(size: f32) = "ShadingRate";
-    /// `ShadingInterpolation`: `constant` or `smooth`.
-    shading_interpolation(kind: &str) = "ShadingInterpolation";
-    /// `Matte`
-    matte(on: bool) = "Matte";
-    /// `Bound`
-    bound(bound: [f32; 6]) = "Bound";
-    /// `Orientation`: `outside`, `inside`, `lh` or `rh`.
-    orientation(kind: &str) = "Orientation";
-    /// `ReverseOrientation`
-    reverse_orientation() = "ReverseOrientation";
-    /// `Sides`: 1 or 2.
-    sides(sides: i32) = "Sides";
-
-    /// `Identity`
-    identity() = "Identity";
-    /// `Transform`: replace the current transformation.
-    transform(matrix: [f32; 16]) = "Transform";
-    /// `ConcatTransform`: put a transformation before the current one.
-    concat_transform(matrix: [f32; 16]) = "ConcatTransform";
-    /// `Perspective`
-    perspective(fov: f32) = "Perspective";
-    /// `Translate`
-    translate(by: [f32; 3]) = "Translate";
-    /// `Rotate`: degrees about an axis.
-    rotate(angle: f32, axis: [f32; 3]) = "Rotate";
-    /// `Scale`
-    scale(by: [f32; 3]) = "Scale";
-    /// `Skew`
-    skew(angle: f32, from: [f32; 3], to: [f32; 3]) = "Skew";
-    /// `CoordinateSystem`: name the current space.
-    coordinate_system(name: &str) = "CoordinateSystem";
-    /// `CoordSysTransform`: go to a named space.
-    coord_sys_transform(name: &str) = "CoordSysTransform";
-
-    /// `Polygon`: a convex one.
-    polygon(params: Params) = "Polygon";
-    /// `GeneralPolygon`
-    general_polygon(n_vertices: Vec<i32>, params: Params) = "GeneralPolygon";
-    /// `PointsPolygons`: convex ones that share vertices.
-    points_polygons(n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) = "PointsPolygons";
-    /// `PointsGeneralPolygons`
-    points_general_polygons(n_loops: Vec<i32>, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) = "PointsGeneralPolygons";
-    /// `Basis`: names and steps in u and v.
-    basis(u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) = "Basis";
-    /// `Patch`: `bilinear` or `bicubic`.
-    patch(kind: &str, params: Params) = "Patch";
-    /// `PatchMesh`
-    patch_mesh(kind: &str, nu: i32, u_wrap: &str, nv: i32, v_wrap: &str, params: Params) = "PatchMesh";
-    /// `Sphere`
-    sphere(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Sphere";
-
-
-    /// `Cone`
-    cone(height: f32, radius: f32, sweep: f32, params: Params) = "Cone";
-    /// `Cylinder`
-    cylinder(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Cylinder";
-    /// `Hyperboloid`: a line from one point to another, swept.
-    hyperboloid(from: [f32; 3], to: [f32; 3], sweep: f32, params: Params) = "Hyperboloid";
-    /// `Paraboloid`
-    paraboloid(radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) = "Paraboloid";
-    /// `Disk`
-    disk(height: f32, radius: f32, sweep: f32, params: Params) = "Disk";
-    /// `Torus`: radii, angles of the tube in degrees, and sweep.
-    torus(major: f32, minor: f32, phi_min: f32, phi_max: f32, sweep: f32, params: Params) = "Torus";
-    /// `Points`
-    points(params: Params) = "Points";
-    /// `Curves`: `linear` or `cubic`, vertices of each, `periodic` or `nonperiodic`.
-    curves(kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) = "Curves";
-    /// `NuPatch`: numbers, orders, knots and ranges along u and v.
-    nu_patch(u: Knots, v: Knots, params: Params) = "NuPatch";
-    /// `TrimCurve`: loops of curves in the parameters of the patches that follow.
-    trim_curve(curves: TrimCurves) = "TrimCurve";
-    /// `SubdivisionMesh`: scheme, faces, tags with their numbers of integers and floats.
-    subdivision_mesh(scheme: &str, n_vertices: Vec<i32>, vertices: Vec<i32>, tags: Tags, params: Params) = "SubdivisionMesh";
-    /// `Blobby`: number of leaves, codes, floats and strings.
-    blobby(leaves: i32, codes: Vec<i32>, floats: Vec<f32>, strings: Vec<String>, params: Params) = "Blobby";
-    /// `Geometry`
-    geometry(name: &str, params: Params) = "Geometry";
-
-    /// `Detail`: a bound whose size on the raster is the level of detail.
-    detail_bound(bound: [f32; 6]) = "Detail";
-    /// `DetailRange`
-    detail_range(range: [f32; 4]) = "DetailRange";
-    /// `RelativeDetail`
-    relative_detail(factor: f32) = "RelativeDetail";
-    /// `GeometricApproximation`
-    geometric_approximation(kind: &str, value: f32) = "GeometricApproximation";
-    /// `TextureCoordinates`: s and t of the four corners.
-    texture_coordinates(corners: [f32; 8]) = "TextureCoordinates";
-    /// `ColorSamples`: to RGB and from it.
-    color_samples(to_rgb: Vec<f32>, from_rgb: Vec<f32>) = "ColorSamples";
-    /// `PixelVariance`
-    pixel_variance(variance: f32) = "PixelVariance";
-    /// `Deformation`
-    deformation(name: &str, params: Params) = "Deformation";
-    /// `ErrorHandler`
-    error_handler(name: &str) = "ErrorHandler";
-    /// `MakeTexture`: picture, texture, wraps, filter and its widths.
-    make_texture(from: &str, to: &str, wraps: [&str; 2], filter: &str, widths: [f32; 2], params: Params) = "MakeTexture";
-    /// `MakeLatLongEnvironment`
-    make_lat_long_environment(from: &str, to: &str, filter: &str, widths: [f32; 2], params: Params) = "MakeLatLongEnvironment";
-    /// `MakeCubeFaceEnvironment`: six pictures, the texture, the faces' angle, filter and its widths.
-    make_cube_face_environment(from: Vec<String>, to: &str, fov: f32, filter: &str, widths: [f32; 2], params: Params) = "MakeCubeFaceEnvironment";
-    /// `MakeShadow`
-    make_shadow(from: &str, to: &str, params: Params) = "MakeShadow";
-
-    /// A structured comment or any other record: kind `comment` or `structure`, and its text.
-    archive_record(kind: &str, text: &str) = "ArchiveRecord";
+/// An instance array by standard calls: an attribute block for each instance.
+fn expand(all: &Instances, ri: &mut (impl Ri + ?Sized)) -> RiResult {
+    for i in 0..all.len() {
+        ri.attribute_begin()?;
+        let mut on_shape = Vec::new();
+        for param in &all.params {
+            let own = all.param_of(param, i);
+            if own.decl.name == "Cs" && own.decl.ty == Type::Color {
+                ri.color([own.numbers()[0], own.numbers()[1], own.numbers()[2]])?;
+            } else {
+                on_shape.push(Param { decl: Declaration { class: Class::Constant, ..own.decl }, values: own.values });
+            }
+        }
+        if let Some((times, to)) = &all.moved {
+            ri.motion_begin(times.to_vec())?;
+            ri.translate([0.0; 3])?;
+            ri.translate([0, 1, 2].map(|c| to[i][c] - all.position[i][c]))?;
+            ri.motion_end()?;
+        }
+        let uniform = all.scale.get(i).filter(|s| s[0] == s[1] && s[1] == s[2]).map(|s| s[0]);
+        match (&all.shape, uniform) {
+            // A sphere of its own radius reads better than a scaled one, and its object space is not scaled.
+            (InstanceShape::Sphere, Some(radius)) => {
+                let place = Mat4::from_scale_rotation_translation(
+                    Vec3::ONE,
+                    all.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q)),
+                    Vec3::from(all.position[i]),
+                );
+                ri.concat_transform(place.to_cols_array())?;
+                ri.sphere(radius, -radius, radius, 360.0, on_shape)?;
+            }
+            (InstanceShape::Sphere, None) => {
+                ri.concat_transform(all.matrix(i).to_cols_array())?;
+                ri.sphere(1.0, -1.0, 1.0, 360.0, on_shape)?;
+            }
+            (InstanceShape::Object(handle), _) => {
+                ri.concat_transform(all.matrix(i).to_cols_array())?;
+                ri.object_instance(handle)?;
+            }
+        }
+        ri.attribute_end()?;
+    }
+    Ok(())
 }

@@ -1,0 +1,189 @@
+//! Objects of a binding: rows of the data, and what they look like.
+//!
+//! An object is made with its formulas as texts (`Object<String>`), and [`Object::compile`] makes programs of these.
+
+use crate::colormap::{self, Map};
+use crate::expr::Expr;
+use frame::Fault;
+use frame::yaml::Document;
+use ri::Params;
+
+/// An expression, and the key where the file has it.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// The key.
+    pub key: String,
+    /// The expression.
+    pub expr: Expr,
+}
+
+/// Rows of the data, and what they look like. `F` is what formulas are: texts or programs.
+#[derive(Clone, Debug)]
+pub struct Object<F = Formula, M = Map> {
+    /// Name, for `#scree inject objects NAME`.
+    pub name: String,
+    /// Which rows; all if not given.
+    pub select: Option<F>,
+    /// What stands at each row.
+    pub shape: Shape<F>,
+    /// Position, m.
+    pub position: [F; 3],
+    /// The quaternion's w, x, y, z. If not given: quat_w … quat_z where the data has them.
+    pub orientation: Option<[F; 4]>,
+    /// Velocity, m/s, for motion blur. If not given: vel_x, vel_y, vel_z where the data has them.
+    pub velocity: Option<[F; 3]>,
+    /// Surface shader; `matte` if not given.
+    pub surface: Option<Shader>,
+    /// Displacement shader.
+    pub displacement: Option<Shader>,
+    /// Colour.
+    pub color: Color<F, M>,
+    /// Opacity, 0 to 1.
+    pub opacity: Option<f32>,
+}
+
+/// What stands at a row; lengths in m.
+#[derive(Clone, Debug)]
+pub enum Shape<F = Formula> {
+    /// A sphere by its radius.
+    Sphere(F),
+    /// A box by its half lengths along the local axes.
+    Box([F; 3]),
+    /// An ellipsoid by its half axes.
+    Ellipsoid([F; 3]),
+    /// A cylinder about local z, by its radius and half its length.
+    Cylinder([F; 2]),
+    /// A cylinder about local z with half spheres on its ends, by its radius and half its length without these.
+    Capsule([F; 2]),
+    /// A cone about local z, its tip up and its origin half way up, by its radius and half its height.
+    Cone([F; 2]),
+    /// A square in the local xy plane, by half its edge.
+    Plane(F),
+    /// Geometry from a RIB or OBJ file, and its scale.
+    Archive(String, F),
+}
+
+/// Colour: red, green and blue, or a value through a map.
+#[derive(Clone, Debug)]
+pub enum Color<F = Formula, M = Map> {
+    /// Linear red, green and blue.
+    Rgb([f32; 3]),
+    /// A value through a map.
+    By {
+        /// The value.
+        value: F,
+        /// The map.
+        map: M,
+        /// Values at the map's ends; the frame's own if not given.
+        range: Option<[f64; 2]>,
+    },
+}
+
+/// A shader and its parameters.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    /// Its name: `gravel` is the library's or a file `gravel.sl` beside the file.
+    pub name: String,
+    /// Maximum displacement, m (displacement shaders).
+    pub bound: Option<f32>,
+    /// Its parameters, by name.
+    pub params: Params,
+}
+
+impl Formula {
+    /// Compile the text of a key.
+    pub fn compile(doc: &Document, key: String, text: &str) -> Result<Formula, Fault> {
+        match Expr::parse(text) {
+            Ok(expr) => Ok(Formula { key, expr }),
+            Err(e) => Err(doc.fault(&key, format!("in the expression, at character {}: {}", e.at + 1, e.message))),
+        }
+    }
+}
+
+impl Object<String, String> {
+    /// Check the object, the `i`th of the file, and compile its formulas.
+    pub fn compile(self, doc: &Document, i: usize) -> Result<Object, Fault> {
+        let key = format!("objects.{i}");
+        let color = match self.color {
+            Color::Rgb(rgb) => Color::Rgb(rgb),
+            Color::By { value, map, range } => {
+                let found = colormap::named(&map)
+                    .ok_or_else(|| doc.unknown(&format!("{key}.color.map"), "colour map", &map, &colormap::names()))?;
+                if range.is_some_and(|[lo, hi]| !(hi > lo)) {
+                    return Err(doc.fault(&format!("{key}.color.range"), "expected a smaller and a larger number"));
+                }
+                Color::By { value, map: found, range }
+            }
+        };
+        if self.opacity.is_some_and(|o| !(0.0..=1.0).contains(&o)) {
+            return Err(doc.fault(&format!("{key}.opacity"), "expected a number from 0 to 1"));
+        }
+        let compile = |part: &str, text: String| Formula::compile(doc, format!("{key}.{part}"), &text);
+        Ok(Object {
+            name: self.name,
+            select: self.select.map(|text| compile("select", text)).transpose()?,
+            shape: self.shape.compile(&compile)?,
+            position: each("position", self.position, &compile)?,
+            velocity: self.velocity.map(|texts| each("velocity", texts, &compile)).transpose()?,
+            orientation: self.orientation.map(|texts| each("orientation", texts, &compile)).transpose()?,
+            color: match color {
+                Color::Rgb(rgb) => Color::Rgb(rgb),
+                Color::By { value, map, range } => Color::By { value: compile("color.column", value)?, map, range },
+            },
+            surface: self.surface,
+            displacement: self.displacement,
+            opacity: self.opacity,
+        })
+    }
+}
+
+/// Compile texts that stand in a list.
+fn each<const N: usize>(
+    part: &str,
+    texts: [String; N],
+    compile: &dyn Fn(&str, String) -> Result<Formula, Fault>,
+) -> Result<[Formula; N], Fault> {
+    let mut all = Vec::with_capacity(N);
+    for (k, text) in texts.into_iter().enumerate() {
+        all.push(compile(&format!("{part}.{k}"), text)?);
+    }
+    Ok(all.try_into().expect("as many formulas as texts"))
+}
+
+impl Shape<String> {
+    fn compile(self, compile: &dyn Fn(&str, String) -> Result<Formula, Fault>) -> Result<Shape, Fault> {
+        let round = |shape: &str, [radius, half]: [String; 2]| -> Result<[Formula; 2], Fault> {
+            let part = |name: &str| format!("geometry.{shape}.{name}");
+            Ok([compile(&part("radius"), radius)?, compile(&part("half"), half)?])
+        };
+        Ok(match self {
+            Shape::Sphere(radius) => Shape::Sphere(compile("geometry.sphere.radius", radius)?),
+            Shape::Box(half) => Shape::Box(each("geometry.box.half", half, compile)?),
+            Shape::Ellipsoid(half) => Shape::Ellipsoid(each("geometry.ellipsoid.half", half, compile)?),
+            Shape::Cylinder(size) => Shape::Cylinder(round("cylinder", size)?),
+            Shape::Capsule(size) => Shape::Capsule(round("capsule", size)?),
+            Shape::Cone(size) => Shape::Cone(round("cone", size)?),
+            Shape::Plane(half) => Shape::Plane(compile("geometry.plane.half", half)?),
+            Shape::Archive(file, scale) => Shape::Archive(file, compile("geometry.archive.scale", scale)?),
+        })
+    }
+}
+
+impl Object {
+    /// All its formulas, in the order in which their faults are told.
+    pub fn formulas(&self) -> Vec<&Formula> {
+        let mut all: Vec<&Formula> = self.select.iter().collect();
+        match &self.shape {
+            Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => all.push(x),
+            Shape::Box(half) | Shape::Ellipsoid(half) => all.extend(half),
+            Shape::Cylinder(size) | Shape::Capsule(size) | Shape::Cone(size) => all.extend(size),
+        }
+        all.extend(&self.position);
+        all.extend(self.velocity.iter().flatten());
+        all.extend(self.orientation.iter().flatten());
+        if let Color::By { value, .. } = &self.color {
+            all.push(value);
+        }
+        all
+    }
+}

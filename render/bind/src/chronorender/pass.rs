@@ -1,0 +1,198 @@
+//! The images of a job: each render pass of it, or all of it if it has none.
+
+use super::data::{self, Table};
+use super::job::{Job, Map, ROOT, elements_of, list_of, text};
+use super::objects::{Drawn, Source};
+use super::places::Places;
+use super::scene::{Parts, scene};
+use super::shaders::shader;
+use crate::binding::{Binding, Camera, Data, ImageFormat, Output, Place, Shader, delimiter, some_objects};
+use frame::Fault;
+use frame::yaml::Document;
+use serde_yaml::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Keys of a render pass.
+const PASS: [&str; 8] = ["name", "type", "settings", "shader", "camera", "scene", "lighting", "renderobject"];
+
+/// Check a file that was read: the first render pass, and the others as further images of the same data.
+pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
+    let job = Job { doc: &doc };
+    let top = job.map(
+        ROOT,
+        root,
+        &["rendersettings", "camera", "lighting", "scene", "renderpass", "simulation", "movie", "distributed"],
+    )?;
+    let mut passes = Vec::new();
+    for (key, value) in job.list(&top, "renderpass")? {
+        let map = job.map(&key, &value, &PASS)?;
+        // Whatever lights shine, shadows are traced: nothing has to be made for them first.
+        if map.get("type").map(text).as_deref() != Some("shadow") {
+            passes.push((key, map));
+        }
+    }
+    let mut all = Vec::new();
+    for (k, pass) in passes.iter().map(Some).chain(passes.is_empty().then_some(None)).enumerate() {
+        let name = pass.and_then(|(_, map)| map.get("name")).map_or(format!("pass{k}"), text);
+        // Names become folders.
+        let name: String =
+            name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        all.push((name.trim_matches('.').to_string(), image(&job, &top, pass)?));
+    }
+    // All of the file is read before any of it is checked.
+    let mut all =
+        all.into_iter().map(|(name, image)| Ok((name, image.check(&doc)?))).collect::<Result<Vec<_>, Fault>>()?;
+    let (_, mut first) = all.remove(0);
+    for k in 0..all.len() {
+        if all[k].0.is_empty() || all[..k].iter().any(|(name, _)| *name == all[k].0) {
+            all[k].0 = format!("{}{}", all[k].0, k + 1);
+        }
+    }
+    first.passes = all;
+    Ok(first)
+}
+
+/// What a job says of an image, not checked yet.
+struct Image {
+    scene_file: String,
+    camera: Option<String>,
+    output: Output,
+    table: Table,
+    objects: Vec<Drawn>,
+    made: Vec<(String, String)>,
+    folders: Vec<PathBuf>,
+}
+
+impl Image {
+    fn check(self, doc: &Document) -> Result<Binding, Fault> {
+        self.output.check(doc)?;
+        let layout = self.table.layout(delimiter(doc, self.table.delimiter)?);
+        some_objects(doc, self.objects.len())?;
+        let Table { pattern, derive, select, .. } = self.table;
+        let place = Place::Csv { pattern, layout, rename: BTreeMap::new() };
+        let data = Data::compile(doc, Some(place), &derive, select.as_deref())?;
+        let compile = |(i, object): (usize, Drawn)| object.compile(doc, i);
+        Ok(Binding {
+            doc: doc.clone(),
+            model: None,
+            data: Some(data),
+            scene: self.scene_file,
+            camera: self.camera.map(Camera::File),
+            lights: None,
+            objects: self.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?,
+            output: self.output,
+            frame_rate: 24.0,
+            made: self.made,
+            folders: self.folders,
+            passes: vec![],
+        })
+    }
+}
+
+/// What the job says of the image of a render pass, or of the one image of a job without any.
+fn image(job: &Job<'_>, top: &Map, pass: Option<&(String, Map)>) -> Result<Image, Fault> {
+    let folder = folder_of(&job.doc.path);
+    let mut folders = vec![folder.clone()];
+    let mut frames = None;
+    if let Some((key, value)) = job.first(top, "rendersettings")? {
+        let known = ["out", "fileformat", "padding", "searchpaths", "framerange", "renderer", "verbosity", "path"];
+        let map = job.map(&key, &value, &known)?;
+        if let Some(paths) = map.get("searchpaths") {
+            folders.extend(text(paths).split(':').filter(|p| !p.is_empty()).map(|p| folder.join(p)));
+        }
+        if let Some(range) = map.get("framerange") {
+            let ends = job.numbers(&format!("{key}.framerange"), range, 2)?;
+            frames = Some(format!("{}-{}", ends[0], ends[1]));
+        }
+    }
+    let places = Places(folders);
+    let mut output = Output { resolution: [640, 480], frames, ..Output::default() };
+    let surface = match pass {
+        Some((key, map)) => settings(job, key, map, &mut output)?,
+        None => None,
+    };
+    let part = |name: &str| match pass.and_then(|(key, map)| Some((key, map.get(name)?))) {
+        Some((key, own)) => Ok(list_of(&format!("{key}.{name}"), Some(own))),
+        None => job.list(top, name),
+    };
+    let (camera, lighting) = (part("camera")?, part("lighting")?);
+    let parts = Parts { camera, lighting, scene: part("scene")?, surface };
+    let (scene, camera) = scene(job, &parts, &places)?;
+    let scene_file = match pass {
+        Some((key, _)) => format!("{}.rib", key.replace('.', "_")),
+        None => "chronorender.rib".into(),
+    };
+    let mut made = vec![(format!("scenes/{scene_file}"), scene)];
+
+    let Some((key, simulation)) = job.first(top, "simulation")? else {
+        return Err(job.doc.fault(ROOT, "has no `simulation`: there is nothing to draw"));
+    };
+    let simulation = job.map(&key, &simulation, &["name", "data", "renderobject", "dataprocess"])?;
+    let mut table = data::table(job, &key, &simulation, &places)?;
+    data::processes(job, &format!("{key}.dataprocess"), simulation.get("dataprocess"), &mut table)?;
+    let (at, list) = match pass.and_then(|(key, map)| Some((key, map.get("renderobject")?))) {
+        Some((key, own)) => (format!("{key}.renderobject"), Some(own)),
+        None => (format!("{key}.renderobject"), simulation.get("renderobject")),
+    };
+    let mut objects = Vec::new();
+    let mut source = Source { job, table: &table, places: &places, made: &mut made };
+    for (k, (key, value)) in list_of(&at, list).into_iter().enumerate() {
+        objects.extend(source.objects(&key, k, &value)?);
+    }
+    if let Some(surface) = parts.surface {
+        objects.iter_mut().for_each(|o| o.surface = Some(surface.clone()));
+    }
+    Ok(Image { scene_file, camera, output, table, objects, made, folders: places.0 })
+}
+
+/// Settings of a pass; the surface that it puts on everything, if it does.
+fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<Option<Shader>, Fault> {
+    if let Some(settings) = map.get("settings") {
+        let at = format!("{key}.settings");
+        let known = ["resolution", "shadingrate", "pixelsamples", "display", "searchpath", "bucket", "option"];
+        let map = job.map(&at, settings, &known)?;
+        if let Some(v) = map.get("resolution") {
+            output.resolution = pair(&job.numbers(&format!("{at}.resolution"), v, 2)?);
+        }
+        if let Some(v) = map.get("pixelsamples") {
+            output.samples = pair(&job.numbers(&format!("{at}.pixelsamples"), v, 2)?);
+        }
+        if let Some(v) = map.get("shadingrate") {
+            output.shading_rate = job.numbers(&format!("{at}.shadingrate"), v, 1)?[0] as f32;
+        }
+        for (k, display) in list_of(&format!("{at}.display"), map.get("display")) {
+            let map = job.map(&k, &display, &["output", "outtype", "mode", "name"])?;
+            let name = map.get("output").map(text).unwrap_or_default();
+            if name.ends_with(".exr") {
+                output.format = ImageFormat::Exr;
+            }
+        }
+    }
+    let kind = map.get("type").map(text).unwrap_or_default();
+    let own = map.get("shader").and_then(|all| elements_of(all).first().copied());
+    let own = own.map(|one| shader(job, &format!("{key}.shader"), one)).transpose()?;
+    match kind.as_str() {
+        "ao" | "occlusion" | "envlight" => {
+            let shader = own.unwrap_or(Shader { name: "occlusionsurf".into(), bound: None, params: vec![] });
+            Ok(Some(shader))
+        }
+        "" | "raytrace" | "shadow" | "beauty" | "default" => Ok(own),
+        other => Err(job.doc.unknown(
+            &format!("{key}.type"),
+            "type of a render pass",
+            other,
+            &["raytrace", "occlusion", "ao", "envlight", "shadow"],
+        )),
+    }
+}
+
+/// Two counts.
+fn pair(v: &[f64]) -> [u32; 2] {
+    [v[0].max(0.0) as u32, v[1].max(0.0) as u32]
+}
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()
+}

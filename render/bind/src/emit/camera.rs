@@ -1,0 +1,82 @@
+//! The camera of a frame: its projection, and where it has gone.
+
+use super::archive;
+use crate::binding::{Binding, Camera, Placed, Projection};
+use crate::expr::Expr;
+use frame::Frame;
+use glam::{Mat4, Quat, Vec3};
+use ri::files::Files;
+use ri::{Class, Fail, Param, Ri, RiResult, Type};
+
+/// Projection and world-to-camera matrix.
+pub(super) fn inject(binding: &Binding, frame: &Frame, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let camera = match &binding.camera {
+        Some(Camera::Placed(camera)) => camera,
+        Some(Camera::File(file)) => return archive::include(&numbered(file, frame.number), files, ri),
+        None => {
+            return Err(Fail::new(
+                "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`",
+            ));
+        }
+    };
+    match camera.projection {
+        Projection::Parallel(height) => {
+            let [w, h] = binding.output.resolution.map(|n| n as f32);
+            let (x, y) =
+                if w >= h { (0.5 * height * w / h, 0.5 * height) } else { (0.5 * height, 0.5 * height * h / w) };
+            ri.screen_window(-x, x, -y, y)?;
+            ri.projection("orthographic", vec![])?;
+        }
+        Projection::Perspective(fov) => {
+            ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [fov])])?;
+        }
+    }
+    let (eye, at) = moved(camera, frame)?;
+    if let Some(lens) = &camera.lens {
+        let focus = lens.focus.unwrap_or((Vec3::from(at) - Vec3::from(eye)).length());
+        ri.depth_of_field(lens.f_stop, lens.focal_length, focus)?;
+    }
+    ri.concat_transform(look_at(eye, at, camera.up).to_cols_array())
+}
+
+/// Where the camera stands in a frame, and what it looks at.
+fn moved(camera: &Placed, frame: &Frame) -> Result<([f32; 3], [f32; 3]), Fail> {
+    let (mut eye, mut at, up) = (camera.eye, camera.look_at, camera.up);
+    if let Some(degrees) = camera.orbit {
+        // About the direction that is up, counter-clockwise as seen from there.
+        let angle = (degrees as f64 * frame.number as f64 % 360.0).to_radians() as f32;
+        let turn = Quat::from_axis_angle(Vec3::from(up).normalize(), angle);
+        eye = (Vec3::from(at) + turn * (Vec3::from(eye) - Vec3::from(at))).into();
+    }
+    if let Some(follow) = &camera.follow {
+        let rows = follow.expr.select(frame).map_err(Fail::new)?;
+        if rows.is_empty() {
+            return Err(Fail::new(format!("the camera follows `{}`, which no row is", follow.expr.text)));
+        }
+        for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
+            let values = Expr::column(name).numbers(frame, &rows).map_err(Fail::new)?;
+            let middle = values.iter().sum::<f64>() / rows.len() as f64;
+            eye[k] += middle as f32;
+            at[k] += middle as f32;
+        }
+    }
+    Ok((eye, at))
+}
+
+/// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.
+fn numbered(file: &str, number: u64) -> String {
+    let parts = file.split_once("{frame").and_then(|(before, rest)| Some((before, rest.split_once('}')?)));
+    let Some((before, (format, after))) = parts else { return file.into() };
+    let digits = format.strip_prefix(":0").and_then(|n| n.parse().ok()).unwrap_or(0usize).min(20);
+    format!("{before}{number:0digits$}{after}")
+}
+
+/// World to camera: x right, y up, z forward.
+fn look_at(eye: [f32; 3], at: [f32; 3], up: [f32; 3]) -> Mat4 {
+    let (eye, at) = (Vec3::from(eye), Vec3::from(at));
+    let forward = (at - eye).normalize();
+    let right = forward.cross(up.into()).normalize();
+    let up = right.cross(forward);
+    let turn = Mat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), glam::Vec4::W).transpose();
+    turn * Mat4::from_translation(-eye)
+}

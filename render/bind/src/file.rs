@@ -1,0 +1,17 @@
+//! A file that says what to draw, of either kind → its binding.
+
+use crate::binding::Binding;
+use crate::{chronorender, metadata};
+use frame::Fault;
+use frame::yaml::Document;
+use std::path::Path;
+
+/// Read and check a metadata file, or a job of Chrono::Render.
+pub fn read(path: &Path) -> Result<Binding, Fault> {
+    let (any, doc): (serde_yaml::Value, Document) = frame::yaml::read(path)?;
+    if let Some(job) = any.get(chronorender::ROOT) {
+        return chronorender::check(job, doc);
+    }
+    let (metadata, doc) = frame::yaml::read(path)?;
+    metadata::check(metadata, doc)
+}

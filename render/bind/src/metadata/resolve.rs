@@ -1,0 +1,181 @@
+//! A metadata file → its binding: what belongs together is checked, names are found, formulas compiled.
+
+use super::types;
+use super::types::{CameraSpec, Metadata, Parameter, Quantity, View};
+use crate::binding::{
+    Binding, Camera, Color, Data, Formula, ImageFormat, Lens, Object, Output, Place, Placed, Projection, Shader, Shape,
+    delimiter, some_objects,
+};
+use frame::Fault;
+use frame::csv::Layout;
+use frame::yaml::Document;
+use ri::{Class, Param, Type};
+
+/// Check a metadata file that was read.
+pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
+    let output = output(metadata.output);
+    output.check(&doc)?;
+    let frame_rate = metadata.movie.frame_rate;
+    if !(frame_rate > 0.0 && frame_rate <= 1000.0) {
+        return Err(doc.fault("movie.frame_rate", "expected a number above 0 and at most 1000"));
+    }
+    let delimiter = delimiter(&doc, metadata.data.as_ref().and_then(|data| data.delimiter))?;
+    let mut camera = metadata.camera.as_ref().map(|spec| camera(spec, &doc)).transpose()?;
+    some_objects(&doc, metadata.objects.len())?;
+    let data = metadata.data.map(|data| resolve_data(data, delimiter, &doc)).transpose()?;
+    let compile = |(i, object): (usize, types::Object)| resolve_object(object, i, &doc)?.compile(&doc, i);
+    let objects = metadata.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?;
+    let follow = metadata.camera.and_then(|spec| spec.follow);
+    if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
+        placed.follow = Some(Formula::compile(&doc, "camera.follow".into(), &text)?);
+    }
+    let (model, scene, lights) = (metadata.model, metadata.scene, metadata.lights);
+    let (made, folders, passes) = (vec![], vec![], vec![]);
+    Ok(Binding { doc, model, data, scene, camera, lights, objects, output, frame_rate, made, folders, passes })
+}
+
+fn output(o: types::Output) -> Output {
+    let format = match o.format {
+        types::ImageFormat::Png => ImageFormat::Png,
+        types::ImageFormat::Exr => ImageFormat::Exr,
+    };
+    Output {
+        resolution: o.resolution,
+        samples: o.samples,
+        shading_rate: o.shading_rate,
+        format,
+        bits: o.bits,
+        channels: o.channels,
+        shutter: o.shutter,
+        frames: o.frames,
+        filter: (o.filter.name, o.filter.width),
+    }
+}
+
+fn resolve_data(data: types::Data, delimiter: Option<u8>, doc: &Document) -> Result<Data, Fault> {
+    let place = match (data.run, data.csv) {
+        (Some(folder), None) => Some(Place::Run(folder)),
+        (None, Some(pattern)) => {
+            let layout = Layout { delimiter, header: data.header, names: data.columns, least: data.least_cells };
+            Some(Place::Csv { pattern, layout, rename: data.rename })
+        }
+        _ => None,
+    };
+    let derive: Vec<_> = data.derive.into_iter().map(|d| (d.column, d.formula)).collect();
+    Data::compile(doc, place, &derive, data.select.as_deref())
+}
+
+/// The camera, without the rows that it follows.
+fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
+    if c.file.is_none() && c.view.is_none() && (c.eye.is_none() || c.look_at.is_none()) {
+        return Err(doc.fault("camera", "needs `eye` and `look_at`, a `view`, or a `file`"));
+    }
+    if c.view.is_some() && c.orthographic.is_none() {
+        return Err(doc.fault("camera.view", "needs `orthographic`: how many metres the picture shows"));
+    }
+    if c.view.is_some() && c.eye.is_some() {
+        return Err(doc.fault("camera.view", "stands instead of `eye`, not beside it"));
+    }
+    if c.file.is_some() && (c.orbit.is_some() || c.follow.is_some() || c.view.is_some()) {
+        return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
+    }
+    let lens = c.lens.as_ref();
+    let lens = lens.map(|l| Lens { f_stop: l.f_stop, focal_length: l.focal_length, focus: l.focus });
+    if let Some(lens) = &lens {
+        if c.file.is_some() || c.orthographic.is_some() {
+            return Err(doc.fault("camera.lens", "belongs to a camera with `eye` and `look_at` in perspective"));
+        }
+        let numbers =
+            [("f_stop", lens.f_stop), ("focal_length", lens.focal_length), ("focus", lens.focus.unwrap_or(1.0))];
+        if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+            return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
+        }
+    }
+    if c.orbit.is_some_and(|o| !o.is_finite()) {
+        return Err(doc.fault("camera.orbit", "expected degrees a frame"));
+    }
+    if !(c.fov > 0.0 && c.fov < 179.0) {
+        return Err(doc.fault("camera.fov", format!("is {}, expected an angle between 0 and 179 degrees", c.fov)));
+    }
+    if let Some(file) = &c.file {
+        return Ok(Camera::File(file.clone()));
+    }
+    let (eye, look_at, up) = place(c);
+    let way = glam::Vec3::from(look_at) - glam::Vec3::from(eye);
+    if !(way.cross(up.into()).length() > 0.0) {
+        return Err(doc.fault("camera", "cannot look along `up`, nor at the place where it stands"));
+    }
+    let projection = c.orthographic.map_or(Projection::Perspective(c.fov), Projection::Parallel);
+    Ok(Camera::Placed(Placed { eye, look_at, up, projection, orbit: c.orbit, follow: None, lens }))
+}
+
+/// Eye, what it looks at, and what is up, before the camera goes anywhere.
+fn place(c: &CameraSpec) -> ([f32; 3], [f32; 3], [f32; 3]) {
+    let at = c.look_at.unwrap_or_default();
+    let (way, up) = match c.view {
+        Some(View::Front) => ([100.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        Some(View::Side) => ([0.0, -100.0, 0.0], [0.0, 0.0, 1.0]),
+        Some(View::Top) => ([0.0, 0.0, 100.0], [0.0, 1.0, 0.0]),
+        None => return (c.eye.unwrap_or_default(), at, c.up),
+    };
+    ([0, 1, 2].map(|k| at[k] + way[k]), at, up)
+}
+
+/// The `i`th object, its geometry being one shape.
+fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Object<String, String>, Fault> {
+    let Some(shape) = shape(object.geometry) else {
+        return Err(doc.fault(
+            &format!("objects.{i}.geometry"),
+            "needs exactly one of `sphere`, `box`, `ellipsoid`, `cylinder`, `capsule`, `cone`, `plane` and `archive`",
+        ));
+    };
+    Ok(Object {
+        name: object.name,
+        select: object.select,
+        shape,
+        position: object.position.map(text),
+        orientation: object.orientation.map(|q| q.map(text)),
+        velocity: object.velocity.map(|v| v.map(text)),
+        surface: object.surface.map(shader),
+        displacement: object.displacement.map(shader),
+        color: match object.color {
+            types::Color::Rgb(rgb) => Color::Rgb(rgb),
+            types::Color::Column(by) => Color::By { value: text(by.column), map: by.map, range: by.range },
+        },
+        opacity: object.opacity,
+    })
+}
+
+/// The one shape of a geometry; none if it has several, or none.
+fn shape(g: types::Geometry) -> Option<Shape<String>> {
+    let round = |spec: types::RoundSpec| [text(spec.radius), text(spec.half)];
+    let found = [
+        g.sphere.map(|s| Shape::Sphere(text(s.radius))),
+        g.block.map(|s| Shape::Box(s.half.map(text))),
+        g.ellipsoid.map(|s| Shape::Ellipsoid(s.half.map(text))),
+        g.cylinder.map(|s| Shape::Cylinder(round(s))),
+        g.capsule.map(|s| Shape::Capsule(round(s))),
+        g.cone.map(|s| Shape::Cone(round(s))),
+        g.plane.map(|s| Shape::Plane(text(s.half))),
+        g.archive.map(|s| Shape::Archive(s.file, text(s.scale))),
+    ];
+    let mut found = found.into_iter().flatten();
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// A quantity as the text of an expression.
+fn text(q: Quantity) -> String {
+    match q {
+        Quantity::Number(x) => format!("({x})"),
+        Quantity::Expression(text) => text,
+    }
+}
+
+fn shader(shader: types::Shader) -> Shader {
+    let param = |(name, value): (String, Parameter)| match value {
+        Parameter::Number(x) => Param::floats(&name, Class::Uniform, Type::Float, [x]),
+        Parameter::Triple(x) => Param::floats(&name, Class::Uniform, Type::Color, x),
+        Parameter::Text(text) => Param::string(&name, &text),
+    };
+    Shader { name: shader.name, bound: shader.bound, params: shader.parameters.into_iter().map(param).collect() }
+}

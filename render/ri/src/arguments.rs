@@ -1,0 +1,369 @@
+//! The arguments of a request, from the stream's tokens: a method for each kind of the table (`groups.rs` has those of few requests).
+//!
+//! Numbers are taken from the bytes without making tokens of them where that is all that follows; anything else goes token by token.
+
+use crate::conditions::Conditions;
+use crate::lexer::{Lexer, Token};
+use crate::params::{Declarations, Param, Params, Type, Values};
+use crate::ri::Fail;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// What a stream and the archives within it know in common.
+#[derive(Default)]
+pub(crate) struct Known {
+    /// Parameters by name.
+    pub(crate) declarations: Declarations,
+    /// The frame, and options that conditions ask for.
+    pub(crate) conditions: Conditions,
+    /// What has been warned of.
+    warned: HashSet<String>,
+}
+
+/// Line and column, from 1.
+pub(crate) type Spot = (usize, usize);
+
+/// Reads the arguments of one request after the other.
+pub(crate) struct Arguments<'a> {
+    path: &'a Path,
+    pub(crate) lexer: Lexer<'a>,
+    peeked: Option<(Token<'a>, Spot)>,
+    pub(crate) known: &'a mut Known,
+    /// Where the request under way stands.
+    pub(crate) request: Spot,
+    /// Warnings that nobody has been told yet.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Numbers that stand in a row, as the argument that takes them.
+pub(crate) trait InRow {
+    /// How many numbers it takes.
+    const WIDTH: usize;
+    /// Take it from the front of the numbers.
+    fn take(row: &mut &[f32]) -> Self;
+}
+
+impl InRow for f32 {
+    const WIDTH: usize = 1;
+    #[inline(always)]
+    fn take(row: &mut &[f32]) -> f32 {
+        <[f32; 1]>::take(row)[0]
+    }
+}
+
+impl InRow for i32 {
+    const WIDTH: usize = 1;
+    #[inline(always)]
+    fn take(row: &mut &[f32]) -> i32 {
+        f32::take(row) as i32
+    }
+}
+
+impl<const N: usize> InRow for [f32; N] {
+    const WIDTH: usize = N;
+    #[inline(always)]
+    fn take(row: &mut &[f32]) -> [f32; N] {
+        let (own, rest) = row.split_first_chunk().expect("as many numbers as the arguments are wide");
+        *row = rest;
+        *own
+    }
+}
+
+impl<'a> Arguments<'a> {
+    /// Start at the beginning of a stream that came from `path`.
+    pub(crate) fn new(path: &'a Path, bytes: &'a [u8], known: &'a mut Known) -> Arguments<'a> {
+        let lexer = Lexer::new(bytes);
+        Arguments { path, lexer, peeked: None, known, request: (1, 1), warnings: vec![] }
+    }
+
+    /// Warn of something, once for each `key`, with the request's place.
+    pub(crate) fn warn(&mut self, key: &str, message: &str) {
+        if self.known.warned.insert(key.into()) {
+            let (line, column) = self.request;
+            self.warnings.push(format!("{}:{line}:{column}: {message}", self.path.display()));
+        }
+    }
+
+    /// The token that was looked at and left in place.
+    pub(crate) fn peeked(&self) -> Option<&(Token<'a>, Spot)> {
+        self.peeked.as_ref()
+    }
+
+    /// The next token and its place.
+    pub(crate) fn take(&mut self) -> Result<Option<(Token<'a>, Spot)>, String> {
+        if let Some(token) = self.peeked.take() {
+            return Ok(Some(token));
+        }
+        let place = self.lexer.place();
+        Ok(self.lexer.next()?.map(|t| (t, place)))
+    }
+
+    /// The next token, left in place. Comments within a request are passed over.
+    fn peek(&mut self) -> Result<Option<&Token<'a>>, Fail> {
+        while self.peeked.is_none() {
+            match self.take().map_err(Fail::new)? {
+                None => return Ok(None),
+                Some((Token::Comment(c), _)) if !c.trim_start().starts_with("scree ") => {}
+                some => self.peeked = some,
+            }
+        }
+        Ok(self.peeked.as_ref().map(|(t, _)| t))
+    }
+
+    fn expected<T>(&mut self, what: &str) -> Result<T, Fail> {
+        let found = self.peek()?.map_or("the end of the file".into(), describe);
+        Err(Fail::new(format!("expected {what}, found {found}")))
+    }
+
+    /// At a glance, whether a request follows, in letters or by its code; where it takes a closer look, not.
+    #[inline]
+    fn request_follows(&mut self) -> bool {
+        self.peeked.is_none() && matches!(self.lexer.first(), Some(b'A'..=b'Z' | 0o246))
+    }
+
+    /// An error if arguments of the request `name` are left over.
+    #[inline(always)]
+    pub(crate) fn end_of(&mut self, name: &str) -> Result<(), Fail> {
+        if self.request_follows() || !self.has_argument()? {
+            return Ok(());
+        }
+        Err(Fail::new(format!("`{name}` has more arguments than it takes")))
+    }
+
+    /// Whether an argument follows rather than the next request.
+    pub(crate) fn has_argument(&mut self) -> Result<bool, Fail> {
+        Ok(!matches!(self.peek()?, None | Some(Token::Word(_) | Token::Comment(_))))
+    }
+
+    /// Whether a bracketed list follows.
+    pub(crate) fn has_list(&mut self) -> Result<bool, Fail> {
+        Ok(matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))))
+    }
+
+    /// Whether a string follows.
+    pub(crate) fn has_text(&mut self) -> Result<bool, Fail> {
+        Ok(matches!(self.peek()?, Some(Token::Text(_))))
+    }
+
+    /// Read over the arguments of a request that is not known.
+    pub(crate) fn pass_over(&mut self) -> Result<(), Fail> {
+        while self.has_argument()? {
+            self.peeked = None;
+        }
+        Ok(())
+    }
+
+    /// A number; a bracketed single one counts.
+    pub(crate) fn number(&mut self) -> Result<f32, Fail> {
+        match self.peek()? {
+            Some(Token::Number(x)) => {
+                let x = *x;
+                self.peeked = None;
+                Ok(x)
+            }
+            Some(Token::Open | Token::Numbers(_)) => Ok(self.numbers::<1>("a number")?[0]),
+            _ => self.expected("a number"),
+        }
+    }
+
+    /// A whole number.
+    pub(crate) fn whole(&mut self) -> Result<i32, Fail> {
+        let x = self.number()?;
+        if x.fract() == 0.0 && x.abs() < 2e9 {
+            Ok(x as i32)
+        } else {
+            Err(Fail::new(format!("expected a whole number, found {x}")))
+        }
+    }
+
+    /// A switch: 0 or 1.
+    pub(crate) fn flag(&mut self) -> Result<bool, Fail> {
+        Ok(self.number()? != 0.0)
+    }
+
+    /// Exactly `N` numbers, with or without brackets.
+    #[inline(always)]
+    pub(crate) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f32; N], Fail> {
+        let mut out = [0.0; N];
+        let n = if self.peeked.is_none() { self.lexer.fill(&mut out).map_err(Fail::new)? } else { 0 };
+        if n == N { Ok(out) } else { self.more_numbers(out, n, what) }
+    }
+
+    /// The numbers after the first `n`, token by token.
+    #[cold]
+    fn more_numbers<const N: usize>(&mut self, mut out: [f32; N], n: usize, what: &str) -> Result<[f32; N], Fail> {
+        if n == 0 && matches!(self.peek()?, Some(Token::Open | Token::Numbers(_))) {
+            let list = self.floats()?;
+            let n = list.len();
+            return list.try_into().map_err(|_| Fail::new(format!("expected {what} ({N} numbers), found {n}")));
+        }
+        for x in &mut out[n..] {
+            *x = match self.peek()? {
+                Some(Token::Number(x)) => *x,
+                _ => return self.expected(what),
+            };
+            self.peeked = None;
+        }
+        Ok(out)
+    }
+
+    /// A bracketed list of numbers.
+    pub(crate) fn floats(&mut self) -> Result<Vec<f32>, Fail> {
+        match self.peek()? {
+            Some(Token::Open) => self.peeked = None,
+            Some(Token::Numbers(_)) => match self.peeked.take() {
+                Some((Token::Numbers(list), _)) => return Ok(list),
+                _ => unreachable!("an array was seen"),
+            },
+            _ => return self.expected("`[`"),
+        }
+        let mut out = Vec::new();
+        loop {
+            self.lexer.numbers(&mut out).map_err(Fail::new)?;
+            match self.peek()? {
+                Some(Token::Close) => {
+                    self.peeked = None;
+                    return Ok(out);
+                }
+                // A comment between the numbers was passed over.
+                Some(Token::Number(x)) => out.push(*x),
+                _ => return self.expected("a number or `]`"),
+            }
+            self.peeked = None;
+        }
+    }
+
+    /// A bracketed list of whole numbers.
+    pub(crate) fn wholes(&mut self) -> Result<Vec<i32>, Fail> {
+        Ok(self.floats()?.into_iter().map(|x| x as i32).collect())
+    }
+
+    /// A string; a bracketed single one counts.
+    pub(crate) fn text(&mut self) -> Result<String, Fail> {
+        match self.peek()? {
+            Some(Token::Text(_)) => match self.peeked.take() {
+                Some((Token::Text(text), _)) => Ok(text),
+                _ => unreachable!("a string was seen"),
+            },
+            Some(Token::Open) => {
+                self.peeked = None;
+                let text = self.text()?;
+                match self.peek()? {
+                    Some(Token::Close) => self.peeked = None,
+                    _ => return self.expected("`]`"),
+                }
+                Ok(text)
+            }
+            _ => self.expected("a string"),
+        }
+    }
+
+    /// A bracketed list of strings; a single one counts.
+    pub(crate) fn texts(&mut self) -> Result<Vec<String>, Fail> {
+        if !matches!(self.peek()?, Some(Token::Open)) {
+            return Ok(vec![self.text()?]);
+        }
+        self.peeked = None;
+        let mut out = Vec::new();
+        loop {
+            match self.peek()? {
+                Some(Token::Text(_)) => out.push(self.text()?),
+                Some(Token::Close) => {
+                    self.peeked = None;
+                    return Ok(out);
+                }
+                _ => return self.expected("a string or `]`"),
+            }
+        }
+    }
+
+    /// A light's or an object's handle: a number or a string.
+    pub(crate) fn handle(&mut self) -> Result<String, Fail> {
+        match self.peek()? {
+            Some(Token::Number(_)) => Ok(self.whole()?.to_string()),
+            _ => self.text(),
+        }
+    }
+
+    /// The parameter list that ends a request.
+    #[inline(always)]
+    pub(crate) fn params(&mut self) -> Result<Params, Fail> {
+        if self.request_follows() { Ok(Vec::new()) } else { self.parameters() }
+    }
+
+    fn parameters(&mut self) -> Result<Params, Fail> {
+        let mut params: Params = Vec::new();
+        while self.has_text()? {
+            let token = self.text()?;
+            let Some(decl) = self.known.declarations.resolve(&token).map_err(Fail::new)? else {
+                // What is not declared is read over, as the specification asks.
+                let message = self.undeclared(&token);
+                self.warn(&format!("parameter {token}"), &message);
+                self.pass_value()?;
+                continue;
+            };
+            let values = if decl.ty == Type::String {
+                Values::Strings(self.texts()?)
+            } else {
+                Values::Floats(self.one_or_more()?)
+            };
+            let n = match &values {
+                Values::Floats(v) => v.len(),
+                Values::Strings(v) => v.len(),
+            };
+            if n == 0 || n % decl.width() != 0 {
+                let message = format!("`{}` has {n} values, expected a multiple of {}", decl.inline(), decl.width());
+                return Err(Fail::new(message));
+            }
+            params.push(Param { decl, values });
+        }
+        Ok(params)
+    }
+
+    fn one_or_more(&mut self) -> Result<Vec<f32>, Fail> {
+        match self.peek()? {
+            Some(Token::Number(_)) => Ok(vec![self.number()?]),
+            _ => self.floats(),
+        }
+    }
+
+    fn undeclared(&self, name: &str) -> String {
+        let near =
+            self.known.declarations.names().min_by_key(|n| (strsim::damerau_levenshtein(n, name), n.to_string()));
+        let near = near
+            .filter(|n| strsim::damerau_levenshtein(n, name) <= 2)
+            .map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        format!("parameter `{name}` is not declared: write \"uniform float {name}\" or `Declare` it before{near}")
+    }
+
+    /// Read over the value of a parameter.
+    fn pass_value(&mut self) -> Result<(), Fail> {
+        match self.peek()? {
+            Some(Token::Text(_) | Token::Number(_) | Token::Numbers(_)) => self.peeked = None,
+            Some(Token::Open) => {
+                while !matches!(self.peek()?, Some(Token::Close)) {
+                    if !matches!(self.peek()?, Some(Token::Text(_) | Token::Number(_) | Token::Open)) {
+                        return self.expected("a value or `]`");
+                    }
+                    self.peeked = None;
+                }
+                self.peeked = None;
+            }
+            _ => return self.expected("a value"),
+        }
+        Ok(())
+    }
+}
+
+/// A token as error texts name it.
+pub(crate) fn describe(token: &Token<'_>) -> String {
+    match token {
+        Token::Word(w) => format!("`{w}`"),
+        Token::Text(t) => format!("the string \"{t}\""),
+        Token::Number(x) => format!("the number {x}"),
+        Token::Numbers(_) => "an array of numbers".into(),
+        Token::Open => "`[`".into(),
+        Token::Close => "`]`".into(),
+        Token::Comment(c) => format!("the directive `#{c}`"),
+    }
+}
