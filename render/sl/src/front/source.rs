@@ -1,6 +1,6 @@
 //! Source texts laid end to end, so that one number names a byte of any of them.
 
-use crate::{Diagnostic, Error};
+use super::diagnostic::{Diagnostic, Error};
 use std::path::{Path, PathBuf};
 
 struct Text {

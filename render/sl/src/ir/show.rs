@@ -1,6 +1,8 @@
 //! A program as text: what `scree shader --ir` prints, and what snapshots are made of.
 
-use crate::ir::*;
+use super::op::{Op, Operand, Reg};
+use super::program::Program;
+use super::types::Kind;
 use std::fmt::{Display, Formatter, Result, Write};
 
 impl Display for Program {

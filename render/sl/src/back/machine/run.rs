@@ -1,0 +1,229 @@
+//! A shader run over points: globals and parameters in, operations in turn, globals out.
+
+use super::super::bound::BoundShader;
+use super::super::points::Points;
+use super::super::scene::Scene;
+use super::state::{LoopFrame, Machine};
+use crate::ir::*;
+use crate::shadeop::matrix::{element, triple16};
+use crate::shadeop::runs::at;
+
+impl Machine {
+    /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
+    pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
+        self.run_where(shader, points, scene, None);
+    }
+
+    /// Run a shader over the points of a mask.
+    pub(super) fn run_where(
+        &mut self,
+        shader: &BoundShader,
+        points: &mut Points,
+        scene: &dyn Scene,
+        mask: Option<Vec<bool>>,
+    ) {
+        let program = &*shader.program;
+        self.load(shader, points);
+        for (name, reg) in &program.globals {
+            let width = program.widths[*reg as usize] as usize;
+            let reg = &mut self.regs[*reg as usize];
+            match points.get(name) {
+                Some(values) => reg.extend_from_slice(values),
+                None => reg.resize(width, 0.0),
+            }
+        }
+        self.defaults(shader, points, scene);
+        self.mask = mask;
+        self.block(program, &program.body, scene);
+        self.mask = None;
+        for (name, reg) in &program.globals {
+            if let Some((_, values)) = points.globals.iter_mut().find(|(n, _)| n == name) {
+                std::mem::swap(values, &mut self.regs[*reg as usize]);
+            }
+        }
+    }
+
+    /// The numbers of an output parameter of the shader that ran last: one value, or one a point.
+    pub fn output(&self, shader: &BoundShader, name: &str) -> Option<&[f32]> {
+        let param = shader.program.params.iter().find(|p| p.output && p.name == name && p.kind != Kind::Text)?;
+        Some(&self.regs[param.reg as usize])
+    }
+
+    pub(super) fn load(&mut self, shader: &BoundShader, points: &Points) {
+        let program = &*shader.program;
+        self.n = points.n();
+        self.nu = points.nu;
+        self.orientation = points.orientation;
+        self.mask = None;
+        self.loops.clear();
+        self.lit.clear();
+        self.reached.clear();
+        self.reached.resize(self.n, false);
+        // Nothing of the last grid is left, whose points were others.
+        self.regs.iter_mut().for_each(Vec::clear);
+        if self.regs.len() < program.widths.len() {
+            self.regs.resize_with(program.widths.len(), Vec::new);
+        }
+        if self.texts.len() < program.n_texts {
+            self.texts.resize(program.n_texts, String::new());
+        }
+    }
+
+    /// Parameters: a primitive variable, else what was given, else the default.
+    pub(super) fn defaults(&mut self, shader: &BoundShader, points: &Points, scene: &dyn Scene) {
+        let program = &*shader.program;
+        for (i, param) in program.params.iter().enumerate() {
+            if param.kind == Kind::Text {
+                match shader.texts.iter().find(|(k, _)| *k == i) {
+                    Some((_, text)) => self.texts[param.reg as usize].clone_from(text),
+                    None => self.block(program, &param.default, scene),
+                }
+                continue;
+            }
+            let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
+            match given.or(shader.numbers.iter().find(|(k, _)| *k == i).map(|(_, v)| v)) {
+                Some(values) => {
+                    let len = param.array.unwrap_or(1) as usize;
+                    let each = values.len() / len;
+                    for (k, value) in values.chunks_exact(each.max(1)).take(len).enumerate() {
+                        let reg = &mut self.regs[param.reg as usize + k];
+                        reg.clear();
+                        reg.extend_from_slice(value);
+                    }
+                }
+                None => self.block(program, &param.default, scene),
+            }
+        }
+    }
+
+    pub(super) fn block(&mut self, program: &Program, ops: &[Op], scene: &dyn Scene) {
+        for op in ops {
+            if self.all_off() {
+                return;
+            }
+            self.op(program, op, scene);
+        }
+    }
+
+    pub(super) fn op(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
+        let width = |r: Reg| program.widths[r as usize] as usize;
+        match op {
+            Op::Const(dst, v) => {
+                let w = width(*dst);
+                let reg = &mut self.regs[*dst as usize];
+                reg.clear();
+                reg.resize(w, *v);
+            }
+            Op::TextConst(dst, text) => self.texts[*dst as usize].clone_from(text),
+            Op::TextCopy(dst, a) => self.texts[*dst as usize] = self.texts[*a as usize].clone(),
+            Op::TextEqual(dst, a, b) => {
+                let same = self.texts[*a as usize] == self.texts[*b as usize];
+                self.regs[*dst as usize] = vec![same as u8 as f32];
+            }
+            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a, width(*dst), width(*a)),
+            Op::Binary(f, dst, a, b) => self.binary(*f, *dst, (*a, width(*a)), (*b, width(*b)), width(*dst)),
+            Op::Select(dst, c, a, b) => {
+                self.select(*dst, (*c, width(*c)), (*a, width(*a)), (*b, width(*b)), width(*dst))
+            }
+            Op::Pack(dst, parts) => {
+                let varying = parts.iter().any(|r| self.regs[*r as usize].len() != 1);
+                debug_assert_eq!(parts.len(), width(*dst));
+                let mut out = std::mem::take(&mut self.regs[*dst as usize]);
+                out.clear();
+                for r in parts {
+                    match (&self.regs[*r as usize], varying) {
+                        (v, true) if v.len() == 1 => out.extend(std::iter::repeat_n(v[0], self.n)),
+                        (v, _) => out.extend_from_slice(v),
+                    }
+                }
+                self.regs[*dst as usize] = out;
+            }
+            Op::Component(dst, a, c) => {
+                let mut out = std::mem::take(&mut self.regs[*dst as usize]);
+                let a = &self.regs[*a as usize];
+                let run = a.len() / 3;
+                out.clear();
+                out.extend_from_slice(&a[*c as usize * run..(*c as usize + 1) * run]);
+                self.regs[*dst as usize] = out;
+            }
+            Op::Assign(dst, a) => self.assign(*dst, *a, width(*dst), width(*a)),
+            Op::Call(f, dst, args) => {
+                let first = args.first().map_or(1, |r| width(*r));
+                self.call(program, *f, *dst, args, first, width(*dst), scene);
+            }
+            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index, width(*dst)),
+            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value, width(*value)),
+            Op::TextLoad(dst, first, len, index) => {
+                let k = element(at(&self.regs[*index as usize], 0), *len);
+                self.texts[*dst as usize] = k.map_or(String::new(), |k| self.texts[*first as usize + k].clone());
+            }
+            Op::TextStore(first, len, index, value) => {
+                if let Some(k) = element(at(&self.regs[*index as usize], 0), *len) {
+                    self.texts[*first as usize + k] = self.texts[*value as usize].clone();
+                }
+            }
+            Op::ColorSpace(dst, a, from, to) => {
+                let (from, to) = (self.texts[*from as usize].clone(), self.texts[*to as usize].clone());
+                self.pointwise(program, *dst, &[*a], |v| {
+                    triple16(crate::shadeop::color::convert(&from, &to, [v[0][0], v[0][1], v[0][2]]))
+                });
+            }
+            Op::Spline(dst, basis, args) => {
+                let basis = self.texts[*basis as usize].clone();
+                let w = width(*dst);
+                self.pointwise(program, *dst, args, |v| crate::shadeop::spline::value(&basis, v[0][0], &v[1..], w));
+            }
+            Op::Match(dst, pattern, text) => {
+                let found =
+                    crate::shadeop::format::matches(&self.texts[*pattern as usize], &self.texts[*text as usize]);
+                self.regs[*dst as usize] = vec![found as u8 as f32];
+            }
+            Op::Format(dst, args) => {
+                let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
+                self.texts[*dst as usize] = self.format(program, args, k);
+            }
+            Op::Print(args) => {
+                let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[*r as usize].len() != width(*r));
+                let lanes = if args.iter().any(varies) { self.n } else { 1 };
+                for k in (0..lanes).filter(|k| lanes == 1 || self.mask.as_ref().is_none_or(|m| m[*k])) {
+                    scene.print(&self.format(program, args, k));
+                }
+            }
+            Op::Ask { dst, what, names, out, len } => self.ask(program, *dst, *what, names, *out, *len, scene),
+            Op::Map { .. } => self.map(program, op, scene),
+            Op::Transform(how, dst, a, from, to) => self.transform(program, *how, *dst, *a, *from, *to, scene),
+            Op::If(c, then, otherwise) => self.branch(program, *c, then, otherwise, scene),
+            Op::Loop(head, c, body, step) => self.repeat(program, head, *c, body, step, scene),
+            Op::Break(levels) => self.leave(*levels as usize, true),
+            Op::Continue(levels) => self.leave(*levels as usize, false),
+            Op::Inline(body) => {
+                let outer = self.mask.clone();
+                self.loops.push(LoopFrame { left: vec![false; self.n], skipped: vec![false; self.n], inline: true });
+                self.block(program, body, scene);
+                self.loops.pop();
+                self.mask = outer;
+            }
+            Op::Return => {
+                let inner = self.loops.iter().rev().position(|f| f.inline).map_or(self.loops.len(), |k| k + 1);
+                self.leave(inner, true);
+            }
+            Op::Gather { args, out, hit, miss } => self.gather(program, *args, out, hit, miss, scene),
+            Op::Illuminance { .. } => self.illuminance(program, op, scene),
+            Op::Solar { args, l, body } => {
+                // The axis is the way that light travels.
+                let axis = self.regs[args[0] as usize].clone();
+                self.assign_value(*l, &axis, 3);
+                self.ray = Some((*l, true));
+                self.light_body(program, *l, None, body, scene);
+                self.ray = None;
+            }
+            Op::Illuminate { args, l, ps, body } => {
+                self.binary(Binary::Sub, *l, (*ps, 3), (args[0], 3), 3);
+                let cone = (self.regs[args[1] as usize].clone(), self.regs[args[2] as usize][0]);
+                self.ray = Some((*l, false));
+                self.light_body(program, *l, Some(cone), body, scene);
+                self.ray = None;
+            }
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The machine's registers, masks and open loops.
+
+use crate::ir::*;
+use crate::shadeop::runs::{at, run_of};
+
+/// The cone from which a surface takes light: only these points of the grid are lit.
+pub(super) struct Receiver {
+    pub(super) axis: Vec<f32>,
+    pub(super) cos: f32,
+}
+
+/// What a light gave, kept for the grid: later loops over the same cone take it from here.
+pub(super) struct Lit {
+    pub(super) light: usize,
+    pub(super) position: Vec<f32>,
+    pub(super) axis: Vec<f32>,
+    pub(super) angle: f32,
+    pub(super) asked: Option<Vec<bool>>,
+    pub(super) on: Vec<bool>,
+    pub(super) l: Vec<f32>,
+    pub(super) cl: Vec<f32>,
+    /// Output parameters: index and values.
+    pub(super) outputs: Vec<(usize, Vec<f32>)>,
+}
+
+/// A loop that is run, or a function's body.
+#[derive(Default)]
+pub(super) struct LoopFrame {
+    pub(super) left: Vec<bool>,
+    pub(super) skipped: Vec<bool>,
+    /// A function's body, which `return` leaves.
+    pub(super) inline: bool,
+}
+
+/// Runs programs. See the module's head.
+#[derive(Default)]
+pub struct Machine {
+    pub(super) n: usize,
+    pub(super) nu: usize,
+    pub(super) orientation: f32,
+    pub(super) regs: Vec<Vec<f32>>,
+    pub(super) texts: Vec<String>,
+    /// Active points; `None` is all.
+    pub(super) mask: Option<Vec<bool>>,
+    pub(super) loops: Vec<LoopFrame>,
+    pub(super) receiver: Option<Receiver>,
+    /// Points that `solar` or `illuminate` reached.
+    pub(super) reached: Vec<bool>,
+    pub(super) lit: Vec<Lit>,
+    /// The light whose turn it is, and where in `lit` it is.
+    pub(super) turn: Option<(usize, usize)>,
+    /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
+    pub(super) ray: Option<(Reg, bool)>,
+    /// A machine for light shaders, made at need.
+    pub(super) light_machine: Option<Box<Machine>>,
+}
+
+impl Machine {
+    /// A machine.
+    pub fn new() -> Machine {
+        Machine::default()
+    }
+
+    pub(super) fn all_off(&self) -> bool {
+        self.mask.as_ref().is_some_and(|m| !m.contains(&true))
+    }
+
+    pub(super) fn assign(&mut self, dst: Reg, a: Reg, wd: usize, wa: usize) {
+        let value = std::mem::take(&mut self.regs[a as usize]);
+        if dst != a {
+            if wa == wd {
+                self.assign_value(dst, &value, wd);
+            } else {
+                let spread: Vec<f32> = (0..wd / wa).flat_map(|_| value.iter().copied()).collect();
+                self.assign_value(dst, &spread, wd);
+            }
+        }
+        self.regs[a as usize] = value;
+    }
+
+    /// Assign where the points are active.
+    pub(super) fn assign_value(&mut self, dst: Reg, value: &[f32], width: usize) {
+        let n = self.n;
+        let out = &mut self.regs[dst as usize];
+        let Some(mask) = &self.mask else {
+            out.clear();
+            out.extend_from_slice(value);
+            return;
+        };
+        // What nobody has written yet has no value to keep at the other points.
+        if out.is_empty() || (out.len() == width && out == value) {
+            out.clear();
+            out.extend_from_slice(value);
+            return;
+        }
+        if out.len() == width && n > 1 {
+            *out = out.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
+        }
+        for c in 0..width {
+            let places = out[c * n..(c + 1) * n].iter_mut().zip(mask);
+            match run_of(value, width, c, n) {
+                [x] => places.for_each(|(o, m)| *o = if *m { *x } else { *o }),
+                run => places.zip(run).for_each(|((o, m), x)| *o = if *m { *x } else { *o }),
+            }
+        }
+    }
+
+    /// Points that have left a loop, or its turn, stay inactive after the `if` in which they did.
+    pub(super) fn drop_left(&mut self) {
+        let Some(frame) = self.loops.last() else { return };
+        if frame.left.contains(&true) || frame.skipped.contains(&true) {
+            let active = |i: usize| self.mask.as_ref().is_none_or(|m| m[i]);
+            self.mask = Some((0..self.n).map(|i| active(i) && !frame.left[i] && !frame.skipped[i]).collect());
+        }
+    }
+
+    /// Compute `f` of the values of some registers, point by point, or once if all are uniform.
+    pub(super) fn pointwise(
+        &mut self,
+        program: &Program,
+        dst: Reg,
+        args: &[Reg],
+        f: impl Fn(&[[f32; 16]]) -> [f32; 16],
+    ) {
+        let n = self.n;
+        let width = |r: Reg| program.widths[r as usize] as usize;
+        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+        out.clear();
+        let wd = width(dst);
+        let lanes = if args.iter().all(|r| self.regs[*r as usize].len() == width(*r)) { 1 } else { n };
+        out.resize(wd * lanes, 0.0);
+        let mut values = vec![[0.0; 16]; args.len()];
+        for k in 0..lanes {
+            if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
+                continue;
+            }
+            for (value, r) in values.iter_mut().zip(args) {
+                let w = width(*r);
+                (0..w).for_each(|c| value[c] = at(run_of(&self.regs[*r as usize], w, c, n), k));
+            }
+            let result = f(&values);
+            (0..wd).for_each(|c| out[c * lanes + k] = result[c]);
+        }
+        self.regs[dst as usize] = out;
+    }
+
+    /// Differences of a value to the next point of the row and of the column, central where there are two neighbours.
+    pub(super) fn differences(&self, x: &[f32], k: usize) -> [f32; 2] {
+        let (nu, nv) = (self.nu, self.n / self.nu.max(1));
+        if x.len() == 1 {
+            return [0.0; 2];
+        }
+        let (i, j) = (k % nu, k / nu);
+        let slope = |here: usize, count: usize, stride: usize| {
+            let (lo, hi) = (here.saturating_sub(1), (here + 1).min(count - 1));
+            let base = k - here * stride;
+            if hi > lo { (x[base + hi * stride] - x[base + lo * stride]) / (hi - lo) as f32 } else { 0.0 }
+        };
+        [slope(i, nu, 1), slope(j, nv, nu)]
+    }
+}

@@ -1,0 +1,281 @@
+//! Registers and operations.
+
+use crate::shadeop::number::{Binary, Unary};
+
+/// Index of a number register.
+pub type Reg = u16;
+
+/// Index of a string register.
+pub type TextReg = u16;
+
+/// Built-in functions of whole triples, of the scene, or of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builtin {
+    /// a · b
+    Dot,
+    /// a × b
+    Cross,
+    /// |a|
+    Length,
+    /// a/|a|, 0 at 0.
+    Normalize,
+    /// N turned against I.
+    FaceForward,
+    /// I mirrored at N.
+    Reflect,
+    /// I refracted at N with ratio eta.
+    Refract,
+    /// smoothstep(lo, hi, x)
+    SmoothStep,
+    /// a (1 − t) + b t
+    Mix,
+    /// Noise in [0, 1] of 1, 2, 3 or 4 numbers; the result's width says how many come out.
+    Noise,
+    /// The same, repeating: the places first, then as many periods.
+    PeriodicNoise,
+    /// Constant noise of the cell.
+    CellNoise,
+    /// Derivative along u.
+    Du,
+    /// Derivative along v.
+    Dv,
+    /// Normal of the surface that points make.
+    CalculateNormal,
+    /// Area of a point's micropolygon.
+    Area,
+    /// Sum of the lights that have no direction.
+    Ambient,
+    /// How much light gets from one point to another.
+    Transmission,
+    /// How much a value changes from point to point of the grid.
+    Width,
+    /// A number in [0, 1) that hangs on the place.
+    Random,
+    /// Component of a triple, or of a matrix (row, column), by number.
+    Comp,
+    /// A triple or matrix with one component replaced.
+    SetComp,
+    /// A number on the diagonal.
+    Diagonal,
+    /// a b
+    MatrixMultiply,
+    /// a b⁻¹
+    MatrixDivide,
+    /// Whether two matrices are equal: 1 or 0.
+    MatrixEqual,
+    /// Logarithm to a base: log(x, base).
+    LogBase,
+    /// Determinant.
+    Determinant,
+    /// A point by a matrix.
+    MatrixPoint,
+    /// A vector by a matrix.
+    MatrixVector,
+    /// A normal by a matrix.
+    MatrixNormal,
+    /// A translation before a matrix.
+    Translate,
+    /// A rotation (angle, axis) before a matrix.
+    Rotate,
+    /// A scale before a matrix.
+    Scale,
+    /// Colour of the light that a ray meets: trace(P, R).
+    Trace,
+    /// Part of the hemisphere about N that is hidden: occlusion(P, N, samples).
+    Occlusion,
+    /// Light that surfaces around send: indirectdiffuse(P, N, samples).
+    IndirectDiffuse,
+}
+
+/// What is asked of the scene by name; answers are numbers or text, or nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// A parameter of the primitive's surface shader.
+    Surface,
+    /// Of its displacement shader.
+    Displacement,
+    /// Of its atmosphere.
+    Atmosphere,
+    /// Of the light whose turn it is in an `illuminance` loop.
+    LightSource,
+    /// Of the shader at the other end of a ray.
+    Incident,
+    /// Of the shader on the other side of the surface.
+    Opposite,
+    /// An attribute.
+    Attribute,
+    /// An option.
+    Option,
+    /// What the renderer says of itself.
+    RendererInfo,
+    /// What is known of the ray that is followed.
+    RayInfo,
+    /// What is known of a texture, whose name goes before.
+    TextureInfo,
+}
+
+/// How a map is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// By s and t.
+    Texture,
+    /// By a direction.
+    Environment,
+    /// By a place: how much is in shadow.
+    Shadow,
+}
+
+/// A number or a string register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operand {
+    /// Numbers.
+    Number(Reg),
+    /// Text.
+    Text(TextReg),
+}
+
+/// Which way a triple changes with the space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transform {
+    /// With translation.
+    Point,
+    /// Without.
+    Vector,
+    /// By the inverse transpose.
+    Normal,
+    /// The matrix from one space to the other, after a matrix.
+    Matrix,
+}
+
+/// An operation.
+#[derive(Clone, Debug)]
+pub enum Op {
+    /// A constant: one number, the same for all components.
+    Const(Reg, f32),
+    /// A constant string.
+    TextConst(TextReg, String),
+    /// Copy a string.
+    TextCopy(TextReg, TextReg),
+    /// Whether two strings are the same: 1 or 0.
+    TextEqual(Reg, TextReg, TextReg),
+    /// Number by number; a width-1 operand is spread over a triple result.
+    Unary(Unary, Reg, Reg),
+    /// Number by number; a width-1 operand is spread over a triple result.
+    Binary(Binary, Reg, Reg, Reg),
+    /// Where condition: then, else otherwise.
+    Select(Reg, Reg, Reg, Reg),
+    /// Three numbers to a triple, or sixteen to a matrix.
+    Pack(Reg, Vec<Reg>),
+    /// A component of a triple.
+    Component(Reg, Reg, u8),
+    /// Assign to a variable, where the points are active.
+    Assign(Reg, Reg),
+    /// An element of an array: result, first element, length, index.
+    Load(Reg, Reg, u16, Reg),
+    /// Assign to an element of an array: first element, length, index, value.
+    Store(Reg, u16, Reg, Reg),
+    /// The same of strings.
+    TextLoad(TextReg, TextReg, u16, Reg),
+    /// The same of strings.
+    TextStore(TextReg, u16, Reg, TextReg),
+    /// A colour from one colour space to another.
+    ColorSpace(Reg, Reg, TextReg, TextReg),
+    /// A spline: result, basis, the value and the knots.
+    Spline(Reg, TextReg, Vec<Reg>),
+    /// Whether a string matches a pattern: result, pattern, string.
+    Match(Reg, TextReg, TextReg),
+    /// Text of a format and its values.
+    Format(TextReg, Vec<Operand>),
+    /// Print a format and its values.
+    Print(Vec<Operand>),
+    /// Ask the scene: whether there is an answer, what, by which strings, and where the answer goes (an array's first, its length).
+    Ask {
+        /// 1 if there is an answer.
+        dst: Reg,
+        /// What.
+        what: Ask,
+        /// Names.
+        names: Vec<TextReg>,
+        /// Where the answer goes.
+        out: Operand,
+        /// Elements there.
+        len: u16,
+    },
+    /// Look a map up: result, how, name, channel, where, and options by name.
+    Map {
+        /// The result.
+        dst: Reg,
+        /// How.
+        how: Lookup,
+        /// Name of the map.
+        name: TextReg,
+        /// First channel (1).
+        channel: Reg,
+        /// s and t, a direction, or a place.
+        at: Vec<Reg>,
+        /// `width`, `blur` and the like.
+        options: Vec<(TextReg, Operand)>,
+    },
+    /// A built-in function.
+    Call(Builtin, Reg, Vec<Reg>),
+    /// Change space: result, operand, from, to (string registers).
+    Transform(Transform, Reg, Reg, TextReg, TextReg),
+    /// `if`
+    If(Reg, Vec<Op>, Vec<Op>),
+    /// Repeat: condition's operations, condition, body, step.
+    Loop(Vec<Op>, Reg, Vec<Op>, Vec<Op>),
+    /// Leave so many loops.
+    Break(u16),
+    /// Leave all but the last of so many loops, and go to that one's step.
+    Continue(u16),
+    /// A function's body in place of its call.
+    Inline(Vec<Op>),
+    /// Leave the function's body.
+    Return,
+    /// For rays from position about an axis within an angle: those that hit something, then those that do not.
+    Gather {
+        /// Position (3), axis (3), angle (1), samples (1).
+        args: [Reg; 4],
+        /// Where what is asked of a ray or a hit goes, by name.
+        out: Vec<(String, Reg)>,
+        /// For a hit.
+        hit: Vec<Op>,
+        /// For a miss.
+        miss: Vec<Op>,
+    },
+    /// For every light that reaches position within an angle about an axis: L and Cl are set.
+    Illuminance {
+        /// Position (3), axis (3) and angle (1).
+        args: [Reg; 3],
+        /// Register of L.
+        l: Reg,
+        /// Register of Cl.
+        cl: Reg,
+        /// Which lights: a category, or one with `-` before it for all others.
+        category: Option<TextReg>,
+        /// Parameters of the lights that are wanted, and where they go.
+        wanted: Vec<(String, Reg)>,
+        /// What is done for each.
+        body: Vec<Op>,
+    },
+    /// Light from everywhere along an axis.
+    Solar {
+        /// Axis (3) and angle (1).
+        args: [Reg; 2],
+        /// Register of L.
+        l: Reg,
+        /// The light's doing.
+        body: Vec<Op>,
+    },
+    /// Light from a point, within an angle about an axis.
+    Illuminate {
+        /// Position (3), axis (3) and angle (1).
+        args: [Reg; 3],
+        /// Register of L.
+        l: Reg,
+        /// Register of Ps.
+        ps: Reg,
+        /// The light's doing.
+        body: Vec<Op>,
+    },
+}
