@@ -2,7 +2,6 @@
 //! the IR.
 
 mod ast;
-mod builtins;
 mod compile;
 mod diagnostic;
 mod lex;

@@ -9,6 +9,8 @@
 //! Whether a register is uniform (one value) or varying (one a point) is settled while running: an operation on uniform
 //! operands gives a uniform result, so nothing uniform is computed twice.
 
+pub mod builtins;
+pub mod globals;
 mod op;
 mod optimise;
 mod program;

@@ -2,6 +2,7 @@
 
 mod call;
 mod expression;
+mod form;
 mod inline;
 mod scene;
 mod shader;

@@ -8,83 +8,18 @@ pub type Reg = u16;
 /// Index of a string register.
 pub type TextReg = u16;
 
-/// Built-in functions of whole triples, of the scene, or of the grid.
+/// A shading function: the index of its row in [`super::builtins::TABLE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Builtin {
-    /// a · b
-    Dot,
-    /// a × b
-    Cross,
-    /// |a|
-    Length,
-    /// a/|a|, 0 at 0.
-    Normalize,
-    /// N turned against I.
-    FaceForward,
-    /// I mirrored at N.
-    Reflect,
-    /// I refracted at N with ratio eta.
-    Refract,
-    /// smoothstep(lo, hi, x)
-    SmoothStep,
-    /// a (1 − t) + b t
-    Mix,
-    /// Noise in [0, 1] of 1, 2, 3 or 4 numbers; the result's width says how many come out.
-    Noise,
-    /// The same, repeating: the places first, then as many periods.
-    PeriodicNoise,
-    /// Constant noise of the cell.
-    CellNoise,
-    /// Derivative along u.
-    Du,
-    /// Derivative along v.
-    Dv,
-    /// Normal of the surface that points make.
-    CalculateNormal,
-    /// Area of a point's micropolygon.
-    Area,
-    /// Sum of the lights that have no direction.
-    Ambient,
-    /// How much light gets from one point to another.
-    Transmission,
-    /// How much a value changes from point to point of the grid.
-    Width,
-    /// A number in [0, 1) that hangs on the place.
-    Random,
-    /// Component of a triple, or of a matrix (row, column), by number.
-    Comp,
-    /// A triple or matrix with one component replaced.
-    SetComp,
-    /// A number on the diagonal.
-    Diagonal,
-    /// a b
-    MatrixMultiply,
-    /// a b⁻¹
-    MatrixDivide,
-    /// Whether two matrices are equal: 1 or 0.
-    MatrixEqual,
-    /// Logarithm to a base: log(x, base).
-    LogBase,
-    /// Determinant.
-    Determinant,
-    /// A point by a matrix.
-    MatrixPoint,
-    /// A vector by a matrix.
-    MatrixVector,
-    /// A normal by a matrix.
-    MatrixNormal,
-    /// A translation before a matrix.
-    Translate,
-    /// A rotation (angle, axis) before a matrix.
-    Rotate,
-    /// A scale before a matrix.
-    Scale,
-    /// Colour of the light that a ray meets: trace(P, R).
-    Trace,
-    /// Part of the hemisphere about N that is hidden: occlusion(P, N, samples).
-    Occlusion,
-    /// Light that surfaces around send: indirectdiffuse(P, N, samples).
-    IndirectDiffuse,
+pub struct Builtin(u16);
+
+impl Builtin {
+    pub(super) const fn of_index(index: usize) -> Builtin {
+        Builtin(index as u16)
+    }
+
+    pub(super) const fn index(self) -> usize {
+        self.0 as usize
+    }
 }
 
 /// What is asked of the scene by name; answers are numbers or text, or nothing.

@@ -3,7 +3,7 @@
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
 
-use super::op::{Builtin, Op, Operand, Reg};
+use super::op::{Op, Operand, Reg};
 use super::program::Program;
 use super::types::Kind;
 use super::walk::{blocks, blocks_mut, operands_mut, reads, result, visit, writes_besides};
@@ -41,13 +41,14 @@ fn keeps_opacity(program: &Program) -> bool {
 }
 
 fn reads_neighbours(program: &Program) -> bool {
-    use Builtin::{Area, CalculateNormal, Du, Dv, Random, Width};
     let mut reads = false;
     for block in program.params.iter().map(|p| &p.default).chain([&program.body]) {
         visit(block, &mut |op| {
-            reads |= matches!(op, Op::Map { .. } | Op::Call(Du | Dv | CalculateNormal | Area | Width, ..));
-            // Without a place, the grid's first point stands for all.
-            reads |= matches!(op, Op::Call(Random, _, args) if args.len() < 2);
+            reads |= match op {
+                Op::Map { .. } => true,
+                Op::Call(f, ..) => f.row().neighbours,
+                _ => false,
+            };
         });
     }
     reads

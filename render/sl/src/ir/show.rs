@@ -90,7 +90,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
             let options: String = options.iter().map(|(k, v)| format!(" t{k}={}", operand(v))).collect();
             writeln!(f, "r{dst} = {} t{map}[r{channel}]{}{options}", name(how), regs(at))
         }
-        Op::Call(b, r, list) => writeln!(f, "r{r} = {}{}", name(b), regs(list)),
+        Op::Call(b, r, list) => writeln!(f, "r{r} = {}{}", b.row().ir, regs(list)),
         Op::Transform(how, r, a, from, to) => writeln!(f, "r{r} = transform {} r{a} t{from} t{to}", name(how)),
         Op::If(c, then, otherwise) => {
             writeln!(f, "if r{c}")?;

@@ -1,6 +1,6 @@
 //! The invariants of programs, which hold before any back end sees them.
 
-use super::op::{Op, Operand, Reg, TextReg, Transform};
+use super::op::{Builtin, Op, Operand, Reg, TextReg, Transform};
 use super::program::Program;
 use super::types::{Kind, ShaderKind};
 
@@ -96,6 +96,26 @@ impl Check<'_> {
         }
     }
 
+    /// A call agrees with its function's row.
+    fn call(&mut self, f: Builtin, dst: Reg, args: &[Reg]) -> Result<(), String> {
+        let row = f.row();
+        if args.len() != row.takes.len() {
+            return Err(format!("{} takes {} arguments, found {}", row.ir, row.takes.len(), args.len()));
+        }
+        let width = |r: Reg| self.program.widths[r as usize] as usize;
+        for (r, arg) in args.iter().zip(row.takes) {
+            self.read(*r)?;
+            if !arg.takes_width(width(*r)) {
+                return Err(format!("{} does not take register {r} of width {}", row.ir, width(*r)));
+            }
+        }
+        self.write(dst)?;
+        if !row.gives.has_width(width(dst), args.first().map_or(1, |r| width(*r))) {
+            return Err(format!("{} does not give register {dst} of width {}", row.ir, width(dst)));
+        }
+        Ok(())
+    }
+
     fn op(&mut self, op: &Op) -> Result<(), String> {
         let in_light = self.program.kind == ShaderKind::Light;
         match op {
@@ -143,10 +163,7 @@ impl Check<'_> {
                 self.read_text(*value)?;
                 (*first..first + len).try_for_each(|r| self.read_text(r))
             }
-            Op::Call(_, dst, args) => {
-                args.iter().try_for_each(|r| self.read(*r))?;
-                self.write(*dst)
-            }
+            Op::Call(f, dst, args) => self.call(*f, *dst, args),
             Op::Spline(dst, basis, args) => {
                 self.read_text(*basis)?;
                 args.iter().try_for_each(|r| self.read(*r))?;

@@ -45,16 +45,6 @@ pub fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub fn refract(i: [f32; 3], m: [f32; 3], eta: f32) -> [f32; 3] {
-    let d = dot(i, m);
-    let k = 1.0 - eta * eta * (1.0 - d * d);
-    if k < 0.0 {
-        return [0.0; 3];
-    }
-    let f = eta * d + k.sqrt();
-    [0, 1, 2].map(|c| eta * i[c] - f * m[c])
-}
-
 /// Append `f` of two triples, `width` of its numbers, at every point, or once if both are uniform.
 #[inline]
 pub fn triples2(

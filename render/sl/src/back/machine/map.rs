@@ -4,6 +4,7 @@ use super::super::scene::MapQuery;
 use super::super::scene::Scene;
 use super::state::Machine;
 use crate::ir::*;
+use crate::shadeop::grid::differences;
 use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
 
 impl Machine {
@@ -63,7 +64,7 @@ impl Machine {
                 for axis in 0..3 {
                     let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }] as usize];
                     let run = if each == 2 { &r[..] } else { run_of(r, 3, axis, n) };
-                    let d = if each == 2 && axis == 2 { [0.0; 2] } else { self.differences(run, k) };
+                    let d = if each == 2 && axis == 2 { [0.0; 2] } else { differences(run, k, self.nu, n) };
                     (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
                 }
             }
@@ -93,7 +94,9 @@ impl Machine {
         let matrix = scene.matrix(&self.texts[from as usize], &self.texts[to as usize]);
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
-            return self.pointwise(program, dst, &[a], |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array());
+            return self.evaluate(program, dst, &[a], |call, out| {
+                call.pointwise(out, |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array())
+            });
         }
         let normal = glam::Mat3::from_mat4(m).inverse().transpose();
         let mut out = std::mem::take(&mut self.regs[dst as usize]);

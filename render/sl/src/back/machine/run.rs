@@ -5,8 +5,10 @@ use super::super::points::Points;
 use super::super::scene::Scene;
 use super::state::{LoopFrame, Machine};
 use crate::ir::*;
+use crate::shadeop::color::convert;
 use crate::shadeop::matrix::{element, triple16};
 use crate::shadeop::runs::at;
+use crate::shadeop::spline;
 
 impl Machine {
     /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
@@ -54,6 +56,7 @@ impl Machine {
         self.n = points.n();
         self.nu = points.nu;
         self.orientation = points.orientation;
+        self.place = program.global("P");
         self.mask = None;
         self.loops.clear();
         self.lit.clear();
@@ -148,8 +151,7 @@ impl Machine {
             }
             Op::Assign(dst, a) => self.assign(*dst, *a, width(*dst), width(*a)),
             Op::Call(f, dst, args) => {
-                let first = args.first().map_or(1, |r| width(*r));
-                self.call(program, *f, *dst, args, first, width(*dst), scene);
+                self.call(program, *f, *dst, args, scene);
             }
             Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index, width(*dst)),
             Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value, width(*value)),
@@ -164,14 +166,16 @@ impl Machine {
             }
             Op::ColorSpace(dst, a, from, to) => {
                 let (from, to) = (self.texts[*from as usize].clone(), self.texts[*to as usize].clone());
-                self.pointwise(program, *dst, &[*a], |v| {
-                    triple16(crate::shadeop::color::convert(&from, &to, [v[0][0], v[0][1], v[0][2]]))
+                self.evaluate(program, *dst, &[*a], |call, out| {
+                    call.pointwise(out, |v| triple16(convert(&from, &to, [v[0][0], v[0][1], v[0][2]])))
                 });
             }
             Op::Spline(dst, basis, args) => {
                 let basis = self.texts[*basis as usize].clone();
                 let w = width(*dst);
-                self.pointwise(program, *dst, args, |v| crate::shadeop::spline::value(&basis, v[0][0], &v[1..], w));
+                self.evaluate(program, *dst, args, |call, out| {
+                    call.pointwise(out, |v| spline::value(&basis, v[0][0], &v[1..], w))
+                });
             }
             Op::Match(dst, pattern, text) => {
                 let found =

@@ -1,7 +1,7 @@
 //! The machine's registers, masks and open loops.
 
 use crate::ir::*;
-use crate::shadeop::runs::{at, run_of};
+use crate::shadeop::runs::run_of;
 
 /// The cone from which a surface takes light: only these points of the grid are lit.
 pub(super) struct Receiver {
@@ -38,6 +38,8 @@ pub struct Machine {
     pub(super) n: usize,
     pub(super) nu: usize,
     pub(super) orientation: f32,
+    /// The register of P, if the program reads it.
+    pub(super) place: Option<Reg>,
     pub(super) regs: Vec<Vec<f32>>,
     pub(super) texts: Vec<String>,
     /// Active points; `None` is all.
@@ -112,50 +114,5 @@ impl Machine {
             let active = |i: usize| self.mask.as_ref().is_none_or(|m| m[i]);
             self.mask = Some((0..self.n).map(|i| active(i) && !frame.left[i] && !frame.skipped[i]).collect());
         }
-    }
-
-    /// Compute `f` of the values of some registers, point by point, or once if all are uniform.
-    pub(super) fn pointwise(
-        &mut self,
-        program: &Program,
-        dst: Reg,
-        args: &[Reg],
-        f: impl Fn(&[[f32; 16]]) -> [f32; 16],
-    ) {
-        let n = self.n;
-        let width = |r: Reg| program.widths[r as usize] as usize;
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
-        out.clear();
-        let wd = width(dst);
-        let lanes = if args.iter().all(|r| self.regs[*r as usize].len() == width(*r)) { 1 } else { n };
-        out.resize(wd * lanes, 0.0);
-        let mut values = vec![[0.0; 16]; args.len()];
-        for k in 0..lanes {
-            if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
-                continue;
-            }
-            for (value, r) in values.iter_mut().zip(args) {
-                let w = width(*r);
-                (0..w).for_each(|c| value[c] = at(run_of(&self.regs[*r as usize], w, c, n), k));
-            }
-            let result = f(&values);
-            (0..wd).for_each(|c| out[c * lanes + k] = result[c]);
-        }
-        self.regs[dst as usize] = out;
-    }
-
-    /// Differences of a value to the next point of the row and of the column, central where there are two neighbours.
-    pub(super) fn differences(&self, x: &[f32], k: usize) -> [f32; 2] {
-        let (nu, nv) = (self.nu, self.n / self.nu.max(1));
-        if x.len() == 1 {
-            return [0.0; 2];
-        }
-        let (i, j) = (k % nu, k / nu);
-        let slope = |here: usize, count: usize, stride: usize| {
-            let (lo, hi) = (here.saturating_sub(1), (here + 1).min(count - 1));
-            let base = k - here * stride;
-            if hi > lo { (x[base + hi * stride] - x[base + lo * stride]) / (hi - lo) as f32 } else { 0.0 }
-        };
-        [slope(i, nu, 1), slope(j, nv, nu)]
     }
 }

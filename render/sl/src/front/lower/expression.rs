@@ -128,16 +128,16 @@ impl<'a> Lower<'a> {
             }
             let (a, b) = (self.convert(at, a, Ty::Matrix)?, self.convert(at, b, Ty::Matrix)?);
             let f = match op {
-                "*" => Builtin::MatrixMultiply,
-                "/" => Builtin::MatrixDivide,
-                "==" | "!=" => Builtin::MatrixEqual,
+                "*" => Builtin::MATRIX_MULTIPLY,
+                "/" => Builtin::MATRIX_DIVIDE,
+                "==" | "!=" => Builtin::MATRIX_EQUAL,
                 "+" | "-" => {
                     let f = if op == "+" { Binary::Add } else { Binary::Sub };
                     return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r, a.reg, b.reg));
                 }
                 _ => return refuse("does not take matrices"),
             };
-            let ty = if f == Builtin::MatrixEqual { Ty::Float } else { Ty::Matrix };
+            let ty = if f == Builtin::MATRIX_EQUAL { Ty::Float } else { Ty::Matrix };
             let result = self.temp(at, ty, varying, |r| Op::Call(f, r, vec![a.reg, b.reg]))?;
             if op == "!=" {
                 return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r, result.reg));
@@ -147,8 +147,8 @@ impl<'a> Lower<'a> {
         let both_triples = a.ty.is_triple() && b.ty.is_triple();
         match op {
             "." | "^" if !both_triples => refuse("takes two vectors"),
-            "." => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Dot, r, vec![a.reg, b.reg])),
-            "^" => self.temp(at, Ty::Vector, varying, |r| Op::Call(Builtin::Cross, r, vec![a.reg, b.reg])),
+            "." => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::DOT, r, vec![a.reg, b.reg])),
+            "^" => self.temp(at, Ty::Vector, varying, |r| Op::Call(Builtin::CROSS, r, vec![a.reg, b.reg])),
             "+" | "-" | "*" | "/" => {
                 if both_triples && (a.ty == Ty::Color) != (b.ty == Ty::Color) {
                     return refuse("does not mix colours with directions");
@@ -170,7 +170,7 @@ impl<'a> Lower<'a> {
                 let equal = self.temp(at, a.ty, varying, |r| Op::Binary(Binary::Equal, r, a.reg, b.reg))?;
                 let three = self.constant(at, 2.5)?;
                 let sum =
-                    self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Dot, r, vec![equal.reg, equal.reg]))?;
+                    self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::DOT, r, vec![equal.reg, equal.reg]))?;
                 let (lo, hi) = if op == "==" { (three, sum) } else { (sum, three) };
                 self.temp(at, Ty::Float, varying, |r| Op::Binary(Binary::Less, r, lo.reg, hi.reg))
             }

@@ -3,42 +3,35 @@
 use super::super::ast::*;
 use super::super::diagnostic::{Error, error, error_with};
 use super::state::{Lower, Value};
+use crate::ir::builtins::Form;
 use crate::ir::*;
 
 impl<'a> Lower<'a> {
-    /// Calls that ask the scene, or that change a variable; none if `name` is not one of them.
-    pub(super) fn scene_call(
+    /// A call whose arguments are names and variables.
+    pub(super) fn scene_form(
         &mut self,
         at: usize,
         name: &str,
+        form: Form,
         args: &[Expr],
         expected: Option<Ty>,
-    ) -> Result<Option<Value>, Error> {
-        let ask = match name {
-            "surface" => Ask::Surface,
-            "displacement" => Ask::Displacement,
-            "atmosphere" => Ask::Atmosphere,
-            "lightsource" => Ask::LightSource,
-            "incident" => Ask::Incident,
-            "opposite" => Ask::Opposite,
-            "attribute" => Ask::Attribute,
-            "option" => Ask::Option,
-            "rendererinfo" => Ask::RendererInfo,
-            "rayinfo" => Ask::RayInfo,
-            "textureinfo" => Ask::TextureInfo,
-            "texture" => return self.map(at, Lookup::Texture, args, expected).map(Some),
-            "environment" => return self.map(at, Lookup::Environment, args, expected).map(Some),
-            "shadow" => return self.map(at, Lookup::Shadow, args, expected.or(Some(Ty::Float))).map(Some),
-            "setcomp" | "setxcomp" | "setycomp" | "setzcomp" => return self.set_component(at, name, args).map(Some),
-            // What is baked is not kept, and so nothing is found of it.
-            "bake" | "bake3d" | "texture3d" => {
+    ) -> Result<Value, Error> {
+        match form {
+            Form::Ask(what) => self.ask(at, name, what, args),
+            Form::Map(Lookup::Shadow) => self.map(at, Lookup::Shadow, args, expected.or(Some(Ty::Float))),
+            Form::Map(how) => self.map(at, how, args, expected),
+            Form::SetComponent(component) => self.set_component(at, name, component, args),
+            _ => {
                 for arg in args {
                     self.expr(arg, None)?;
                 }
-                return self.constant(at, 0.0).map(Some);
+                self.constant(at, 0.0)
             }
-            _ => return Ok(None),
-        };
+        }
+    }
+
+    /// A question by name, whose answer goes to a variable.
+    fn ask(&mut self, at: usize, name: &str, ask: Ask, args: &[Expr]) -> Result<Value, Error> {
         let n_names = if ask == Ask::TextureInfo { 2 } else { 1 };
         if args.len() != n_names + 1 {
             return error(
@@ -60,7 +53,7 @@ impl<'a> Lower<'a> {
         };
         let var = self.variable(args[n_names].at, variable)?;
         let (out, len) = (var.operand(), var.array.max(1));
-        self.temp(at, Ty::Float, false, |dst| Op::Ask { dst, what: ask, names, out, len }).map(Some)
+        self.temp(at, Ty::Float, false, |dst| Op::Ask { dst, what: ask, names, out, len })
     }
 
     /// `texture`, `environment` and `shadow`.
@@ -119,13 +112,19 @@ impl<'a> Lower<'a> {
     }
 
     /// `setcomp` and its kin.
-    pub(super) fn set_component(&mut self, at: usize, name: &str, args: &[Expr]) -> Result<Value, Error> {
+    pub(super) fn set_component(
+        &mut self,
+        at: usize,
+        name: &str,
+        component: Option<u8>,
+        args: &[Expr],
+    ) -> Result<Value, Error> {
         let Some(ExprKind::Name(variable)) = args.first().map(|a| &a.kind) else {
             return error(at, format!("expected a variable as the first argument of `{name}`"));
         };
         let var = self.variable(at, variable)?;
         let mut regs = vec![var.reg];
-        if let Some(k) = ["setxcomp", "setycomp", "setzcomp"].iter().position(|n| *n == name) {
+        if let Some(k) = component {
             regs.push(self.constant(at, k as f32)?.reg);
         }
         for arg in &args[1..] {
@@ -136,7 +135,8 @@ impl<'a> Lower<'a> {
         if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
             return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
         }
-        let new = self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, regs))?;
+        let function = if var.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
+        let new = self.temp(at, var.ty, true, |r| Op::Call(function, r, regs))?;
         self.store(at, var, new)?;
         Ok(Value::of(Ty::Void, 0, false))
     }

@@ -1,8 +1,8 @@
 //! The state of lowering: scopes, registers, and the operations so far.
 
 use super::super::ast::*;
-use super::super::builtins::GLOBALS;
 use super::super::diagnostic::{Error, error, error_with};
+use crate::ir::globals::GLOBALS;
 use crate::ir::*;
 use std::collections::HashMap;
 
@@ -118,13 +118,14 @@ impl<'a> Lower<'a> {
     }
 
     pub(super) fn global(&mut self, at: usize, name: &str) -> Result<Option<Value>, Error> {
-        let Some((_, ty)) = GLOBALS.iter().find(|(n, _)| *n == name) else { return Ok(None) };
+        let Some((_, kind)) = GLOBALS.iter().find(|(n, _)| *n == name) else { return Ok(None) };
+        let ty = Ty::from(*kind);
         if let Some((_, reg)) = self.globals.iter().find(|(n, _)| n == name) {
-            return Ok(Some(Value::of(*ty, *reg, true)));
+            return Ok(Some(Value::of(ty, *reg, true)));
         }
-        let reg = self.reg(at, *ty)?;
+        let reg = self.reg(at, ty)?;
         self.globals.push((name.into(), reg));
-        Ok(Some(Value::of(*ty, reg, true)))
+        Ok(Some(Value::of(ty, reg, true)))
     }
 
     pub(super) fn variable(&mut self, at: usize, name: &str) -> Result<Value, Error> {
@@ -136,11 +137,11 @@ impl<'a> Lower<'a> {
         }
         if name == "dPdu" || name == "dPdv" {
             let p = self.variable(at, "P")?;
-            return self.derivative(at, if name == "dPdu" { Builtin::Du } else { Builtin::Dv }, p);
+            return self.derivative(at, if name == "dPdu" { Builtin::DU } else { Builtin::DV }, p);
         }
         if name == "du" || name == "dv" {
             let x = self.variable(at, if name == "du" { "u" } else { "v" })?;
-            return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::Width, r, vec![x.reg]));
+            return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::WIDTH, r, vec![x.reg]));
         }
         if name == "PI" {
             return self.constant(at, std::f32::consts::PI);
@@ -157,7 +158,7 @@ impl<'a> Lower<'a> {
         }
         let spatial = |t: Ty| t.is_triple() && t != Ty::Color;
         if value.ty == Ty::Float && to == Ty::Matrix {
-            return self.temp(at, to, value.varying, |r| Op::Call(Builtin::Diagonal, r, vec![value.reg]));
+            return self.temp(at, to, value.varying, |r| Op::Call(Builtin::DIAGONAL, r, vec![value.reg]));
         }
         if value.ty == to || (spatial(value.ty) && spatial(to)) {
             return Ok(Value { ty: to, ..value });

@@ -173,7 +173,7 @@ impl<'a> Lower<'a> {
                 return error(at, format!("a {} has no elements", var.ty.name()));
             }
             let new =
-                self.temp(at, var.ty, true, |r| Op::Call(Builtin::SetComp, r, vec![var.reg, i.reg, value.reg]))?;
+                self.temp(at, var.ty, true, |r| Op::Call(Builtin::SET_COMPONENT, r, vec![var.reg, i.reg, value.reg]))?;
             return self.store(at, var, new);
         }
         match self.constant_of(i.reg) {
@@ -215,7 +215,9 @@ impl<'a> Lower<'a> {
             (true, Some(k)) if (0.0..3.0).contains(&k) => {
                 self.temp(at, Ty::Float, varying, |r| Op::Component(r, var.reg, k as u8))
             }
-            (true, None) => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::Comp, r, vec![var.reg, i.reg])),
+            (true, None) => {
+                self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::COMPONENT, r, vec![var.reg, i.reg]))
+            }
             (true, Some(k)) => error(index.at, format!("a {} has no component {k}", var.ty.name())),
             (false, _) => error(at, format!("a {} has no elements", var.ty.name())),
         }
