@@ -2,7 +2,8 @@
 //!
 //! Invariants, which [`validate`] checks:
 //! 1. Every register that an operation names exists, and numbers and strings are not confused.
-//! 2. Operands have the widths that the operation asks for: 1 (float), 3 (triple) or 16 (matrix).
+//! 2. A handle has its register's width: 1 (float), 3 (triple) or 16 (matrix); where an operation does not fix the widths by the types
+//!    of its handles, they agree with each other, and those of a call with its function's row.
 //! 3. Every register is written before it is read, on every path; globals and parameters count as written.
 //! 4. `Break` and `Continue` stand inside a `Loop`, `Return` inside an `Inline`, `Solar` and `Illuminate` only in light shaders, `Illuminance` only outside.
 //!
@@ -14,15 +15,17 @@ pub mod globals;
 mod op;
 mod optimise;
 mod program;
+mod register;
 mod show;
 mod types;
 mod validate;
 mod walk;
 
 pub use crate::shadeop::number::{Binary, Unary};
-pub use op::{Ask, Builtin, Lookup, Op, Operand, Reg, TextReg, Transform};
+pub use op::{Ask, Builtin, Lookup, Op, Transform};
 pub(crate) use optimise::optimise;
 pub use program::{Parameter, Program};
+pub use register::{FloatReg, MatrixReg, Operand, Reg, TextReg, TripleReg};
 pub use types::{Kind, ShaderKind};
 pub use validate::validate;
 pub use walk::visit;

@@ -1,12 +1,7 @@
-//! Registers and operations.
+//! Operations.
 
+use super::register::{FloatReg, Operand, Reg, TextReg, TripleReg};
 use crate::shadeop::number::{Binary, Unary};
-
-/// Index of a number register.
-pub type Reg = u16;
-
-/// Index of a string register.
-pub type TextReg = u16;
 
 /// A shading function: the index of its row in [`super::builtins::TABLE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,15 +55,6 @@ pub enum Lookup {
     Shadow,
 }
 
-/// A number or a string register.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Operand {
-    /// Numbers.
-    Number(Reg),
-    /// Text.
-    Text(TextReg),
-}
-
 /// Which way a triple changes with the space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transform {
@@ -92,33 +78,33 @@ pub enum Op {
     /// Copy a string.
     TextCopy(TextReg, TextReg),
     /// Whether two strings are the same: 1 or 0.
-    TextEqual(Reg, TextReg, TextReg),
+    TextEqual(FloatReg, TextReg, TextReg),
     /// Number by number; a width-1 operand is spread over a triple result.
     Unary(Unary, Reg, Reg),
     /// Number by number; a width-1 operand is spread over a triple result.
     Binary(Binary, Reg, Reg, Reg),
     /// Where condition: then, else otherwise.
-    Select(Reg, Reg, Reg, Reg),
+    Select(Reg, FloatReg, Reg, Reg),
     /// Three numbers to a triple, or sixteen to a matrix.
-    Pack(Reg, Vec<Reg>),
+    Pack(Reg, Vec<FloatReg>),
     /// A component of a triple.
-    Component(Reg, Reg, u8),
+    Component(FloatReg, TripleReg, u8),
     /// Assign to a variable, where the points are active.
     Assign(Reg, Reg),
     /// An element of an array: result, first element, length, index.
-    Load(Reg, Reg, u16, Reg),
+    Load(Reg, Reg, u16, FloatReg),
     /// Assign to an element of an array: first element, length, index, value.
-    Store(Reg, u16, Reg, Reg),
+    Store(Reg, u16, FloatReg, Reg),
     /// The same of strings.
-    TextLoad(TextReg, TextReg, u16, Reg),
+    TextLoad(TextReg, TextReg, u16, FloatReg),
     /// The same of strings.
-    TextStore(TextReg, u16, Reg, TextReg),
+    TextStore(TextReg, u16, FloatReg, TextReg),
     /// A colour from one colour space to another.
-    ColorSpace(Reg, Reg, TextReg, TextReg),
+    ColorSpace(TripleReg, TripleReg, TextReg, TextReg),
     /// A spline: result, basis, the value and the knots.
     Spline(Reg, TextReg, Vec<Reg>),
     /// Whether a string matches a pattern: result, pattern, string.
-    Match(Reg, TextReg, TextReg),
+    Match(FloatReg, TextReg, TextReg),
     /// Text of a format and its values.
     Format(TextReg, Vec<Operand>),
     /// Print a format and its values.
@@ -126,7 +112,7 @@ pub enum Op {
     /// Ask the scene: whether there is an answer, what, by which strings, and where the answer goes (an array's first, its length).
     Ask {
         /// 1 if there is an answer.
-        dst: Reg,
+        dst: FloatReg,
         /// What.
         what: Ask,
         /// Names.
@@ -145,7 +131,7 @@ pub enum Op {
         /// Name of the map.
         name: TextReg,
         /// First channel (1).
-        channel: Reg,
+        channel: FloatReg,
         /// s and t, a direction, or a place.
         at: Vec<Reg>,
         /// `width`, `blur` and the like.
@@ -156,9 +142,9 @@ pub enum Op {
     /// Change space: result, operand, from, to (string registers).
     Transform(Transform, Reg, Reg, TextReg, TextReg),
     /// `if`
-    If(Reg, Vec<Op>, Vec<Op>),
+    If(FloatReg, Vec<Op>, Vec<Op>),
     /// Repeat: condition's operations, condition, body, step.
-    Loop(Vec<Op>, Reg, Vec<Op>, Vec<Op>),
+    Loop(Vec<Op>, FloatReg, Vec<Op>, Vec<Op>),
     /// Leave so many loops.
     Break(u16),
     /// Leave all but the last of so many loops, and go to that one's step.
@@ -169,8 +155,14 @@ pub enum Op {
     Return,
     /// For rays from position about an axis within an angle: those that hit something, then those that do not.
     Gather {
-        /// Position (3), axis (3), angle (1), samples (1).
-        args: [Reg; 4],
+        /// Position.
+        position: TripleReg,
+        /// Axis.
+        axis: TripleReg,
+        /// Angle.
+        angle: FloatReg,
+        /// Number of rays.
+        samples: FloatReg,
         /// Where what is asked of a ray or a hit goes, by name.
         out: Vec<(String, Reg)>,
         /// For a hit.
@@ -180,12 +172,16 @@ pub enum Op {
     },
     /// For every light that reaches position within an angle about an axis: L and Cl are set.
     Illuminance {
-        /// Position (3), axis (3) and angle (1).
-        args: [Reg; 3],
+        /// Position.
+        position: TripleReg,
+        /// Axis.
+        axis: TripleReg,
+        /// Angle.
+        angle: FloatReg,
         /// Register of L.
-        l: Reg,
+        l: TripleReg,
         /// Register of Cl.
-        cl: Reg,
+        cl: TripleReg,
         /// Which lights: a category, or one with `-` before it for all others.
         category: Option<TextReg>,
         /// Parameters of the lights that are wanted, and where they go.
@@ -195,21 +191,27 @@ pub enum Op {
     },
     /// Light from everywhere along an axis.
     Solar {
-        /// Axis (3) and angle (1).
-        args: [Reg; 2],
+        /// Axis.
+        axis: TripleReg,
+        /// Angle.
+        angle: FloatReg,
         /// Register of L.
-        l: Reg,
+        l: TripleReg,
         /// The light's doing.
         body: Vec<Op>,
     },
     /// Light from a point, within an angle about an axis.
     Illuminate {
-        /// Position (3), axis (3) and angle (1).
-        args: [Reg; 3],
+        /// Position.
+        position: TripleReg,
+        /// Axis.
+        axis: TripleReg,
+        /// Angle.
+        angle: FloatReg,
         /// Register of L.
-        l: Reg,
+        l: TripleReg,
         /// Register of Ps.
-        ps: Reg,
+        ps: TripleReg,
         /// The light's doing.
         body: Vec<Op>,
     },

@@ -3,9 +3,9 @@
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
 
-use super::op::{Op, Operand, Reg};
+use super::op::Op;
 use super::program::Program;
-use super::types::Kind;
+use super::register::{Operand, Reg};
 use super::walk::{blocks, blocks_mut, operands_mut, reads, result, visit, writes_besides};
 use crate::shadeop::number::{binary_value, unary_value};
 use std::collections::HashMap;
@@ -57,7 +57,7 @@ fn reads_neighbours(program: &Program) -> bool {
 /// Registers that may be written more than once: they are variables, not values.
 fn assigned(program: &Program) -> Vec<bool> {
     let mut found = vec![false; program.widths.len()];
-    let mut mark = |r: Reg| found[r as usize] = true;
+    let mut mark = |r: Reg| found[r.index()] = true;
     program.globals.iter().for_each(|(_, r)| mark(*r));
     let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
     for block in blocks {
@@ -84,12 +84,12 @@ fn drop_copies(program: &mut Program) -> bool {
     visit(&program.body, &mut |op| {
         at += 1;
         if let Some(r) = result(op) {
-            writes[r as usize] += 1;
-            written_at[r as usize] = at;
+            writes[r.index()] += 1;
+            written_at[r.index()] = at;
         }
-        let mut mark = |r: Reg| writes[r as usize] = 2;
+        let mut mark = |r: Reg| writes[r.index()] = 2;
         if let Op::Load(_, first, len, _) = op {
-            (*first..first + len).for_each(&mut mark);
+            first.array(*len).for_each(&mut mark);
         }
         writes_besides(op, &mut mark);
         let own = if let Op::Assign(dst, _) = op { Some(*dst) } else { None };
@@ -97,21 +97,27 @@ fn drop_copies(program: &mut Program) -> bool {
             if let Operand::Number(r) = o
                 && own != Some(r)
             {
-                first_read[r as usize] = first_read[r as usize].min(at);
-                last_read[r as usize] = at;
+                first_read[r.index()] = first_read[r.index()].min(at);
+                last_read[r.index()] = at;
             }
         });
     });
-    let outside: Vec<Reg> =
-        program.globals.iter().map(|(_, r)| *r).chain(program.params.iter().map(|p| p.reg)).collect();
+    let parameters = program.params.iter().filter_map(|p| match p.reg {
+        Operand::Number(r) => Some(r),
+        Operand::Text(_) => None,
+    });
+    let outside: Vec<Reg> = program.globals.iter().map(|(_, r)| *r).chain(parameters).collect();
     let mut values: HashMap<Reg, Reg> = HashMap::new();
     let mut look = |dst: Reg, src: Reg, here: usize, end: usize| {
-        let (d, s) = (dst as usize, src as usize);
-        let one_name = writes[d] == 1 && !outside.contains(&dst) && program.widths[d] == program.widths[s];
+        let (d, s) = (dst.index(), src.index());
+        let one_name = writes[d] == 1 && !outside.contains(&dst) && dst.width() == src.width();
         let read_after = first_read[d] > here && last_read[d] <= end;
         // The value: made once, before, or given from outside and never changed.
         let lasting = match writes[s] {
-            0 => outside.contains(&src) && program.params.iter().any(|p| p.reg == src && p.array.is_none()),
+            0 => {
+                outside.contains(&src)
+                    && program.params.iter().any(|p| p.reg == Operand::Number(src) && p.array.is_none())
+            }
             1 => written_at[s] < here && (!variables[s] || !outside.contains(&src)),
             _ => false,
         };
@@ -160,25 +166,25 @@ fn rename(ops: &mut Vec<Op>, to: &dyn Fn(Reg) -> Reg, gone: &HashMap<Reg, Reg>) 
 fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bool {
     let mut changed = false;
     for op in ops.iter_mut() {
-        let value = |r: &Reg| known.get(r).copied();
+        let value = |r: Reg| known.get(&r).copied();
         let result = match op {
             Op::Const(r, x) => Some((*r, *x)),
-            Op::Unary(f, dst, a) => value(a).map(|a| (*dst, unary_value(*f, a))),
-            Op::Binary(f, dst, a, b) => value(a).zip(value(b)).map(|(a, b)| (*dst, binary_value(*f, a, b))),
-            Op::Select(dst, c, a, b) => match (value(c), value(a), value(b)) {
+            Op::Unary(f, dst, a) => value(*a).map(|a| (*dst, unary_value(*f, a))),
+            Op::Binary(f, dst, a, b) => value(*a).zip(value(*b)).map(|(a, b)| (*dst, binary_value(*f, a, b))),
+            Op::Select(dst, c, a, b) => match (value((*c).into()), value(*a), value(*b)) {
                 (Some(c), Some(a), Some(b)) => Some((*dst, if c != 0.0 { a } else { b })),
                 _ => None,
             },
             // Only triples whose three numbers are the same are known by one.
-            Op::Pack(dst, parts) if parts.len() == 3 => match (value(&parts[0]), value(&parts[1]), value(&parts[2])) {
-                (Some(a), Some(b), Some(c)) if a == b && b == c => Some((*dst, a)),
+            Op::Pack(dst, parts) if parts.len() == 3 => match [0, 1, 2].map(|k| value(parts[k].into())) {
+                [Some(a), Some(b), Some(c)] if a == b && b == c => Some((*dst, a)),
                 _ => None,
             },
-            Op::Component(dst, a, _) => value(a).map(|a| (*dst, a)),
+            Op::Component(dst, a, _) => value((*a).into()).map(|a| ((*dst).into(), a)),
             _ => None,
         };
         if let Some((dst, x)) = result {
-            if !variables[dst as usize] {
+            if !variables[dst.index()] {
                 known.insert(dst, x);
             }
             if !matches!(op, Op::Const(..)) && x.is_finite() {
@@ -188,7 +194,7 @@ fn fold(ops: &mut [Op], known: &mut HashMap<Reg, f32>, variables: &[bool]) -> bo
         }
         // A condition that is known leaves one branch.
         if let Op::If(c, then, otherwise) = op
-            && let Some(c) = known.get(c)
+            && let Some(c) = known.get(&(*c).into())
         {
             let dead = if *c != 0.0 { otherwise } else { then };
             changed |= !dead.is_empty();
@@ -209,9 +215,9 @@ fn drop_dead(ops: &mut Vec<Op>, read: &[bool], text_read: &[bool]) -> bool {
     ops.retain(|op| match op {
         // These change more than their result.
         Op::Assign(..) | Op::Ask { .. } => true,
-        Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) => text_read[*r as usize],
+        Op::TextConst(r, _) | Op::TextLoad(r, ..) | Op::Format(r, _) => text_read[r.index()],
         Op::If(_, a, b) => !(a.is_empty() && b.is_empty()),
-        other => result(other).is_none_or(|r| read[r as usize]),
+        other => result(other).is_none_or(|r| read[r.index()]),
     });
     let mut changed = ops.len() != before;
     for op in ops.iter_mut() {
@@ -226,21 +232,19 @@ fn drop_dead(ops: &mut Vec<Op>, read: &[bool], text_read: &[bool]) -> bool {
 fn read_anywhere(program: &Program) -> (Vec<bool>, Vec<bool>) {
     let mut numbers = vec![false; program.widths.len()];
     let mut texts = vec![false; program.n_texts];
-    program.globals.iter().for_each(|(_, r)| numbers[*r as usize] = true);
+    program.globals.iter().for_each(|(_, r)| numbers[r.index()] = true);
     for param in &program.params {
-        for k in 0..param.array.unwrap_or(1) {
-            match param.kind {
-                Kind::Text => texts[(param.reg + k) as usize] = true,
-                _ => numbers[(param.reg + k) as usize] = true,
-            }
-        }
+        param.reg.array(param.array.unwrap_or(1)).for_each(|o| match o {
+            Operand::Number(r) => numbers[r.index()] = true,
+            Operand::Text(r) => texts[r.index()] = true,
+        });
     }
     let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
     for block in blocks {
         visit(block, &mut |op| {
             reads(op, &mut |o| match o {
-                Operand::Number(r) => numbers[r as usize] = true,
-                Operand::Text(r) => texts[r as usize] = true,
+                Operand::Number(r) => numbers[r.index()] = true,
+                Operand::Text(r) => texts[r.index()] = true,
             })
         });
     }

@@ -1,6 +1,7 @@
 //! A compiled shader.
 
-use super::op::{Op, Reg};
+use super::op::Op;
+use super::register::{Operand, Reg};
 use super::types::{Kind, ShaderKind};
 
 /// A shader parameter.
@@ -16,8 +17,8 @@ pub struct Parameter {
     pub output: bool,
     /// Elements of an array.
     pub array: Option<u16>,
-    /// Its register: of numbers, or of strings for [`Kind::Text`]; an array's elements follow each other.
-    pub reg: u16,
+    /// Its register; an array's elements follow each other.
+    pub reg: Operand,
     /// Computes the default.
     pub default: Vec<Op>,
 }

@@ -1,25 +1,28 @@
 //! The invariants of programs, which hold before any back end sees them.
 
-use super::op::{Builtin, Op, Operand, Reg, TextReg, Transform};
+use super::op::{Builtin, Op, Transform};
 use super::program::Program;
+use super::register::{Operand, Reg, TextReg};
 use super::types::{Kind, ShaderKind};
 
-/// Hold a program to the invariants at the top of this file.
+/// Check a program for the invariants that stand at the head of [`crate::ir`].
 pub fn validate(program: &Program) -> Result<(), String> {
-    let mut written = vec![false; program.widths.len()];
+    let written = vec![false; program.widths.len()];
     let text_written = vec![false; program.n_texts];
-    for (name, reg) in &program.globals {
-        *written.get_mut(*reg as usize).ok_or(format!("global {name} has no register"))? = true;
-    }
     let mut check = Check { program, written, text_written, loops: 0, inlines: 0 };
+    for (name, reg) in &program.globals {
+        check.write(*reg).map_err(|e| format!("global {name}: {e}"))?;
+    }
     for param in &program.params {
         check.block(&param.default)?;
-        for k in 0..param.array.unwrap_or(1) {
-            match param.kind {
-                Kind::Text => check.read_text(param.reg + k)?,
-                _ => check.read(param.reg + k)?,
-            }
+        let sound = match param.reg {
+            Operand::Number(r) => param.kind != Kind::Text && r.width() == param.kind.width(),
+            Operand::Text(_) => param.kind == Kind::Text,
+        };
+        if !sound {
+            return Err(format!("parameter {} has a register of another kind", param.name));
         }
+        param.reg.array(param.array.unwrap_or(1)).try_for_each(|o| check.operand(o))?;
     }
     check.block(&program.body)
 }
@@ -33,48 +36,67 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn read(&self, r: Reg) -> Result<(), String> {
-        match self.written.get(r as usize) {
-            Some(true) => Ok(()),
-            Some(false) => Err(format!("register {r} is read before it is written")),
-            None => Err(format!("register {r} does not exist")),
+    /// A register exists, and its handle has its width.
+    fn exists(&self, r: Reg) -> Result<(), String> {
+        match self.program.widths.get(r.index()) {
+            Some(width) if *width as usize == r.width() => Ok(()),
+            Some(width) => Err(format!("register {} has width {width}, expected {}", r.index(), r.width())),
+            None => Err(format!("register {} does not exist", r.index())),
+        }
+    }
+
+    fn read(&self, r: impl Into<Reg>) -> Result<(), String> {
+        let r = r.into();
+        self.exists(r)?;
+        match self.written[r.index()] {
+            true => Ok(()),
+            false => Err(format!("register {} is read before it is written", r.index())),
         }
     }
 
     fn read_text(&self, r: TextReg) -> Result<(), String> {
-        match self.text_written.get(r as usize) {
+        match self.text_written.get(r.index()) {
             Some(true) => Ok(()),
-            _ => Err(format!("string register {r} is read before it is written")),
+            _ => Err(format!("string register {} is read before it is written", r.index())),
         }
     }
 
-    fn write(&mut self, r: Reg) -> Result<(), String> {
-        *self.written.get_mut(r as usize).ok_or(format!("register {r} does not exist"))? = true;
+    fn write(&mut self, r: impl Into<Reg>) -> Result<(), String> {
+        let r = r.into();
+        self.exists(r)?;
+        self.written[r.index()] = true;
         Ok(())
     }
 
     fn write_text(&mut self, r: TextReg) -> Result<(), String> {
-        *self.text_written.get_mut(r as usize).ok_or(format!("string register {r} does not exist"))? = true;
+        let found = self.text_written.get_mut(r.index());
+        *found.ok_or_else(|| format!("string register {} does not exist", r.index()))? = true;
         Ok(())
-    }
-
-    fn width(&self, r: Reg, expected: u8) -> Result<(), String> {
-        self.read(r)?;
-        let width = self.program.widths[r as usize];
-        if width == expected { Ok(()) } else { Err(format!("register {r} has width {width}, expected {expected}")) }
     }
 
     /// Operands of a number-by-number operation: as wide as the result, or of width 1.
     fn spread(&mut self, dst: Reg, operands: &[Reg]) -> Result<(), String> {
-        let width = *self.program.widths.get(dst as usize).ok_or(format!("register {dst} does not exist"))?;
         for r in operands {
             self.read(*r)?;
-            let own = self.program.widths[*r as usize];
-            if own != 1 && own != width {
-                return Err(format!("register {r} has width {own}, result {dst} has {width}"));
+            if r.width() != 1 && r.width() != dst.width() {
+                return Err(format!(
+                    "register {} has width {}, result {} has {}",
+                    r.index(),
+                    r.width(),
+                    dst.index(),
+                    dst.width()
+                ));
             }
         }
         self.write(dst)
+    }
+
+    /// Elements of an array, and a value of their width.
+    fn elements(&self, first: Reg, len: u16, value: Reg) -> Result<(), String> {
+        if first.width() != value.width() {
+            return Err(format!("register {} is no element of the array at {}", value.index(), first.index()));
+        }
+        first.array(len).try_for_each(|r| self.read(r))
     }
 
     /// What is written in a block that may not run does not count afterwards.
@@ -102,18 +124,16 @@ impl Check<'_> {
         if args.len() != row.takes.len() {
             return Err(format!("{} takes {} arguments, found {}", row.ir, row.takes.len(), args.len()));
         }
-        let width = |r: Reg| self.program.widths[r as usize] as usize;
         for (r, arg) in args.iter().zip(row.takes) {
             self.read(*r)?;
-            if !arg.takes_width(width(*r)) {
-                return Err(format!("{} does not take register {r} of width {}", row.ir, width(*r)));
+            if !arg.takes_width(r.width()) {
+                return Err(format!("{} does not take register {} of width {}", row.ir, r.index(), r.width()));
             }
         }
-        self.write(dst)?;
-        if !row.gives.has_width(width(dst), args.first().map_or(1, |r| width(*r))) {
-            return Err(format!("{} does not give register {dst} of width {}", row.ir, width(dst)));
+        if !row.gives.has_width(dst.width(), args.first().map_or(1, |r| r.width())) {
+            return Err(format!("{} does not give register {} of width {}", row.ir, dst.index(), dst.width()));
         }
-        Ok(())
+        self.write(dst)
     }
 
     fn op(&mut self, op: &Op) -> Result<(), String> {
@@ -133,35 +153,37 @@ impl Check<'_> {
             Op::Unary(_, dst, a) => self.spread(*dst, &[*a]),
             Op::Assign(dst, a) => self.spread(*dst, &[*a]),
             Op::Binary(_, dst, a, b) => self.spread(*dst, &[*a, *b]),
-            Op::Select(dst, c, a, b) => self.spread(*dst, &[*c, *a, *b]),
+            Op::Select(dst, c, a, b) => self.spread(*dst, &[(*c).into(), *a, *b]),
             Op::Pack(dst, parts) => {
-                parts.iter().try_for_each(|r| self.width(*r, 1))?;
-                self.write(*dst)?;
-                self.width(*dst, parts.len() as u8)
+                parts.iter().try_for_each(|r| self.read(*r))?;
+                if parts.len() != dst.width() {
+                    return Err(format!("{} numbers for register {} of {}", parts.len(), dst.index(), dst.width()));
+                }
+                self.write(*dst)
             }
             Op::Component(dst, a, _) => {
-                self.width(*a, 3)?;
+                self.read(*a)?;
                 self.write(*dst)
             }
             Op::Load(dst, first, len, index) => {
-                self.width(*index, 1)?;
-                (*first..first + len).try_for_each(|r| self.read(r))?;
+                self.read(*index)?;
+                self.elements(*first, *len, *dst)?;
                 self.write(*dst)
             }
             Op::Store(first, len, index, value) => {
-                self.width(*index, 1)?;
+                self.read(*index)?;
                 self.read(*value)?;
-                (*first..first + len).try_for_each(|r| self.read(r))
+                self.elements(*first, *len, *value)
             }
             Op::TextLoad(dst, first, len, index) => {
-                self.width(*index, 1)?;
-                (*first..first + len).try_for_each(|r| self.read_text(r))?;
+                self.read(*index)?;
+                first.array(*len).try_for_each(|r| self.read_text(r))?;
                 self.write_text(*dst)
             }
             Op::TextStore(first, len, index, value) => {
-                self.width(*index, 1)?;
+                self.read(*index)?;
                 self.read_text(*value)?;
-                (*first..first + len).try_for_each(|r| self.read_text(r))
+                first.array(*len).try_for_each(|r| self.read_text(r))
             }
             Op::Call(f, dst, args) => self.call(*f, *dst, args),
             Op::Spline(dst, basis, args) => {
@@ -176,15 +198,12 @@ impl Check<'_> {
             Op::Print(args) => args.iter().try_for_each(|o| self.operand(*o)),
             Op::Ask { dst, names, out, len, .. } => {
                 names.iter().try_for_each(|r| self.read_text(*r))?;
-                match out {
-                    Operand::Number(r) => (*r..r + len).try_for_each(|r| self.read(r))?,
-                    Operand::Text(r) => (*r..r + len).try_for_each(|r| self.read_text(r))?,
-                }
+                out.array(*len).try_for_each(|o| self.operand(o))?;
                 self.write(*dst)
             }
             Op::Map { dst, name, channel, at, options, .. } => {
                 self.read_text(*name)?;
-                self.width(*channel, 1)?;
+                self.read(*channel)?;
                 at.iter().try_for_each(|r| self.read(*r))?;
                 for (name, value) in options {
                     self.read_text(*name)?;
@@ -193,25 +212,29 @@ impl Check<'_> {
                 self.write(*dst)
             }
             Op::Transform(how, dst, a, from, to) => {
-                self.width(*a, if *how == Transform::Matrix { 16 } else { 3 })?;
+                let width = if *how == Transform::Matrix { 16 } else { 3 };
+                if a.width() != width || dst.width() != width {
+                    return Err(format!("registers {} and {} change no space", dst.index(), a.index()));
+                }
+                self.read(*a)?;
                 self.read_text(*from)?;
                 self.read_text(*to)?;
                 self.write(*dst)
             }
             Op::ColorSpace(dst, a, from, to) => {
-                self.width(*a, 3)?;
+                self.read(*a)?;
                 self.read_text(*from)?;
                 self.read_text(*to)?;
                 self.write(*dst)
             }
             Op::If(c, then, otherwise) => {
-                self.width(*c, 1)?;
+                self.read(*c)?;
                 self.maybe(then)?;
                 self.maybe(otherwise)
             }
             Op::Loop(head, c, body, step) => {
                 self.block(head)?;
-                self.width(*c, 1)?;
+                self.read(*c)?;
                 self.loops += 1;
                 self.maybe(body)?;
                 self.loops -= 1;
@@ -236,31 +259,31 @@ impl Check<'_> {
             Op::Solar { .. } | Op::Illuminate { .. } if !in_light => {
                 Err("solar or illuminate outside a light shader".into())
             }
-            Op::Illuminance { args, body, category, wanted, .. } => {
-                self.width(args[0], 3)?;
-                self.width(args[1], 3)?;
-                self.width(args[2], 1)?;
+            Op::Illuminance { position, axis, angle, l, cl, body, category, wanted } => {
+                [*position, *axis].into_iter().try_for_each(|r| self.read(r))?;
+                self.read(*angle)?;
+                [*l, *cl].into_iter().try_for_each(|r| self.exists(r.into()))?;
                 category.iter().try_for_each(|r| self.read_text(*r))?;
                 wanted.iter().try_for_each(|(_, r)| self.read(*r))?;
                 self.maybe(body)
             }
-            Op::Gather { args, out, hit, miss } => {
-                for (reg, width) in args.iter().zip([3, 3, 1, 1]) {
-                    self.width(*reg, width)?;
-                }
+            Op::Gather { position, axis, angle, samples, out, hit, miss } => {
+                [*position, *axis].into_iter().try_for_each(|r| self.read(r))?;
+                [*angle, *samples].into_iter().try_for_each(|r| self.read(r))?;
                 out.iter().try_for_each(|(_, r)| self.read(*r))?;
                 self.maybe(hit)?;
                 self.maybe(miss)
             }
-            Op::Solar { args, body, .. } => {
-                self.width(args[0], 3)?;
-                self.width(args[1], 1)?;
+            Op::Solar { axis, angle, l, body } => {
+                self.read(*axis)?;
+                self.read(*angle)?;
+                self.exists((*l).into())?;
                 self.maybe(body)
             }
-            Op::Illuminate { args, body, .. } => {
-                self.width(args[0], 3)?;
-                self.width(args[1], 3)?;
-                self.width(args[2], 1)?;
+            Op::Illuminate { position, axis, angle, l, ps, body } => {
+                [*position, *axis].into_iter().try_for_each(|r| self.read(r))?;
+                self.read(*angle)?;
+                [*l, *ps].into_iter().try_for_each(|r| self.exists(r.into()))?;
                 self.maybe(body)
             }
         }

@@ -1,6 +1,7 @@
 //! Walks over programs: the blocks of operations, and the registers that an operation reads and writes.
 
-use super::op::{Op, Operand, Reg};
+use super::op::Op;
+use super::register::{Operand, Reg};
 
 /// The register that a plain operation writes.
 pub fn result(op: &Op) -> Option<Reg> {
@@ -10,17 +11,14 @@ pub fn result(op: &Op) -> Option<Reg> {
         | Op::Binary(_, r, ..)
         | Op::Select(r, ..)
         | Op::Pack(r, _)
-        | Op::Component(r, ..)
         | Op::Load(r, ..)
-        | Op::ColorSpace(r, ..)
         | Op::Spline(r, ..)
-        | Op::Match(r, ..)
-        | Op::TextEqual(r, ..)
         | Op::Transform(_, r, ..)
         | Op::Map { dst: r, .. }
         | Op::Call(_, r, _)
-        | Op::Ask { dst: r, .. }
         | Op::Assign(r, _) => Some(*r),
+        Op::Component(r, ..) | Op::Match(r, ..) | Op::TextEqual(r, ..) | Op::Ask { dst: r, .. } => Some((*r).into()),
+        Op::ColorSpace(r, ..) => Some((*r).into()),
         _ => None,
     }
 }
@@ -28,15 +26,13 @@ pub fn result(op: &Op) -> Option<Reg> {
 /// The registers that an operation writes besides its result: elements of arrays, and what comes from outside the shader.
 pub fn writes_besides(op: &Op, f: &mut dyn FnMut(Reg)) {
     match op {
-        Op::Store(first, len, ..) | Op::Ask { out: Operand::Number(first), len, .. } => {
-            (*first..first + len).for_each(f);
-        }
+        Op::Store(first, len, ..) | Op::Ask { out: Operand::Number(first), len, .. } => first.array(*len).for_each(f),
         Op::Illuminance { l, cl, wanted, .. } => {
-            [*l, *cl].into_iter().chain(wanted.iter().map(|(_, r)| *r)).for_each(f);
+            [(*l).into(), (*cl).into()].into_iter().chain(wanted.iter().map(|(_, r)| *r)).for_each(f);
         }
         Op::Gather { out, .. } => out.iter().for_each(|(_, r)| f(*r)),
-        Op::Solar { l, .. } => f(*l),
-        Op::Illuminate { l, ps, .. } => [*l, *ps].into_iter().for_each(f),
+        Op::Solar { l, .. } => f((*l).into()),
+        Op::Illuminate { l, ps, .. } => [*l, *ps].into_iter().for_each(|r| f(r.into())),
         _ => {}
     }
 }
@@ -78,86 +74,142 @@ pub fn blocks_mut(op: &mut Op) -> Vec<&mut Vec<Op>> {
 /// The registers that an operation reads, those of its inner blocks aside. Variables that it changes in part count.
 pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
     use Operand::{Number, Text};
+    /// All of some registers of numbers.
+    fn numbers<R: Copy + Into<Reg>>(list: &[R], f: &mut dyn FnMut(Operand)) {
+        list.iter().for_each(|r| f(Number((*r).into())));
+    }
     match op {
         Op::Const(..) | Op::TextConst(..) | Op::Break(_) | Op::Continue(_) | Op::Return | Op::Inline(_) => {}
         // A variable is kept with what is assigned to it.
         Op::TextCopy(r, a) => [*r, *a].into_iter().for_each(|r| f(Text(r))),
-        Op::Assign(r, a) => [*r, *a].into_iter().for_each(|r| f(Number(r))),
+        Op::Assign(r, a) => numbers(&[*r, *a], f),
         Op::TextEqual(_, a, b) | Op::Match(_, a, b) => [*a, *b].into_iter().for_each(|r| f(Text(r))),
-        Op::Unary(_, _, a) | Op::Component(_, a, _) => f(Number(*a)),
-        Op::Binary(_, _, a, b) => [*a, *b].into_iter().for_each(|r| f(Number(r))),
-        Op::Select(_, c, a, b) => [*c, *a, *b].into_iter().for_each(|r| f(Number(r))),
-        Op::Pack(_, list) | Op::Call(_, _, list) => list.iter().for_each(|r| f(Number(*r))),
-        Op::Load(_, first, len, i) => (*first..first + len).chain([*i]).for_each(|r| f(Number(r))),
-        Op::Store(first, len, i, v) => (*first..first + len).chain([*i, *v]).for_each(|r| f(Number(r))),
+        Op::Unary(_, _, a) => f(Number(*a)),
+        Op::Component(_, a, _) => numbers(&[*a], f),
+        Op::Binary(_, _, a, b) => numbers(&[*a, *b], f),
+        Op::Select(_, c, a, b) => numbers(&[(*c).into(), *a, *b], f),
+        Op::Pack(_, list) => numbers(list, f),
+        Op::Call(_, _, list) => numbers(list, f),
+        Op::Load(_, first, len, i) => {
+            first.array(*len).for_each(|r| f(Number(r)));
+            numbers(&[*i], f);
+        }
+        Op::Store(first, len, i, v) => {
+            first.array(*len).for_each(|r| f(Number(r)));
+            numbers(&[(*i).into(), *v], f);
+        }
         Op::TextLoad(_, first, len, i) => {
-            (*first..first + len).for_each(|r| f(Text(r)));
-            f(Number(*i));
+            first.array(*len).for_each(|r| f(Text(r)));
+            numbers(&[*i], f);
         }
         Op::TextStore(first, len, i, v) => {
-            (*first..first + len).chain([*v]).for_each(|r| f(Text(r)));
-            f(Number(*i));
+            first.array(*len).chain([*v]).for_each(|r| f(Text(r)));
+            numbers(&[*i], f);
         }
-        Op::Transform(_, _, a, from, to) | Op::ColorSpace(_, a, from, to) => {
+        Op::Transform(_, _, a, from, to) => {
             f(Number(*a));
+            [*from, *to].into_iter().for_each(|r| f(Text(r)));
+        }
+        Op::ColorSpace(_, a, from, to) => {
+            numbers(&[*a], f);
             [*from, *to].into_iter().for_each(|r| f(Text(r)));
         }
         Op::Spline(_, basis, list) => {
             f(Text(*basis));
-            list.iter().for_each(|r| f(Number(*r)));
+            numbers(list, f);
         }
         Op::Format(_, list) | Op::Print(list) => list.iter().for_each(|o| f(*o)),
         Op::Ask { names, out, len, .. } => {
             names.iter().for_each(|r| f(Text(*r)));
-            match out {
-                Number(r) => (*r..r + len).for_each(|r| f(Number(r))),
-                Text(r) => (*r..r + len).for_each(|r| f(Text(r))),
-            }
+            out.array(*len).for_each(f);
         }
         Op::Map { name, channel, at, options, .. } => {
             f(Text(*name));
-            at.iter().chain([channel]).for_each(|r| f(Number(*r)));
+            numbers(at, f);
+            numbers(&[*channel], f);
             options.iter().for_each(|(key, value)| {
                 f(Text(*key));
                 f(*value);
             });
         }
-        Op::If(c, ..) | Op::Loop(_, c, ..) => f(Number(*c)),
-        Op::Gather { args, out, .. } => args.iter().chain(out.iter().map(|(_, r)| r)).for_each(|r| f(Number(*r))),
-        Op::Illuminance { args, l, cl, category, wanted, .. } => {
-            args.iter().chain([l, cl]).chain(wanted.iter().map(|(_, r)| r)).for_each(|r| f(Number(*r)));
+        Op::If(c, ..) | Op::Loop(_, c, ..) => numbers(&[*c], f),
+        Op::Gather { position, axis, angle, samples, out, .. } => {
+            numbers(&[*position, *axis], f);
+            numbers(&[*angle, *samples], f);
+            out.iter().for_each(|(_, r)| f(Number(*r)));
+        }
+        Op::Illuminance { position, axis, angle, l, cl, category, wanted, .. } => {
+            numbers(&[*position, *axis, *l, *cl], f);
+            numbers(&[*angle], f);
+            wanted.iter().for_each(|(_, r)| f(Number(*r)));
             category.iter().for_each(|r| f(Text(*r)));
         }
-        Op::Solar { args, l, .. } => args.iter().chain([l]).for_each(|r| f(Number(*r))),
-        Op::Illuminate { args, l, ps, .. } => args.iter().chain([l, ps]).for_each(|r| f(Number(*r))),
+        Op::Solar { axis, angle, l, .. } => {
+            numbers(&[*axis, *l], f);
+            numbers(&[*angle], f);
+        }
+        Op::Illuminate { position, axis, angle, l, ps, .. } => {
+            numbers(&[*position, *axis, *l, *ps], f);
+            numbers(&[*angle], f);
+        }
     }
 }
 
-/// The single registers of numbers that an operation reads, to be changed; those of ranges, results and variables are not
-/// among them.
+/// The single registers of numbers that an operation reads, to be changed to others of the same width; those of ranges, results
+/// and variables are not among them.
 pub fn operands_mut(op: &mut Op, f: &mut dyn FnMut(&mut Reg)) {
+    fn each<'r, R: Copy + Into<Reg> + TryFrom<Reg> + 'r>(
+        list: impl IntoIterator<Item = &'r mut R>,
+        f: &mut dyn FnMut(&mut Reg),
+    ) {
+        for r in list {
+            let mut reg = (*r).into();
+            f(&mut reg);
+            // Of another width it would be no operand.
+            *r = R::try_from(reg).unwrap_or(*r);
+        }
+    }
     let operand = |o: &mut Operand, f: &mut dyn FnMut(&mut Reg)| {
         if let Operand::Number(r) = o {
             f(r);
         }
     };
     match op {
-        Op::Assign(_, a) | Op::Unary(_, _, a) | Op::Component(_, a, _) => f(a),
+        Op::Assign(_, a) | Op::Unary(_, _, a) => f(a),
+        Op::Component(_, a, _) => each([a], f),
         Op::Binary(_, _, a, b) => [a, b].into_iter().for_each(f),
-        Op::Select(_, c, a, b) => [c, a, b].into_iter().for_each(f),
-        Op::Pack(_, list) | Op::Call(_, _, list) | Op::Spline(_, _, list) => list.iter_mut().for_each(f),
-        Op::Load(_, _, _, i) | Op::TextLoad(_, _, _, i) | Op::TextStore(_, _, i, _) => f(i),
-        Op::Store(_, _, i, v) => [i, v].into_iter().for_each(f),
-        Op::Transform(_, _, a, ..) | Op::ColorSpace(_, a, ..) => f(a),
+        Op::Select(_, c, a, b) => {
+            each([c], f);
+            each([a, b], f);
+        }
+        Op::Pack(_, list) => each(list, f),
+        Op::Call(_, _, list) | Op::Spline(_, _, list) => list.iter_mut().for_each(f),
+        Op::Load(_, _, _, i) | Op::TextLoad(_, _, _, i) | Op::TextStore(_, _, i, _) => each([i], f),
+        Op::Store(_, _, i, v) => {
+            each([i], f);
+            f(v);
+        }
+        Op::Transform(_, _, a, ..) => f(a),
+        Op::ColorSpace(_, a, ..) => each([a], f),
         Op::Format(_, list) | Op::Print(list) => list.iter_mut().for_each(|o| operand(o, f)),
         Op::Map { channel, at, options, .. } => {
-            at.iter_mut().chain([channel]).for_each(&mut *f);
+            at.iter_mut().for_each(&mut *f);
+            each([channel], f);
             options.iter_mut().for_each(|(_, value)| operand(value, f));
         }
-        Op::If(c, ..) | Op::Loop(_, c, ..) => f(c),
-        Op::Gather { args, .. } => args.iter_mut().for_each(f),
-        Op::Solar { args, .. } => args.iter_mut().for_each(f),
-        Op::Illuminate { args, .. } | Op::Illuminance { args, .. } => args.iter_mut().for_each(f),
+        Op::If(c, ..) | Op::Loop(_, c, ..) => each([c], f),
+        Op::Gather { position, axis, angle, samples, .. } => {
+            each([position, axis], f);
+            each([angle, samples], f);
+        }
+        Op::Solar { axis, angle, .. } => {
+            each([axis], f);
+            each([angle], f);
+        }
+        Op::Illuminate { position, axis, angle, .. } | Op::Illuminance { position, axis, angle, .. } => {
+            each([position, axis], f);
+            each([angle], f);
+        }
         Op::Const(..) | Op::Inline(_) | Op::Break(_) | Op::Continue(_) | Op::Return => {}
         Op::TextConst(..) | Op::TextCopy(..) | Op::TextEqual(..) | Op::Match(..) | Op::Ask { .. } => {}
     }

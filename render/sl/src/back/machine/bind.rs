@@ -4,7 +4,7 @@ use super::super::bound::BoundShader;
 use super::super::points::Points;
 use super::super::scene::Scene;
 use super::state::Machine;
-use crate::ir::{Kind, Program};
+use crate::ir::{Operand, Program};
 use std::sync::Arc;
 
 impl BoundShader {
@@ -20,18 +20,23 @@ impl BoundShader {
         let mut machine = Machine::new();
         machine.load(&bound, &points);
         for (_, reg) in &bound.program.globals {
-            machine.regs[*reg as usize] = vec![0.0; bound.program.widths[*reg as usize] as usize];
+            machine.regs[reg.index()] = vec![0.0; reg.width()];
         }
         machine.defaults(&bound, &points, scene);
         for (i, param) in bound.program.params.iter().enumerate() {
-            if param.kind == Kind::Text {
+            match param.reg {
                 // An array of strings keeps its defaults.
-                if param.array.is_none() && !bound.texts.iter().any(|(k, _)| *k == i) {
-                    bound.texts.push((i, machine.texts[param.reg as usize].clone()));
+                Operand::Text(r) => {
+                    if param.array.is_none() && !bound.texts.iter().any(|(k, _)| *k == i) {
+                        bound.texts.push((i, machine.texts[r.index()].clone()));
+                    }
                 }
-            } else if !bound.numbers.iter().any(|(k, _)| *k == i) {
-                let registers = param.reg as usize..(param.reg + param.array.unwrap_or(1)) as usize;
-                bound.numbers.push((i, machine.regs[registers].concat()));
+                Operand::Number(r) => {
+                    if !bound.numbers.iter().any(|(k, _)| *k == i) {
+                        let registers = r.index()..r.index() + param.array.unwrap_or(1) as usize;
+                        bound.numbers.push((i, machine.regs[registers].concat()));
+                    }
+                }
             }
         }
         bound

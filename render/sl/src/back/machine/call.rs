@@ -10,10 +10,10 @@ use crate::shadeop::call::{Call, Values};
 const FEW: usize = 4;
 
 impl Machine {
-    pub(super) fn call(&mut self, program: &Program, f: Builtin, dst: Reg, args: &[Reg], scene: &dyn Scene) {
+    pub(super) fn call(&mut self, f: Builtin, dst: Reg, args: &[Reg], scene: &dyn Scene) {
         match f.row().how {
-            How::Grid(evaluator) => self.evaluate(program, dst, args, evaluator),
-            How::Scene(call) => self.scene_call(program, call, dst, args, scene),
+            How::Grid(evaluator) => self.evaluate(dst, args, evaluator),
+            How::Scene(call) => self.scene_call(call, dst, args, scene),
             // These are operations of their own, or have become other functions.
             How::Unary(_) | How::Binary(_) | How::Component(_) | How::Form(_) | How::Prelude(..) => {
                 unreachable!("{} is not called", f.row().ir)
@@ -22,17 +22,10 @@ impl Machine {
     }
 
     /// Compute a register from others by an evaluator.
-    pub(super) fn evaluate(
-        &mut self,
-        program: &Program,
-        dst: Reg,
-        args: &[Reg],
-        evaluator: impl FnOnce(&Call<'_>, &mut Vec<f32>),
-    ) {
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+    pub(super) fn evaluate(&mut self, dst: Reg, args: &[Reg], evaluator: impl FnOnce(&Call<'_>, &mut Vec<f32>)) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
         out.clear();
-        let width = |r: Reg| program.widths[r as usize] as usize;
-        let values = |r: Reg| Values { v: &self.regs[r as usize], width: width(r) };
+        let values = |r: Reg| Values { v: &self.regs[r.index()], width: r.width() };
         let (mut few, many) = ([Values::default(); FEW], &mut Vec::new());
         let values = if args.len() <= FEW {
             few.iter_mut().zip(args).for_each(|(value, r)| *value = values(*r));
@@ -46,11 +39,11 @@ impl Machine {
             nu: self.nu,
             orientation: self.orientation,
             mask: self.mask.as_deref(),
-            place: self.place.map(|p| &self.regs[p as usize][..]),
+            place: self.place.map(|p| &self.regs[p.index()][..]),
             args: values,
-            width: width(dst),
+            width: dst.width(),
         };
         evaluator(&call, &mut out);
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 }

@@ -6,18 +6,18 @@ use super::state::Machine;
 use crate::ir::*;
 
 impl Machine {
-    pub(super) fn branch(&mut self, program: &Program, c: Reg, then: &[Op], otherwise: &[Op], scene: &dyn Scene) {
-        if self.regs[c as usize].len() == 1 {
-            let taken = if self.regs[c as usize][0] != 0.0 { then } else { otherwise };
-            return self.block(program, taken, scene);
+    pub(super) fn branch(&mut self, c: FloatReg, then: &[Op], otherwise: &[Op], scene: &dyn Scene) {
+        if self.regs[c.index()].len() == 1 {
+            let taken = if self.regs[c.index()][0] != 0.0 { then } else { otherwise };
+            return self.block(taken, scene);
         }
-        let c = self.regs[c as usize].clone();
+        let c = self.regs[c.index()].clone();
         let outer = self.mask.take();
         for (ops, wanted) in [(then, true), (otherwise, false)] {
             if !ops.is_empty() {
                 let active = |i: usize| outer.as_ref().is_none_or(|m| m[i]);
                 self.mask = Some((0..self.n).map(|i| active(i) && (c[i] != 0.0) == wanted).collect());
-                self.block(program, ops, scene);
+                self.block(ops, scene);
             }
         }
         self.mask = outer;
@@ -35,23 +35,15 @@ impl Machine {
         self.mask = Some(vec![false; n]);
     }
 
-    pub(super) fn repeat(
-        &mut self,
-        program: &Program,
-        head: &[Op],
-        c: Reg,
-        body: &[Op],
-        step: &[Op],
-        scene: &dyn Scene,
-    ) {
+    pub(super) fn repeat(&mut self, head: &[Op], c: FloatReg, body: &[Op], step: &[Op], scene: &dyn Scene) {
         /// A shader whose loop does not end must not hang the picture.
         const MAX_TURNS: usize = 1_000_000;
         let n = self.n;
         let outer = self.mask.clone();
         self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n], inline: false });
         for _ in 0..MAX_TURNS {
-            self.block(program, head, scene);
-            let condition = &self.regs[c as usize];
+            self.block(head, scene);
+            let condition = &self.regs[c.index()];
             if condition.len() == 1 {
                 if condition[0] == 0.0 {
                     break;
@@ -64,13 +56,13 @@ impl Machine {
                 break;
             }
             let turn = self.mask.clone();
-            self.block(program, body, scene);
+            self.block(body, scene);
             // Those that went on to the step are active again; those that left are not.
             let frame = self.loops.last_mut().expect("a loop is open");
             frame.skipped.fill(false);
             self.mask = turn;
             self.drop_left();
-            self.block(program, step, scene);
+            self.block(step, scene);
         }
         self.loops.pop();
         self.mask = outer;

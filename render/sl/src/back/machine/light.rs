@@ -18,17 +18,10 @@ impl Machine {
     }
 
     /// What a light's `solar` or `illuminate` does: only for points in its cone and in the receiver's.
-    pub(super) fn light_body(
-        &mut self,
-        program: &Program,
-        l: Reg,
-        cone: Option<(Vec<f32>, f32)>,
-        body: &[Op],
-        scene: &dyn Scene,
-    ) {
+    pub(super) fn light_body(&mut self, l: TripleReg, cone: Option<(Vec<f32>, f32)>, body: &[Op], scene: &dyn Scene) {
         let n = self.n;
         let inside = {
-            let l = &self.regs[l as usize][..];
+            let l = &self.regs[l.index()][..];
             let reaches = |k: usize| {
                 let l = triple(l, k, n);
                 let length = dot(l, l).sqrt();
@@ -50,17 +43,17 @@ impl Machine {
         self.reached.resize(n, false);
         self.reached.iter_mut().zip(&inside).for_each(|(r, i)| *r |= i);
         let outer = self.mask.replace(inside);
-        self.block(program, body, scene);
+        self.block(body, scene);
         self.mask = outer;
     }
 
-    pub(super) fn illuminance(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
-        let Op::Illuminance { args, l, cl, category, wanted, body } = op else { return };
+    pub(super) fn illuminance(&mut self, op: &Op, scene: &dyn Scene) {
+        let Op::Illuminance { position, axis, angle, l, cl, category, wanted, body } = op else { return };
         let (l, cl) = (*l, *cl);
-        let (position, axis) = (self.regs[args[0] as usize].clone(), self.regs[args[1] as usize].clone());
-        let angle = self.regs[args[2] as usize][0];
+        let [position, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
+        let angle = self.regs[angle.index()][0];
         for (i, light) in scene.lights().iter().enumerate() {
-            if light.program.is_ambient || !category.is_none_or(|c| in_category(light, &self.texts[c as usize])) {
+            if light.program.is_ambient || !category.is_none_or(|c| in_category(light, &self.texts[c.index()])) {
                 continue;
             }
             let k = self.light(i, light, &position, &axis, angle, scene);
@@ -69,21 +62,21 @@ impl Machine {
             self.mask = Some(on.iter().enumerate().map(|(p, on)| *on && outer.as_ref().is_none_or(|m| m[p])).collect());
             if !self.all_off() {
                 // L points from the surface to the light; where the light does not reach, neither value is read.
-                let mut towards = std::mem::take(&mut self.regs[l as usize]);
+                let mut towards = std::mem::take(&mut self.regs[l.index()]);
                 towards.clear();
                 towards.extend(self.lit[k].l.iter().map(|x| -x));
-                self.regs[l as usize] = towards;
-                self.regs[cl as usize].clone_from(&self.lit[k].cl);
+                self.regs[l.index()] = towards;
+                self.regs[cl.index()].clone_from(&self.lit[k].cl);
                 let before = self.turn.replace((i, k));
                 for (name, reg) in wanted {
                     if let Some(Answer::Numbers(v)) = self.light_parameter(light, k, name) {
-                        let w = program.widths[*reg as usize] as usize;
+                        let w = reg.width();
                         if v.len() == w || v.len() == w * self.n {
-                            self.assign_value(*reg, &v, w);
+                            self.assign_value(*reg, &v);
                         }
                     }
                 }
-                self.block(program, body, scene);
+                self.block(body, scene);
                 self.turn = before;
             }
             self.mask = outer;
@@ -133,8 +126,12 @@ impl Machine {
             cl.iter_mut().for_each(|x| *x *= emitter.part);
         }
         let on = std::mem::take(&mut machine.reached);
-        let params = light.program.params.iter().enumerate().filter(|(_, p)| p.output && p.kind != Kind::Text);
-        let outputs = params.map(|(i, p)| (i, machine.regs[p.reg as usize].clone())).collect();
+        let params = light.program.params.iter().enumerate().filter(|(_, p)| p.output);
+        let outputs = params.filter_map(|(i, p)| match p.reg {
+            Operand::Number(r) => Some((i, machine.regs[r.index()].clone())),
+            Operand::Text(_) => None,
+        });
+        let outputs = outputs.collect();
         let entry = Lit {
             light: i,
             position: position.to_vec(),

@@ -8,15 +8,15 @@ use crate::shadeop::grid::differences;
 use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
 
 impl Machine {
-    pub(super) fn map(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
+    pub(super) fn map(&mut self, op: &Op, scene: &dyn Scene) {
         let Op::Map { dst, how, name, channel, at: place, options } = op else { return };
         let n = self.n;
-        let wd = program.widths[*dst as usize] as usize;
-        let name = self.texts[*name as usize].clone();
+        let wd = dst.width();
+        let name = self.texts[name.index()].clone();
         let number = |key: &str, otherwise: f32| {
-            let found = options.iter().find(|(k, _)| self.texts[*k as usize] == key);
+            let found = options.iter().find(|(k, _)| self.texts[k.index()] == key);
             match found {
-                Some((_, Operand::Number(r))) => self.regs[*r as usize].first().copied().unwrap_or(otherwise),
+                Some((_, Operand::Number(r))) => self.regs[r.index()].first().copied().unwrap_or(otherwise),
                 _ => otherwise,
             }
         };
@@ -25,7 +25,7 @@ impl Machine {
         let mut query = MapQuery {
             how: *how,
             name: &name,
-            channel: at(&self.regs[*channel as usize], 0).max(0.0) as usize,
+            channel: at(&self.regs[channel.index()], 0).max(0.0) as usize,
             at: [0.0; 3],
             change: [[0.0; 3]; 2],
             width,
@@ -34,17 +34,17 @@ impl Machine {
             bias: number("bias", 0.0),
             light: None,
         };
-        let ray = self.ray.map(|(l, sun)| (self.regs[l as usize].clone(), sun));
+        let ray = self.ray.map(|(l, sun)| (self.regs[l.index()].clone(), sun));
         // One point: s and t as two numbers, others as a triple. Four: the corners of the filter's area.
         let each = if *how == Lookup::Texture { 2 } else { 1 };
         let corner = |c: usize, axis: usize, k: usize| -> f32 {
             match (each, axis) {
                 (2, 2) => 0.0,
-                (2, _) => at(&self.regs[place[2 * c + axis] as usize], k),
-                _ => at(run_of(&self.regs[place[c] as usize], 3, axis, n), k),
+                (2, _) => at(&self.regs[place[2 * c + axis].index()], k),
+                _ => at(run_of(&self.regs[place[c].index()], 3, axis, n), k),
             }
         };
-        let uniform = place.iter().all(|r| self.regs[*r as usize].len() == program.widths[*r as usize] as usize);
+        let uniform = place.iter().all(|r| self.regs[r.index()].len() == r.width());
         let lanes = if uniform { 1 } else { n };
         let mut out = vec![0.0; wd * lanes];
         for k in 0..lanes {
@@ -62,7 +62,7 @@ impl Machine {
             } else {
                 query.at = [0, 1, 2].map(|axis| corner(0, axis, k));
                 for axis in 0..3 {
-                    let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }] as usize];
+                    let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }].index()];
                     let run = if each == 2 { &r[..] } else { run_of(r, 3, axis, n) };
                     let d = if each == 2 && axis == 2 { [0.0; 2] } else { differences(run, k, self.nu, n) };
                     (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
@@ -77,13 +77,12 @@ impl Machine {
             let value = scene.map(&query);
             (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
         }
-        self.regs[*dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
     #[allow(clippy::too_many_arguments)]
     pub(super) fn transform(
         &mut self,
-        program: &Program,
         how: Transform,
         dst: Reg,
         a: Reg,
@@ -91,17 +90,17 @@ impl Machine {
         to: TextReg,
         scene: &dyn Scene,
     ) {
-        let matrix = scene.matrix(&self.texts[from as usize], &self.texts[to as usize]);
+        let matrix = scene.matrix(&self.texts[from.index()], &self.texts[to.index()]);
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
-            return self.evaluate(program, dst, &[a], |call, out| {
+            return self.evaluate(dst, &[a], |call, out| {
                 call.pointwise(out, |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array())
             });
         }
         let normal = glam::Mat3::from_mat4(m).inverse().transpose();
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
         out.clear();
-        let a = &self.regs[a as usize][..];
+        let a = &self.regs[a.index()][..];
         triples2(&mut out, a, a, self.n, 3, |p, _| {
             let p = glam::Vec3::from_array(p);
             match how {
@@ -111,6 +110,6 @@ impl Machine {
             }
             .to_array()
         });
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 }

@@ -7,9 +7,10 @@ use crate::shadeop::number::{binary_value, unary_value};
 use crate::shadeop::runs::{at, run_of, zip};
 
 impl Machine {
-    pub(super) fn unary(&mut self, f: Unary, dst: Reg, a: Reg, wd: usize, wa: usize) {
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
-        let a = &self.regs[a as usize];
+    pub(super) fn unary(&mut self, f: Unary, dst: Reg, a: Reg) {
+        let repeats = dst.width() / a.width();
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let a = &self.regs[a.index()];
         out.clear();
         macro_rules! run {
             ($($f:ident)*) => {
@@ -19,15 +20,16 @@ impl Machine {
                 }
             };
         }
-        for _ in 0..wd / wa {
+        for _ in 0..repeats {
             run!(Negate Not Abs Sign Sqrt InverseSqrt Sin Cos Tan Asin Acos Atan Exp Log Floor Ceil Round Radians Degrees);
         }
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
-    pub(super) fn binary(&mut self, f: Binary, dst: Reg, (a, wa): (Reg, usize), (b, wb): (Reg, usize), wd: usize) {
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
-        let (a, b) = (&self.regs[a as usize][..], &self.regs[b as usize][..]);
+    pub(super) fn binary(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) {
+        let (wd, wa, wb) = (dst.width(), a.width(), b.width());
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let (a, b) = (&self.regs[a.index()][..], &self.regs[b.index()][..]);
         out.clear();
         let varying = a.len() != wa || b.len() != wb;
         macro_rules! run {
@@ -42,50 +44,50 @@ impl Machine {
             let n = if varying { self.n } else { 1 };
             run!(n, a, b, Add Sub Mul Div Min Max Pow Mod Atan2 Step Less LessEqual Equal And Or);
         }
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
-    pub(super) fn select(&mut self, dst: Reg, c: (Reg, usize), a: (Reg, usize), b: (Reg, usize), wd: usize) {
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
-        let view = |(r, w): (Reg, usize)| (&self.regs[r as usize][..], w);
-        let (c, a, b) = (view(c), view(a), view(b));
+    pub(super) fn select(&mut self, dst: Reg, c: FloatReg, a: Reg, b: Reg) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let view = |r: Reg| (&self.regs[r.index()][..], r.width());
+        let (c, a, b) = (view(c.into()), view(a), view(b));
         let varying = [c, a, b].iter().any(|(v, w)| v.len() != *w);
         let n = if varying { self.n } else { 1 };
         out.clear();
-        for k in 0..wd {
+        for k in 0..dst.width() {
             let [c, a, b] = [c, a, b].map(|(v, w)| run_of(v, w, k, self.n));
             out.extend((0..n).map(|i| if at(c, i) != 0.0 { at(a, i) } else { at(b, i) }));
         }
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
-    pub(super) fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: Reg, w: usize) {
-        let n = self.n;
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+    pub(super) fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: FloatReg) {
+        let (n, w) = (self.n, dst.width());
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
         out.clear();
-        let index = &self.regs[index as usize];
+        let index = &self.regs[index.index()];
         if let [i] = index[..] {
             match element(i, len) {
-                Some(k) => out.extend_from_slice(&self.regs[first as usize + k]),
+                Some(k) => out.extend_from_slice(&self.regs[first.index() + k]),
                 None => out.resize(w, 0.0),
             }
         } else {
             out.resize(w * n, 0.0);
             for (k, i) in index.iter().enumerate() {
                 let Some(e) = element(*i, len) else { continue };
-                let value = &self.regs[first as usize + e];
+                let value = &self.regs[first.index() + e];
                 (0..w).for_each(|c| out[c * n + k] = at(run_of(value, w, c, n), k));
             }
         }
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
-    pub(super) fn store_element(&mut self, first: Reg, len: u16, index: Reg, value: Reg, w: usize) {
-        let index = self.regs[index as usize].clone();
-        let value = self.regs[value as usize].clone();
+    pub(super) fn store_element(&mut self, first: Reg, len: u16, index: FloatReg, value: Reg) {
+        let index = self.regs[index.index()].clone();
+        let value = self.regs[value.index()].clone();
         if let [i] = index[..] {
             if let Some(k) = element(i, len) {
-                self.assign_value(first + k as u16, &value, w);
+                self.assign_value(first.element(k as u16), &value);
             }
             return;
         }
@@ -95,7 +97,7 @@ impl Machine {
             let mask: Vec<bool> = (0..self.n).map(here).collect();
             if mask.contains(&true) {
                 self.mask = Some(mask);
-                self.assign_value(first + k as u16, &value, w);
+                self.assign_value(first.element(k as u16), &value);
             }
         }
         self.mask = outer;

@@ -9,10 +9,10 @@ use crate::shadeop::runs::{at, dot, put, triple};
 
 impl Machine {
     /// A function that asks the scene.
-    pub(super) fn scene_call(&mut self, program: &Program, call: SceneCall, dst: Reg, args: &[Reg], scene: &dyn Scene) {
-        let mut out = std::mem::take(&mut self.regs[dst as usize]);
+    pub(super) fn scene_call(&mut self, call: SceneCall, dst: Reg, args: &[Reg], scene: &dyn Scene) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
         out.clear();
-        let width = program.widths[dst as usize] as usize;
+        let width = dst.width();
         match call {
             SceneCall::Ambient => self.ambient(&mut out, scene),
             SceneCall::Transmission => self.transmission(&mut out, args, scene),
@@ -21,13 +21,13 @@ impl Machine {
                 self.hemisphere(&mut out, args, width, call == SceneCall::Occlusion, scene)
             }
         }
-        self.regs[dst as usize] = out;
+        self.regs[dst.index()] = out;
     }
 
     /// How much light gets from one point to another.
     fn transmission(&self, out: &mut Vec<f32>, args: &[Reg], scene: &dyn Scene) {
         let n = self.n;
-        let [from, to] = [0, 1].map(|k| &self.regs[args[k] as usize][..]);
+        let [from, to] = [0, 1].map(|k| &self.regs[args[k].index()][..]);
         out.resize(3 * n, 1.0);
         for k in 0..n {
             if self.mask.as_ref().is_none_or(|m| m[k]) {
@@ -39,7 +39,7 @@ impl Machine {
     /// What a ray from every point brings back: its colour, or its length.
     fn trace(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, scene: &dyn Scene) {
         let n = self.n;
-        let [p, way] = [0, 1].map(|k| &self.regs[args[k] as usize][..]);
+        let [p, way] = [0, 1].map(|k| &self.regs[args[k].index()][..]);
         out.resize(width * n, 0.0);
         for k in (0..n).filter(|k| self.mask.as_ref().is_none_or(|m| m[*k])) {
             let (from, about) = (triple(p, k, n), unit(triple(way, k, n)));
@@ -55,7 +55,7 @@ impl Machine {
     /// Rays over the hemisphere of every point: how many of them are hidden, or the mean of what they bring back.
     fn hemisphere(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, hidden: bool, scene: &dyn Scene) {
         let n = self.n;
-        let [p, way, samples] = [0, 1, 2].map(|k| &self.regs[args[k] as usize][..]);
+        let [p, way, samples] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);
         let samples = at(samples, 0).clamp(1.0, 4096.0) as usize;
         out.resize(width * n, 0.0);
         let blind = !hidden && !scene.traces(true);
@@ -73,17 +73,11 @@ impl Machine {
     }
 
     /// Rays from a place about an axis.
-    pub(super) fn gather(
-        &mut self,
-        program: &Program,
-        args: [Reg; 4],
-        out: &[(String, Reg)],
-        hit: &[Op],
-        miss: &[Op],
-        scene: &dyn Scene,
-    ) {
+    pub(super) fn gather(&mut self, op: &Op, scene: &dyn Scene) {
+        let Op::Gather { position, axis, angle, samples, out, hit, miss } = op else { return };
         let n = self.n;
-        let [p, axis, angle, samples] = args.map(|r| self.regs[r as usize].clone());
+        let [p, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
+        let [angle, samples] = [angle, samples].map(|r| self.regs[r.index()].clone());
         let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
         let outer = self.mask.clone();
         for i in 0..samples {
@@ -100,18 +94,18 @@ impl Machine {
                 }
             }
             for (name, reg) in out {
-                let w = program.widths[*reg as usize] as usize;
+                let w = reg.width();
                 match name.as_str() {
-                    "ray:direction" if w == 3 => self.assign_value(*reg, &ways, 3),
-                    "ray:origin" if w == 3 => self.assign_value(*reg, &p, 3),
-                    "ray:length" if w == 1 => self.assign_value(*reg, &lengths, 1),
+                    "ray:direction" if w == 3 => self.assign_value(*reg, &ways),
+                    "ray:origin" if w == 3 => self.assign_value(*reg, &p),
+                    "ray:length" if w == 1 => self.assign_value(*reg, &lengths),
                     _ if w == 3 && name.ends_with(":Ci") => {
                         let mut colors = vec![0.0; 3 * n];
                         for k in (0..n).filter(|k| hits[*k]) {
                             let color = scene.trace(triple(&p, k, n), triple(&ways, k, n), samples > 1);
                             put(&mut colors, k, n, color);
                         }
-                        self.assign_value(*reg, &colors, 3);
+                        self.assign_value(*reg, &colors);
                     }
                     _ => {}
                 }
@@ -119,7 +113,7 @@ impl Machine {
             for (mask, ops) in [(hits, hit), (misses, miss)] {
                 if mask.contains(&true) {
                     self.mask = Some(mask);
-                    self.block(program, ops, scene);
+                    self.block(ops, scene);
                 }
             }
             self.mask.clone_from(&outer);

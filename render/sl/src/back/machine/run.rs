@@ -27,8 +27,8 @@ impl Machine {
         let program = &*shader.program;
         self.load(shader, points);
         for (name, reg) in &program.globals {
-            let width = program.widths[*reg as usize] as usize;
-            let reg = &mut self.regs[*reg as usize];
+            let width = reg.width();
+            let reg = &mut self.regs[reg.index()];
             match points.get(name) {
                 Some(values) => reg.extend_from_slice(values),
                 None => reg.resize(width, 0.0),
@@ -36,19 +36,21 @@ impl Machine {
         }
         self.defaults(shader, points, scene);
         self.mask = mask;
-        self.block(program, &program.body, scene);
+        self.block(&program.body, scene);
         self.mask = None;
         for (name, reg) in &program.globals {
             if let Some((_, values)) = points.globals.iter_mut().find(|(n, _)| n == name) {
-                std::mem::swap(values, &mut self.regs[*reg as usize]);
+                std::mem::swap(values, &mut self.regs[reg.index()]);
             }
         }
     }
 
     /// The numbers of an output parameter of the shader that ran last: one value, or one a point.
     pub fn output(&self, shader: &BoundShader, name: &str) -> Option<&[f32]> {
-        let param = shader.program.params.iter().find(|p| p.output && p.name == name && p.kind != Kind::Text)?;
-        Some(&self.regs[param.reg as usize])
+        match shader.program.params.iter().find(|p| p.output && p.name == name)?.reg {
+            Operand::Number(r) => Some(&self.regs[r.index()]),
+            Operand::Text(_) => None,
+        }
     }
 
     pub(super) fn load(&mut self, shader: &BoundShader, points: &Points) {
@@ -76,134 +78,133 @@ impl Machine {
     pub(super) fn defaults(&mut self, shader: &BoundShader, points: &Points, scene: &dyn Scene) {
         let program = &*shader.program;
         for (i, param) in program.params.iter().enumerate() {
-            if param.kind == Kind::Text {
-                match shader.texts.iter().find(|(k, _)| *k == i) {
-                    Some((_, text)) => self.texts[param.reg as usize].clone_from(text),
-                    None => self.block(program, &param.default, scene),
+            let register = match param.reg {
+                Operand::Text(r) => {
+                    match shader.texts.iter().find(|(k, _)| *k == i) {
+                        Some((_, text)) => self.texts[r.index()].clone_from(text),
+                        None => self.block(&param.default, scene),
+                    }
+                    continue;
                 }
-                continue;
-            }
+                Operand::Number(r) => r,
+            };
             let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
             match given.or(shader.numbers.iter().find(|(k, _)| *k == i).map(|(_, v)| v)) {
                 Some(values) => {
                     let len = param.array.unwrap_or(1) as usize;
                     let each = values.len() / len;
                     for (k, value) in values.chunks_exact(each.max(1)).take(len).enumerate() {
-                        let reg = &mut self.regs[param.reg as usize + k];
+                        let reg = &mut self.regs[register.index() + k];
                         reg.clear();
                         reg.extend_from_slice(value);
                     }
                 }
-                None => self.block(program, &param.default, scene),
+                None => self.block(&param.default, scene),
             }
         }
     }
 
-    pub(super) fn block(&mut self, program: &Program, ops: &[Op], scene: &dyn Scene) {
+    pub(super) fn block(&mut self, ops: &[Op], scene: &dyn Scene) {
         for op in ops {
             if self.all_off() {
                 return;
             }
-            self.op(program, op, scene);
+            self.op(op, scene);
         }
     }
 
-    pub(super) fn op(&mut self, program: &Program, op: &Op, scene: &dyn Scene) {
-        let width = |r: Reg| program.widths[r as usize] as usize;
+    pub(super) fn op(&mut self, op: &Op, scene: &dyn Scene) {
         match op {
             Op::Const(dst, v) => {
-                let w = width(*dst);
-                let reg = &mut self.regs[*dst as usize];
+                let w = dst.width();
+                let reg = &mut self.regs[dst.index()];
                 reg.clear();
                 reg.resize(w, *v);
             }
-            Op::TextConst(dst, text) => self.texts[*dst as usize].clone_from(text),
-            Op::TextCopy(dst, a) => self.texts[*dst as usize] = self.texts[*a as usize].clone(),
+            Op::TextConst(dst, text) => self.texts[dst.index()].clone_from(text),
+            Op::TextCopy(dst, a) => self.texts[dst.index()] = self.texts[a.index()].clone(),
             Op::TextEqual(dst, a, b) => {
-                let same = self.texts[*a as usize] == self.texts[*b as usize];
-                self.regs[*dst as usize] = vec![same as u8 as f32];
+                let same = self.texts[a.index()] == self.texts[b.index()];
+                self.regs[dst.index()] = vec![same as u8 as f32];
             }
-            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a, width(*dst), width(*a)),
-            Op::Binary(f, dst, a, b) => self.binary(*f, *dst, (*a, width(*a)), (*b, width(*b)), width(*dst)),
-            Op::Select(dst, c, a, b) => {
-                self.select(*dst, (*c, width(*c)), (*a, width(*a)), (*b, width(*b)), width(*dst))
-            }
+            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a),
+            Op::Binary(f, dst, a, b) => self.binary(*f, *dst, *a, *b),
+            Op::Select(dst, c, a, b) => self.select(*dst, *c, *a, *b),
             Op::Pack(dst, parts) => {
-                let varying = parts.iter().any(|r| self.regs[*r as usize].len() != 1);
-                debug_assert_eq!(parts.len(), width(*dst));
-                let mut out = std::mem::take(&mut self.regs[*dst as usize]);
+                let varying = parts.iter().any(|r| self.regs[r.index()].len() != 1);
+                debug_assert_eq!(parts.len(), dst.width());
+                let mut out = std::mem::take(&mut self.regs[dst.index()]);
                 out.clear();
                 for r in parts {
-                    match (&self.regs[*r as usize], varying) {
+                    match (&self.regs[r.index()], varying) {
                         (v, true) if v.len() == 1 => out.extend(std::iter::repeat_n(v[0], self.n)),
                         (v, _) => out.extend_from_slice(v),
                     }
                 }
-                self.regs[*dst as usize] = out;
+                self.regs[dst.index()] = out;
             }
             Op::Component(dst, a, c) => {
-                let mut out = std::mem::take(&mut self.regs[*dst as usize]);
-                let a = &self.regs[*a as usize];
+                let mut out = std::mem::take(&mut self.regs[dst.index()]);
+                let a = &self.regs[a.index()];
                 let run = a.len() / 3;
                 out.clear();
                 out.extend_from_slice(&a[*c as usize * run..(*c as usize + 1) * run]);
-                self.regs[*dst as usize] = out;
+                self.regs[dst.index()] = out;
             }
-            Op::Assign(dst, a) => self.assign(*dst, *a, width(*dst), width(*a)),
+            Op::Assign(dst, a) => self.assign(*dst, *a),
             Op::Call(f, dst, args) => {
-                self.call(program, *f, *dst, args, scene);
+                self.call(*f, *dst, args, scene);
             }
-            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index, width(*dst)),
-            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value, width(*value)),
+            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index),
+            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value),
             Op::TextLoad(dst, first, len, index) => {
-                let k = element(at(&self.regs[*index as usize], 0), *len);
-                self.texts[*dst as usize] = k.map_or(String::new(), |k| self.texts[*first as usize + k].clone());
+                let k = element(at(&self.regs[index.index()], 0), *len);
+                self.texts[dst.index()] = k.map_or(String::new(), |k| self.texts[first.index() + k].clone());
             }
             Op::TextStore(first, len, index, value) => {
-                if let Some(k) = element(at(&self.regs[*index as usize], 0), *len) {
-                    self.texts[*first as usize + k] = self.texts[*value as usize].clone();
+                if let Some(k) = element(at(&self.regs[index.index()], 0), *len) {
+                    self.texts[first.index() + k] = self.texts[value.index()].clone();
                 }
             }
             Op::ColorSpace(dst, a, from, to) => {
-                let (from, to) = (self.texts[*from as usize].clone(), self.texts[*to as usize].clone());
-                self.evaluate(program, *dst, &[*a], |call, out| {
+                let (from, to) = (self.texts[from.index()].clone(), self.texts[to.index()].clone());
+                self.evaluate((*dst).into(), &[(*a).into()], |call, out| {
                     call.pointwise(out, |v| triple16(convert(&from, &to, [v[0][0], v[0][1], v[0][2]])))
                 });
             }
             Op::Spline(dst, basis, args) => {
-                let basis = self.texts[*basis as usize].clone();
-                let w = width(*dst);
-                self.evaluate(program, *dst, args, |call, out| {
+                let basis = self.texts[basis.index()].clone();
+                let w = dst.width();
+                self.evaluate(*dst, args, |call, out| {
                     call.pointwise(out, |v| spline::value(&basis, v[0][0], &v[1..], w))
                 });
             }
             Op::Match(dst, pattern, text) => {
-                let found =
-                    crate::shadeop::format::matches(&self.texts[*pattern as usize], &self.texts[*text as usize]);
-                self.regs[*dst as usize] = vec![found as u8 as f32];
+                let found = crate::shadeop::format::matches(&self.texts[pattern.index()], &self.texts[text.index()]);
+                self.regs[dst.index()] = vec![found as u8 as f32];
             }
             Op::Format(dst, args) => {
                 let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
-                self.texts[*dst as usize] = self.format(program, args, k);
+                self.texts[dst.index()] = self.format(args, k);
             }
             Op::Print(args) => {
-                let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[*r as usize].len() != width(*r));
+                let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[r.index()].len() != r.width());
                 let lanes = if args.iter().any(varies) { self.n } else { 1 };
                 for k in (0..lanes).filter(|k| lanes == 1 || self.mask.as_ref().is_none_or(|m| m[*k])) {
-                    scene.print(&self.format(program, args, k));
+                    scene.print(&self.format(args, k));
                 }
             }
-            Op::Ask { dst, what, names, out, len } => self.ask(program, *dst, *what, names, *out, *len, scene),
-            Op::Map { .. } => self.map(program, op, scene),
-            Op::Transform(how, dst, a, from, to) => self.transform(program, *how, *dst, *a, *from, *to, scene),
-            Op::If(c, then, otherwise) => self.branch(program, *c, then, otherwise, scene),
-            Op::Loop(head, c, body, step) => self.repeat(program, head, *c, body, step, scene),
+            Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len, scene),
+            Op::Map { .. } => self.map(op, scene),
+            Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to, scene),
+            Op::If(c, then, otherwise) => self.branch(*c, then, otherwise, scene),
+            Op::Loop(head, c, body, step) => self.repeat(head, *c, body, step, scene),
             Op::Break(levels) => self.leave(*levels as usize, true),
             Op::Continue(levels) => self.leave(*levels as usize, false),
             Op::Inline(body) => {
                 let outer = self.mask.clone();
                 self.loops.push(LoopFrame { left: vec![false; self.n], skipped: vec![false; self.n], inline: true });
-                self.block(program, body, scene);
+                self.block(body, scene);
                 self.loops.pop();
                 self.mask = outer;
             }
@@ -211,21 +212,21 @@ impl Machine {
                 let inner = self.loops.iter().rev().position(|f| f.inline).map_or(self.loops.len(), |k| k + 1);
                 self.leave(inner, true);
             }
-            Op::Gather { args, out, hit, miss } => self.gather(program, *args, out, hit, miss, scene),
-            Op::Illuminance { .. } => self.illuminance(program, op, scene),
-            Op::Solar { args, l, body } => {
+            Op::Gather { .. } => self.gather(op, scene),
+            Op::Illuminance { .. } => self.illuminance(op, scene),
+            Op::Solar { axis, l, body, .. } => {
                 // The axis is the way that light travels.
-                let axis = self.regs[args[0] as usize].clone();
-                self.assign_value(*l, &axis, 3);
+                let axis = self.regs[axis.index()].clone();
+                self.assign_value(*l, &axis);
                 self.ray = Some((*l, true));
-                self.light_body(program, *l, None, body, scene);
+                self.light_body(*l, None, body, scene);
                 self.ray = None;
             }
-            Op::Illuminate { args, l, ps, body } => {
-                self.binary(Binary::Sub, *l, (*ps, 3), (args[0], 3), 3);
-                let cone = (self.regs[args[1] as usize].clone(), self.regs[args[2] as usize][0]);
+            Op::Illuminate { position, axis, angle, l, ps, body } => {
+                self.binary(Binary::Sub, (*l).into(), (*ps).into(), (*position).into());
+                let cone = (self.regs[axis.index()].clone(), self.regs[angle.index()][0]);
                 self.ray = Some((*l, false));
-                self.light_body(program, *l, Some(cone), body, scene);
+                self.light_body(*l, Some(cone), body, scene);
                 self.ray = None;
             }
         }

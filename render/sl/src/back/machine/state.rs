@@ -52,7 +52,7 @@ pub struct Machine {
     /// The light whose turn it is, and where in `lit` it is.
     pub(super) turn: Option<(usize, usize)>,
     /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
-    pub(super) ray: Option<(Reg, bool)>,
+    pub(super) ray: Option<(TripleReg, bool)>,
     /// A machine for light shaders, made at need.
     pub(super) light_machine: Option<Box<Machine>>,
 }
@@ -67,23 +67,25 @@ impl Machine {
         self.mask.as_ref().is_some_and(|m| !m.contains(&true))
     }
 
-    pub(super) fn assign(&mut self, dst: Reg, a: Reg, wd: usize, wa: usize) {
-        let value = std::mem::take(&mut self.regs[a as usize]);
+    pub(super) fn assign(&mut self, dst: Reg, a: Reg) {
+        let value = std::mem::take(&mut self.regs[a.index()]);
         if dst != a {
-            if wa == wd {
-                self.assign_value(dst, &value, wd);
+            let repeats = dst.width() / a.width();
+            if repeats == 1 {
+                self.assign_value(dst, &value);
             } else {
-                let spread: Vec<f32> = (0..wd / wa).flat_map(|_| value.iter().copied()).collect();
-                self.assign_value(dst, &spread, wd);
+                let spread: Vec<f32> = (0..repeats).flat_map(|_| value.iter().copied()).collect();
+                self.assign_value(dst, &spread);
             }
         }
-        self.regs[a as usize] = value;
+        self.regs[a.index()] = value;
     }
 
     /// Assign where the points are active.
-    pub(super) fn assign_value(&mut self, dst: Reg, value: &[f32], width: usize) {
-        let n = self.n;
-        let out = &mut self.regs[dst as usize];
+    pub(super) fn assign_value(&mut self, dst: impl Into<Reg>, value: &[f32]) {
+        let dst = dst.into();
+        let (n, width) = (self.n, dst.width());
+        let out = &mut self.regs[dst.index()];
         let Some(mask) = &self.mask else {
             out.clear();
             out.extend_from_slice(value);

@@ -8,14 +8,14 @@ use crate::shadeop::runs::{at, run_of};
 
 impl Machine {
     /// The text of a format at a point.
-    pub(super) fn format(&self, program: &Program, args: &[Operand], k: usize) -> String {
+    pub(super) fn format(&self, args: &[Operand], k: usize) -> String {
         let values: Vec<crate::shadeop::format::Value> = args
             .iter()
             .map(|o| match o {
-                Operand::Text(r) => crate::shadeop::format::Value::Text(&self.texts[*r as usize]),
+                Operand::Text(r) => crate::shadeop::format::Value::Text(&self.texts[r.index()]),
                 Operand::Number(r) => {
-                    let w = program.widths[*r as usize] as usize;
-                    let value = |c: usize| at(run_of(&self.regs[*r as usize], w, c, self.n), k);
+                    let w = r.width();
+                    let value = |c: usize| at(run_of(&self.regs[r.index()], w, c, self.n), k);
                     crate::shadeop::format::Value::Numbers((0..w).map(value).collect())
                 }
             })
@@ -26,15 +26,14 @@ impl Machine {
     #[allow(clippy::too_many_arguments)]
     pub(super) fn ask(
         &mut self,
-        program: &Program,
-        dst: Reg,
+        dst: FloatReg,
         what: Ask,
         names: &[TextReg],
         out: Operand,
         len: u16,
         scene: &dyn Scene,
     ) {
-        let names: Vec<&str> = names.iter().map(|r| self.texts[*r as usize].as_str()).collect();
+        let names: Vec<&str> = names.iter().map(|r| self.texts[r.index()].as_str()).collect();
         let answer = match (what, names[0]) {
             (Ask::LightSource, name) => {
                 self.turn.and_then(|(light, lit)| self.light_parameter(scene.lights().get(light)?, lit, name))
@@ -50,22 +49,22 @@ impl Machine {
         let mut found = 0.0;
         match (answer, out) {
             (Some(Answer::Text(text)), Operand::Text(r)) => {
-                self.texts[r as usize] = text;
+                self.texts[r.index()] = text;
                 found = 1.0;
             }
             (Some(Answer::Numbers(v)), Operand::Number(r)) => {
-                let w = program.widths[r as usize] as usize;
+                let w = r.width();
                 let varying = v.len() == w * self.n && len == 1;
                 if varying || v.len() >= w * len as usize {
                     let each = if varying { v.len() } else { w };
                     for k in 0..len as usize {
-                        self.assign_value(r + k as u16, &v[k * each..(k + 1) * each], w);
+                        self.assign_value(r.element(k as u16), &v[k * each..(k + 1) * each]);
                     }
                     found = 1.0;
                 }
             }
             _ => {}
         }
-        self.regs[dst as usize] = vec![found];
+        self.regs[dst.index()] = vec![found];
     }
 }

@@ -76,9 +76,9 @@ impl<'a> Lower<'a> {
         }
         let ty = result(row.gives, &values, expected);
         match row.how {
-            How::Unary(f) => self.temp(at, ty, varying, |r| Op::Unary(f, r, values[0].reg)),
+            How::Unary(f) => self.temp(at, ty, varying, |r| Op::Unary(f, r.reg(), values[0].reg())),
             How::Binary(f) => self.componentwise(at, f, values[0], values[1]),
-            How::Component(c) => self.temp(at, ty, varying, |r| Op::Component(r, values[0].reg, c)),
+            How::Component(c) => self.temp(at, ty, varying, |r| Op::Component(r.float(), values[0].triple(), c)),
             How::Grid(_) | How::Scene(_) => self.called(at, function, ty, varying, &values),
             How::Form(_) | How::Prelude(..) => unreachable!("done above"),
         }
@@ -93,7 +93,7 @@ impl<'a> Lower<'a> {
         varying: bool,
         args: &[Value],
     ) -> Result<Value, Error> {
-        self.temp(at, ty, varying, |r| Op::Call(function, r, args.iter().map(|v| v.reg).collect()))
+        self.temp(at, ty, varying, |r| Op::Call(function, r.reg(), args.iter().map(|v| v.reg()).collect()))
     }
 }
 

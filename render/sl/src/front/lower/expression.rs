@@ -21,7 +21,7 @@ impl<'a> Lower<'a> {
                 if a.ty == Ty::Text || (op == Unary::Not && a.ty != Ty::Float) {
                     return error(at, format!("this operator does not take a {}", a.ty.name()));
                 }
-                self.temp(at, a.ty, a.varying, |r| Op::Unary(op, r, a.reg))
+                self.temp(at, a.ty, a.varying, |r| Op::Unary(op, r.reg(), a.reg()))
             }
             ExprKind::Binary(op, a, b) => {
                 // A bare triple takes the type of what it is combined with.
@@ -40,14 +40,14 @@ impl<'a> Lower<'a> {
                 let (a, b) = (self.expr(a, expected)?, self.expr(b, expected)?);
                 if a.ty == Ty::Text && b.ty == Ty::Text {
                     let chosen = self.text(at, "")?;
-                    let pick = |v: Value| vec![Op::TextCopy(chosen.reg, v.reg)];
-                    self.push(at, Op::If(condition.reg, pick(a), pick(b)))?;
+                    let pick = |v: Value| vec![Op::TextCopy(chosen.text(), v.text())];
+                    self.push(at, Op::If(condition.float(), pick(a), pick(b)))?;
                     return Ok(chosen);
                 }
                 let ty = if a.ty == Ty::Float { b.ty } else { a.ty };
                 let (a, b) = (self.convert(at, a, ty)?, self.convert(at, b, ty)?);
                 self.temp(at, ty, condition.varying || a.varying || b.varying, |r| {
-                    Op::Select(r, condition.reg, a.reg, b.reg)
+                    Op::Select(r.reg(), condition.float(), a.reg(), b.reg())
                 })
             }
             ExprKind::Triple(parts) => {
@@ -68,10 +68,10 @@ impl<'a> Lower<'a> {
         for part in parts {
             let value = self.expr(part, Some(Ty::Float))?;
             let value = self.convert(part.at, value, Ty::Float)?;
-            regs.push(value.reg);
+            regs.push(value.float());
             varying |= value.varying;
         }
-        self.temp(at, ty, varying, |r| Op::Pack(r, regs))
+        self.temp(at, ty, varying, |r| Op::Pack(r.reg(), regs))
     }
 
     pub(super) fn cast(&mut self, at: usize, ty: Ty, space: Option<&str>, operand: &Expr) -> Result<Value, Error> {
@@ -80,7 +80,7 @@ impl<'a> Lower<'a> {
             return error(at, format!("a {} cannot be cast to {}", value.ty.name(), ty.name()));
         }
         let value =
-            if value.ty.is_triple() && ty.is_triple() { Value { ty, ..value } } else { self.convert(at, value, ty)? };
+            if value.ty.is_triple() && ty.is_triple() { value.taken_as(ty) } else { self.convert(at, value, ty)? };
         let Some(space) = space else { return Ok(value) };
         let how = match ty {
             Ty::Point => Transform::Point,
@@ -93,13 +93,15 @@ impl<'a> Lower<'a> {
                     return error(at, format!("unknown colour space `{space}`, expected one of {known}"));
                 }
                 let (from, to) = (self.text(at, space)?, self.text(at, "rgb")?);
-                return self.temp(at, ty, value.varying, |r| Op::ColorSpace(r, value.reg, from.reg, to.reg));
+                return self.temp(at, ty, value.varying, |r| {
+                    Op::ColorSpace(r.triple(), value.triple(), from.text(), to.text())
+                });
             }
             Ty::Matrix => Transform::Matrix,
             _ => return error(at, format!("a {} has no space", ty.name())),
         };
         let (from, to) = (self.text(at, space)?, self.text(at, "current")?);
-        self.temp(at, ty, value.varying, |r| Op::Transform(how, r, value.reg, from.reg, to.reg))
+        self.temp(at, ty, value.varying, |r| Op::Transform(how, r.reg(), value.reg(), from.text(), to.text()))
     }
 
     pub(super) fn arithmetic(&mut self, at: usize, op: &str, a: Value, b: Value) -> Result<Value, Error> {
@@ -109,11 +111,11 @@ impl<'a> Lower<'a> {
             if a.ty != b.ty || !matches!(op, "==" | "!=") {
                 return refuse("does not take these");
             }
-            let same = self.temp(at, Ty::Float, false, |r| Op::TextEqual(r, a.reg, b.reg))?;
+            let same = self.temp(at, Ty::Float, false, |r| Op::TextEqual(r.float(), a.text(), b.text()))?;
             return if op == "==" {
                 Ok(same)
             } else {
-                self.temp(at, Ty::Float, false, |r| Op::Unary(Unary::Not, r, same.reg))
+                self.temp(at, Ty::Float, false, |r| Op::Unary(Unary::Not, r.reg(), same.reg()))
             };
         }
         if a.ty == Ty::Void || b.ty == Ty::Void {
@@ -133,22 +135,22 @@ impl<'a> Lower<'a> {
                 "==" | "!=" => Builtin::MATRIX_EQUAL,
                 "+" | "-" => {
                     let f = if op == "+" { Binary::Add } else { Binary::Sub };
-                    return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r, a.reg, b.reg));
+                    return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()));
                 }
                 _ => return refuse("does not take matrices"),
             };
             let ty = if f == Builtin::MATRIX_EQUAL { Ty::Float } else { Ty::Matrix };
-            let result = self.temp(at, ty, varying, |r| Op::Call(f, r, vec![a.reg, b.reg]))?;
+            let result = self.temp(at, ty, varying, |r| Op::Call(f, r.reg(), vec![a.reg(), b.reg()]))?;
             if op == "!=" {
-                return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r, result.reg));
+                return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r.reg(), result.reg()));
             }
             return Ok(result);
         }
         let both_triples = a.ty.is_triple() && b.ty.is_triple();
         match op {
             "." | "^" if !both_triples => refuse("takes two vectors"),
-            "." => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::DOT, r, vec![a.reg, b.reg])),
-            "^" => self.temp(at, Ty::Vector, varying, |r| Op::Call(Builtin::CROSS, r, vec![a.reg, b.reg])),
+            "." => self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::DOT, r.reg(), vec![a.reg(), b.reg()])),
+            "^" => self.temp(at, Ty::Vector, varying, |r| Op::Call(Builtin::CROSS, r.reg(), vec![a.reg(), b.reg()])),
             "+" | "-" | "*" | "/" => {
                 if both_triples && (a.ty == Ty::Color) != (b.ty == Ty::Color) {
                     return refuse("does not mix colours with directions");
@@ -164,20 +166,22 @@ impl<'a> Lower<'a> {
                     "*" => Binary::Mul,
                     _ => Binary::Div,
                 };
-                self.temp(at, ty, varying, |r| Op::Binary(f, r, a.reg, b.reg))
+                self.temp(at, ty, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()))
             }
             "==" | "!=" if both_triples => {
-                let equal = self.temp(at, a.ty, varying, |r| Op::Binary(Binary::Equal, r, a.reg, b.reg))?;
+                let equal = self.temp(at, a.ty, varying, |r| Op::Binary(Binary::Equal, r.reg(), a.reg(), b.reg()))?;
                 let three = self.constant(at, 2.5)?;
-                let sum =
-                    self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::DOT, r, vec![equal.reg, equal.reg]))?;
+                let sum = self.temp(at, Ty::Float, varying, |r| {
+                    Op::Call(Builtin::DOT, r.reg(), vec![equal.reg(), equal.reg()])
+                })?;
                 let (lo, hi) = if op == "==" { (three, sum) } else { (sum, three) };
-                self.temp(at, Ty::Float, varying, |r| Op::Binary(Binary::Less, r, lo.reg, hi.reg))
+                self.temp(at, Ty::Float, varying, |r| Op::Binary(Binary::Less, r.reg(), lo.reg(), hi.reg()))
             }
             _ if a.ty != Ty::Float || b.ty != Ty::Float => refuse("compares two numbers"),
             "!=" => {
-                let same = self.temp(at, Ty::Float, varying, |r| Op::Binary(Binary::Equal, r, a.reg, b.reg))?;
-                self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r, same.reg))
+                let same =
+                    self.temp(at, Ty::Float, varying, |r| Op::Binary(Binary::Equal, r.reg(), a.reg(), b.reg()))?;
+                self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r.reg(), same.reg()))
             }
             _ => {
                 let (f, a, b) = match op {
@@ -189,7 +193,7 @@ impl<'a> Lower<'a> {
                     "&&" => (Binary::And, a, b),
                     _ => (Binary::Or, a, b),
                 };
-                self.temp(at, Ty::Float, varying, |r| Op::Binary(f, r, a.reg, b.reg))
+                self.temp(at, Ty::Float, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()))
             }
         }
     }
@@ -197,7 +201,7 @@ impl<'a> Lower<'a> {
     /// A number-by-number function of two values, as wide as the wider.
     pub(super) fn componentwise(&mut self, at: usize, f: Binary, a: Value, b: Value) -> Result<Value, Error> {
         let ty = if a.ty == Ty::Float { b.ty } else { a.ty };
-        self.temp(at, ty, a.varying || b.varying, |r| Op::Binary(f, r, a.reg, b.reg))
+        self.temp(at, ty, a.varying || b.varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()))
     }
 
     /// An operand. What is looked up in a map is a colour, unless the whole is to be a number or a place in space: then it is a

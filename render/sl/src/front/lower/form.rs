@@ -18,7 +18,6 @@ impl Lower<'_> {
         expected: Option<Ty>,
     ) -> Result<Value, Error> {
         let varying = v.iter().any(|v| v.varying);
-        let regs: Vec<u16> = v.iter().map(|v| v.reg).collect();
         let types: Vec<Ty> = v.iter().map(|v| v.ty).collect();
         match (form, types.as_slice()) {
             (Form::SignedNoise, _) => {
@@ -43,32 +42,40 @@ impl Lower<'_> {
             (Form::Spline, _) => self.spline(at, v),
             (Form::ColorTransform, [Ty::Text, c]) if c.is_triple() => {
                 let from = self.text(at, "rgb")?;
-                self.temp(at, Ty::Color, varying, |r| Op::ColorSpace(r, regs[1], from.reg, regs[0]))
+                self.temp(at, Ty::Color, varying, |r| {
+                    Op::ColorSpace(r.triple(), v[1].triple(), from.text(), v[0].text())
+                })
             }
             (Form::ColorTransform, [Ty::Text, Ty::Text, c]) if c.is_triple() => {
-                self.temp(at, Ty::Color, varying, |r| Op::ColorSpace(r, regs[2], regs[0], regs[1]))
+                self.temp(at, Ty::Color, varying, |r| {
+                    Op::ColorSpace(r.triple(), v[2].triple(), v[0].text(), v[1].text())
+                })
             }
             (Form::MatrixTransform, [Ty::Text, Ty::Matrix]) => {
                 let from = self.text(at, "current")?;
-                self.temp(at, Ty::Matrix, varying, |r| Op::Transform(Transform::Matrix, r, regs[1], from.reg, regs[0]))
+                self.temp(at, Ty::Matrix, varying, |r| {
+                    Op::Transform(Transform::Matrix, r.reg(), v[1].reg(), from.text(), v[0].text())
+                })
             }
-            (Form::MatrixTransform, [Ty::Text, Ty::Text, Ty::Matrix]) => {
-                self.temp(at, Ty::Matrix, varying, |r| Op::Transform(Transform::Matrix, r, regs[2], regs[0], regs[1]))
-            }
+            (Form::MatrixTransform, [Ty::Text, Ty::Text, Ty::Matrix]) => self.temp(at, Ty::Matrix, varying, |r| {
+                Op::Transform(Transform::Matrix, r.reg(), v[2].reg(), v[0].text(), v[1].text())
+            }),
             (Form::Concat, list) if !list.is_empty() && list.iter().all(|t| *t == Ty::Text) => {
                 let pattern = self.text(at, &"%s".repeat(list.len()))?;
                 let args = std::iter::once(pattern).chain(v.iter().copied()).map(Value::operand).collect();
-                self.temp(at, Ty::Text, false, |r| Op::Format(r, args))
+                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args))
             }
             (Form::Format, [Ty::Text, ..]) => {
                 let args = v.iter().copied().map(Value::operand).collect();
-                self.temp(at, Ty::Text, false, |r| Op::Format(r, args))
+                self.temp(at, Ty::Text, false, |r| Op::Format(r.text(), args))
             }
             (Form::Print, [Ty::Text, ..]) => {
                 self.push(at, Op::Print(v.iter().copied().map(Value::operand).collect()))?;
                 Ok(Value::of(Ty::Void, 0, false))
             }
-            (Form::Match, [Ty::Text, Ty::Text]) => self.temp(at, Ty::Float, false, |r| Op::Match(r, regs[0], regs[1])),
+            (Form::Match, [Ty::Text, Ty::Text]) => {
+                self.temp(at, Ty::Float, false, |r| Op::Match(r.float(), v[0].text(), v[1].text()))
+            }
             (Form::Mix, [a, b, Ty::Float]) if *a != Ty::Text && (a == b || (a.is_triple() && b.is_triple())) => {
                 self.called(at, Builtin::MIX, *a, varying, v)
             }
@@ -98,9 +105,9 @@ impl Lower<'_> {
             (Form::Component, [Ty::Matrix, Ty::Float, Ty::Float]) => {
                 self.called(at, Builtin::MATRIX_COMPONENT, Ty::Float, varying, v)
             }
-            (Form::Component, [t, Ty::Float]) if t.is_triple() => match self.constant_of(regs[1]) {
+            (Form::Component, [t, Ty::Float]) if t.is_triple() => match self.constant_of(v[1]) {
                 Some(i) if (0.0..3.0).contains(&i) => {
-                    self.temp(at, Ty::Float, varying, |r| Op::Component(r, regs[0], i as u8))
+                    self.temp(at, Ty::Float, varying, |r| Op::Component(r.float(), v[0].triple(), i as u8))
                 }
                 Some(_) => error(at, "the index of `comp` must be 0, 1 or 2"),
                 None => self.called(at, Builtin::COMPONENT, Ty::Float, varying, v),
@@ -132,16 +139,17 @@ impl Lower<'_> {
             [Ty::Text, Ty::Matrix, t] if t.is_triple() => {
                 // From a named space by a matrix that is given in it.
                 let now = self.text(at, "current")?;
-                let there = self.temp(at, ty, varying, |r| Op::Transform(how, r, v[2].reg, v[0].reg, now.reg))?;
+                let there =
+                    self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), now.text()))?;
                 let function = if how == Transform::Point { Builtin::MATRIX_POINT } else { Builtin::MATRIX_VECTOR };
                 self.called(at, function, ty, varying, &[v[1], there])
             }
             [Ty::Text, t] if t.is_triple() => {
                 let from = self.text(at, "current")?;
-                self.temp(at, ty, varying, |r| Op::Transform(how, r, v[1].reg, from.reg, v[0].reg))
+                self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[1].reg(), from.text(), v[0].text()))
             }
             [Ty::Text, Ty::Text, t] if t.is_triple() => {
-                self.temp(at, ty, varying, |r| Op::Transform(how, r, v[2].reg, v[0].reg, v[1].reg))
+                self.temp(at, ty, varying, |r| Op::Transform(how, r.reg(), v[2].reg(), v[0].text(), v[1].text()))
             }
             _ => error(at, format!("expected {}", row.usage)),
         }
@@ -162,23 +170,23 @@ impl Lower<'_> {
                 return error(at, wrong);
             }
             ty = if knot.ty == Ty::Float { ty } else { knot.ty };
-            list.extend((0..knot.array.max(1)).map(|k| Value { reg: knot.reg + k, array: 0, ..*knot }));
+            list.extend((0..knot.array.max(1)).map(|k| knot.element(k)));
         }
         if value.ty != Ty::Float || list.len() < 2 {
             return error(at, wrong);
         }
-        let mut args = vec![value.reg];
+        let mut args = vec![value.reg()];
         for knot in list {
-            args.push(self.convert(at, knot, ty)?.reg);
+            args.push(self.convert(at, knot, ty)?.reg());
         }
         let varying = v.iter().any(|v| v.varying);
-        self.temp(at, ty, varying, |r| Op::Spline(r, basis.reg, args))
+        self.temp(at, ty, varying, |r| Op::Spline(r.reg(), basis.text(), args))
     }
 
     pub(super) fn derivative(&mut self, at: usize, f: Builtin, x: Value) -> Result<Value, Error> {
         let (u, v) =
-            (self.global(at, "u")?.expect("u is a global").reg, self.global(at, "v")?.expect("v is a global").reg);
+            (self.global(at, "u")?.expect("u is a global").reg(), self.global(at, "v")?.expect("v is a global").reg());
         let ty = if x.ty == Ty::Point { Ty::Vector } else { x.ty };
-        self.temp(at, ty, true, |r| Op::Call(f, r, vec![x.reg, u, v]))
+        self.temp(at, ty, true, |r| Op::Call(f, r.reg(), vec![x.reg(), u, v]))
     }
 }

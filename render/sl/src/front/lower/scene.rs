@@ -46,14 +46,14 @@ impl<'a> Lower<'a> {
                 let hint = "names stand in quotes";
                 return error_with(arg.at, format!("expected a string, found {}", value.ty.name()), hint);
             }
-            names.push(value.reg);
+            names.push(value.text());
         }
         let ExprKind::Name(variable) = &args[n_names].kind else {
             return error(args[n_names].at, "expected a variable for the answer");
         };
         let var = self.variable(args[n_names].at, variable)?;
         let (out, len) = (var.operand(), var.array.max(1));
-        self.temp(at, Ty::Float, false, |dst| Op::Ask { dst, what: ask, names, out, len })
+        self.temp(at, Ty::Float, false, |r| Op::Ask { dst: r.float(), what: ask, names, out, len })
     }
 
     /// `texture`, `environment` and `shadow`.
@@ -89,23 +89,23 @@ impl<'a> Lower<'a> {
             };
             return error(at, format!("expected {usage}"));
         }
-        let mut at_regs: Vec<Reg> = place.iter().map(|v| v.reg).collect();
+        let mut at_regs: Vec<Reg> = place.iter().map(|v| v.reg()).collect();
         if how == Lookup::Texture && at_regs.is_empty() {
-            at_regs = vec![self.variable(at, "s")?.reg, self.variable(at, "t")?.reg];
+            at_regs = vec![self.variable(at, "s")?.reg(), self.variable(at, "t")?.reg()];
         }
         let mut named = Vec::new();
         for pair in options.chunks(2) {
             match pair {
-                [key, value] if key.ty == Ty::Text => named.push((key.reg, value.operand())),
+                [key, value] if key.ty == Ty::Text => named.push((key.text(), value.operand())),
                 _ => return error(at, "expected options as a name and a value each"),
             }
         }
         let ty = expected.filter(|t| *t == Ty::Float || t.is_triple()).unwrap_or(Ty::Color);
-        self.temp(at, ty, true, |dst| Op::Map {
-            dst,
+        self.temp(at, ty, true, |r| Op::Map {
+            dst: r.reg(),
             how,
-            name: name.reg,
-            channel: channel.reg,
+            name: name.text(),
+            channel: channel.float(),
             at: at_regs,
             options: named,
         })
@@ -123,20 +123,20 @@ impl<'a> Lower<'a> {
             return error(at, format!("expected a variable as the first argument of `{name}`"));
         };
         let var = self.variable(at, variable)?;
-        let mut regs = vec![var.reg];
+        let mut regs = vec![var.reg()];
         if let Some(k) = component {
-            regs.push(self.constant(at, k as f32)?.reg);
+            regs.push(self.constant(at, k as f32)?.reg());
         }
         for arg in &args[1..] {
             let value = self.expr(arg, Some(Ty::Float))?;
-            regs.push(self.convert(arg.at, value, Ty::Float)?.reg);
+            regs.push(self.convert(arg.at, value, Ty::Float)?.reg());
         }
         let wanted = if var.ty == Ty::Matrix { 4 } else { 3 };
         if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
             return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
         }
         let function = if var.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
-        let new = self.temp(at, var.ty, true, |r| Op::Call(function, r, regs))?;
+        let new = self.temp(at, var.ty, true, |r| Op::Call(function, r.reg(), regs))?;
         self.store(at, var, new)?;
         Ok(Value::of(Ty::Void, 0, false))
     }

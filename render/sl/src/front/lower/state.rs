@@ -9,11 +9,12 @@ use std::collections::HashMap;
 /// The most operations of a program: inlining without end is an error, not a full memory.
 const MAX_OPS: usize = 100_000;
 
-/// A value: its type and its register (of strings for text), and whether it can differ between points.
+/// A value: its type and its register, and whether it can differ between points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Value {
     pub(super) ty: Ty,
-    pub(super) reg: u16,
+    /// Index of its register, among those of strings for text.
+    index: u16,
     pub(super) varying: bool,
     /// Elements of an array, whose registers follow each other; 0 of a single value.
     pub(super) array: u16,
@@ -21,13 +22,58 @@ pub(super) struct Value {
     pub(super) fixed: bool,
 }
 
+/// The index of no register: where a value has another type than is asked for, which validation refuses.
+const NOWHERE: u16 = u16::MAX;
+
 impl Value {
-    pub(super) fn of(ty: Ty, reg: u16, varying: bool) -> Value {
-        Value { ty, reg, varying, array: 0, fixed: false }
+    pub(super) fn of(ty: Ty, index: u16, varying: bool) -> Value {
+        Value { ty, index, varying, array: 0, fixed: false }
+    }
+
+    /// Its register of numbers.
+    pub(super) fn reg(self) -> Reg {
+        match self.ty {
+            Ty::Text => Reg::of(NOWHERE, 1),
+            ty => Reg::of(self.index, width(ty)),
+        }
+    }
+
+    /// Its register of a number.
+    pub(super) fn float(self) -> FloatReg {
+        self.reg().try_into().unwrap_or(FloatReg::of_index(NOWHERE))
+    }
+
+    /// Its register of a triple.
+    pub(super) fn triple(self) -> TripleReg {
+        self.reg().try_into().unwrap_or(TripleReg::of_index(NOWHERE))
+    }
+
+    /// Its register of a string.
+    pub(super) fn text(self) -> TextReg {
+        TextReg::of_index(if self.ty == Ty::Text { self.index } else { NOWHERE })
     }
 
     pub(super) fn operand(self) -> Operand {
-        if self.ty == Ty::Text { Operand::Text(self.reg) } else { Operand::Number(self.reg) }
+        if self.ty == Ty::Text { Operand::Text(self.text()) } else { Operand::Number(self.reg()) }
+    }
+
+    /// The same numbers as another type of the same width.
+    pub(super) fn taken_as(self, ty: Ty) -> Value {
+        Value { ty, ..self }
+    }
+
+    /// An element of an array.
+    pub(super) fn element(self, k: u16) -> Value {
+        Value { index: self.index + k, array: 0, ..self }
+    }
+}
+
+/// Numbers of a value of a type.
+fn width(ty: Ty) -> usize {
+    match ty {
+        Ty::Matrix => 16,
+        ty if ty.is_triple() => 3,
+        _ => 1,
     }
 }
 
@@ -70,13 +116,7 @@ impl<'a> Lower<'a> {
             self.n_texts += 1;
             return Ok(self.n_texts - 1);
         }
-        self.widths.push(if ty == Ty::Matrix {
-            16
-        } else if ty.is_triple() {
-            3
-        } else {
-            1
-        });
+        self.widths.push(width(ty) as u8);
         Ok(self.widths.len() as u16 - 1)
     }
 
@@ -86,19 +126,19 @@ impl<'a> Lower<'a> {
         at: usize,
         ty: Ty,
         varying: bool,
-        op: impl FnOnce(u16) -> Op,
+        op: impl FnOnce(Value) -> Op,
     ) -> Result<Value, Error> {
-        let reg = self.reg(at, ty)?;
-        self.push(at, op(reg))?;
-        Ok(Value::of(ty, reg, varying))
+        let value = Value::of(ty, self.reg(at, ty)?, varying);
+        self.push(at, op(value))?;
+        Ok(value)
     }
 
     pub(super) fn constant(&mut self, at: usize, x: f32) -> Result<Value, Error> {
-        self.temp(at, Ty::Float, false, |r| Op::Const(r, x))
+        self.temp(at, Ty::Float, false, |r| Op::Const(r.reg(), x))
     }
 
     pub(super) fn text(&mut self, at: usize, text: &str) -> Result<Value, Error> {
-        self.temp(at, Ty::Text, false, |r| Op::TextConst(r, text.into()))
+        self.temp(at, Ty::Text, false, |r| Op::TextConst(r.text(), text.into()))
     }
 
     /// The operations of what `f` lowers, apart from the current block.
@@ -121,11 +161,12 @@ impl<'a> Lower<'a> {
         let Some((_, kind)) = GLOBALS.iter().find(|(n, _)| *n == name) else { return Ok(None) };
         let ty = Ty::from(*kind);
         if let Some((_, reg)) = self.globals.iter().find(|(n, _)| n == name) {
-            return Ok(Some(Value::of(ty, *reg, true)));
+            return Ok(Some(Value::of(ty, reg.index() as u16, true)));
         }
         let reg = self.reg(at, ty)?;
-        self.globals.push((name.into(), reg));
-        Ok(Some(Value::of(ty, reg, true)))
+        let value = Value::of(ty, reg, true);
+        self.globals.push((name.into(), value.reg()));
+        Ok(Some(value))
     }
 
     pub(super) fn variable(&mut self, at: usize, name: &str) -> Result<Value, Error> {
@@ -141,7 +182,7 @@ impl<'a> Lower<'a> {
         }
         if name == "du" || name == "dv" {
             let x = self.variable(at, if name == "du" { "u" } else { "v" })?;
-            return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::WIDTH, r, vec![x.reg]));
+            return self.temp(at, Ty::Float, true, |r| Op::Call(Builtin::WIDTH, r.reg(), vec![x.reg()]));
         }
         if name == "PI" {
             return self.constant(at, std::f32::consts::PI);
@@ -158,13 +199,13 @@ impl<'a> Lower<'a> {
         }
         let spatial = |t: Ty| t.is_triple() && t != Ty::Color;
         if value.ty == Ty::Float && to == Ty::Matrix {
-            return self.temp(at, to, value.varying, |r| Op::Call(Builtin::DIAGONAL, r, vec![value.reg]));
+            return self.temp(at, to, value.varying, |r| Op::Call(Builtin::DIAGONAL, r.reg(), vec![value.reg()]));
         }
         if value.ty == to || (spatial(value.ty) && spatial(to)) {
-            return Ok(Value { ty: to, ..value });
+            return Ok(value.taken_as(to));
         }
         if value.ty == Ty::Float && to.is_triple() {
-            return self.temp(at, to, value.varying, |r| Op::Unary(Unary::Copy, r, value.reg));
+            return self.temp(at, to, value.varying, |r| Op::Unary(Unary::Copy, r.reg(), value.reg()));
         }
         let message = format!("expected {}, found {}", to.name(), value.ty.name());
         match (value.ty, to) {
@@ -184,9 +225,9 @@ impl<'a> Lower<'a> {
     }
 
     /// The number that a register of this block was made with, if it is a constant.
-    pub(super) fn constant_of(&self, reg: u16) -> Option<f32> {
+    pub(super) fn constant_of(&self, value: Value) -> Option<f32> {
         self.ops.iter().rev().find_map(|op| match op {
-            Op::Const(r, x) if *r == reg => Some(*x),
+            Op::Const(r, x) if *r == value.reg() => Some(*x),
             _ => None,
         })
     }

@@ -19,7 +19,7 @@ impl<'a> Lower<'a> {
                 let (then, ()) = self.block(|l| l.scoped(std::slice::from_ref(then)))?;
                 let (otherwise, ()) =
                     self.block(|l| otherwise.iter().try_for_each(|o| l.scoped(std::slice::from_ref(o))))?;
-                self.push(at, Op::If(condition.reg, then, otherwise))
+                self.push(at, Op::If(condition.float(), then, otherwise))
             }
             StmtKind::While(condition, body) => self.repeat(at, condition, body, None),
             StmtKind::For(start, condition, step, body) => {
@@ -99,7 +99,7 @@ impl<'a> Lower<'a> {
         let body = self.block(|l| l.scoped(std::slice::from_ref(body)));
         self.loops -= 1;
         let (step, ()) = self.block(|l| step.map_or(Ok(()), |s| l.statement(s)))?;
-        self.push(at, Op::Loop(head, condition.reg, body?.0, step))
+        self.push(at, Op::Loop(head, condition.float(), body?.0, step))
     }
 
     pub(super) fn light(&mut self, at: usize, which: &str, args: &[Expr], body: &'a Stmt) -> Result<(), Error> {
@@ -116,7 +116,7 @@ impl<'a> Lower<'a> {
         let mut wanted = vec![];
         if which == "illuminance" {
             if values.first().is_some_and(|v| v.ty == Ty::Text) {
-                category = Some(values.remove(0).reg);
+                category = Some(values.remove(0).text());
             }
             let n = args.len() - values.len();
             if let Some(k) = values.iter().position(|v| v.ty == Ty::Text) {
@@ -124,7 +124,7 @@ impl<'a> Lower<'a> {
                 values.truncate(k);
             }
         }
-        let l = self.global(at, "L")?.expect("L is a global").reg;
+        let l = self.global(at, "L")?.expect("L is a global").triple();
         let types: Vec<Ty> = values.iter().map(|v| v.ty).collect();
         let spatial = |i: usize| types.get(i).is_some_and(|t| t.is_triple());
         let angle = |i: usize| types.get(i) == Some(&Ty::Float);
@@ -132,17 +132,17 @@ impl<'a> Lower<'a> {
         let nowhere = self.convert(at, zero, Ty::Vector)?;
         if which == "solar" {
             self.directed = true;
-            let args = match types.len() {
-                0 => [nowhere.reg, pi.reg],
-                2 if spatial(0) && angle(1) => [values[0].reg, values[1].reg],
+            let (axis, angle) = match types.len() {
+                0 => (nowhere.triple(), pi.float()),
+                2 if spatial(0) && angle(1) => (values[0].triple(), values[1].float()),
                 _ => return error(at, "expected solar() or solar(axis, angle)"),
             };
             let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
-            return self.push(at, Op::Solar { args, l, body });
+            return self.push(at, Op::Solar { axis, angle, l, body });
         }
-        let args = match types.len() {
-            1 if spatial(0) => [values[0].reg, nowhere.reg, pi.reg],
-            3 if spatial(0) && spatial(1) && angle(2) => [values[0].reg, values[1].reg, values[2].reg],
+        let (position, axis, angle) = match types.len() {
+            1 if spatial(0) => (values[0].triple(), nowhere.triple(), pi.float()),
+            3 if spatial(0) && spatial(1) && angle(2) => (values[0].triple(), values[1].triple(), values[2].float()),
             _ => {
                 let message = format!("expected {which}(position) or {which}(position, axis, angle)");
                 let hint = match which {
@@ -154,14 +154,14 @@ impl<'a> Lower<'a> {
         };
         if which == "illuminate" {
             self.directed = true;
-            let ps = self.global(at, "Ps")?.expect("Ps is a global").reg;
+            let ps = self.global(at, "Ps")?.expect("Ps is a global").triple();
             let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
-            return self.push(at, Op::Illuminate { args, l, ps, body });
+            return self.push(at, Op::Illuminate { position, axis, angle, l, ps, body });
         }
-        let cl = self.global(at, "Cl")?.expect("Cl is a global").reg;
+        let cl = self.global(at, "Cl")?.expect("Cl is a global").triple();
         let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
         let wanted = wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
-        self.push(at, Op::Illuminance { args, l, cl, category, wanted, body })
+        self.push(at, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
     }
 
     /// Pairs of a name and the variable that takes it.
@@ -175,7 +175,13 @@ impl<'a> Lower<'a> {
                 continue;
             }
             match &to.kind {
-                ExprKind::Name(variable) => out.push((name.clone(), self.variable(to.at, variable)?.reg)),
+                ExprKind::Name(variable) => {
+                    let variable = self.variable(to.at, variable)?;
+                    if variable.ty == Ty::Text {
+                        return error(to.at, format!("expected a variable of numbers for \"{name}\""));
+                    }
+                    out.push((name.clone(), variable.reg()));
+                }
                 _ => return error(to.at, format!("expected a variable for \"{name}\"")),
             }
         }
@@ -203,7 +209,8 @@ impl<'a> Lower<'a> {
         let out = self.wanted(&args[5..])?;
         let (hit, ()) = self.block(|l| l.scoped(std::slice::from_ref(hit)))?;
         let (miss, ()) = self.block(|l| miss.map_or(Ok(()), |m| l.scoped(std::slice::from_ref(m))))?;
-        let args = [values[1].reg, values[2].reg, values[3].reg, values[4].reg];
-        self.push(at, Op::Gather { args, out, hit, miss })
+        let (position, axis) = (values[1].triple(), values[2].triple());
+        let (angle, samples) = (values[3].float(), values[4].float());
+        self.push(at, Op::Gather { position, axis, angle, samples, out, hit, miss })
     }
 }

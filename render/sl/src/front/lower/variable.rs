@@ -25,29 +25,24 @@ impl<'a> Lower<'a> {
         };
         let array = param.array.map(|_| var.array);
         let (name, varying, output) = (param.name.clone(), param.varying, param.output);
-        Ok(Parameter { name, kind, varying, output, array, reg: var.reg, default })
+        Ok(Parameter { name, kind, varying, output, array, reg: var.operand(), default })
     }
 
     /// Registers of a variable.
     pub(super) fn new_variable(&mut self, v: &Variable) -> Result<Value, Error> {
-        let reg = self.reg(v.at, v.ty)?;
+        let index = self.reg(v.at, v.ty)?;
         for _ in 1..v.array.unwrap_or(1) {
             self.reg(v.at, v.ty)?;
         }
-        // What a function's own variables hold hangs on what it is called with.
+        // What a function's own variables hold depends on what it is called with.
         let varying = v.varying && self.calling.is_empty();
-        Ok(Value {
-            ty: v.ty,
-            reg,
-            varying,
-            array: v.array.map_or(0, |n| n.max(1) as u16),
-            fixed: !v.varying && !v.output,
-        })
+        let mut value = Value::of(v.ty, index, varying);
+        (value.array, value.fixed) = (v.array.map_or(0, |n| n.max(1) as u16), !v.varying && !v.output);
+        Ok(value)
     }
 
     /// Store what a variable starts with.
     pub(super) fn start(&mut self, v: &Variable, var: Value) -> Result<(), Error> {
-        let element = |k: u16| Value { reg: var.reg + k, array: 0, ..var };
         let zero = |l: &mut Self| if v.ty == Ty::Text { l.text(v.at, "") } else { l.constant(v.at, 0.0) };
         match &v.value {
             Some(Expr { kind: ExprKind::Array(values), at }) if v.array.is_some() => {
@@ -60,7 +55,7 @@ impl<'a> Lower<'a> {
                         None => zero(self)?,
                     };
                     let value = self.convert(v.at, value, v.ty)?;
-                    self.store(v.at, element(k), value)?;
+                    self.store(v.at, var.element(k), value)?;
                 }
                 Ok(())
             }
@@ -78,12 +73,12 @@ impl<'a> Lower<'a> {
                 }
                 // One value fills the array.
                 let found = self.convert(value.at, found, v.ty)?;
-                (0..var.array).try_for_each(|k| self.store(v.at, element(k), found))
+                (0..var.array).try_for_each(|k| self.store(v.at, var.element(k), found))
             }
             None => {
                 let value = zero(self)?;
                 let value = self.convert(v.at, value, v.ty)?;
-                (0..var.array.max(1)).try_for_each(|k| self.store(v.at, element(k), value))
+                (0..var.array.max(1)).try_for_each(|k| self.store(v.at, var.element(k), value))
             }
         }
     }
@@ -93,16 +88,15 @@ impl<'a> Lower<'a> {
             let show = |v: Value| format!("{}[{}]", v.ty.name(), v.array);
             return error(at, format!("expected {}, found {}", show(to), show(from)));
         }
-        let element = |v: Value, k: u16| Value { reg: v.reg + k, array: 0, ..v };
-        (0..to.array).try_for_each(|k| self.store(at, element(to, k), element(from, k)))
+        (0..to.array).try_for_each(|k| self.store(at, to.element(k), from.element(k)))
     }
 
     /// Store a value of the variable's own type.
     pub(super) fn store(&mut self, at: usize, var: Value, value: Value) -> Result<(), Error> {
         if var.ty == Ty::Text {
-            return self.push(at, Op::TextCopy(var.reg, value.reg));
+            return self.push(at, Op::TextCopy(var.text(), value.text()));
         }
-        self.push(at, Op::Assign(var.reg, value.reg))
+        self.push(at, Op::Assign(var.reg(), value.reg()))
     }
 
     pub(super) fn local(&mut self, v: &Variable) -> Result<(), Error> {
@@ -172,17 +166,18 @@ impl<'a> Lower<'a> {
             if !var.ty.is_triple() {
                 return error(at, format!("a {} has no elements", var.ty.name()));
             }
-            let new =
-                self.temp(at, var.ty, true, |r| Op::Call(Builtin::SET_COMPONENT, r, vec![var.reg, i.reg, value.reg]))?;
+            let new = self.temp(at, var.ty, true, |r| {
+                Op::Call(Builtin::SET_COMPONENT, r.reg(), vec![var.reg(), i.reg(), value.reg()])
+            })?;
             return self.store(at, var, new);
         }
-        match self.constant_of(i.reg) {
+        match self.constant_of(i) {
             Some(k) => {
                 let k = self.in_array(index.at, var, k)?;
-                self.store(at, Value { reg: var.reg + k, array: 0, ..var }, value)
+                self.store(at, var.element(k), value)
             }
-            None if var.ty == Ty::Text => self.push(at, Op::TextStore(var.reg, var.array, i.reg, value.reg)),
-            None => self.push(at, Op::Store(var.reg, var.array, i.reg, value.reg)),
+            None if var.ty == Ty::Text => self.push(at, Op::TextStore(var.text(), var.array, i.float(), value.text())),
+            None => self.push(at, Op::Store(var.reg(), var.array, i.float(), value.reg())),
         }
     }
 
@@ -200,23 +195,23 @@ impl<'a> Lower<'a> {
         let i = self.convert(index.at, i, Ty::Float)?;
         let varying = var.varying || i.varying;
         if var.array != 0 {
-            return match self.constant_of(i.reg) {
+            return match self.constant_of(i) {
                 Some(k) => {
                     let k = self.in_array(index.at, var, k)?;
-                    Ok(Value { reg: var.reg + k, array: 0, ..var })
+                    Ok(var.element(k))
                 }
                 None if var.ty == Ty::Text => {
-                    self.temp(at, Ty::Text, false, |r| Op::TextLoad(r, var.reg, var.array, i.reg))
+                    self.temp(at, Ty::Text, false, |r| Op::TextLoad(r.text(), var.text(), var.array, i.float()))
                 }
-                None => self.temp(at, var.ty, varying, |r| Op::Load(r, var.reg, var.array, i.reg)),
+                None => self.temp(at, var.ty, varying, |r| Op::Load(r.reg(), var.reg(), var.array, i.float())),
             };
         }
-        match (var.ty.is_triple(), self.constant_of(i.reg)) {
+        match (var.ty.is_triple(), self.constant_of(i)) {
             (true, Some(k)) if (0.0..3.0).contains(&k) => {
-                self.temp(at, Ty::Float, varying, |r| Op::Component(r, var.reg, k as u8))
+                self.temp(at, Ty::Float, varying, |r| Op::Component(r.float(), var.triple(), k as u8))
             }
             (true, None) => {
-                self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::COMPONENT, r, vec![var.reg, i.reg]))
+                self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::COMPONENT, r.reg(), vec![var.reg(), i.reg()]))
             }
             (true, Some(k)) => error(index.at, format!("a {} has no component {k}", var.ty.name())),
             (false, _) => error(at, format!("a {} has no elements", var.ty.name())),
