@@ -8,6 +8,7 @@ use crate::options::Attributes;
 use crate::scene::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
 use crate::shade::{surface_globals, uniform_inputs};
 use glam::{Mat3, Mat4, Vec3};
+use sl::Global;
 use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points};
 use std::cell::RefCell;
@@ -81,23 +82,23 @@ impl<'a> View<'a> {
         points.inputs.extend(met.inputs);
         let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
         let way = (dir * distance).to_array();
-        let values: [(&'static str, &[f32]); 7] = [
-            ("P", &met.place.to_array()),
-            ("N", &normal),
-            ("I", &way),
-            ("u", &[met.uv[0]]),
-            ("v", &[met.uv[1]]),
-            ("s", &[met.st[0]]),
-            ("t", &[met.st[1]]),
+        let values: [(Global, &[f32]); 7] = [
+            (Global::P, &met.place.to_array()),
+            (Global::N, &normal),
+            (Global::I, &way),
+            (Global::U, &[met.uv[0]]),
+            (Global::V, &[met.uv[1]]),
+            (Global::S, &[met.st[0]]),
+            (Global::T, &[met.st[1]]),
         ];
-        for (name, value) in values {
-            points.refill(name).extend_from_slice(value);
+        for (global, value) in values {
+            points.refill(global).extend_from_slice(value);
         }
         surface_globals(&mut points, &view, from);
         let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, item, &view, self.bias) };
         machine.run(&a.surface, &mut points, &scene);
-        let three = |name: &str| points.get(name).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
-        let answer = (three("Ci"), three("Oi"));
+        let three = |global| points.get(global).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
+        let answer = (three(Global::Ci), three(Global::Oi));
         SPARE.with(|s| s.borrow_mut().push((machine, points)));
         answer
     }

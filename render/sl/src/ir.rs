@@ -11,7 +11,7 @@
 //! operands gives a uniform result, so nothing uniform is computed twice.
 
 pub mod builtins;
-pub mod globals;
+mod globals;
 mod op;
 mod optimise;
 mod program;
@@ -22,6 +22,7 @@ mod validate;
 mod walk;
 
 pub use crate::shadeop::number::{Binary, Unary};
+pub use globals::Global;
 pub use op::{Ask, Builtin, Lookup, Op, Transform};
 pub(crate) use optimise::optimise;
 pub use program::{Parameter, Program};

@@ -11,5 +11,6 @@ mod shadeop;
 
 pub use back::machine;
 pub use front::{Diagnostic, Include, compile, compile_with};
+pub use ir::Global;
 pub use shadeop::direction::spread;
 pub use shadeop::noise;

@@ -3,6 +3,7 @@
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
 
+use super::globals::Global;
 use super::op::Op;
 use super::program::Program;
 use super::register::{Operand, Reg};
@@ -30,8 +31,8 @@ pub fn optimise(program: &mut Program) {
 }
 
 fn keeps_opacity(program: &Program) -> bool {
-    let Some(oi) = program.global("Oi") else { return true };
-    let os = program.global("Os");
+    let Some(oi) = program.global(Global::Oi) else { return true };
+    let os = program.global(Global::Os);
     let mut keeps = true;
     visit(&program.body, &mut |op| {
         keeps &= !matches!(op, Op::Assign(dst, src) if *dst == oi && Some(*src) != os);

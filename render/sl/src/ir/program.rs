@@ -1,5 +1,6 @@
 //! A compiled shader.
 
+use super::globals::Global;
 use super::op::Op;
 use super::register::{Operand, Reg};
 use super::types::{Kind, ShaderKind};
@@ -37,20 +38,20 @@ pub struct Program {
     /// Parameters, in their order.
     pub params: Vec<Parameter>,
     /// The globals that it reads or writes, with their registers.
-    pub globals: Vec<(String, Reg)>,
+    pub globals: Vec<(Global, Reg)>,
     /// What it does.
     pub body: Vec<Op>,
     /// A light without `solar` and `illuminate`.
     pub is_ambient: bool,
     /// It leaves Oi as Os, so that what is opaque stays opaque.
     pub keeps_opacity: bool,
-    /// What it does at a point hangs on the points beside it in the grid: by derivatives, or maps, whose filters go by them.
+    /// What it does at a point depends on the points beside it in the grid: by derivatives, or maps, whose filters go by them.
     pub reads_neighbours: bool,
 }
 
 impl Program {
     /// The register of a global, if the program uses it.
-    pub fn global(&self, name: &str) -> Option<Reg> {
-        self.globals.iter().find(|(n, _)| n == name).map(|(_, r)| *r)
+    pub fn global(&self, global: Global) -> Option<Reg> {
+        self.globals.iter().find(|(g, _)| *g == global).map(|(_, r)| *r)
     }
 }

@@ -7,8 +7,8 @@ use std::fmt::{Display, Formatter, Result, Write};
 impl Display for Program {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "{} {}", self.kind.name(), self.name)?;
-        for (name, reg) in &self.globals {
-            writeln!(f, "global {name} {reg}")?;
+        for (global, reg) in &self.globals {
+            writeln!(f, "global {} {reg}", global.name())?;
         }
         for p in &self.params {
             let class = if p.varying { "varying" } else { "uniform" };

@@ -10,8 +10,11 @@ pub fn validate(program: &Program) -> Result<(), String> {
     let written = vec![false; program.widths.len()];
     let text_written = vec![false; program.n_texts];
     let mut check = Check { program, written, text_written, loops: 0, inlines: 0 };
-    for (name, reg) in &program.globals {
-        check.write(*reg).map_err(|e| format!("global {name}: {e}"))?;
+    for (global, reg) in &program.globals {
+        if reg.width() != global.kind().width() {
+            return Err(format!("global {} has a register of another kind", global.name()));
+        }
+        check.write(*reg).map_err(|e| format!("global {}: {e}", global.name()))?;
     }
     for param in &program.params {
         check.block(&param.default)?;

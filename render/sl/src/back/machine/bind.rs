@@ -1,6 +1,6 @@
 //! Binding: defaults of parameters are computed once.
 
-use super::super::bound::BoundShader;
+use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
 use super::state::Machine;
@@ -15,27 +15,24 @@ impl BoundShader {
         texts: Vec<(usize, String)>,
         scene: &dyn Scene,
     ) -> BoundShader {
-        let mut bound = BoundShader { program, numbers, texts };
-        let points = Points { nu: 1, nv: 1, orientation: 1.0, ..Points::default() };
+        let mut bound = BoundShader::given(program, numbers, texts);
+        let points = Points::new(1, 1, 1.0);
         let mut machine = Machine::new();
         machine.load(&bound, &points);
         for (_, reg) in &bound.program.globals {
             machine.regs[reg.index()] = vec![0.0; reg.width()];
         }
         machine.defaults(&bound, &points, scene);
-        for (i, param) in bound.program.params.iter().enumerate() {
+        let program = bound.program.clone();
+        let unset: Vec<bool> = (0..program.params.len()).map(|slot| bound.value(slot).is_none()).collect();
+        for (slot, param) in program.params.iter().enumerate().filter(|(slot, _)| unset[*slot]) {
             match param.reg {
                 // An array of strings keeps its defaults.
-                Operand::Text(r) => {
-                    if param.array.is_none() && !bound.texts.iter().any(|(k, _)| *k == i) {
-                        bound.texts.push((i, machine.texts[r.index()].clone()));
-                    }
-                }
+                Operand::Text(_) if param.array.is_some() => {}
+                Operand::Text(r) => bound.set(slot, Answer::Text(machine.texts[r.index()].clone())),
                 Operand::Number(r) => {
-                    if !bound.numbers.iter().any(|(k, _)| *k == i) {
-                        let registers = r.index()..r.index() + param.array.unwrap_or(1) as usize;
-                        bound.numbers.push((i, machine.regs[registers].concat()));
-                    }
+                    let registers = r.index()..r.index() + param.array.unwrap_or(1) as usize;
+                    bound.set(slot, Answer::Numbers(machine.regs[registers].concat()));
                 }
             }
         }

@@ -53,7 +53,7 @@ impl Machine {
         let [position, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
         let angle = self.regs[angle.index()][0];
         for (i, light) in scene.lights().iter().enumerate() {
-            if light.program.is_ambient || !category.is_none_or(|c| in_category(light, &self.texts[c.index()])) {
+            if light.program.is_ambient || !category.is_none_or(|c| light.in_category(&self.texts[c.index()])) {
                 continue;
             }
             let k = self.light(i, light, &position, &axis, angle, scene);
@@ -105,23 +105,20 @@ impl Machine {
             return k;
         }
         let mut machine = self.light_machine.take().unwrap_or_default();
-        let mut points =
-            Points { nu: self.nu, nv: self.n / self.nu.max(1), orientation: self.orientation, ..Points::default() };
-        points.globals.push(("Ps", position.to_vec()));
-        points.globals.push(("L", vec![0.0; 3]));
-        points.globals.push(("Cl", vec![0.0; 3]));
+        let mut points = Points::new(self.nu, self.n / self.nu.max(1), self.orientation);
+        points.set(Global::Ps, position.to_vec());
+        points.set(Global::L, vec![0.0; 3]);
+        points.set(Global::Cl, vec![0.0; 3]);
         let emitter = scene.emitter(i, self.n, &|k| triple(position, k, self.n));
         if let Some(emitter) = &emitter {
-            points.globals.push(("P", emitter.points.clone()));
-            points.globals.push(("N", emitter.normals.clone()));
+            points.set(Global::P, emitter.points.clone());
+            points.set(Global::N, emitter.normals.clone());
         }
         machine.receiver =
             Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
         machine.run_where(light, &mut points, scene, self.mask.clone());
-        let mut take = |name: &str| {
-            points.globals.iter_mut().find(|(n, _)| *n == name).map(|(_, v)| std::mem::take(v)).unwrap_or_default()
-        };
-        let (l, mut cl) = (take("L"), take("Cl"));
+        let mut take = |global| points.get_mut(global).map(std::mem::take).unwrap_or_default();
+        let (l, mut cl) = (take(Global::L), take(Global::Cl));
         if let Some(emitter) = emitter {
             cl.iter_mut().for_each(|x| *x *= emitter.part);
         }
@@ -154,30 +151,16 @@ impl Machine {
         out.resize(3 * n, 0.0);
         for light in scene.lights().iter().filter(|l| l.program.is_ambient) {
             let mut machine = self.light_machine.take().unwrap_or_default();
-            let mut points =
-                Points { nu: self.nu, nv: n / self.nu.max(1), orientation: self.orientation, ..Points::default() };
-            points.globals.push(("Cl", vec![0.0; 3]));
+            let mut points = Points::new(self.nu, n / self.nu.max(1), self.orientation);
+            points.set(Global::Cl, vec![0.0; 3]);
             machine.receiver = None;
             machine.run_where(light, &mut points, scene, None);
-            let cl = points.get("Cl").unwrap_or(&[0.0; 3]);
+            let cl = points.get(Global::Cl).unwrap_or(&[0.0; 3]);
             for c in 0..3 {
                 let run = run_of(cl, 3, c, n);
                 (0..n).for_each(|k| out[c * n + k] += at(run, k));
             }
             self.light_machine = Some(machine);
         }
-    }
-}
-
-/// Whether a light is of a category: its parameter `__category` names its own, separated by commas; `-` asks for all others.
-fn in_category(light: &BoundShader, asked: &str) -> bool {
-    let own = match light.parameter("__category") {
-        Some(Answer::Text(text)) => text,
-        _ => String::new(),
-    };
-    let has = |name: &str| own.split(',').any(|c| c.trim() == name);
-    match asked.strip_prefix('-') {
-        Some(not) => !has(not),
-        None => asked.is_empty() || has(asked),
     }
 }

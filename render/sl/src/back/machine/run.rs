@@ -1,6 +1,6 @@
 //! A shader run over points: globals and parameters in, operations in turn, globals out.
 
-use super::super::bound::BoundShader;
+use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
 use super::state::{LoopFrame, Machine};
@@ -26,10 +26,10 @@ impl Machine {
     ) {
         let program = &*shader.program;
         self.load(shader, points);
-        for (name, reg) in &program.globals {
+        for (global, reg) in &program.globals {
             let width = reg.width();
             let reg = &mut self.regs[reg.index()];
-            match points.get(name) {
+            match points.get(*global) {
                 Some(values) => reg.extend_from_slice(values),
                 None => reg.resize(width, 0.0),
             }
@@ -38,8 +38,8 @@ impl Machine {
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
-        for (name, reg) in &program.globals {
-            if let Some((_, values)) = points.globals.iter_mut().find(|(n, _)| n == name) {
+        for (global, reg) in &program.globals {
+            if let Some(values) = points.get_mut(*global) {
                 std::mem::swap(values, &mut self.regs[reg.index()]);
             }
         }
@@ -58,7 +58,7 @@ impl Machine {
         self.n = points.n();
         self.nu = points.nu;
         self.orientation = points.orientation;
-        self.place = program.global("P");
+        self.place = program.global(Global::P);
         self.mask = None;
         self.loops.clear();
         self.lit.clear();
@@ -77,19 +77,22 @@ impl Machine {
     /// Parameters: a primitive variable, else what was given, else the default.
     pub(super) fn defaults(&mut self, shader: &BoundShader, points: &Points, scene: &dyn Scene) {
         let program = &*shader.program;
-        for (i, param) in program.params.iter().enumerate() {
-            let register = match param.reg {
-                Operand::Text(r) => {
-                    match shader.texts.iter().find(|(k, _)| *k == i) {
-                        Some((_, text)) => self.texts[r.index()].clone_from(text),
-                        None => self.block(&param.default, scene),
-                    }
+        for (slot, param) in program.params.iter().enumerate() {
+            let own = shader.value(slot);
+            let register = match (param.reg, own) {
+                (Operand::Number(r), _) => r,
+                (Operand::Text(r), Some(Answer::Text(text))) => {
+                    self.texts[r.index()].clone_from(text);
                     continue;
                 }
-                Operand::Number(r) => r,
+                (Operand::Text(_), _) => {
+                    self.block(&param.default, scene);
+                    continue;
+                }
             };
             let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
-            match given.or(shader.numbers.iter().find(|(k, _)| *k == i).map(|(_, v)| v)) {
+            let own = own.and_then(|own| if let Answer::Numbers(v) = own { Some(v) } else { None });
+            match given.or(own) {
                 Some(values) => {
                     let len = param.array.unwrap_or(1) as usize;
                     let each = values.len() / len;

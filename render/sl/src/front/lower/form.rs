@@ -184,8 +184,7 @@ impl Lower<'_> {
     }
 
     pub(super) fn derivative(&mut self, at: usize, f: Builtin, x: Value) -> Result<Value, Error> {
-        let (u, v) =
-            (self.global(at, "u")?.expect("u is a global").reg(), self.global(at, "v")?.expect("v is a global").reg());
+        let (u, v) = (self.global(at, Global::U)?.reg(), self.global(at, Global::V)?.reg());
         let ty = if x.ty == Ty::Point { Ty::Vector } else { x.ty };
         self.temp(at, ty, true, |r| Op::Call(f, r.reg(), vec![x.reg(), u, v]))
     }

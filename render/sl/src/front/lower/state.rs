@@ -2,7 +2,6 @@
 
 use super::super::ast::*;
 use super::super::diagnostic::{Error, error, error_with};
-use crate::ir::globals::GLOBALS;
 use crate::ir::*;
 use std::collections::HashMap;
 
@@ -86,7 +85,7 @@ pub(super) struct Lower<'a> {
     pub(super) outer: Vec<Vec<HashMap<String, Value>>>,
     /// Where the result of each of them goes; none while `return` stands at the end alone.
     pub(super) results: Vec<Option<Value>>,
-    pub(super) globals: Vec<(String, Reg)>,
+    pub(super) globals: Vec<(Global, Reg)>,
     pub(super) widths: Vec<u8>,
     pub(super) n_texts: u16,
     pub(super) ops: Vec<Op>,
@@ -157,24 +156,23 @@ impl<'a> Lower<'a> {
         Ok(())
     }
 
-    pub(super) fn global(&mut self, at: usize, name: &str) -> Result<Option<Value>, Error> {
-        let Some((_, kind)) = GLOBALS.iter().find(|(n, _)| *n == name) else { return Ok(None) };
-        let ty = Ty::from(*kind);
-        if let Some((_, reg)) = self.globals.iter().find(|(n, _)| n == name) {
-            return Ok(Some(Value::of(ty, reg.index() as u16, true)));
+    /// The value of a global variable.
+    pub(super) fn global(&mut self, at: usize, global: Global) -> Result<Value, Error> {
+        let ty = Ty::from(global.kind());
+        if let Some((_, reg)) = self.globals.iter().find(|(g, _)| *g == global) {
+            return Ok(Value::of(ty, reg.index() as u16, true));
         }
-        let reg = self.reg(at, ty)?;
-        let value = Value::of(ty, reg, true);
-        self.globals.push((name.into(), value.reg()));
-        Ok(Some(value))
+        let value = Value::of(ty, self.reg(at, ty)?, true);
+        self.globals.push((global, value.reg()));
+        Ok(value)
     }
 
     pub(super) fn variable(&mut self, at: usize, name: &str) -> Result<Value, Error> {
         if let Some(value) = self.scopes.iter().rev().find_map(|s| s.get(name)) {
             return Ok(*value);
         }
-        if let Some(value) = self.global(at, name)? {
-            return Ok(value);
+        if let Some(global) = Global::of_name(name) {
+            return self.global(at, global);
         }
         if name == "dPdu" || name == "dPdv" {
             let p = self.variable(at, "P")?;
@@ -188,7 +186,7 @@ impl<'a> Lower<'a> {
             return self.constant(at, std::f32::consts::PI);
         }
         let locals = self.scopes.iter().flat_map(|s| s.keys().map(String::as_str));
-        let near = nearest(name, locals.chain(GLOBALS.iter().map(|(n, _)| *n)));
+        let near = nearest(name, locals.chain(Global::all().map(|g| g.name())));
         error(at, format!("unknown variable `{name}`{near}"))
     }
 

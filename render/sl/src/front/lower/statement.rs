@@ -36,12 +36,10 @@ impl<'a> Lower<'a> {
             StmtKind::Extern(names) => {
                 for (name, at) in names {
                     let found = self.outer.iter().rev().flat_map(|s| s.iter().rev()).find_map(|s| s.get(name)).copied();
-                    let found = match found {
-                        Some(found) => Some(found),
-                        None => self.global(*at, name)?,
-                    };
-                    let Some(found) = found else {
-                        return error(*at, format!("there is no `{name}` around this function"));
+                    let found = match (found, Global::of_name(name)) {
+                        (Some(found), _) => found,
+                        (None, Some(global)) => self.global(*at, global)?,
+                        (None, None) => return error(*at, format!("there is no `{name}` around this function")),
                     };
                     self.declare(*at, name, found)?;
                 }
@@ -124,7 +122,7 @@ impl<'a> Lower<'a> {
                 values.truncate(k);
             }
         }
-        let l = self.global(at, "L")?.expect("L is a global").triple();
+        let l = self.global(at, Global::L)?.triple();
         let types: Vec<Ty> = values.iter().map(|v| v.ty).collect();
         let spatial = |i: usize| types.get(i).is_some_and(|t| t.is_triple());
         let angle = |i: usize| types.get(i) == Some(&Ty::Float);
@@ -154,11 +152,11 @@ impl<'a> Lower<'a> {
         };
         if which == "illuminate" {
             self.directed = true;
-            let ps = self.global(at, "Ps")?.expect("Ps is a global").triple();
+            let ps = self.global(at, Global::Ps)?.triple();
             let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
             return self.push(at, Op::Illuminate { position, axis, angle, l, ps, body });
         }
-        let cl = self.global(at, "Cl")?.expect("Cl is a global").triple();
+        let cl = self.global(at, Global::Cl)?.triple();
         let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
         let wanted = wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
         self.push(at, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
