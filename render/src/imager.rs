@@ -16,11 +16,8 @@ impl sl::machine::Scene for Darkroom<'_> {
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.0.matrix(from, to, &|_| None)
     }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
-    fn map(&self, query: &MapQuery) -> [f32; 4] {
-        self.0.textures.look_up(query, self.0)
+    fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
+        queries.iter().zip(values).for_each(|(query, value)| *value = self.0.textures.look_up(query, self.0));
     }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.0.ask(what, names)

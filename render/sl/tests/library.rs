@@ -1,7 +1,7 @@
 //! The shader library compiles, and shaders compute what they say.
 
 use sl::Global;
-use sl::machine::{BoundShader, Machine, Points, Scene};
+use sl::machine::{BoundShader, Machine, Points, Scene, Segment};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ impl Scene for Nothing {
     fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
         None
     }
-    fn transmission(&self, _: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+    fn transmission(&self, segments: &[Segment], light: &mut [[f32; 3]]) {
         // Everything above x = 0.5 of the target's way is in shadow.
-        if to[0] > 0.5 { [0.0; 3] } else { [1.0; 3] }
+        segments.iter().zip(light).for_each(|(s, light)| *light = if s.to[0] > 0.5 { [0.0; 3] } else { [1.0; 3] });
     }
 }
 

@@ -17,5 +17,5 @@ mod text;
 
 pub use super::bound::{Answer, BoundShader};
 pub use super::points::Points;
-pub use super::scene::{Emitter, Lights, MapQuery, Scene};
+pub use super::scene::{Emitter, Lights, MapQuery, Ray, Scene, Segment};
 pub use state::Machine;

@@ -4,15 +4,18 @@ use super::bound::{Answer, BoundShader};
 use crate::ir::{Ask, Lookup};
 use std::sync::Arc;
 
-/// What a shader asks of the scene around the grid.
+/// What a shader asks of the scene around the grid. Where a question is asked at many points it comes once for all of them, so
+/// that it may be answered in bulk; answers go to a slice of the same length.
 pub trait Scene {
     /// The lights that shine on the grid.
     fn lights(&self) -> &[Arc<BoundShader>];
     /// The matrix from one named space to another, 16 numbers column after column for column vectors.
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]>;
-    /// How much light gets from one point to another: 1 all, 0 none.
-    fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3];
-    /// Where on an area light its light of a number in [`Scene::lights`] is, for `n` places that it lights.
+    /// How much light gets along segments: 1 all, 0 none.
+    fn transmission(&self, _segments: &[Segment], light: &mut [[f32; 3]]) {
+        light.fill([1.0; 3]);
+    }
+    /// Where on an area light its light of an index in [`Scene::lights`] is, for `n` places that it lights.
     fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         None
     }
@@ -20,26 +23,44 @@ pub trait Scene {
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
         None
     }
-    /// Four channels of a map.
-    fn map(&self, _query: &MapQuery) -> [f32; 4] {
-        [0.0; 4]
+    /// Four channels of a map, for queries that differ in their places alone.
+    fn map(&self, _queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
+        values.fill([0.0; 4]);
     }
-    /// How far along a direction (of unit length) the nearest surface is.
-    fn hit(&self, _from: [f32; 3], _direction: [f32; 3]) -> Option<f32> {
-        None
+    /// How far along rays the nearest surface is.
+    fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
+        distances.fill(None);
     }
     /// Whether rays from here are followed at all: not where they have come too deep.
     fn traces(&self, _many: bool) -> bool {
         false
     }
-    /// The colour that a ray brings back; `many` says that it is one of many from its point, as for light from all around.
-    fn trace(&self, _from: [f32; 3], _direction: [f32; 3], _many: bool) -> [f32; 3] {
-        [0.0; 3]
+    /// The colours that rays bring back; `many` says that each is one of many from its point, as for light from all around.
+    fn trace(&self, _rays: &[Ray], _many: bool, colors: &mut [[f32; 3]]) {
+        colors.fill([0.0; 3]);
     }
     /// Take what `printf` prints.
     fn print(&self, text: &str) {
         eprint!("{text}");
     }
+}
+
+/// A ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts.
+    pub from: [f32; 3],
+    /// Its direction, of unit length.
+    pub direction: [f32; 3],
+}
+
+/// From one point to another.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// Where it starts.
+    pub from: [f32; 3],
+    /// Where it ends.
+    pub to: [f32; 3],
 }
 
 /// Points of an area light, one for each place that it lights.
@@ -62,14 +83,11 @@ impl Scene for Lights {
     fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
         None
     }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
     fn print(&self, _: &str) {}
 }
 
 /// A question for a map.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct MapQuery<'a> {
     /// How it is looked up.
     pub how: Lookup,

@@ -46,7 +46,7 @@ impl Machine {
         };
         let uniform = place.iter().all(|r| self.regs[r.index()].len() == r.width());
         let lanes = if uniform { 1 } else { n };
-        let mut out = vec![0.0; wd * lanes];
+        let (mut points, mut queries) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
         for k in 0..lanes {
             if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
                 continue;
@@ -74,7 +74,13 @@ impl Machine {
                 let scale = if *sun { far / dot(l, l).sqrt().max(1e-20) } else { 1.0 };
                 [0, 1, 2].map(|c| query.at[c] - l[c] * scale)
             });
-            let value = scene.map(&query);
+            points.push(k);
+            queries.push(query);
+        }
+        let mut values = vec![[0.0; 4]; queries.len()];
+        scene.map(&queries, &mut values);
+        let mut out = vec![0.0; wd * lanes];
+        for (k, value) in points.into_iter().zip(values) {
             (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
         }
         self.regs[dst.index()] = out;
