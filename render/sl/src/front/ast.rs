@@ -98,7 +98,7 @@ pub enum StmtKind {
     If(Expr, Box<Stmt>, Option<Box<Stmt>>),
     While(Expr, Box<Stmt>),
     For(Box<Stmt>, Expr, Box<Stmt>, Box<Stmt>),
-    /// Out of so many loops.
+    /// Out of this number of loops.
     Break(usize),
     Continue(usize),
     Return(Option<Expr>),

@@ -1,6 +1,6 @@
-//! What is wrong with a shader, and where.
+//! Errors and their places.
 
-/// What is wrong with a shader, and where; line and column count from 1.
+/// An error in a shader and its place; line and column count from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     /// The shader's file.
@@ -13,7 +13,7 @@ pub struct Diagnostic {
     pub text: String,
     /// What is wrong and what was expected.
     pub message: String,
-    /// What would mend it, if that is known.
+    /// How it may be corrected, if that is known.
     pub hint: Option<String>,
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn error<T>(at: usize, message: impl Into<String>) -> Result<T, Error
     Err(Error::new(at, message))
 }
 
-/// An error, and what would mend it.
+/// An error, and how it may be corrected.
 pub(crate) fn error_with<T>(at: usize, message: impl Into<String>, hint: impl Into<String>) -> Result<T, Error> {
     Err(Error { hint: Some(hint.into()), ..Error::new(at, message) })
 }

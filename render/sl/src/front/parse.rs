@@ -242,6 +242,7 @@ impl Parser<'_> {
         })
     }
 
+    /// Long, because it has an arm for each keyword.
     fn statement_kind(&mut self, at: usize) -> Result<StmtKind, Error> {
         let word = match self.peek().clone() {
             Tok::Op("{") => return Ok(StmtKind::Block(self.block()?)),

@@ -30,7 +30,7 @@ pub enum Arg {
 }
 
 impl Arg {
-    /// Whether a register of so many numbers may be this argument.
+    /// Whether a register of this width may be the argument.
     pub fn takes_width(self, width: usize) -> bool {
         match self {
             Arg::Float => width == 1,
@@ -56,7 +56,7 @@ pub enum Gives {
 }
 
 impl Gives {
-    /// Whether a register of so many numbers may take the result, if the first argument has `first`.
+    /// Whether a register of this width may take the result, if the first argument has width `first`.
     pub fn has_width(self, width: usize, first: usize) -> bool {
         match self {
             Gives::Is(kind) => width == kind.width(),
@@ -131,9 +131,9 @@ pub enum Form {
 /// How a function is computed.
 #[derive(Clone, Copy, Debug)]
 pub enum How {
-    /// By an operation of its own, number by number.
+    /// By an operation of its own, component by component.
     Unary(Unary),
-    /// By an operation of its own, number by number.
+    /// By an operation of its own, component by component.
     Binary(Binary),
     /// A component of a triple.
     Component(u8),
@@ -239,7 +239,7 @@ impl Builtin {
         &TABLE[self.index()]
     }
 
-    /// The function of this name in the IR that takes so many arguments; for constants.
+    /// The function of this name in the IR that takes `n_args` arguments; for constants.
     pub const fn named(ir: &str, n_args: usize) -> Builtin {
         let mut k = 0;
         while k < TABLE.len() {

@@ -79,9 +79,9 @@ pub enum Op {
     TextCopy(TextReg, TextReg),
     /// Whether two strings are the same: 1 or 0.
     TextEqual(FloatReg, TextReg, TextReg),
-    /// Number by number; a width-1 operand is spread over a triple result.
+    /// Component by component; an operand of width 1 is spread over a wider result.
     Unary(Unary, Reg, Reg),
-    /// Number by number; a width-1 operand is spread over a triple result.
+    /// Component by component; an operand of width 1 is spread over a wider result.
     Binary(Binary, Reg, Reg, Reg),
     /// Where condition: then, else otherwise.
     Select(Reg, FloatReg, Reg, Reg),
@@ -145,9 +145,9 @@ pub enum Op {
     If(FloatReg, Vec<Op>, Vec<Op>),
     /// Repeat: condition's operations, condition, body, step.
     Loop(Vec<Op>, FloatReg, Vec<Op>, Vec<Op>),
-    /// Leave so many loops.
+    /// Leave this number of loops.
     Break(u16),
-    /// Leave all but the last of so many loops, and go to that one's step.
+    /// Leave all but the last of this number of loops, and go to that one's step.
     Continue(u16),
     /// A function's body in place of its call.
     Inline(Vec<Op>),

@@ -1,4 +1,4 @@
-//! What the IR sheds before a back end sees it: operations on constants are done here, and those whose result nobody reads
+//! Optimisation of the IR before a back end sees it: operations on constants are done here, and those whose result nobody reads
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
@@ -109,7 +109,7 @@ fn drop_copies(program: &mut Program) -> bool {
     });
     let outside: Vec<Reg> = program.globals.iter().map(|(_, r)| *r).chain(parameters).collect();
     let mut values: HashMap<Reg, Reg> = HashMap::new();
-    let mut look = |dst: Reg, src: Reg, here: usize, end: usize| {
+    let mut find = |dst: Reg, src: Reg, here: usize, end: usize| {
         let (d, s) = (dst.index(), src.index());
         let one_name = writes[d] == 1 && !outside.contains(&dst) && dst.width() == src.width();
         let read_after = first_read[d] > here && last_read[d] <= end;
@@ -127,7 +127,7 @@ fn drop_copies(program: &mut Program) -> bool {
         }
     };
     let mut at = 0;
-    copies(&program.body, &mut at, &mut look);
+    copies(&program.body, &mut at, &mut find);
     if values.is_empty() {
         return false;
     }

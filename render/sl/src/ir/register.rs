@@ -63,7 +63,7 @@ pub enum Reg {
 }
 
 impl Reg {
-    /// The register of an index, of so many numbers.
+    /// The register of an index and a width.
     pub const fn of(index: u16, width: usize) -> Reg {
         match width {
             1 => Reg::Float(FloatReg(index)),
@@ -82,7 +82,7 @@ impl Reg {
         }
     }
 
-    /// Numbers of one value: 1, 3 or 16.
+    /// Components of a value: 1, 3 or 16.
     #[inline(always)]
     pub const fn width(self) -> usize {
         match self {

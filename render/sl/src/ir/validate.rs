@@ -139,6 +139,7 @@ impl Check<'_> {
         self.write(dst)
     }
 
+    /// Check an operation. Long, because it has an arm for each.
     fn op(&mut self, op: &Op) -> Result<(), String> {
         let in_light = self.program.kind == ShaderKind::Light;
         match op {

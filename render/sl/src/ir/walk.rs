@@ -71,7 +71,8 @@ pub fn blocks_mut(op: &mut Op) -> Vec<&mut Vec<Op>> {
     }
 }
 
-/// The registers that an operation reads, those of its inner blocks aside. Variables that it changes in part count.
+/// The registers that an operation reads, those of its inner blocks aside. Variables that it changes in part count. Long,
+/// because it has an arm for each operation.
 pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
     use Operand::{Number, Text};
     /// All of some registers of numbers.

@@ -2,12 +2,12 @@
 
 use super::runs::{at, run_of};
 
-/// Values of an argument: one for all points, or one a point; a triple or a matrix as so many runs.
+/// Values of an argument: one for all points, or one a point; a triple or a matrix as one run for each component.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Values<'a> {
     /// The numbers.
     pub v: &'a [f32],
-    /// Numbers of one value: 1, 3 or 16.
+    /// Components of a value: 1, 3 or 16.
     pub width: usize,
 }
 
@@ -33,7 +33,7 @@ pub struct Call<'a> {
     pub place: Option<&'a [f32]>,
     /// Arguments.
     pub args: &'a [Values<'a>],
-    /// Numbers of one value of the result.
+    /// Components of a value of the result.
     pub width: usize,
 }
 

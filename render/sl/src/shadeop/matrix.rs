@@ -1,9 +1,9 @@
-//! Functions of matrices, and of components by number. A matrix has its sixteen numbers row after row, for row vectors.
+//! Functions of matrices, and of components by index. A matrix has its sixteen numbers row after row, for row vectors.
 
 use super::call::Call;
 use glam::{Mat4, Vec3};
 
-/// The element that a number names, if there is one.
+/// The element of an index, if there is one.
 pub fn element(i: f32, len: u16) -> Option<usize> {
     (i >= 0.0 && i < len as f32).then_some(i as usize)
 }

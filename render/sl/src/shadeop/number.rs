@@ -1,6 +1,6 @@
 //! Operations on single numbers.
 
-/// Operations of one operand, number by number.
+/// Operations of one operand, component by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unary {
     /// Copy.
@@ -45,7 +45,7 @@ pub enum Unary {
     Degrees,
 }
 
-/// Operations of two operands, number by number.
+/// Operations of two operands, component by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binary {
     /// a + b

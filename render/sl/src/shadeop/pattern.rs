@@ -5,7 +5,7 @@ use super::matrix::triple16;
 use super::noise as lattice;
 use super::runs::{at, triple};
 
-/// Noise in [0, 1] of 1, 2 or 3 numbers; the result's width says how many come out.
+/// Noise in [0, 1] of 1, 2 or 3 numbers; as many values as the result has components, independent of each other.
 pub fn noise(call: &Call<'_>, out: &mut Vec<f32>) {
     at_places(call, out, lattice::noise);
 }

@@ -24,7 +24,7 @@ impl Machine {
         self.drop_left();
     }
 
-    /// `break` out of so many loops, or `continue` the last of them.
+    /// `break` out of `levels` loops, or `continue` the last of them.
     pub(super) fn leave(&mut self, levels: usize, for_good: bool) {
         let n = self.n;
         let mask = self.mask.take().unwrap_or_else(|| vec![true; n]);
@@ -36,7 +36,7 @@ impl Machine {
     }
 
     pub(super) fn repeat(&mut self, head: &[Op], c: FloatReg, body: &[Op], step: &[Op], scene: &dyn Scene) {
-        /// A shader whose loop does not end must not hang the picture.
+        /// A shader whose loop does not end must not hang the render.
         const MAX_TURNS: usize = 1_000_000;
         let n = self.n;
         let outer = self.mask.clone();

@@ -1,4 +1,4 @@
-//! Operations number by number, and elements of arrays.
+//! Operations component by component, and elements of arrays.
 
 use super::state::Machine;
 use crate::ir::*;

@@ -64,7 +64,7 @@ impl Machine {
         }
     }
 
-    /// Rays over the hemisphere of every point: how many of them are hidden, or the mean of what they bring back.
+    /// Rays over the hemisphere of every point: the part of them that is hidden, or the mean of the colours that they bring back.
     fn hemisphere(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, hidden: bool, scene: &dyn Scene) {
         let n = self.n;
         let [p, way, samples] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);

@@ -116,6 +116,7 @@ impl Machine {
         }
     }
 
+    /// Run an operation. Long, because it has an arm for each.
     pub(super) fn op(&mut self, op: &Op, scene: &dyn Scene) {
         match op {
             Op::Const(dst, v) => {

@@ -32,7 +32,7 @@ pub(super) struct LoopFrame {
     pub(super) inline: bool,
 }
 
-/// Runs programs. See the module's head.
+/// The grid machine.
 #[derive(Default)]
 pub struct Machine {
     pub(super) n: usize,

@@ -40,8 +40,8 @@ impl<'a> Lower<'a> {
                 let (a, b) = (self.expr(a, expected)?, self.expr(b, expected)?);
                 if a.ty == Ty::Text && b.ty == Ty::Text {
                     let chosen = self.text(at, "")?;
-                    let pick = |v: Value| vec![Op::TextCopy(chosen.text(), v.text())];
-                    self.push(at, Op::If(condition.float(), pick(a), pick(b)))?;
+                    let select = |v: Value| vec![Op::TextCopy(chosen.text(), v.text())];
+                    self.push(at, Op::If(condition.float(), select(a), select(b)))?;
                     return Ok(chosen);
                 }
                 let ty = if a.ty == Ty::Float { b.ty } else { a.ty };
@@ -104,6 +104,7 @@ impl<'a> Lower<'a> {
         self.temp(at, ty, value.varying, |r| Op::Transform(how, r.reg(), value.reg(), from.text(), to.text()))
     }
 
+    /// A binary operator. Long, because it has an arm for each operator and the types that it takes.
     pub(super) fn arithmetic(&mut self, at: usize, op: &str, a: Value, b: Value) -> Result<Value, Error> {
         let varying = a.varying || b.varying;
         let refuse = |what: &str| error(at, format!("`{op}` {what}, found {} and {}", a.ty.name(), b.ty.name()));
