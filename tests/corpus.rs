@@ -6,6 +6,7 @@ use render::ri::files::Files;
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::sl;
+use render::sl::Global;
 use render::sl::machine::{BoundShader, Lights, Machine, Points};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -129,26 +130,26 @@ fn every_shader_runs_over_grids_of_any_shape() {
             let grid = |f: &dyn Fn(f32, f32) -> f32| -> Vec<f32> {
                 (0..n).map(|k| f((k % nu) as f32 / nu as f32, (k / nu) as f32 / nv as f32)).collect()
             };
-            let mut points = Points { nu, nv, orientation: 1.0, ..Points::default() };
+            let mut points = Points::new(nu, nv, 1.0);
             let place = [grid(&|u, _| u), grid(&|_, v| v), grid(&|u, v| u * v)].concat();
-            for name in ["P", "I"] {
-                points.globals.push((name, place.clone()));
+            for global in [Global::P, Global::I] {
+                points.set(global, place.clone());
             }
-            for name in ["N", "Ng"] {
-                points.globals.push((name, [vec![0.0; n], vec![0.0; n], vec![-1.0; n]].concat()));
+            for global in [Global::N, Global::Ng] {
+                points.set(global, [vec![0.0; n], vec![0.0; n], vec![-1.0; n]].concat());
             }
-            for name in ["u", "s"] {
-                points.globals.push((name, grid(&|u, _| u)));
+            for global in [Global::U, Global::S] {
+                points.set(global, grid(&|u, _| u));
             }
-            for name in ["v", "t"] {
-                points.globals.push((name, grid(&|_, v| v)));
+            for global in [Global::V, Global::T] {
+                points.set(global, grid(&|_, v| v));
             }
-            for name in ["Cs", "Os", "Oi"] {
-                points.globals.push((name, vec![1.0; 3]));
+            for global in [Global::Cs, Global::Os, Global::Oi] {
+                points.set(global, vec![1.0; 3]);
             }
-            points.globals.push(("Ci", vec![0.0; 3]));
+            points.set(Global::Ci, vec![0.0; 3]);
             machine.run(&shader, &mut points, &scene);
-            let ci = points.get("Ci").unwrap();
+            let ci = points.get(Global::Ci).unwrap();
             assert!(ci.len() == 3 || ci.len() == 3 * n, "{}: {} values for {n} points", path.display(), ci.len());
             assert!(ci.iter().all(|x| x.is_finite()), "{}: {ci:?}", path.display());
         }

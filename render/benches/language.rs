@@ -8,6 +8,7 @@ use render::ri::files::Files;
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::ri::{Params, Ri, RiResult};
+use render::sl::Global;
 use render::sl::machine::{BoundShader, Lights, Machine, Points};
 use std::path::Path;
 use std::sync::Arc;
@@ -105,16 +106,16 @@ fn shaders(bench: &mut Criterion) {
     let n = 256;
     let mut machine = Machine::new();
     let place: Vec<f32> = (0..3 * n).map(|k| (k as f32 * 0.37).sin()).collect();
-    let mut points = Points { nu: 16, nv: 16, orientation: 1.0, ..Points::default() };
+    let mut points = Points::new(16, 16, 1.0);
     group.throughput(Throughput::Elements(n as u64));
     group.bench_function("plastic, one light, a grid of 256 points", |b| {
         b.iter(|| {
-            for name in ["P", "I", "N", "Cs"] {
-                points.refill(name).extend_from_slice(&place);
+            for global in [Global::P, Global::I, Global::N, Global::Cs] {
+                points.refill(global).extend_from_slice(&place);
             }
-            points.refill("Os").extend_from_slice(&[1.0; 3]);
-            points.refill("Ci").extend_from_slice(&[0.0; 3]);
-            points.refill("Oi").extend_from_slice(&[1.0; 3]);
+            points.refill(Global::Os).extend_from_slice(&[1.0; 3]);
+            points.refill(Global::Ci).extend_from_slice(&[0.0; 3]);
+            points.refill(Global::Oi).extend_from_slice(&[1.0; 3]);
             machine.run(&plastic, &mut points, &scene);
         });
     });

@@ -7,7 +7,7 @@ use crate::bvh::facets_of;
 use crate::options::Attributes;
 use crate::scene::{Scene, Shape};
 use glam::{Mat3, Mat4, Vec3};
-use sl::machine::BoundShader;
+use sl::machine::{Answer, BoundShader};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -109,8 +109,7 @@ pub fn expand(scene: &mut Scene) {
     let told = |light: &AreaLight| {
         let mut shader = (*light.shader).clone();
         if let Some(i) = shader.program.params.iter().position(|p| p.name == "area") {
-            shader.numbers.retain(|(k, _)| *k != i);
-            shader.numbers.push((i, vec![light.area.area()]));
+            shader.set(i, Answer::Numbers(vec![light.area.area()]));
         }
         Arc::new(shader)
     };

@@ -94,14 +94,14 @@ pub struct Context {
 impl Context {
     /// A renderer that finds shaders through `files`.
     pub fn new(files: Files) -> Result<Context, Fail> {
-        let nothing = Arc::new(BoundShader {
-            program: Arc::new(
+        let nothing = Arc::new(BoundShader::given(
+            Arc::new(
                 sl::compile(Path::new("constant.sl"), "surface constant() { Ci = Os * Cs; }")
                     .map_err(|e| Fail::new(e.to_string()))?,
             ),
-            numbers: vec![],
-            texts: vec![],
-        });
+            vec![],
+            vec![],
+        ));
         let attributes = Attributes {
             color: [1.0; 3],
             opacity: [1.0; 3],

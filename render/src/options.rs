@@ -6,6 +6,7 @@ use crate::filter::FilterKind;
 use crate::output::Display;
 use crate::texture::texels;
 use glam::Mat4;
+use sl::Global;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
@@ -202,6 +203,8 @@ impl Attributes {
     pub fn reads_parameters(&self) -> bool {
         let mut shaders =
             [Some(&self.surface), self.displacement.as_ref(), self.atmosphere.as_ref()].into_iter().flatten();
-        shaders.any(|shader| ["u", "v", "s", "t"].iter().any(|name| shader.program.global(name).is_some()))
+        shaders.any(|shader| {
+            [Global::U, Global::V, Global::S, Global::T].iter().any(|g| shader.program.global(*g).is_some())
+        })
     }
 }

@@ -11,6 +11,7 @@ use crate::scene::{Item, ItemView, Patch, Shape, bernstein, bernstein_slope, bil
 use crate::shade::{Diced, displacement_reach, finish};
 use crate::sphere::whole_sphere;
 use glam::Vec3;
+use sl::Global;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -285,8 +286,8 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
     (points.nu, points.nv) = (us.len(), vs.len());
     points.orientation = if mirrored { -sign } else { sign };
     let n = points.n();
-    let mut p = std::mem::take(points.refill("P"));
-    let mut normal = std::mem::take(points.refill("N"));
+    let mut p = std::mem::take(points.refill(Global::P));
+    let mut normal = std::mem::take(points.refill(Global::N));
     p.resize(3 * n, 0.0);
     normal.resize(3 * n, 0.0);
     let along: Vec<([f32; 4], [f32; 4])> = us.iter().map(|u| (bernstein(*u), bernstein_slope(*u))).collect();
@@ -311,19 +312,19 @@ fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu:
             (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
         }
     }
-    *points.refill("P") = p;
-    *points.refill("N") = normal;
+    *points.refill(Global::P) = p;
+    *points.refill(Global::N) = normal;
     deform(job, view, patch, [&us, &vs], ring as usize);
     if job.frame.needs_parameters(view) {
         let points = &mut job.grid.points;
-        for (name, corner) in [
-            ("u", patch.uv.map(|c| c[0])),
-            ("v", patch.uv.map(|c| c[1])),
-            ("s", patch.st.map(|c| c[0])),
-            ("t", patch.st.map(|c| c[1])),
+        for (global, corner) in [
+            (Global::U, patch.uv.map(|c| c[0])),
+            (Global::V, patch.uv.map(|c| c[1])),
+            (Global::S, patch.st.map(|c| c[0])),
+            (Global::T, patch.st.map(|c| c[1])),
         ] {
             let values = vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corner, *u, *v)));
-            points.refill(name).extend(values);
+            points.refill(global).extend(values);
         }
     }
     job.trimmed.clear();

@@ -9,6 +9,7 @@ use crate::sample::Triangle;
 use crate::scene::Item;
 use crate::shade::{shade, surface_opacity};
 use glam::Vec3A;
+use sl::Global;
 use sl::machine::Points;
 
 /// One triangle of a micropolygon of a grid of the bucket: the grid's number, the number of its first point, and which of the
@@ -185,7 +186,7 @@ pub fn settle(job: &mut Job<'_>) {
         }
         let points = if whole { &grid.points } else { &*gathered };
         let n = points.n();
-        let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), surface_opacity(points));
+        let (ci, oi) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), surface_opacity(points));
         let of = |v: &[f32], k: usize| {
             let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
             Vec3A::new(v[a], v[b], v[c])
@@ -228,9 +229,9 @@ fn gather(points: &Points, uniform: usize, few: &[u32], out: &mut Points) {
             out.extend(few.iter().map(|k| run[*k as usize]));
         }
     };
-    for name in ["P", "N", "u", "v", "s", "t"] {
-        let goal = out.refill(name);
-        if let Some(values) = points.get(name).filter(|v| !v.is_empty() && v.len() % n == 0) {
+    for global in [Global::P, Global::N, Global::U, Global::V, Global::S, Global::T] {
+        let goal = out.refill(global);
+        if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
             of(values, goal);
         }
     }

@@ -10,6 +10,7 @@ use crate::scene::{Item, ItemView, instance_inputs};
 use crate::seen::hold;
 use crate::view::View;
 use glam::{Vec2, Vec3};
+use sl::Global;
 use sl::machine::Points;
 
 /// A grid: points in rows, in world space, and where they fall on the raster.
@@ -52,10 +53,10 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
         let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
         scene.shader_to_world = a.displacement_space;
         fill_incident(&mut job.grid.points, &frame.camera);
-        let before = job.grid.points.get("P").unwrap_or(&[]).to_vec();
+        let before = job.grid.points.get(Global::P).unwrap_or(&[]).to_vec();
         job.machine.run(displacement, &mut job.grid.points, &scene);
         spread(&mut job.grid.points);
-        let after = job.grid.points.get("P").unwrap_or(&[]);
+        let after = job.grid.points.get(Global::P).unwrap_or(&[]);
         let n = job.grid.points.n();
         let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
         let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
@@ -72,7 +73,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     job.grid.points.inputs.append(&mut job.varying);
     if diced.keep != [u32::MAX; 4] {
         let (nu, nv) = (job.grid.points.nu, job.grid.points.nv);
-        let p = job.grid.points.globals.iter_mut().filter(|(name, _)| *name == "P").map(|(_, p)| p);
+        let p = job.grid.points.get_mut(Global::P).into_iter();
         p.chain(&mut job.deformed).for_each(|p| snap_edges(p, nu, nv, diced.keep));
     }
     let Some((min, max, z)) = job.grid.project(&frame.camera, &job.instants, &job.deformed) else { return };
@@ -130,8 +131,12 @@ fn note_outputs(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &Poi
         let values = match name {
             "z" | "motion" => None,
             "id" => Some(&id[..]),
-            "Ng" => points.get("Ng").filter(|v| !v.is_empty()).or(points.get("N")),
-            _ => job.machine.output(&view.attributes.surface, name).or(points.get(name)).or_else(variable),
+            "Ng" => points.get(Global::Ng).filter(|v| !v.is_empty()).or(points.get(Global::N)),
+            _ => job
+                .machine
+                .output(&view.attributes.surface, name)
+                .or_else(|| points.get(Global::of_name(name)?))
+                .or_else(variable),
         };
         if let Some(values) = values.filter(|v| v.len() == width || v.len() == width * n) {
             for (k, out) in outputs.chunks_exact_mut(frame.depth).enumerate() {
@@ -146,7 +151,7 @@ fn note_outputs(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &Poi
 
 /// The opacity that shading left: one, or one a point.
 pub fn surface_opacity(points: &Points) -> &[f32] {
-    points.get("Oi").unwrap_or(&[1.0; 3])
+    points.get(Global::Oi).unwrap_or(&[1.0; 3])
 }
 
 /// Sample the grid at hand; whether anything of it is seen.
@@ -155,7 +160,7 @@ fn sample(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, opaque: bool) -> b
     let frame = job.frame;
     let points = &job.grid.points;
     let (n, nu, nv) = (points.n(), points.nu, points.nv);
-    let (place, normal) = (points.get("P").unwrap_or(&[]), points.get("N").unwrap_or(&[]));
+    let (place, normal) = (points.get(Global::P).unwrap_or(&[]), points.get(Global::N).unwrap_or(&[]));
     // Of a one-sided primitive, micropolygons that face away are not there.
     let away = |k: usize| {
         let at = |v: &[f32]| Vec3::new(v[k], v[n + k], v[2 * n + k]);
@@ -210,7 +215,7 @@ impl Grid {
         deformed: &[Vec<f32>],
     ) -> Option<([f32; 2], [f32; 2], f32)> {
         let n = self.points.n();
-        let p = self.points.get("P")?;
+        let p = self.points.get(Global::P)?;
         let (mut min, mut max, mut z) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2], f32::INFINITY);
         self.raster.resize_with(instants.len(), Vec::new);
         for (moment, (instant, raster)) in instants.iter().zip(&mut self.raster).enumerate() {
@@ -258,16 +263,16 @@ pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
     let a = view.attributes;
     let varies = |name: &str| points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
     let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));
-    points.refill("Cs").extend_from_slice(&cs);
-    points.refill("Os").extend_from_slice(&os);
-    points.refill("Ci").extend_from_slice(&[0.0; 3]);
-    points.refill("Oi").extend_from_slice(&os);
-    if a.surface.program.global("Ng").is_some() {
-        let normal = points.get("N").unwrap_or(&[]).to_vec();
-        points.refill("Ng").extend(normal);
+    points.refill(Global::Cs).extend_from_slice(&cs);
+    points.refill(Global::Os).extend_from_slice(&os);
+    points.refill(Global::Ci).extend_from_slice(&[0.0; 3]);
+    points.refill(Global::Oi).extend_from_slice(&os);
+    if a.surface.program.global(Global::Ng).is_some() {
+        let normal = points.get(Global::N).unwrap_or(&[]).to_vec();
+        points.refill(Global::Ng).extend(normal);
     }
-    if a.surface.program.global("E").is_some() {
-        points.refill("E").extend_from_slice(&eye.to_array());
+    if a.surface.program.global(Global::E).is_some() {
+        points.refill(Global::E).extend_from_slice(&eye.to_array());
     }
 }
 
@@ -275,28 +280,30 @@ pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
 fn fill_incident(points: &mut Points, camera: &Camera) {
     spread(points);
     let n = points.n();
-    let mut i = std::mem::take(points.refill("I"));
+    let mut i = std::mem::take(points.refill(Global::I));
     i.resize(3 * n, 0.0);
-    let p = points.get("P").unwrap_or(&[]);
+    let p = points.get(Global::P).unwrap_or(&[]);
     for k in 0..n {
         let v = camera.incident(Vec3::new(p[k], p[n + k], p[2 * n + k]));
         (i[k], i[n + k], i[2 * n + k]) = (v.x, v.y, v.z);
     }
-    *points.refill("I") = i;
+    *points.refill(Global::I) = i;
 }
 
 /// A shader may have left P or N the same everywhere.
 fn spread(points: &mut Points) {
     let n = points.n();
-    for (_, v) in points.globals.iter_mut().filter(|(name, v)| matches!(*name, "P" | "N") && v.len() == 3 && n > 1) {
-        *v = v.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
+    for global in [Global::P, Global::N] {
+        if let Some(v) = points.get_mut(global).filter(|v| v.len() == 3 && n > 1) {
+            *v = v.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
+        }
     }
 }
 
 /// Drop the ring of points around the grid.
 fn strip_apron(points: &mut Points) {
     let (nu, nv, n) = (points.nu, points.nv, points.n());
-    for (_, v) in &mut points.globals {
+    for v in points.globals_mut() {
         if v.len() >= n && v.len() % n == 0 {
             let mut kept = Vec::with_capacity(v.len());
             for c in 0..v.len() / n {

@@ -12,6 +12,7 @@ use crate::scene::{Item, ItemView, Patch, sphere_uv};
 use crate::shade::{Diced, displacement_reach, finish};
 use crate::surfaces::{circle, revolve};
 use glam::{Mat3, Vec3};
+use sl::Global;
 use std::sync::OnceLock;
 
 /// Points along a grid's edge, less one.
@@ -358,8 +359,8 @@ fn fill(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, [nu, nv]: [usize; 2
     (points.nu, points.nv) = (nu, nv);
     points.orientation = if view.attributes.reversed { -ball.orientation } else { ball.orientation };
     let n = points.n();
-    let mut p = std::mem::take(points.refill("P"));
-    let mut normal = std::mem::take(points.refill("N"));
+    let mut p = std::mem::take(points.refill(Global::P));
+    let mut normal = std::mem::take(points.refill(Global::N));
     p.resize(3 * n, 0.0);
     normal.resize(3 * n, 0.0);
     let outward = if view.attributes.reversed { -1.0 } else { 1.0 };
@@ -368,16 +369,16 @@ fn fill(job: &mut Job<'_>, view: &ItemView<'_>, ball: &Ball, [nu, nv]: [usize; 2
         (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
         (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
     }
-    *points.refill("P") = p;
-    *points.refill("N") = normal;
+    *points.refill(Global::P) = p;
+    *points.refill(Global::N) = normal;
     job.trimmed.clear();
     job.uniform.clear();
     job.varying.clear();
     if job.frame.needs_parameters(view) {
         let of = |(d, _): &(Vec3, Vec3)| sphere_uv(ball.to_object * *d);
-        for (axis, names) in [["u", "s"], ["v", "t"]].into_iter().enumerate() {
-            for name in names {
-                points.refill(name).extend(directions.iter().map(|d| of(d)[axis]));
+        for (axis, globals) in [[Global::U, Global::S], [Global::V, Global::T]].into_iter().enumerate() {
+            for global in globals {
+                points.refill(global).extend(directions.iter().map(|d| of(d)[axis]));
             }
         }
     }

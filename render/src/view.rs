@@ -8,8 +8,9 @@ use crate::options::Attributes;
 use crate::scene::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
 use crate::shade::{surface_globals, uniform_inputs};
 use glam::{Mat3, Mat4, Vec3};
+use sl::Global;
 use sl::ir::{Ask, Lookup};
-use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points};
+use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points, Ray, Segment};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -81,23 +82,23 @@ impl<'a> View<'a> {
         points.inputs.extend(met.inputs);
         let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
         let way = (dir * distance).to_array();
-        let values: [(&'static str, &[f32]); 7] = [
-            ("P", &met.place.to_array()),
-            ("N", &normal),
-            ("I", &way),
-            ("u", &[met.uv[0]]),
-            ("v", &[met.uv[1]]),
-            ("s", &[met.st[0]]),
-            ("t", &[met.st[1]]),
+        let values: [(Global, &[f32]); 7] = [
+            (Global::P, &met.place.to_array()),
+            (Global::N, &normal),
+            (Global::I, &way),
+            (Global::U, &[met.uv[0]]),
+            (Global::V, &[met.uv[1]]),
+            (Global::S, &[met.st[0]]),
+            (Global::T, &[met.st[1]]),
         ];
-        for (name, value) in values {
-            points.refill(name).extend_from_slice(value);
+        for (global, value) in values {
+            points.refill(global).extend_from_slice(value);
         }
         surface_globals(&mut points, &view, from);
         let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, item, &view, self.bias) };
         machine.run(&a.surface, &mut points, &scene);
-        let three = |name: &str| points.get(name).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
-        let answer = (three("Ci"), three("Oi"));
+        let three = |global| points.get(global).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
+        let answer = (three(Global::Ci), three(Global::Oi));
         SPARE.with(|s| s.borrow_mut().push((machine, points)));
         answer
     }
@@ -107,6 +108,27 @@ impl<'a> View<'a> {
     fn start(&self, from: Vec3, dir: Vec3) -> Vec3 {
         let off = 0.05 * self.bias[0];
         self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
+    }
+
+    /// How much light gets from one point to another.
+    fn light_along(&self, from: Vec3, to: Vec3) -> [f32; 3] {
+        if self.scene.bvh.blocked(self.item, from, to, self.bias) {
+            return [0.0; 3];
+        }
+        if self.scene.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
+    }
+
+    /// Four channels of a map at a place.
+    fn look_up(&self, query: &MapQuery) -> [f32; 4] {
+        match (query.how, query.light) {
+            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
+            (Lookup::Shadow, Some(from)) => [1.0 - self.light_along(query.at.into(), from.into())[0]; 4],
+            (Lookup::Shadow, None) => {
+                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
+                [0.0; 4]
+            }
+            _ => self.scene.textures.look_up(query, self.scene),
+        }
     }
 
     /// How much light gets from one point to another through what is see-through, of which each surface that is met keeps its
@@ -236,17 +258,16 @@ impl sl::machine::Scene for View<'_> {
         })
     }
 
-    fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
-        let (from, to) = (Vec3::from(from), Vec3::from(to));
-        if self.scene.bvh.blocked(self.item, from, to, self.bias) {
-            return [0.0; 3];
-        }
-        if self.scene.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
+    fn transmission(&self, segments: &[Segment], light: &mut [[f32; 3]]) {
+        segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
     }
 
-    fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
-        let dir = Vec3::from(direction);
-        self.scene.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
+    fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
+        for (ray, distance) in rays.iter().zip(distances) {
+            let dir = Vec3::from(ray.direction);
+            let found = self.scene.bvh.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
+            *distance = found.map(|(t, _)| t);
+        }
     }
 
     fn emitter(&self, light: usize, n: usize, place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
@@ -267,34 +288,24 @@ impl sl::machine::Scene for View<'_> {
         self.depth < self.max_depth(many)
     }
 
-    fn trace(&self, from: [f32; 3], direction: [f32; 3], many: bool) -> [f32; 3] {
-        let mut color = [0.0; 3];
+    fn trace(&self, rays: &[Ray], many: bool, colors: &mut [[f32; 3]]) {
         if !self.traces(many) {
-            return color;
+            return colors.fill([0.0; 3]);
         }
-        let dir = Vec3::from(direction);
-        let from = self.start(from.into(), dir);
-        self.through(from, dir, f32::INFINITY, |item, distance, open| {
-            let (ci, oi) = self.shade(item, from, dir, distance, many);
-            (0..3).for_each(|c| color[c] += open[c] * ci[c]);
-            oi
-        });
-        color
+        for (ray, color) in rays.iter().zip(colors) {
+            let dir = Vec3::from(ray.direction);
+            let from = self.start(ray.from.into(), dir);
+            *color = [0.0; 3];
+            self.through(from, dir, f32::INFINITY, |item, distance, open| {
+                let (ci, oi) = self.shade(item, from, dir, distance, many);
+                (0..3).for_each(|c| color[c] += open[c] * ci[c]);
+                oi
+            });
+        }
     }
 
-    fn map(&self, query: &MapQuery) -> [f32; 4] {
-        match (query.how, query.light) {
-            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
-            (Lookup::Shadow, Some(from)) => {
-                let lit = self.transmission(query.at, from)[0];
-                [1.0 - lit; 4]
-            }
-            (Lookup::Shadow, None) => {
-                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
-                [0.0; 4]
-            }
-            _ => self.scene.textures.look_up(query, self.scene),
-        }
+    fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
+        queries.iter().zip(values).for_each(|(query, value)| *value = self.look_up(query));
     }
 
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {

@@ -1,6 +1,7 @@
 //! The shader library compiles, and shaders compute what they say.
 
-use sl::machine::{BoundShader, Machine, Points, Scene};
+use sl::Global;
+use sl::machine::{BoundShader, Machine, Points, Scene, Segment};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,9 +15,9 @@ impl Scene for Nothing {
     fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
         None
     }
-    fn transmission(&self, _: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+    fn transmission(&self, segments: &[Segment], light: &mut [[f32; 3]]) {
         // Everything above x = 0.5 of the target's way is in shadow.
-        if to[0] > 0.5 { [0.0; 3] } else { [1.0; 3] }
+        segments.iter().zip(light).for_each(|(s, light)| *light = if s.to[0] > 0.5 { [0.0; 3] } else { [1.0; 3] });
     }
 }
 
@@ -27,10 +28,10 @@ fn bind(source: &str) -> Arc<BoundShader> {
 
 /// Run a surface shader over a 4×2 grid with P.x = 0, 1, 2, 3 and N = I = −z; its Ci.
 fn ci(source: &str, lights: &[&str]) -> Vec<f32> {
-    let mut points = Points { nu: 4, nv: 2, orientation: 1.0, ..Points::default() };
+    let mut points = Points::new(4, 2, 1.0);
     let row = |i: usize| i % 4;
-    points.globals.push((
-        "P",
+    points.set(
+        Global::P,
         (0..24)
             .map(|i| {
                 if i < 8 {
@@ -42,18 +43,18 @@ fn ci(source: &str, lights: &[&str]) -> Vec<f32> {
                 }
             })
             .collect(),
-    ));
-    points.globals.push(("N", vec![0.0, 0.0, -1.0]));
-    points.globals.push(("I", vec![0.0, 0.0, 1.0]));
-    points.globals.push(("u", (0..8).map(|i| row(i) as f32 / 3.0).collect()));
-    points.globals.push(("v", (0..8).map(|i| (i / 4) as f32).collect()));
-    points.globals.push(("Cs", vec![1.0; 3]));
-    points.globals.push(("Os", vec![1.0; 3]));
-    points.globals.push(("Ci", vec![0.0; 3]));
-    points.globals.push(("Oi", vec![1.0; 3]));
+    );
+    points.set(Global::N, vec![0.0, 0.0, -1.0]);
+    points.set(Global::I, vec![0.0, 0.0, 1.0]);
+    points.set(Global::U, (0..8).map(|i| row(i) as f32 / 3.0).collect());
+    points.set(Global::V, (0..8).map(|i| (i / 4) as f32).collect());
+    points.set(Global::Cs, vec![1.0; 3]);
+    points.set(Global::Os, vec![1.0; 3]);
+    points.set(Global::Ci, vec![0.0; 3]);
+    points.set(Global::Oi, vec![1.0; 3]);
     let scene = Nothing(lights.iter().map(|l| bind(l)).collect());
     Machine::new().run(&bind(source), &mut points, &scene);
-    let ci = points.get("Ci").unwrap();
+    let ci = points.get(Global::Ci).unwrap();
     if ci.len() == 3 { vec![ci[0]; 4] } else { ci[..4].to_vec() }
 }
 
@@ -174,12 +175,12 @@ fn the_normal_of_a_displaced_sphere() {
         let p = [theta.sin() * around.cos(), theta.sin() * around.sin(), theta.cos()];
         (0..3).for_each(|c| place[c * N * N + k] = p[c]);
     }
-    let mut points = Points { nu: N, nv: N, orientation: -1.0, ..Points::default() };
-    points.globals.push(("P", place.clone()));
-    points.globals.push(("N", place));
+    let mut points = Points::new(N, N, -1.0);
+    points.set(Global::P, place.clone());
+    points.set(Global::N, place);
     let shader = bind("displacement d() { P += 0.2 * zcomp(P) * normalize(N); N = calculatenormal(P); }");
     Machine::new().run(&shader, &mut points, &Nothing(vec![]));
-    let n = points.get("N").unwrap();
+    let n = points.get(Global::N).unwrap();
     for k in (0..N * N).filter(|k| (1..N - 1).contains(&(k % N)) && (1..N - 1).contains(&(k / N))) {
         let (around, theta) = (angle(k % N), angle(k / N));
         let (r, slope) = (1.0 + 0.2 * theta.cos(), -0.2 * theta.sin());

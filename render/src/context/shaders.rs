@@ -25,9 +25,6 @@ impl sl::machine::Scene for BindScene<'_> {
         };
         Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
     }
-    fn transmission(&self, _: [f32; 3], _: [f32; 3]) -> [f32; 3] {
-        [1.0; 3]
-    }
 }
 
 impl Context {

@@ -1,5 +1,7 @@
 //! The syntax tree. `at` is the byte of the source where a node starts.
 
+use crate::ir::{Kind, ShaderKind};
+
 /// A type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ty {
@@ -11,6 +13,20 @@ pub enum Ty {
     Normal,
     Matrix,
     Text,
+}
+
+impl From<Kind> for Ty {
+    fn from(kind: Kind) -> Ty {
+        match kind {
+            Kind::Float => Ty::Float,
+            Kind::Color => Ty::Color,
+            Kind::Point => Ty::Point,
+            Kind::Vector => Ty::Vector,
+            Kind::Normal => Ty::Normal,
+            Kind::Matrix => Ty::Matrix,
+            Kind::Text => Ty::Text,
+        }
+    }
 }
 
 impl Ty {
@@ -82,7 +98,7 @@ pub enum StmtKind {
     If(Expr, Box<Stmt>, Option<Box<Stmt>>),
     While(Expr, Box<Stmt>),
     For(Box<Stmt>, Expr, Box<Stmt>, Box<Stmt>),
-    /// Out of so many loops.
+    /// Out of this number of loops.
     Break(usize),
     Continue(usize),
     Return(Option<Expr>),
@@ -119,7 +135,7 @@ pub struct Function {
 /// A shader.
 #[derive(Clone, Debug)]
 pub struct Shader {
-    pub kind: crate::ir::ShaderKind,
+    pub kind: ShaderKind,
     pub name: String,
     pub params: Vec<Variable>,
     pub body: Vec<Stmt>,

@@ -1,6 +1,6 @@
-//! Source texts laid end to end, so that one number names a byte of any of them.
+//! Source texts laid end to end, so that one offset stands for a byte of any of them.
 
-use crate::{Diagnostic, Error};
+use super::diagnostic::{Diagnostic, Error};
 use std::path::{Path, PathBuf};
 
 struct Text {
@@ -16,7 +16,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Add a text; returns the number of its first byte.
+    /// Add a text; returns the offset of its first byte.
     pub fn add(&mut self, path: &Path, text: &str) -> usize {
         let base = self.texts.last().map_or(0, |t| t.base + t.text.len() + 1);
         self.texts.push(Text { path: path.into(), text: text.into(), base });

@@ -36,7 +36,7 @@ pub fn value(name: &str, x: f32, knots: &[[f32; 16]], width: usize) -> [f32; 16]
         return out;
     }
     let (m, step) = basis(name);
-    // Too few knots make no segment: what there is is held.
+    // Too few knots make no segment: the first is the value everywhere.
     let Some(room) = knots.len().checked_sub(4) else { return knots[0] };
     let segments = room / step + 1;
     let t = x.clamp(0.0, 1.0) * segments as f32;

@@ -43,11 +43,11 @@ pub fn format(values: &[Value]) -> String {
             Value::Text(t) => t.to_string(),
             Value::Numbers(v) => v.iter().map(|x| number(*x)).collect::<Vec<_>>().join(" "),
         };
-        let least = width.trim_start_matches(['-', '+', ' ']).parse::<usize>().unwrap_or(0).min(1024);
+        let min_width = width.trim_start_matches(['-', '+', ' ']).parse::<usize>().unwrap_or(0).min(1024);
         if width.starts_with('-') {
-            out += &format!("{text:<least$}");
+            out += &format!("{text:<min_width$}");
         } else {
-            out += &format!("{text:>least$}");
+            out += &format!("{text:>min_width$}");
         }
     }
     out

@@ -1,9 +1,9 @@
 //! The preprocessor (RISpec 11.2: that of C): `#include`, `#define` with and without arguments, `#undef`, `#if` and its kin,
 //! `#error`. Works on tokens, which keep the place where they stand in their own file; those of a macro get the place of its use.
 
-use crate::lex::{Tok, lex};
-use crate::source::Sources;
-use crate::{Error, error};
+use super::diagnostic::{Error, error};
+use super::lex::{Tok, lex};
+use super::source::Sources;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

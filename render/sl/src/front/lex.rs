@@ -1,6 +1,6 @@
 //! Shader text, free of comments, as tokens with their places.
 
-use crate::{Error, error};
+use super::diagnostic::{Error, error};
 
 /// A token.
 #[derive(Clone, Debug, PartialEq)]

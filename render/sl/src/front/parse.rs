@@ -1,9 +1,9 @@
 //! Tokens → syntax tree, by recursive descent (RISpec part II, section 17 has the grammar).
 
-use crate::ast::*;
+use super::ast::*;
+use super::diagnostic::{Error, error, error_with};
+use super::lex::Tok;
 use crate::ir::ShaderKind;
-use crate::lex::Tok;
-use crate::{Error, error, error_with};
 
 /// The deepest that expressions and statements may nest.
 const MAX_DEPTH: usize = 200;
@@ -242,6 +242,7 @@ impl Parser<'_> {
         })
     }
 
+    /// Long, because it has an arm for each keyword.
     fn statement_kind(&mut self, at: usize) -> Result<StmtKind, Error> {
         let word = match self.peek().clone() {
             Tok::Op("{") => return Ok(StmtKind::Block(self.block()?)),

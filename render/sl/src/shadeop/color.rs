@@ -50,22 +50,22 @@ fn to_rgb(space: &str, c: [f32; 3]) -> [f32; 3] {
 }
 
 fn from_rgb(space: &str, c: [f32; 3]) -> [f32; 3] {
-    let (most, least) = (c[0].max(c[1]).max(c[2]), c[0].min(c[1]).min(c[2]));
-    let chroma = most - least;
+    let (max, min) = (c[0].max(c[1]).max(c[2]), c[0].min(c[1]).min(c[2]));
+    let chroma = max - min;
     let hue = if chroma == 0.0 {
         0.0
-    } else if most == c[0] {
+    } else if max == c[0] {
         ((c[1] - c[2]) / chroma).rem_euclid(6.0) / 6.0
-    } else if most == c[1] {
+    } else if max == c[1] {
         ((c[2] - c[0]) / chroma + 2.0) / 6.0
     } else {
         ((c[0] - c[1]) / chroma + 4.0) / 6.0
     };
     let xyz = times(&TO_XYZ, c);
     match space {
-        "hsv" => [hue, if most > 0.0 { chroma / most } else { 0.0 }, most],
+        "hsv" => [hue, if max > 0.0 { chroma / max } else { 0.0 }, max],
         "hsl" => {
-            let light = 0.5 * (most + least);
+            let light = 0.5 * (max + min);
             let room = 1.0 - (2.0 * light - 1.0).abs();
             [hue, if room > 0.0 { chroma / room } else { 0.0 }, light]
         }
@@ -79,7 +79,7 @@ fn from_rgb(space: &str, c: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// RGB of a hue (0 to 1) and a chroma, with the least component 0.
+/// RGB of a hue (0 to 1) and a chroma, whose smallest component is 0.
 fn hue(h: f32, chroma: f32) -> [f32; 3] {
     let h = h.rem_euclid(1.0) * 6.0;
     let x = chroma * (1.0 - (h % 2.0 - 1.0).abs());

@@ -1,0 +1,41 @@
+//! Binding: defaults of parameters are computed once.
+
+use super::super::bound::{Answer, BoundShader};
+use super::super::points::Points;
+use super::super::scene::Scene;
+use super::state::Machine;
+use crate::ir::{Operand, Program};
+use std::sync::Arc;
+
+impl BoundShader {
+    /// Bind a program: the values given, and for every other parameter its default, computed once in `scene`.
+    pub fn new(
+        program: Arc<Program>,
+        numbers: Vec<(usize, Vec<f32>)>,
+        texts: Vec<(usize, String)>,
+        scene: &dyn Scene,
+    ) -> BoundShader {
+        let mut bound = BoundShader::given(program, numbers, texts);
+        let points = Points::new(1, 1, 1.0);
+        let mut machine = Machine::new();
+        machine.load(&bound, &points);
+        for (_, reg) in &bound.program.globals {
+            machine.regs[reg.index()] = vec![0.0; reg.width()];
+        }
+        machine.defaults(&bound, &points, scene);
+        let program = bound.program.clone();
+        let unset: Vec<bool> = (0..program.params.len()).map(|slot| bound.value(slot).is_none()).collect();
+        for (slot, param) in program.params.iter().enumerate().filter(|(slot, _)| unset[*slot]) {
+            match param.reg {
+                // An array of strings keeps its defaults.
+                Operand::Text(_) if param.array.is_some() => {}
+                Operand::Text(r) => bound.set(slot, Answer::Text(machine.texts[r.index()].clone())),
+                Operand::Number(r) => {
+                    let registers = r.index()..r.index() + param.array.unwrap_or(1) as usize;
+                    bound.set(slot, Answer::Numbers(machine.regs[registers].concat()));
+                }
+            }
+        }
+        bound
+    }
+}

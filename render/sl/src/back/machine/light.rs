@@ -1,0 +1,166 @@
+//! Lights: `illuminance` in surfaces, `solar` and `illuminate` in lights, `ambient`.
+
+use super::super::bound::{Answer, BoundShader};
+use super::super::points::Points;
+use super::super::scene::Scene;
+use super::state::{Lit, Machine, Receiver};
+use crate::ir::*;
+use crate::shadeop::runs::{at, dot, run_of, triple};
+
+impl Machine {
+    /// A parameter of a light: what it gave to the grid if it is an output.
+    pub(super) fn light_parameter(&self, light: &BoundShader, lit: usize, name: &str) -> Option<Answer> {
+        let i = light.program.params.iter().position(|p| p.name == name)?;
+        match self.lit[lit].outputs.iter().find(|(k, _)| *k == i) {
+            Some((_, v)) => Some(Answer::Numbers(v.clone())),
+            None => light.parameter(name),
+        }
+    }
+
+    /// What a light's `solar` or `illuminate` does: only for points in its cone and in the receiver's.
+    pub(super) fn light_body(&mut self, l: TripleReg, cone: Option<(Vec<f32>, f32)>, body: &[Op], scene: &dyn Scene) {
+        let n = self.n;
+        let inside = {
+            let l = &self.regs[l.index()][..];
+            let reaches = |k: usize| {
+                let l = triple(l, k, n);
+                let length = dot(l, l).sqrt();
+                let in_cone = cone.as_ref().is_none_or(|(axis, angle)| {
+                    let axis = triple(axis, k, n);
+                    *angle >= std::f32::consts::PI || dot(l, axis) >= angle.cos() * length * dot(axis, axis).sqrt()
+                });
+                in_cone
+                    && self.receiver.as_ref().is_none_or(|r| {
+                        let axis = triple(&r.axis, k, n);
+                        -dot(l, axis) > r.cos * length * dot(axis, axis).sqrt()
+                    })
+            };
+            (0..n).map(|k| self.mask.as_ref().is_none_or(|m| m[k]) && reaches(k)).collect::<Vec<bool>>()
+        };
+        if !inside.contains(&true) {
+            return;
+        }
+        self.reached.resize(n, false);
+        self.reached.iter_mut().zip(&inside).for_each(|(r, i)| *r |= i);
+        let outer = self.mask.replace(inside);
+        self.block(body, scene);
+        self.mask = outer;
+    }
+
+    pub(super) fn illuminance(&mut self, op: &Op, scene: &dyn Scene) {
+        let Op::Illuminance { position, axis, angle, l, cl, category, wanted, body } = op else { return };
+        let (l, cl) = (*l, *cl);
+        let [position, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
+        let angle = self.regs[angle.index()][0];
+        for (i, light) in scene.lights().iter().enumerate() {
+            if light.program.is_ambient || !category.is_none_or(|c| light.in_category(&self.texts[c.index()])) {
+                continue;
+            }
+            let k = self.light(i, light, &position, &axis, angle, scene);
+            let outer = self.mask.take();
+            let on = &self.lit[k].on;
+            self.mask = Some(on.iter().enumerate().map(|(p, on)| *on && outer.as_ref().is_none_or(|m| m[p])).collect());
+            if !self.all_off() {
+                // L points from the surface to the light; where the light does not reach, neither value is read.
+                let mut towards = std::mem::take(&mut self.regs[l.index()]);
+                towards.clear();
+                towards.extend(self.lit[k].l.iter().map(|x| -x));
+                self.regs[l.index()] = towards;
+                self.regs[cl.index()].clone_from(&self.lit[k].cl);
+                let before = self.turn.replace((i, k));
+                for (name, reg) in wanted {
+                    if let Some(Answer::Numbers(v)) = self.light_parameter(light, k, name) {
+                        let w = reg.width();
+                        if v.len() == w || v.len() == w * self.n {
+                            self.assign_value(*reg, &v);
+                        }
+                    }
+                }
+                self.block(body, scene);
+                self.turn = before;
+            }
+            self.mask = outer;
+            self.drop_left();
+        }
+    }
+
+    /// What light `i` gives over a cone: kept from an earlier loop, or by running its shader.
+    pub(super) fn light(
+        &mut self,
+        i: usize,
+        light: &BoundShader,
+        position: &[f32],
+        axis: &[f32],
+        angle: f32,
+        scene: &dyn Scene,
+    ) -> usize {
+        let covers = |asked: &Option<Vec<bool>>| match (asked, &self.mask) {
+            (None, _) => true,
+            (Some(_), None) => false,
+            (Some(a), Some(m)) => m.iter().zip(a).all(|(m, a)| !m || *a),
+        };
+        let same =
+            |x: &Lit| x.light == i && x.angle == angle && x.axis == axis && x.position == position && covers(&x.asked);
+        if let Some(k) = self.lit.iter().position(same) {
+            return k;
+        }
+        let mut machine = self.light_machine.take().unwrap_or_default();
+        let mut points = Points::new(self.nu, self.n / self.nu.max(1), self.orientation);
+        points.set(Global::Ps, position.to_vec());
+        points.set(Global::L, vec![0.0; 3]);
+        points.set(Global::Cl, vec![0.0; 3]);
+        let emitter = scene.emitter(i, self.n, &|k| triple(position, k, self.n));
+        if let Some(emitter) = &emitter {
+            points.set(Global::P, emitter.points.clone());
+            points.set(Global::N, emitter.normals.clone());
+        }
+        machine.receiver =
+            Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
+        machine.run_where(light, &mut points, scene, self.mask.clone());
+        let mut take = |global| points.get_mut(global).map(std::mem::take).unwrap_or_default();
+        let (l, mut cl) = (take(Global::L), take(Global::Cl));
+        if let Some(emitter) = emitter {
+            cl.iter_mut().for_each(|x| *x *= emitter.part);
+        }
+        let on = std::mem::take(&mut machine.reached);
+        let params = light.program.params.iter().enumerate().filter(|(_, p)| p.output);
+        let outputs = params.filter_map(|(i, p)| match p.reg {
+            Operand::Number(r) => Some((i, machine.regs[r.index()].clone())),
+            Operand::Text(_) => None,
+        });
+        let outputs = outputs.collect();
+        let entry = Lit {
+            light: i,
+            position: position.to_vec(),
+            axis: axis.to_vec(),
+            angle,
+            asked: self.mask.clone(),
+            on,
+            l,
+            cl,
+            outputs,
+        };
+        self.lit.push(entry);
+        self.light_machine = Some(machine);
+        self.lit.len() - 1
+    }
+
+    /// The sum of the ambient lights.
+    pub(super) fn ambient(&mut self, out: &mut Vec<f32>, scene: &dyn Scene) {
+        let n = self.n;
+        out.resize(3 * n, 0.0);
+        for light in scene.lights().iter().filter(|l| l.program.is_ambient) {
+            let mut machine = self.light_machine.take().unwrap_or_default();
+            let mut points = Points::new(self.nu, n / self.nu.max(1), self.orientation);
+            points.set(Global::Cl, vec![0.0; 3]);
+            machine.receiver = None;
+            machine.run_where(light, &mut points, scene, None);
+            let cl = points.get(Global::Cl).unwrap_or(&[0.0; 3]);
+            for c in 0..3 {
+                let run = run_of(cl, 3, c, n);
+                (0..n).for_each(|k| out[c * n + k] += at(run, k));
+            }
+            self.light_machine = Some(machine);
+        }
+    }
+}

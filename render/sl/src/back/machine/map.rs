@@ -1,0 +1,121 @@
+//! Maps, and changes of space.
+
+use super::super::scene::MapQuery;
+use super::super::scene::Scene;
+use super::state::Machine;
+use crate::ir::*;
+use crate::shadeop::grid::differences;
+use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
+
+impl Machine {
+    pub(super) fn map(&mut self, op: &Op, scene: &dyn Scene) {
+        let Op::Map { dst, how, name, channel, at: place, options } = op else { return };
+        let n = self.n;
+        let wd = dst.width();
+        let name = self.texts[name.index()].clone();
+        let number = |key: &str, otherwise: f32| {
+            let found = options.iter().find(|(k, _)| self.texts[k.index()] == key);
+            match found {
+                Some((_, Operand::Number(r))) => self.regs[r.index()].first().copied().unwrap_or(otherwise),
+                _ => otherwise,
+            }
+        };
+        let width = [number("width", 1.0), number("swidth", 1.0), number("twidth", 1.0)].into_iter().product();
+        let blur = number("blur", 0.0).max(number("sblur", 0.0)).max(number("tblur", 0.0));
+        let mut query = MapQuery {
+            how: *how,
+            name: &name,
+            channel: at(&self.regs[channel.index()], 0).max(0.0) as usize,
+            at: [0.0; 3],
+            change: [[0.0; 3]; 2],
+            width,
+            blur,
+            samples: number("samples", 16.0),
+            bias: number("bias", 0.0),
+            light: None,
+        };
+        let ray = self.ray.map(|(l, sun)| (self.regs[l.index()].clone(), sun));
+        // One point: s and t as two numbers, others as a triple. Four: the corners of the filter's area.
+        let each = if *how == Lookup::Texture { 2 } else { 1 };
+        let corner = |c: usize, axis: usize, k: usize| -> f32 {
+            match (each, axis) {
+                (2, 2) => 0.0,
+                (2, _) => at(&self.regs[place[2 * c + axis].index()], k),
+                _ => at(run_of(&self.regs[place[c].index()], 3, axis, n), k),
+            }
+        };
+        let uniform = place.iter().all(|r| self.regs[r.index()].len() == r.width());
+        let lanes = if uniform { 1 } else { n };
+        let (mut points, mut queries) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
+        for k in 0..lanes {
+            if self.mask.as_ref().is_some_and(|m| lanes == n && !m[k]) {
+                continue;
+            }
+            if place.len() == 4 * each {
+                let all = |axis: usize| [0, 1, 2, 3].map(|c| corner(c, axis, k));
+                for axis in 0..3 {
+                    let [a, b, c, d] = all(axis);
+                    query.at[axis] = 0.25 * (a + b + c + d);
+                    query.change[0][axis] = 0.5 * (b + d - a - c);
+                    query.change[1][axis] = 0.5 * (c + d - a - b);
+                }
+            } else {
+                query.at = [0, 1, 2].map(|axis| corner(0, axis, k));
+                for axis in 0..3 {
+                    let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }].index()];
+                    let run = if each == 2 { &r[..] } else { run_of(r, 3, axis, n) };
+                    let d = if each == 2 && axis == 2 { [0.0; 2] } else { differences(run, k, self.nu, n) };
+                    (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
+                }
+            }
+            query.light = ray.as_ref().map(|(l, sun)| {
+                // The light's ray ends at the place; a sun's begins far away.
+                let (l, far) = (triple(l, k, n), if *sun { 1e6 } else { 1.0 });
+                let scale = if *sun { far / dot(l, l).sqrt().max(1e-20) } else { 1.0 };
+                [0, 1, 2].map(|c| query.at[c] - l[c] * scale)
+            });
+            points.push(k);
+            queries.push(query);
+        }
+        let mut values = vec![[0.0; 4]; queries.len()];
+        scene.map(&queries, &mut values);
+        let mut out = vec![0.0; wd * lanes];
+        for (k, value) in points.into_iter().zip(values) {
+            (0..wd).for_each(|c| out[c * lanes + k] = value[c]);
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn transform(
+        &mut self,
+        how: Transform,
+        dst: Reg,
+        a: Reg,
+        from: TextReg,
+        to: TextReg,
+        scene: &dyn Scene,
+    ) {
+        let matrix = scene.matrix(&self.texts[from.index()], &self.texts[to.index()]);
+        let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
+        if how == Transform::Matrix {
+            return self.evaluate(dst, &[a], |call, out| {
+                call.pointwise(out, |v| (m * glam::Mat4::from_cols_array(&v[0])).to_cols_array())
+            });
+        }
+        let normal = glam::Mat3::from_mat4(m).inverse().transpose();
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        out.clear();
+        let a = &self.regs[a.index()][..];
+        triples2(&mut out, a, a, self.n, 3, |p, _| {
+            let p = glam::Vec3::from_array(p);
+            match how {
+                Transform::Point => m.project_point3(p),
+                Transform::Vector => m.transform_vector3(p),
+                Transform::Normal | Transform::Matrix => normal * p,
+            }
+            .to_array()
+        });
+        self.regs[dst.index()] = out;
+    }
+}

@@ -1,0 +1,105 @@
+//! Operations component by component, and elements of arrays.
+
+use super::state::Machine;
+use crate::ir::*;
+use crate::shadeop::matrix::element;
+use crate::shadeop::number::{binary_value, unary_value};
+use crate::shadeop::runs::{at, run_of, zip};
+
+impl Machine {
+    pub(super) fn unary(&mut self, f: Unary, dst: Reg, a: Reg) {
+        let repeats = dst.width() / a.width();
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let a = &self.regs[a.index()];
+        out.clear();
+        macro_rules! run {
+            ($($f:ident)*) => {
+                match f {
+                    Unary::Copy => out.extend_from_slice(a),
+                    $(Unary::$f => out.extend(a.iter().map(|x| unary_value(Unary::$f, *x))),)*
+                }
+            };
+        }
+        for _ in 0..repeats {
+            run!(Negate Not Abs Sign Sqrt InverseSqrt Sin Cos Tan Asin Acos Atan Exp Log Floor Ceil Round Radians Degrees);
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    pub(super) fn binary(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) {
+        let (wd, wa, wb) = (dst.width(), a.width(), b.width());
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let (a, b) = (&self.regs[a.index()][..], &self.regs[b.index()][..]);
+        out.clear();
+        let varying = a.len() != wa || b.len() != wb;
+        macro_rules! run {
+            ($n:ident, $a:ident, $b:ident, $($f:ident)*) => {
+                match f {
+                    $(Binary::$f => zip(&mut out, $a, $b, $n, |x, y| binary_value(Binary::$f, x, y)),)*
+                }
+            };
+        }
+        for c in 0..wd {
+            let (a, b) = (run_of(a, wa, c, self.n), run_of(b, wb, c, self.n));
+            let n = if varying { self.n } else { 1 };
+            run!(n, a, b, Add Sub Mul Div Min Max Pow Mod Atan2 Step Less LessEqual Equal And Or);
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    pub(super) fn select(&mut self, dst: Reg, c: FloatReg, a: Reg, b: Reg) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        let view = |r: Reg| (&self.regs[r.index()][..], r.width());
+        let (c, a, b) = (view(c.into()), view(a), view(b));
+        let varying = [c, a, b].iter().any(|(v, w)| v.len() != *w);
+        let n = if varying { self.n } else { 1 };
+        out.clear();
+        for k in 0..dst.width() {
+            let [c, a, b] = [c, a, b].map(|(v, w)| run_of(v, w, k, self.n));
+            out.extend((0..n).map(|i| if at(c, i) != 0.0 { at(a, i) } else { at(b, i) }));
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    pub(super) fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: FloatReg) {
+        let (n, w) = (self.n, dst.width());
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        out.clear();
+        let index = &self.regs[index.index()];
+        if let [i] = index[..] {
+            match element(i, len) {
+                Some(k) => out.extend_from_slice(&self.regs[first.index() + k]),
+                None => out.resize(w, 0.0),
+            }
+        } else {
+            out.resize(w * n, 0.0);
+            for (k, i) in index.iter().enumerate() {
+                let Some(e) = element(*i, len) else { continue };
+                let value = &self.regs[first.index() + e];
+                (0..w).for_each(|c| out[c * n + k] = at(run_of(value, w, c, n), k));
+            }
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    pub(super) fn store_element(&mut self, first: Reg, len: u16, index: FloatReg, value: Reg) {
+        let index = self.regs[index.index()].clone();
+        let value = self.regs[value.index()].clone();
+        if let [i] = index[..] {
+            if let Some(k) = element(i, len) {
+                self.assign_value(first.element(k as u16), &value);
+            }
+            return;
+        }
+        let outer = self.mask.take();
+        for k in 0..len as usize {
+            let here = |p: usize| outer.as_ref().is_none_or(|m| m[p]) && element(index[p], len) == Some(k);
+            let mask: Vec<bool> = (0..self.n).map(here).collect();
+            if mask.contains(&true) {
+                self.mask = Some(mask);
+                self.assign_value(first.element(k as u16), &value);
+            }
+        }
+        self.mask = outer;
+    }
+}

@@ -1,0 +1,165 @@
+//! Rays: `gather`, and the functions that send some.
+
+use super::super::scene::{Ray, Scene, Segment};
+use super::state::Machine;
+use crate::ir::builtins::SceneCall;
+use crate::ir::*;
+use crate::shadeop::direction::{in_cone, in_hemisphere};
+use crate::shadeop::runs::{at, dot, put, triple};
+
+/// Rays that are asked about at once, but for those of one point.
+const MOST_RAYS: usize = 1 << 14;
+
+impl Machine {
+    /// A function that asks the scene.
+    pub(super) fn scene_call(&mut self, call: SceneCall, dst: Reg, args: &[Reg], scene: &dyn Scene) {
+        let mut out = std::mem::take(&mut self.regs[dst.index()]);
+        out.clear();
+        let width = dst.width();
+        match call {
+            SceneCall::Ambient => self.ambient(&mut out, scene),
+            SceneCall::Transmission => self.transmission(&mut out, args, scene),
+            SceneCall::Trace => self.trace(&mut out, args, width, scene),
+            SceneCall::Occlusion | SceneCall::IndirectDiffuse => {
+                self.hemisphere(&mut out, args, width, call == SceneCall::Occlusion, scene)
+            }
+        }
+        self.regs[dst.index()] = out;
+    }
+
+    /// The active points.
+    fn active(&self) -> Vec<usize> {
+        (0..self.n).filter(|k| self.mask.as_ref().is_none_or(|m| m[*k])).collect()
+    }
+
+    /// How much light gets from one point to another.
+    fn transmission(&self, out: &mut Vec<f32>, args: &[Reg], scene: &dyn Scene) {
+        let n = self.n;
+        let [from, to] = [0, 1].map(|k| &self.regs[args[k].index()][..]);
+        out.resize(3 * n, 1.0);
+        let points = self.active();
+        let segment = |k: &usize| Segment { from: triple(from, *k, n), to: triple(to, *k, n) };
+        let segments: Vec<Segment> = points.iter().map(segment).collect();
+        let mut light = vec![[1.0; 3]; segments.len()];
+        scene.transmission(&segments, &mut light);
+        points.iter().zip(light).for_each(|(k, light)| put(out, *k, n, light));
+    }
+
+    /// What a ray from every point brings back: its colour, or its length.
+    fn trace(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, scene: &dyn Scene) {
+        let n = self.n;
+        let [p, way] = [0, 1].map(|k| &self.regs[args[k].index()][..]);
+        out.resize(width * n, 0.0);
+        let points = self.active();
+        let ray = |k: &usize| Ray { from: triple(p, *k, n), direction: unit(triple(way, *k, n)) };
+        let rays: Vec<Ray> = points.iter().map(ray).collect();
+        if width == 3 {
+            let mut colors = vec![[0.0; 3]; rays.len()];
+            scene.trace(&rays, false, &mut colors);
+            points.iter().zip(colors).for_each(|(k, color)| put(out, *k, n, color));
+        } else {
+            let mut distances = vec![None; rays.len()];
+            scene.hit(&rays, &mut distances);
+            points.iter().zip(distances).for_each(|(k, d)| out[*k] = d.unwrap_or(f32::INFINITY).min(1e30));
+        }
+    }
+
+    /// Rays over the hemisphere of every point: the part of them that is hidden, or the mean of the colours that they bring back.
+    fn hemisphere(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, hidden: bool, scene: &dyn Scene) {
+        let n = self.n;
+        let [p, way, samples] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);
+        let samples = at(samples, 0).clamp(1.0, 4096.0) as usize;
+        out.resize(width * n, 0.0);
+        if !hidden && !scene.traces(true) {
+            return;
+        }
+        let (mut rays, mut distances, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+        for points in self.active().chunks((MOST_RAYS / samples).max(1)) {
+            rays.clear();
+            for k in points {
+                let (from, about) = (triple(p, *k, n), unit(triple(way, *k, n)));
+                rays.extend((0..samples).map(|i| Ray { from, direction: in_hemisphere(about, i, from) }));
+            }
+            colors.resize(rays.len(), [0.0; 3]);
+            if hidden {
+                distances.resize(rays.len(), None);
+                scene.hit(&rays, &mut distances);
+                let is_hidden = |d: &Option<f32>| [d.is_some() as u8 as f32; 3];
+                colors.iter_mut().zip(&distances).for_each(|(c, d)| *c = is_hidden(d));
+            } else {
+                scene.trace(&rays, true, &mut colors);
+            }
+            for (k, found) in points.iter().zip(colors.chunks_exact(samples)) {
+                let mut sum = [0.0f32; 3];
+                found.iter().for_each(|found| (0..3).for_each(|c| sum[c] += found[c] / samples as f32));
+                (0..width).for_each(|c| out[c * n + *k] = sum[c]);
+            }
+        }
+    }
+
+    /// Rays from a place about an axis.
+    pub(super) fn gather(&mut self, op: &Op, scene: &dyn Scene) {
+        let Op::Gather { position, axis, angle, samples, out, hit, miss } = op else { return };
+        let n = self.n;
+        let [p, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
+        let [angle, samples] = [angle, samples].map(|r| self.regs[r.index()].clone());
+        let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
+        let outer = self.mask.clone();
+        for i in 0..samples {
+            let mut ways = vec![0.0; 3 * n];
+            let mut lengths = vec![0.0; n];
+            let (mut hits, mut misses) = (vec![false; n], vec![false; n]);
+            // The loop's body may have changed the mask: rays are sent from the points that it began with.
+            let points: Vec<usize> = (0..n).filter(|k| outer.as_ref().is_none_or(|m| m[*k])).collect();
+            let ray = |k: &usize| {
+                let (from, about) = (triple(&p, *k, n), triple(&axis, *k, n));
+                Ray { from, direction: in_cone(about, at(&angle, *k), i, samples, from) }
+            };
+            let rays: Vec<Ray> = points.iter().map(ray).collect();
+            let mut distances = vec![None; rays.len()];
+            scene.hit(&rays, &mut distances);
+            for ((k, ray), distance) in points.iter().zip(&rays).zip(distances) {
+                put(&mut ways, *k, n, ray.direction);
+                match distance {
+                    Some(distance) => (lengths[*k], hits[*k]) = (distance, true),
+                    None => misses[*k] = true,
+                }
+            }
+            for (name, reg) in out {
+                let w = reg.width();
+                match name.as_str() {
+                    "ray:direction" if w == 3 => self.assign_value(*reg, &ways),
+                    "ray:origin" if w == 3 => self.assign_value(*reg, &p),
+                    "ray:length" if w == 1 => self.assign_value(*reg, &lengths),
+                    _ if w == 3 && name.ends_with(":Ci") => {
+                        let points: Vec<usize> = (0..n).filter(|k| hits[*k]).collect();
+                        let ray = |k: &usize| Ray { from: triple(&p, *k, n), direction: triple(&ways, *k, n) };
+                        let rays: Vec<Ray> = points.iter().map(ray).collect();
+                        let mut found = vec![[0.0; 3]; rays.len()];
+                        scene.trace(&rays, samples > 1, &mut found);
+                        let mut colors = vec![0.0; 3 * n];
+                        points.iter().zip(found).for_each(|(k, color)| put(&mut colors, *k, n, color));
+                        self.assign_value(*reg, &colors);
+                    }
+                    _ => {}
+                }
+            }
+            for (mask, ops) in [(hits, hit), (misses, miss)] {
+                if mask.contains(&true) {
+                    self.mask = Some(mask);
+                    self.block(ops, scene);
+                }
+            }
+            self.mask.clone_from(&outer);
+            self.drop_left();
+            if self.all_off() {
+                break;
+            }
+        }
+    }
+}
+
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let l = dot(v, v).sqrt();
+    if l > 0.0 { v.map(|x| x / l) } else { v }
+}

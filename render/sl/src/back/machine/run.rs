@@ -1,0 +1,238 @@
+//! A shader run over points: globals and parameters in, operations in turn, globals out.
+
+use super::super::bound::{Answer, BoundShader};
+use super::super::points::Points;
+use super::super::scene::Scene;
+use super::state::{LoopFrame, Machine};
+use crate::ir::*;
+use crate::shadeop::color::convert;
+use crate::shadeop::matrix::{element, triple16};
+use crate::shadeop::runs::at;
+use crate::shadeop::spline;
+
+impl Machine {
+    /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
+    pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
+        self.run_where(shader, points, scene, None);
+    }
+
+    /// Run a shader over the points of a mask.
+    pub(super) fn run_where(
+        &mut self,
+        shader: &BoundShader,
+        points: &mut Points,
+        scene: &dyn Scene,
+        mask: Option<Vec<bool>>,
+    ) {
+        let program = &*shader.program;
+        self.load(shader, points);
+        for (global, reg) in &program.globals {
+            let width = reg.width();
+            let reg = &mut self.regs[reg.index()];
+            match points.get(*global) {
+                Some(values) => reg.extend_from_slice(values),
+                None => reg.resize(width, 0.0),
+            }
+        }
+        self.defaults(shader, points, scene);
+        self.mask = mask;
+        self.block(&program.body, scene);
+        self.mask = None;
+        for (global, reg) in &program.globals {
+            if let Some(values) = points.get_mut(*global) {
+                std::mem::swap(values, &mut self.regs[reg.index()]);
+            }
+        }
+    }
+
+    /// The numbers of an output parameter of the shader that ran last: one value, or one a point.
+    pub fn output(&self, shader: &BoundShader, name: &str) -> Option<&[f32]> {
+        match shader.program.params.iter().find(|p| p.output && p.name == name)?.reg {
+            Operand::Number(r) => Some(&self.regs[r.index()]),
+            Operand::Text(_) => None,
+        }
+    }
+
+    pub(super) fn load(&mut self, shader: &BoundShader, points: &Points) {
+        let program = &*shader.program;
+        self.n = points.n();
+        self.nu = points.nu;
+        self.orientation = points.orientation;
+        self.place = program.global(Global::P);
+        self.mask = None;
+        self.loops.clear();
+        self.lit.clear();
+        self.reached.clear();
+        self.reached.resize(self.n, false);
+        // Nothing of the last grid is left, whose points were others.
+        self.regs.iter_mut().for_each(Vec::clear);
+        if self.regs.len() < program.widths.len() {
+            self.regs.resize_with(program.widths.len(), Vec::new);
+        }
+        if self.texts.len() < program.n_texts {
+            self.texts.resize(program.n_texts, String::new());
+        }
+    }
+
+    /// Parameters: a primitive variable, else what was given, else the default.
+    pub(super) fn defaults(&mut self, shader: &BoundShader, points: &Points, scene: &dyn Scene) {
+        let program = &*shader.program;
+        for (slot, param) in program.params.iter().enumerate() {
+            let own = shader.value(slot);
+            let register = match (param.reg, own) {
+                (Operand::Number(r), _) => r,
+                (Operand::Text(r), Some(Answer::Text(text))) => {
+                    self.texts[r.index()].clone_from(text);
+                    continue;
+                }
+                (Operand::Text(_), _) => {
+                    self.block(&param.default, scene);
+                    continue;
+                }
+            };
+            let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
+            let own = own.and_then(|own| if let Answer::Numbers(v) = own { Some(v) } else { None });
+            match given.or(own) {
+                Some(values) => {
+                    let len = param.array.unwrap_or(1) as usize;
+                    let each = values.len() / len;
+                    for (k, value) in values.chunks_exact(each.max(1)).take(len).enumerate() {
+                        let reg = &mut self.regs[register.index() + k];
+                        reg.clear();
+                        reg.extend_from_slice(value);
+                    }
+                }
+                None => self.block(&param.default, scene),
+            }
+        }
+    }
+
+    pub(super) fn block(&mut self, ops: &[Op], scene: &dyn Scene) {
+        for op in ops {
+            if self.all_off() {
+                return;
+            }
+            self.op(op, scene);
+        }
+    }
+
+    /// Run an operation. Long, because it has an arm for each.
+    pub(super) fn op(&mut self, op: &Op, scene: &dyn Scene) {
+        match op {
+            Op::Const(dst, v) => {
+                let w = dst.width();
+                let reg = &mut self.regs[dst.index()];
+                reg.clear();
+                reg.resize(w, *v);
+            }
+            Op::TextConst(dst, text) => self.texts[dst.index()].clone_from(text),
+            Op::TextCopy(dst, a) => self.texts[dst.index()] = self.texts[a.index()].clone(),
+            Op::TextEqual(dst, a, b) => {
+                let same = self.texts[a.index()] == self.texts[b.index()];
+                self.regs[dst.index()] = vec![same as u8 as f32];
+            }
+            Op::Unary(f, dst, a) => self.unary(*f, *dst, *a),
+            Op::Binary(f, dst, a, b) => self.binary(*f, *dst, *a, *b),
+            Op::Select(dst, c, a, b) => self.select(*dst, *c, *a, *b),
+            Op::Pack(dst, parts) => {
+                let varying = parts.iter().any(|r| self.regs[r.index()].len() != 1);
+                debug_assert_eq!(parts.len(), dst.width());
+                let mut out = std::mem::take(&mut self.regs[dst.index()]);
+                out.clear();
+                for r in parts {
+                    match (&self.regs[r.index()], varying) {
+                        (v, true) if v.len() == 1 => out.extend(std::iter::repeat_n(v[0], self.n)),
+                        (v, _) => out.extend_from_slice(v),
+                    }
+                }
+                self.regs[dst.index()] = out;
+            }
+            Op::Component(dst, a, c) => {
+                let mut out = std::mem::take(&mut self.regs[dst.index()]);
+                let a = &self.regs[a.index()];
+                let run = a.len() / 3;
+                out.clear();
+                out.extend_from_slice(&a[*c as usize * run..(*c as usize + 1) * run]);
+                self.regs[dst.index()] = out;
+            }
+            Op::Assign(dst, a) => self.assign(*dst, *a),
+            Op::Call(f, dst, args) => {
+                self.call(*f, *dst, args, scene);
+            }
+            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index),
+            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value),
+            Op::TextLoad(dst, first, len, index) => {
+                let k = element(at(&self.regs[index.index()], 0), *len);
+                self.texts[dst.index()] = k.map_or(String::new(), |k| self.texts[first.index() + k].clone());
+            }
+            Op::TextStore(first, len, index, value) => {
+                if let Some(k) = element(at(&self.regs[index.index()], 0), *len) {
+                    self.texts[first.index() + k] = self.texts[value.index()].clone();
+                }
+            }
+            Op::ColorSpace(dst, a, from, to) => {
+                let (from, to) = (self.texts[from.index()].clone(), self.texts[to.index()].clone());
+                self.evaluate((*dst).into(), &[(*a).into()], |call, out| {
+                    call.pointwise(out, |v| triple16(convert(&from, &to, [v[0][0], v[0][1], v[0][2]])))
+                });
+            }
+            Op::Spline(dst, basis, args) => {
+                let basis = self.texts[basis.index()].clone();
+                let w = dst.width();
+                self.evaluate(*dst, args, |call, out| {
+                    call.pointwise(out, |v| spline::value(&basis, v[0][0], &v[1..], w))
+                });
+            }
+            Op::Match(dst, pattern, text) => {
+                let found = crate::shadeop::format::matches(&self.texts[pattern.index()], &self.texts[text.index()]);
+                self.regs[dst.index()] = vec![found as u8 as f32];
+            }
+            Op::Format(dst, args) => {
+                let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
+                self.texts[dst.index()] = self.format(args, k);
+            }
+            Op::Print(args) => {
+                let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[r.index()].len() != r.width());
+                let lanes = if args.iter().any(varies) { self.n } else { 1 };
+                for k in (0..lanes).filter(|k| lanes == 1 || self.mask.as_ref().is_none_or(|m| m[*k])) {
+                    scene.print(&self.format(args, k));
+                }
+            }
+            Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len, scene),
+            Op::Map { .. } => self.map(op, scene),
+            Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to, scene),
+            Op::If(c, then, otherwise) => self.branch(*c, then, otherwise, scene),
+            Op::Loop(head, c, body, step) => self.repeat(head, *c, body, step, scene),
+            Op::Break(levels) => self.leave(*levels as usize, true),
+            Op::Continue(levels) => self.leave(*levels as usize, false),
+            Op::Inline(body) => {
+                let outer = self.mask.clone();
+                self.loops.push(LoopFrame { left: vec![false; self.n], skipped: vec![false; self.n], inline: true });
+                self.block(body, scene);
+                self.loops.pop();
+                self.mask = outer;
+            }
+            Op::Return => {
+                let inner = self.loops.iter().rev().position(|f| f.inline).map_or(self.loops.len(), |k| k + 1);
+                self.leave(inner, true);
+            }
+            Op::Gather { .. } => self.gather(op, scene),
+            Op::Illuminance { .. } => self.illuminance(op, scene),
+            Op::Solar { axis, l, body, .. } => {
+                // The axis is the way that light travels.
+                let axis = self.regs[axis.index()].clone();
+                self.assign_value(*l, &axis);
+                self.ray = Some((*l, true));
+                self.light_body(*l, None, body, scene);
+                self.ray = None;
+            }
+            Op::Illuminate { position, axis, angle, l, ps, body } => {
+                self.binary(Binary::Sub, (*l).into(), (*ps).into(), (*position).into());
+                let cone = (self.regs[axis.index()].clone(), self.regs[angle.index()][0]);
+                self.ray = Some((*l, false));
+                self.light_body(*l, Some(cone), body, scene);
+                self.ray = None;
+            }
+        }
+    }
+}

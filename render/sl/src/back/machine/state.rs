@@ -1,0 +1,120 @@
+//! The machine's registers, masks and open loops.
+
+use crate::ir::*;
+use crate::shadeop::runs::run_of;
+
+/// The cone from which a surface takes light: only these points of the grid are lit.
+pub(super) struct Receiver {
+    pub(super) axis: Vec<f32>,
+    pub(super) cos: f32,
+}
+
+/// What a light gave, kept for the grid: later loops over the same cone take it from here.
+pub(super) struct Lit {
+    pub(super) light: usize,
+    pub(super) position: Vec<f32>,
+    pub(super) axis: Vec<f32>,
+    pub(super) angle: f32,
+    pub(super) asked: Option<Vec<bool>>,
+    pub(super) on: Vec<bool>,
+    pub(super) l: Vec<f32>,
+    pub(super) cl: Vec<f32>,
+    /// Output parameters: index and values.
+    pub(super) outputs: Vec<(usize, Vec<f32>)>,
+}
+
+/// A loop that is run, or a function's body.
+#[derive(Default)]
+pub(super) struct LoopFrame {
+    pub(super) left: Vec<bool>,
+    pub(super) skipped: Vec<bool>,
+    /// A function's body, which `return` leaves.
+    pub(super) inline: bool,
+}
+
+/// The grid machine.
+#[derive(Default)]
+pub struct Machine {
+    pub(super) n: usize,
+    pub(super) nu: usize,
+    pub(super) orientation: f32,
+    /// The register of P, if the program reads it.
+    pub(super) place: Option<Reg>,
+    pub(super) regs: Vec<Vec<f32>>,
+    pub(super) texts: Vec<String>,
+    /// Active points; `None` is all.
+    pub(super) mask: Option<Vec<bool>>,
+    pub(super) loops: Vec<LoopFrame>,
+    pub(super) receiver: Option<Receiver>,
+    /// Points that `solar` or `illuminate` reached.
+    pub(super) reached: Vec<bool>,
+    pub(super) lit: Vec<Lit>,
+    /// The light whose turn it is, and where in `lit` it is.
+    pub(super) turn: Option<(usize, usize)>,
+    /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
+    pub(super) ray: Option<(TripleReg, bool)>,
+    /// A machine for light shaders, made at need.
+    pub(super) light_machine: Option<Box<Machine>>,
+}
+
+impl Machine {
+    /// A machine.
+    pub fn new() -> Machine {
+        Machine::default()
+    }
+
+    pub(super) fn all_off(&self) -> bool {
+        self.mask.as_ref().is_some_and(|m| !m.contains(&true))
+    }
+
+    pub(super) fn assign(&mut self, dst: Reg, a: Reg) {
+        let value = std::mem::take(&mut self.regs[a.index()]);
+        if dst != a {
+            let repeats = dst.width() / a.width();
+            if repeats == 1 {
+                self.assign_value(dst, &value);
+            } else {
+                let spread: Vec<f32> = (0..repeats).flat_map(|_| value.iter().copied()).collect();
+                self.assign_value(dst, &spread);
+            }
+        }
+        self.regs[a.index()] = value;
+    }
+
+    /// Assign where the points are active.
+    pub(super) fn assign_value(&mut self, dst: impl Into<Reg>, value: &[f32]) {
+        let dst = dst.into();
+        let (n, width) = (self.n, dst.width());
+        let out = &mut self.regs[dst.index()];
+        let Some(mask) = &self.mask else {
+            out.clear();
+            out.extend_from_slice(value);
+            return;
+        };
+        // What nobody has written yet has no value to keep at the other points.
+        if out.is_empty() || (out.len() == width && out == value) {
+            out.clear();
+            out.extend_from_slice(value);
+            return;
+        }
+        if out.len() == width && n > 1 {
+            *out = out.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
+        }
+        for c in 0..width {
+            let places = out[c * n..(c + 1) * n].iter_mut().zip(mask);
+            match run_of(value, width, c, n) {
+                [x] => places.for_each(|(o, m)| *o = if *m { *x } else { *o }),
+                run => places.zip(run).for_each(|((o, m), x)| *o = if *m { *x } else { *o }),
+            }
+        }
+    }
+
+    /// Points that have left a loop, or its turn, stay inactive after the `if` in which they did.
+    pub(super) fn drop_left(&mut self) {
+        let Some(frame) = self.loops.last() else { return };
+        if frame.left.contains(&true) || frame.skipped.contains(&true) {
+            let active = |i: usize| self.mask.as_ref().is_none_or(|m| m[i]);
+            self.mask = Some((0..self.n).map(|i| active(i) && !frame.left[i] && !frame.skipped[i]).collect());
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Strings: formats, and what the scene is asked by name.
+
+use super::super::bound::Answer;
+use super::super::scene::Scene;
+use super::state::Machine;
+use crate::ir::*;
+use crate::shadeop::runs::{at, run_of};
+
+impl Machine {
+    /// The text of a format at a point.
+    pub(super) fn format(&self, args: &[Operand], k: usize) -> String {
+        let values: Vec<crate::shadeop::format::Value> = args
+            .iter()
+            .map(|o| match o {
+                Operand::Text(r) => crate::shadeop::format::Value::Text(&self.texts[r.index()]),
+                Operand::Number(r) => {
+                    let w = r.width();
+                    let value = |c: usize| at(run_of(&self.regs[r.index()], w, c, self.n), k);
+                    crate::shadeop::format::Value::Numbers((0..w).map(value).collect())
+                }
+            })
+            .collect();
+        crate::shadeop::format::format(&values)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn ask(
+        &mut self,
+        dst: FloatReg,
+        what: Ask,
+        names: &[TextReg],
+        out: Operand,
+        len: u16,
+        scene: &dyn Scene,
+    ) {
+        let names: Vec<&str> = names.iter().map(|r| self.texts[r.index()].as_str()).collect();
+        let answer = match (what, names[0]) {
+            (Ask::LightSource, name) => {
+                self.turn.and_then(|(light, lit)| self.light_parameter(scene.lights().get(light)?, lit, name))
+            }
+            (Ask::RendererInfo, "renderer") => Some(Answer::Text("scree".into())),
+            (Ask::RendererInfo, "versionstring") => Some(Answer::Text(env!("CARGO_PKG_VERSION").into())),
+            (Ask::RendererInfo, "version") => {
+                let parts = env!("CARGO_PKG_VERSION").split('.').map(|p| p.parse().unwrap_or(0.0));
+                Some(Answer::Numbers(parts.chain([0.0]).collect()))
+            }
+            _ => scene.ask(what, &names),
+        };
+        let mut found = 0.0;
+        match (answer, out) {
+            (Some(Answer::Text(text)), Operand::Text(r)) => {
+                self.texts[r.index()] = text;
+                found = 1.0;
+            }
+            (Some(Answer::Numbers(v)), Operand::Number(r)) => {
+                let w = r.width();
+                let varying = v.len() == w * self.n && len == 1;
+                if varying || v.len() >= w * len as usize {
+                    let each = if varying { v.len() } else { w };
+                    for k in 0..len as usize {
+                        self.assign_value(r.element(k as u16), &v[k * each..(k + 1) * each]);
+                    }
+                    found = 1.0;
+                }
+            }
+            _ => {}
+        }
+        self.regs[dst.index()] = vec![found];
+    }
+}

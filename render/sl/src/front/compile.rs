@@ -1,0 +1,39 @@
+//! Compilation: source text to a validated program.
+
+use super::ast;
+use super::diagnostic::{Diagnostic, Error, error};
+use super::lex::lex;
+use super::lower::lower;
+use super::parse::parse;
+use super::prelude::PRELUDE;
+use super::preprocess::{Include, preprocess};
+use super::source::Sources;
+use crate::ir::{self, Program};
+use std::path::Path;
+
+/// Compile the shader in `source`, which came from `path` and includes nothing.
+pub fn compile(path: &Path, source: &str) -> Result<Program, Diagnostic> {
+    compile_with(path, source, &|name, _| Err(format!("`{name}` was not found: nothing is looked up here")))
+}
+
+/// Compile the shader in `source`, which came from `path`; `include` finds what `#include` names.
+pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<Program, Diagnostic> {
+    let mut sources = Sources::default();
+    let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
+    ir::validate(&program).map_err(|m| sources.place(Error::new(0, format!("internal: {m}"))))?;
+    Ok(program)
+}
+
+fn front(path: &Path, source: &str, include: &Include<'_>, sources: &mut Sources) -> Result<Program, Error> {
+    static PARSED: std::sync::OnceLock<ast::File> = std::sync::OnceLock::new();
+    let prelude =
+        PARSED.get_or_init(|| parse(&lex(PRELUDE).expect("the prelude is sound")).expect("the prelude is sound"));
+    let tokens = preprocess(path, source, sources, include)?;
+    if source.trim().is_empty() {
+        return error(0, "is empty, expected a shader");
+    }
+    let file = parse(&tokens)?;
+    let mut program = lower(&file, &prelude.functions)?;
+    ir::optimise(&mut program);
+    Ok(program)
+}

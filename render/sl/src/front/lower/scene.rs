@@ -1,0 +1,143 @@
+//! Calls that ask the scene, or that change a variable.
+
+use super::super::ast::*;
+use super::super::diagnostic::{Error, error, error_with};
+use super::state::{Lower, Value};
+use crate::ir::builtins::Form;
+use crate::ir::*;
+
+impl<'a> Lower<'a> {
+    /// A call whose arguments are names and variables.
+    pub(super) fn scene_form(
+        &mut self,
+        at: usize,
+        name: &str,
+        form: Form,
+        args: &[Expr],
+        expected: Option<Ty>,
+    ) -> Result<Value, Error> {
+        match form {
+            Form::Ask(what) => self.ask(at, name, what, args),
+            Form::Map(Lookup::Shadow) => self.map(at, Lookup::Shadow, args, expected.or(Some(Ty::Float))),
+            Form::Map(how) => self.map(at, how, args, expected),
+            Form::SetComponent(component) => self.set_component(at, name, component, args),
+            _ => {
+                for arg in args {
+                    self.expr(arg, None)?;
+                }
+                self.constant(at, 0.0)
+            }
+        }
+    }
+
+    /// A question by name, whose answer goes to a variable.
+    fn ask(&mut self, at: usize, name: &str, ask: Ask, args: &[Expr]) -> Result<Value, Error> {
+        let n_names = if ask == Ask::TextureInfo { 2 } else { 1 };
+        if args.len() != n_names + 1 {
+            return error(
+                at,
+                format!("expected {name}({}, variable)", if n_names == 2 { "texture, name" } else { "name" }),
+            );
+        }
+        let mut names = Vec::new();
+        for arg in &args[..n_names] {
+            let value = self.expr(arg, None)?;
+            if value.ty != Ty::Text {
+                let hint = "names stand in quotes";
+                return error_with(arg.at, format!("expected a string, found {}", value.ty.name()), hint);
+            }
+            names.push(value.text());
+        }
+        let ExprKind::Name(variable) = &args[n_names].kind else {
+            return error(args[n_names].at, "expected a variable for the answer");
+        };
+        let var = self.variable(args[n_names].at, variable)?;
+        let (out, len) = (var.operand(), var.array.max(1));
+        self.temp(at, Ty::Float, false, |r| Op::Ask { dst: r.float(), what: ask, names, out, len })
+    }
+
+    /// `texture`, `environment` and `shadow`.
+    pub(super) fn map(&mut self, at: usize, how: Lookup, args: &[Expr], expected: Option<Ty>) -> Result<Value, Error> {
+        let Some((first, rest)) = args.split_first() else { return error(at, "expected the name of a map") };
+        let (name, channel) = match &first.kind {
+            ExprKind::Index(name, channel) => {
+                let channel = self.expr(channel, Some(Ty::Float))?;
+                (self.expr(name, None)?, self.convert(first.at, channel, Ty::Float)?)
+            }
+            _ => (self.expr(first, None)?, self.constant(at, 0.0)?),
+        };
+        if name.ty != Ty::Text {
+            return error(first.at, format!("expected the name of a map, found {}", name.ty.name()));
+        }
+        let mut values = Vec::new();
+        for arg in rest {
+            values.push(self.expr(arg, None)?);
+        }
+        let n = values.iter().position(|v| v.ty == Ty::Text).unwrap_or(values.len());
+        let (place, options) = values.split_at(n);
+        let types: Vec<Ty> = place.iter().map(|v| v.ty).collect();
+        let all = |n: usize, f: &dyn Fn(Ty) -> bool| types.len() == n && types.iter().all(|t| f(*t));
+        let fits = match how {
+            Lookup::Texture => types.is_empty() || all(2, &|t| t == Ty::Float) || all(8, &|t| t == Ty::Float),
+            Lookup::Environment | Lookup::Shadow => all(1, &Ty::is_triple) || all(4, &Ty::is_triple),
+        };
+        if !fits {
+            let usage = match how {
+                Lookup::Texture => "texture(name), texture(name, s, t) or texture(name, four pairs of s and t)",
+                Lookup::Environment => "environment(name, direction)",
+                Lookup::Shadow => "shadow(name, point)",
+            };
+            return error(at, format!("expected {usage}"));
+        }
+        let mut at_regs: Vec<Reg> = place.iter().map(|v| v.reg()).collect();
+        if how == Lookup::Texture && at_regs.is_empty() {
+            at_regs = vec![self.variable(at, "s")?.reg(), self.variable(at, "t")?.reg()];
+        }
+        let mut named = Vec::new();
+        for pair in options.chunks(2) {
+            match pair {
+                [key, value] if key.ty == Ty::Text => named.push((key.text(), value.operand())),
+                _ => return error(at, "expected options as a name and a value each"),
+            }
+        }
+        let ty = expected.filter(|t| *t == Ty::Float || t.is_triple()).unwrap_or(Ty::Color);
+        self.temp(at, ty, true, |r| Op::Map {
+            dst: r.reg(),
+            how,
+            name: name.text(),
+            channel: channel.float(),
+            at: at_regs,
+            options: named,
+        })
+    }
+
+    /// `setcomp` and its kin.
+    pub(super) fn set_component(
+        &mut self,
+        at: usize,
+        name: &str,
+        component: Option<u8>,
+        args: &[Expr],
+    ) -> Result<Value, Error> {
+        let Some(ExprKind::Name(variable)) = args.first().map(|a| &a.kind) else {
+            return error(at, format!("expected a variable as the first argument of `{name}`"));
+        };
+        let var = self.variable(at, variable)?;
+        let mut regs = vec![var.reg()];
+        if let Some(k) = component {
+            regs.push(self.constant(at, k as f32)?.reg());
+        }
+        for arg in &args[1..] {
+            let value = self.expr(arg, Some(Ty::Float))?;
+            regs.push(self.convert(arg.at, value, Ty::Float)?.reg());
+        }
+        let wanted = if var.ty == Ty::Matrix { 4 } else { 3 };
+        if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
+            return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
+        }
+        let function = if var.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
+        let new = self.temp(at, var.ty, true, |r| Op::Call(function, r.reg(), regs))?;
+        self.store(at, var, new)?;
+        Ok(Value::of(Ty::Void, 0, false))
+    }
+}

@@ -1,0 +1,39 @@
+//! A whole shader.
+
+use super::super::ast::{File, Function};
+use super::super::diagnostic::{Error, error_with};
+use super::state::Lower;
+use crate::ir::{Program, ShaderKind};
+use std::collections::HashMap;
+
+/// Lower the shader of a file; its functions go before those of the prelude.
+pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
+    let Some(shader) = &file.shader else {
+        let hint = "a file of functions alone is for `#include`";
+        return error_with(file.end, "the file has no shader: expected surface, displacement, light …", hint);
+    };
+    let mut l = Lower { kind: Some(shader.kind), ..Lower::default() };
+    for function in prelude.iter().chain(&file.functions) {
+        l.functions.insert(&function.name, function);
+    }
+    l.scopes.push(HashMap::new());
+    let mut params = Vec::new();
+    for param in &shader.params {
+        params.push(l.parameter(param)?);
+    }
+    for statement in &shader.body {
+        l.statement(statement)?;
+    }
+    Ok(Program {
+        kind: shader.kind,
+        name: shader.name.clone(),
+        widths: l.widths,
+        n_texts: l.n_texts as usize,
+        params,
+        globals: l.globals,
+        body: l.ops,
+        is_ambient: shader.kind == ShaderKind::Light && !l.directed,
+        keeps_opacity: false,
+        reads_neighbours: true,
+    })
+}

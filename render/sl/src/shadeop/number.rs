@@ -1,0 +1,167 @@
+//! Operations on single numbers.
+
+/// Operations of one operand, component by component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unary {
+    /// Copy.
+    Copy,
+    /// −x
+    Negate,
+    /// 1 where x is 0, else 0.
+    Not,
+    /// |x|
+    Abs,
+    /// −1, 0 or 1.
+    Sign,
+    /// Square root, 0 below 0.
+    Sqrt,
+    /// 1/√x, 0 at 0.
+    InverseSqrt,
+    /// Sine.
+    Sin,
+    /// Cosine.
+    Cos,
+    /// Tangent.
+    Tan,
+    /// Arc sine.
+    Asin,
+    /// Arc cosine.
+    Acos,
+    /// Arc tangent.
+    Atan,
+    /// eˣ
+    Exp,
+    /// ln x
+    Log,
+    /// Greatest whole number not above x.
+    Floor,
+    /// Least whole number not below x.
+    Ceil,
+    /// Nearest whole number.
+    Round,
+    /// Degrees to radians.
+    Radians,
+    /// Radians to degrees.
+    Degrees,
+}
+
+/// Operations of two operands, component by component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binary {
+    /// a + b
+    Add,
+    /// a − b
+    Sub,
+    /// a b
+    Mul,
+    /// a / b, 0 where b is 0.
+    Div,
+    /// Lesser.
+    Min,
+    /// Greater.
+    Max,
+    /// aᵇ
+    Pow,
+    /// a − b ⌊a/b⌋
+    Mod,
+    /// Angle of (b, a).
+    Atan2,
+    /// 0 below a, 1 from it on: step(a, b).
+    Step,
+    /// a < b
+    Less,
+    /// a ≤ b
+    LessEqual,
+    /// a = b
+    Equal,
+    /// Both not 0.
+    And,
+    /// Either not 0.
+    Or,
+}
+
+/// Numbers of one operation on one number.
+#[inline(always)]
+pub fn unary_value(f: Unary, x: f32) -> f32 {
+    match f {
+        Unary::Copy => x,
+        Unary::Negate => -x,
+        Unary::Not => (x == 0.0) as u8 as f32,
+        Unary::Abs => x.abs(),
+        Unary::Sign => (x > 0.0) as u8 as f32 - (x < 0.0) as u8 as f32,
+        Unary::Sqrt => x.max(0.0).sqrt(),
+        Unary::InverseSqrt => {
+            if x > 0.0 {
+                1.0 / x.sqrt()
+            } else {
+                0.0
+            }
+        }
+        Unary::Sin => x.sin(),
+        Unary::Cos => x.cos(),
+        Unary::Tan => x.tan(),
+        Unary::Asin => x.clamp(-1.0, 1.0).asin(),
+        Unary::Acos => x.clamp(-1.0, 1.0).acos(),
+        Unary::Atan => x.atan(),
+        Unary::Exp => x.exp(),
+        Unary::Log => x.max(f32::MIN_POSITIVE).ln(),
+        Unary::Floor => x.floor(),
+        Unary::Ceil => x.ceil(),
+        Unary::Round => x.round(),
+        Unary::Radians => x.to_radians(),
+        Unary::Degrees => x.to_degrees(),
+    }
+}
+
+/// The number of one operation on two numbers.
+#[inline(always)]
+pub fn binary_value(f: Binary, x: f32, y: f32) -> f32 {
+    let truth = |x: bool| x as u8 as f32;
+    match f {
+        Binary::Add => x + y,
+        Binary::Sub => x - y,
+        Binary::Mul => x * y,
+        Binary::Div => {
+            if y != 0.0 {
+                x / y
+            } else {
+                0.0
+            }
+        }
+        Binary::Min => {
+            if x < y {
+                x
+            } else {
+                y
+            }
+        }
+        Binary::Max => {
+            if x > y {
+                x
+            } else {
+                y
+            }
+        }
+        Binary::Pow => power(x, y),
+        Binary::Mod => {
+            if y != 0.0 {
+                x - y * (x / y).floor()
+            } else {
+                0.0
+            }
+        }
+        Binary::Atan2 => x.atan2(y),
+        Binary::Step => truth(y >= x),
+        Binary::Less => truth(x < y),
+        Binary::LessEqual => truth(x <= y),
+        Binary::Equal => truth(x == y),
+        Binary::And => truth(x != 0.0 && y != 0.0),
+        Binary::Or => truth(x != 0.0 || y != 0.0),
+    }
+}
+
+/// xʸ, 0 where it is not a number.
+pub(crate) fn power(x: f32, y: f32) -> f32 {
+    let p = x.powf(y);
+    if p.is_nan() { 0.0 } else { p }
+}
