@@ -9,7 +9,7 @@ use crate::{source, stitch};
 use bind::emit;
 use frame::FaultKind;
 use render::bucket::Share;
-use render::output;
+use render::film::display;
 use render::ri::reader;
 use render::{Context, Finished};
 use std::collections::BTreeMap;
@@ -106,7 +106,7 @@ fn scene(args: &RenderArgs) -> Outcome {
     }
     for f in &finished {
         let mut first = None;
-        for (name, _) in output::files(&f.options.displays) {
+        for (name, _) in display::files(&f.options.displays) {
             let picture = folder.join(name);
             let written = args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share));
             println!("{}", written.display());
@@ -133,7 +133,7 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
             f.options.displays.push(render::Display { name, kind, mode, half: false });
         }
-        for (name, displays) in output::files(&f.options.displays) {
+        for (name, displays) in display::files(&f.options.displays) {
             if let Some(share) = f.options.share {
                 stitch::write_part(f, &displays, &folder.join(name), share)?;
                 continue;
@@ -150,7 +150,7 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
 pub fn is_picture(path: &Path, [w, h]: [u32; 2]) -> bool {
     match path.extension().and_then(|e| e.to_str()) {
         Some("png") => crate::movie::read_png(path).is_ok_and(|p| (p.width, p.height) == (w, h)),
-        _ => render::image::decode_size(path).is_some_and(|size| size == (w, h)),
+        _ => render::film::image::decode_size(path).is_some_and(|size| size == (w, h)),
     }
 }
 

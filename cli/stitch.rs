@@ -9,8 +9,8 @@ use crate::args::StitchArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
 use render::bucket::{Share, tiles};
-use render::image::Image;
-use render::output;
+use render::film::image::Image;
+use render::film::display;
 use render::{Display, Finished, Options};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -50,7 +50,7 @@ pub fn part_of(picture: &Path, share: Share) -> PathBuf {
 pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Share) -> Outcome {
     let (image, options) = (&finished.image, &finished.options);
     let displays: Vec<Display> = displays.iter().map(|d| (*d).clone()).collect();
-    let own = output::aovs(&displays);
+    let own = display::aovs(&displays);
     let mut pixels = Vec::new();
     for tile in tiles(image.width, image.height, options.bucket_size, Some(share)) {
         for y in tile.y..tile.y + tile.height {
@@ -105,7 +105,7 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
     }
     let share = Share { part: head.part, parts: head.parts };
     let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
-    let numbers = 4 + output::depth(&output::aovs(&head.displays));
+    let numbers = 4 + display::depth(&display::aovs(&head.displays));
     if pixels.len() != 4 * numbers * count {
         return Err(fault("has not as many pixels as its share"));
     }
@@ -158,7 +158,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
     for part in 1..=parts {
         let (head, pixels) = read(&path(part))?;
         let first = first.get_or_insert_with(|| {
-            image = Image::new(head.width, head.height, output::aovs(&head.displays));
+            image = Image::new(head.width, head.height, display::aovs(&head.displays));
             head.clone()
         });
         if (Head { part, hash: head.hash.clone(), ..first.clone() }) != head {

@@ -2,7 +2,7 @@
 
 pub mod texels;
 
-use crate::scene::Scene;
+use crate::scene::world::Scene;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;

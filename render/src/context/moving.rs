@@ -1,8 +1,8 @@
 //! Motion blocks: what their calls are kept as until `MotionEnd`, and what comes of them then (RISpec 6.3).
 
 use super::Context;
-use crate::motion;
-use crate::scene::{Patch, Shape, SourceShape};
+use crate::scene::motion;
+use crate::scene::world::{Patch, Shape, SourceShape};
 use glam::Mat4;
 use ri::{Fail, Instances, RiResult};
 

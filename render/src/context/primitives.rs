@@ -1,10 +1,12 @@
 //! Primitives: the calls of RISpec section 5 as patches, spheres and instances.
 
 use super::Context;
-use crate::gprim::{dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers};
-use crate::scene::Patch;
-use crate::subdivision;
-use crate::surfaces;
+use crate::gprim::subdivision;
+use crate::gprim::surfaces;
+use crate::gprim::variables::{
+    dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers,
+};
+use crate::scene::world::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, Values};
 
@@ -268,7 +270,7 @@ impl Context {
         }
         let points = positions(&params)?;
         let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
-        let (columns, values, width) = crate::gprim::corner_columns(&params, &vertices, corners)?;
+        let (columns, values, width) = crate::gprim::variables::corner_columns(&params, &vertices, corners)?;
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
         // Fewer steps where there are many faces already.
         let levels = match n_vertices.len() {
@@ -280,7 +282,7 @@ impl Context {
         let mut patches = Vec::new();
         for part in mesh.patches(levels) {
             let mut patch = part.patch;
-            crate::gprim::corner_variables(&mut patch, &columns, &part.values, width);
+            crate::gprim::variables::corner_variables(&mut patch, &columns, &part.values, width);
             let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
             patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
             patches.push(patch);

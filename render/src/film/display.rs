@@ -1,6 +1,6 @@
 //! Displays and what goes to them: colour and coverage, depth, and other values of surfaces, all in one pass (RISpec 4.1.9).
 
-use crate::image::Image;
+use crate::film::image::Image;
 use sl::ir::Kind;
 use std::collections::HashMap;
 

@@ -7,11 +7,11 @@
 pub(crate) mod lens;
 mod moving;
 
-use crate::camera::Camera;
-use crate::jitter::Jitter;
-use crate::lanes::{Lanes, with_lanes};
-use crate::motion::Instant;
-use crate::sample::{EDGE, Look, Samples, Tally, within};
+use crate::cpu::lanes::{Lanes, with_lanes};
+use crate::cpu::samples::{EDGE, Look, Samples, Tally, within};
+use crate::film::jitter::Jitter;
+use crate::scene::camera::Camera;
+use crate::scene::motion::Instant;
 
 /// The points of a grid over time.
 pub struct Track<'a> {

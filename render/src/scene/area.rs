@@ -3,9 +3,9 @@
 //!
 //! The points are other ones at every place that is lit, so that a penumbra is smooth up to noise and not a stack of hard shadows.
 
-use crate::bvh::facets_of;
-use crate::options::Attributes;
-use crate::scene::{Scene, Shape};
+use crate::cpu::bvh::facets_of;
+use crate::scene::options::Attributes;
+use crate::scene::world::{Scene, Shape};
 use glam::{Mat3, Mat4, Vec3};
 use sl::machine::BoundShader;
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! The camera: world → camera space → raster (pixels from the upper left corner), and bounds on the raster.
 
-use crate::options::Options;
+use crate::scene::options::Options;
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// A camera.

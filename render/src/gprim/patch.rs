@@ -5,11 +5,11 @@
 //! does not have so are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their
 //! insides need and however they are split.
 
-use crate::bucket::Job;
-use crate::motion::{Instant, later};
-use crate::scene::{Item, ItemView, Patch, Shape, bernstein, bernstein_slope, bilinear, point_of};
-use crate::shade::{Diced, displacement_reach, finish};
-use crate::sphere::whole_sphere;
+use crate::cpu::bucket::Job;
+use crate::cpu::shade::{Diced, displacement_reach, finish};
+use crate::gprim::sphere::whole_sphere;
+use crate::scene::motion::{Instant, later};
+use crate::scene::world::{Item, ItemView, Patch, Shape, bernstein, bernstein_slope, bilinear, point_of};
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

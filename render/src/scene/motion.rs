@@ -3,8 +3,8 @@
 //! Streams give keys in their own time; a scene has them in parts of the time that the shutter is open, 0 to 1, and everything
 //! else of the scene is as at 0: that is when surfaces are diced, shaded and cast their shadows.
 
-use crate::camera::Camera;
-use crate::scene::{ItemView, Shape};
+use crate::scene::camera::Camera;
+use crate::scene::world::{ItemView, Shape};
 use glam::{Mat4, Vec3};
 
 /// What may lie between two values.

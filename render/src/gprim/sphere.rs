@@ -5,12 +5,12 @@
 //! even to a quarter, without poles. Where a sphere crosses the near plane or fills the picture it is drawn as patches instead,
 //! which are split as they need.
 
-use crate::bucket::Job;
-use crate::motion::Instant;
-use crate::patch::{self, coarsening};
-use crate::scene::{Item, ItemView, Patch, sphere_uv};
-use crate::shade::{Diced, displacement_reach, finish};
-use crate::surfaces::{circle, revolve};
+use crate::cpu::bucket::Job;
+use crate::cpu::shade::{Diced, displacement_reach, finish};
+use crate::gprim::patch::{self, coarsening};
+use crate::gprim::surfaces::{circle, revolve};
+use crate::scene::motion::Instant;
+use crate::scene::world::{Item, ItemView, Patch, sphere_uv};
 use glam::{Mat3, Vec3};
 use std::sync::OnceLock;
 

@@ -3,7 +3,7 @@
 //! Spheres and ellipsoids are met directly, patches as triangles. A sphere does not shadow itself: it is convex, and where it
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
-use crate::scene::{Item, Patch, Scene, Shape, lerp4};
+use crate::scene::world::{Item, Patch, Scene, Shape, lerp4};
 use glam::{Mat4, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 

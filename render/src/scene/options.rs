@@ -1,9 +1,9 @@
 //! Options and attributes: the graphics state of RISpec sections 4 and 5, as far as it is built.
 
-use crate::area::Emitter;
-use crate::bucket::Share;
-use crate::filter::FilterKind;
-use crate::output::Display;
+use crate::cpu::bucket::Share;
+use crate::film::display::Display;
+use crate::film::filter::FilterKind;
+use crate::scene::area::Emitter;
 use crate::texture::texels;
 use glam::Mat4;
 use sl::machine::BoundShader;

@@ -1,14 +1,14 @@
 //! A grid of micropolygons: displaced, projected, shaded and handed to the samples.
 
-use crate::blur::Track;
-use crate::bucket::Job;
-use crate::camera::Camera;
-use crate::motion::Instant;
-use crate::output::placed;
-use crate::sample::Look;
-use crate::scene::{Item, ItemView, instance_inputs};
-use crate::seen::hold;
-use crate::view::View;
+use crate::cpu::blur::Track;
+use crate::cpu::bucket::Job;
+use crate::cpu::samples::Look;
+use crate::cpu::view::View;
+use crate::cpu::visible::hold;
+use crate::film::display::placed;
+use crate::scene::camera::Camera;
+use crate::scene::motion::Instant;
+use crate::scene::world::{Item, ItemView, instance_inputs};
 use glam::{Vec2, Vec3};
 use sl::machine::Points;
 

@@ -1,19 +1,20 @@
 //! The bucket loop: which items a bucket has, the picture of one bucket, and the picture of all.
 
-use crate::camera::{Camera, RasterBound};
-use crate::filter::Filter;
-use crate::image::Image;
-use crate::jitter::Jitter;
-use crate::motion::{self, instants};
-use crate::options::Options;
-use crate::output::{self, Aov, aovs};
-use crate::patch::Waiting;
-use crate::sample::{Pixels, Samples};
-use crate::scene::{Item, ItemView, Scene, Shape};
-use crate::seen::{Held, settle};
-use crate::shade::{Grid, displacement_reach};
-use crate::sphere::Disk;
-use crate::{imager, patch, sphere};
+use crate::cpu::imager;
+use crate::cpu::samples::{Pixels, Samples};
+use crate::cpu::shade::{Grid, displacement_reach};
+use crate::cpu::visible::{Held, settle};
+use crate::film::display::{self, Aov, aovs};
+use crate::film::filter::Filter;
+use crate::film::image::Image;
+use crate::film::jitter::Jitter;
+use crate::gprim::patch::Waiting;
+use crate::gprim::sphere::Disk;
+use crate::gprim::{patch, sphere};
+use crate::scene::camera::{Camera, RasterBound};
+use crate::scene::motion::{self, instants};
+use crate::scene::options::Options;
+use crate::scene::world::{Item, ItemView, Scene, Shape};
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
@@ -205,7 +206,7 @@ pub fn render(
         [Filter::new(options.filter, options.filter_width[0]), Filter::new(options.filter, options.filter_width[1])];
     let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
     let aovs = aovs(&options.displays);
-    let depth = output::depth(&aovs);
+    let depth = display::depth(&aovs);
     let numbers = scene.numbers();
     let frame = Frame { scene, camera, jitter, aovs: &aovs, depth, numbers, filter, options };
     let size = options.bucket_size;

@@ -1,7 +1,7 @@
 //! Surfaces of RIB as bicubic patches: quadrics, patch meshes, NURBS, curves and the teapot.
 
-use crate::gprim::to_bezier;
-use crate::scene::Patch;
+use crate::gprim::variables::to_bezier;
+use crate::scene::world::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, Knots};
 use std::f32::consts::TAU;
@@ -341,7 +341,7 @@ pub fn curve(
             let curve = if cubic {
                 let mut grid = [Vec3::ZERO; 16];
                 (0..16).for_each(|i| grid[i] = p(i % 4));
-                let bezier = to_bezier(grid, &(*basis, crate::gprim::BEZIER));
+                let bezier = to_bezier(grid, &(*basis, crate::gprim::variables::BEZIER));
                 [bezier[0], bezier[1], bezier[2], bezier[3]]
             } else {
                 line(p(0), p(1))[0].0

@@ -294,14 +294,14 @@ macro_rules! with_lanes {
             {
                 #[target_feature(enable = "avx2")]
                 unsafe fn wide(own: &mut Samples, $($arg: $ty),*) -> $out {
-                    own.$kernel::<$crate::lanes::Wide>($($arg),*)
+                    own.$kernel::<$crate::cpu::lanes::Wide>($($arg),*)
                 }
                 if std::arch::is_x86_feature_detected!("avx2") {
                     // SAFETY: the processor has AVX2.
                     return unsafe { wide(self, $($arg),*) };
                 }
             }
-            self.$kernel::<$crate::lanes::Plain>($($arg),*)
+            self.$kernel::<$crate::cpu::lanes::Plain>($($arg),*)
         }
     };
 }

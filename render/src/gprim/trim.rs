@@ -1,6 +1,6 @@
 //! Trim curves: which parameters of a NURBS patch are cut away (RISpec 5.3). A point is kept inside an odd number of loops.
 
-use crate::surfaces::nurbs_curve;
+use crate::gprim::surfaces::nurbs_curve;
 use glam::Vec3;
 use ri::{Fail, TrimCurves};
 

@@ -1,7 +1,7 @@
 //! Pictures: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
 
-use crate::options::Options;
-use crate::output::{self, Aov, Channel, Display, Layer, channels};
+use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
+use crate::scene::options::Options;
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
@@ -30,7 +30,7 @@ impl Image {
 
     /// Numbers of a pixel besides colour and coverage.
     pub fn depth(&self) -> usize {
-        output::depth(&self.aovs)
+        display::depth(&self.aovs)
     }
 
     /// Expose the colours: (gain · c)^(1/gamma).
@@ -62,11 +62,11 @@ impl Image {
 
     /// The numbers of a pixel for a value besides colour that the picture has.
     pub fn values(&self, pixel: usize, aov: &Aov) -> &[f32] {
-        let first = output::place_of(&self.aovs, &aov.name).unwrap_or_default();
+        let first = display::place_of(&self.aovs, &aov.name).unwrap_or_default();
         &self.extra[pixel * self.depth() + first..][..aov.width()]
     }
 
-    /// A number of a pixel, as [`crate::output::Channel`] counts them.
+    /// A number of a pixel, as [`display::Channel`] counts them.
     fn number(&self, pixel: usize, at: usize) -> f32 {
         if at < 4 { self.pixels[pixel][at] } else { self.extra[pixel * self.depth() + at - 4] }
     }

@@ -1,6 +1,6 @@
 //! Imager shaders: the filtered pixels of a bucket go through them before exposure (RISpec 4.1.6, 15.5).
 
-use crate::scene::Scene;
+use crate::scene::world::Scene;
 use sl::ir::Ask;
 use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
 use std::sync::Arc;

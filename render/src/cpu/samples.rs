@@ -2,14 +2,14 @@
 //!
 //! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata, held in small cells,
 //! and a micropolygon looks only at the cells that its bound touches. A sample holds which micropolygon it sees; what that looks
-//! like is asked when nothing more will hide it ([`crate::seen`]).
+//! like is asked when nothing more will hide it ([`crate::cpu::visible`]).
 
-use crate::blur::lens::Moments;
-use crate::filter::Filter;
-use crate::jitter::{Jitter, PERIOD};
-use crate::lanes::LANES;
-use crate::output::{self, Aov, placed};
-use crate::seen::Micropolygon;
+use crate::cpu::blur::lens::Moments;
+use crate::cpu::lanes::LANES;
+use crate::cpu::visible::Micropolygon;
+use crate::film::display::{self, Aov, placed};
+use crate::film::filter::Filter;
+use crate::film::jitter::{Jitter, PERIOD};
 use glam::Vec3A;
 use sl::ir::Kind;
 
@@ -153,7 +153,7 @@ impl Samples {
     /// Start a bucket whose pixels, margin included, begin at (`x0`, `y0`).
     pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
         (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
-        self.depth = output::depth(aovs);
+        self.depth = display::depth(aovs);
         self.set_places(jitter);
         let n = self.x.len();
         self.z.clear();

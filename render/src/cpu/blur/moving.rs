@@ -2,9 +2,9 @@
 //! by side.
 
 use super::{At, Quad, on_line};
-use crate::lanes::{LANES, Lanes};
-use crate::sample::{EDGE, Look, Samples, Tally};
-use crate::seen::Micropolygon;
+use crate::cpu::lanes::{LANES, Lanes};
+use crate::cpu::samples::{EDGE, Look, Samples, Tally};
+use crate::cpu::visible::Micropolygon;
 
 impl Samples {
     /// Sample a micropolygon between two times; `strata` are the bounds of time.

@@ -2,10 +2,10 @@
 //! little, and only the one sample of each pixel that belongs to the stratum is tried.
 
 use super::{At, Quad};
-use crate::jitter::Jitter;
-use crate::lanes::{LANES, Lanes};
-use crate::sample::{EDGE, Look, Samples, Tally};
-use crate::seen::Micropolygon;
+use crate::cpu::lanes::{LANES, Lanes};
+use crate::cpu::samples::{EDGE, Look, Samples, Tally};
+use crate::cpu::visible::Micropolygon;
+use crate::film::jitter::Jitter;
 
 /// The moments of a bucket's samples: one stratum of time after another, in each pixel after pixel, which has one sample there.
 #[derive(Default)]

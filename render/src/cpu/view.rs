@@ -4,9 +4,9 @@
 //! that shine on it. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
-use crate::options::Attributes;
-use crate::scene::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
-use crate::shade::{surface_globals, uniform_inputs};
+use crate::cpu::shade::{surface_globals, uniform_inputs};
+use crate::scene::options::Attributes;
+use crate::scene::world::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
 use glam::{Mat3, Mat4, Vec3};
 use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points};
@@ -194,7 +194,7 @@ fn meet(view: &ItemView<'_>, place: Vec3, from: Vec3, dir: Vec3) -> Met {
             let inverse = view.to_world.inverse();
             let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
             let at = inverse.transform_point3(place);
-            let found = patches.iter().filter_map(|p| Some((crate::bvh::place_on(p, o, d, at)?, p)));
+            let found = patches.iter().filter_map(|p| Some((crate::cpu::bvh::place_on(p, o, d, at)?, p)));
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
                 return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], inputs: vec![] };
             };

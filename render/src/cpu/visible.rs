@@ -3,11 +3,11 @@
 //! A grid that may be half transparent is shaded before, since what it hides hangs on its opacity; one whose shaders look at
 //! neighbouring points is shaded whole.
 
-use crate::bucket::Job;
-use crate::output::place_of;
-use crate::sample::Triangle;
-use crate::scene::Item;
-use crate::shade::{shade, surface_opacity};
+use crate::cpu::bucket::Job;
+use crate::cpu::samples::Triangle;
+use crate::cpu::shade::{shade, surface_opacity};
+use crate::film::display::place_of;
+use crate::scene::world::Item;
 use glam::Vec3A;
 use sl::machine::Points;
 
