@@ -121,7 +121,8 @@ fn bench_render(bed: &Bed, image: Option<&PathBuf>) -> Outcome<serde_json::Value
     draw_bed(&mut context, bed).map_err(fault)?;
     let finished = context.finished.pop().ok_or_else(|| Failure::new(Exit::Fault, "no picture was made"))?;
     let displays: Vec<_> = finished.options.displays.iter().collect();
-    let bytes = finished.image.encode(&displays, &finished.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+    let bytes =
+        finished.image.encode(&displays, &finished.options.encoding()).map_err(|m| Failure::new(Exit::Fault, m))?;
     if let Some(path) = image {
         frame::atomic::write(path, &bytes)?;
     }

@@ -8,7 +8,7 @@ use crate::report::{Exit, Failure, Outcome, peak_bytes};
 use crate::{source, stitch};
 use bind::emit;
 use frame::FaultKind;
-use render::bucket::Share;
+use render::film::bucket::Shard;
 use render::film::display;
 use render::ri::reader;
 use render::{Context, Finished};
@@ -36,7 +36,7 @@ pub fn is_scene(input: &Path) -> bool {
 }
 
 /// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
-pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, telling: Telling) -> Outcome {
+pub fn pictures_of(pictures: &Pictures, share: Option<Shard>, missing: bool, telling: Telling) -> Outcome {
     let size = pictures.checked.metadata.output.resolution;
     let there =
         |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
@@ -54,7 +54,7 @@ pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, tel
 }
 
 /// Draw a frame and write its picture.
-fn picture(pictures: &Pictures, number: u64, share: Option<Share>) -> Outcome<Finished> {
+fn picture(pictures: &Pictures, number: u64, share: Option<Shard>) -> Outcome<Finished> {
     let table = pictures.source.read(number)?;
     pictures.checked.check_columns(&table)?;
     let mut context = context(&pictures.files)?;
@@ -138,7 +138,7 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
                 stitch::write_part(f, &displays, &folder.join(name), share)?;
                 continue;
             }
-            let bytes = f.image.encode(&displays, &f.options);
+            let bytes = f.image.encode(&displays, &f.options.encoding());
             let bytes = bytes.map_err(|m| Failure::new(Exit::Input, format!("{name}: {m}")))?;
             frame::atomic::write(&folder.join(name), &bytes)?;
         }

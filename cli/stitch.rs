@@ -8,9 +8,9 @@
 use crate::args::StitchArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
-use render::bucket::{Share, tiles};
-use render::film::image::Image;
+use render::film::bucket::{Shard, tiles};
 use render::film::display;
+use render::film::image::Image;
 use render::{Display, Finished, Options};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -41,13 +41,13 @@ struct Head {
 }
 
 /// The part file of a picture.
-pub fn part_of(picture: &Path, share: Share) -> PathBuf {
+pub fn part_of(picture: &Path, share: Shard) -> PathBuf {
     let name = picture.file_name().unwrap_or_default().to_string_lossy();
     picture.with_file_name(format!("{name}.part-{}-of-{}", share.part, share.parts))
 }
 
 /// Write a share of a picture as its part file.
-pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Share) -> Outcome {
+pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Shard) -> Outcome {
     let (image, options) = (&finished.image, &finished.options);
     let displays: Vec<Display> = displays.iter().map(|d| (*d).clone()).collect();
     let own = display::aovs(&displays);
@@ -82,7 +82,7 @@ pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, sh
 }
 
 /// Whether the part of a picture is there and whole.
-pub fn is_part(picture: &Path, share: Share, [width, height]: [u32; 2]) -> bool {
+pub fn is_part(picture: &Path, share: Shard, [width, height]: [u32; 2]) -> bool {
     read(&part_of(picture, share)).is_ok_and(|(head, _)| (head.width, head.height) == (width as usize, height as usize))
 }
 
@@ -103,7 +103,7 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
     if blake3::hash(&pixels).to_hex().as_str() != head.hash {
         return Err(fault("is torn: its pixels are not those that were written"));
     }
-    let share = Share { part: head.part, parts: head.parts };
+    let share = Shard { part: head.part, parts: head.parts };
     let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
     let numbers = 4 + display::depth(&display::aovs(&head.displays));
     if pixels.len() != 4 * numbers * count {
@@ -152,7 +152,7 @@ pub fn command(args: &StitchArgs) -> Outcome {
 
 /// Join the parts of a picture, write it, and remove them.
 fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
-    let path = |part: usize| part_of(picture, Share { part, parts });
+    let path = |part: usize| part_of(picture, Shard { part, parts });
     let mut first: Option<Head> = None;
     let mut image = Image::new(0, 0, vec![]);
     for part in 1..=parts {
@@ -166,7 +166,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
             return Err(Fault::whole(FaultKind::Data, &path(part), message).hint("render all parts alike").into());
         }
         let mut numbers = pixels.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")));
-        for tile in tiles(head.width, head.height, head.bucket, Some(Share { part, parts })) {
+        for tile in tiles(head.width, head.height, head.bucket, Some(Shard { part, parts })) {
             for y in tile.y..tile.y + tile.height {
                 let (depth, from) = (image.depth(), y * head.width + tile.x);
                 for at in from..from + tile.width {
@@ -187,7 +187,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
         pixel_aspect: head.pixel_aspect,
         ..Options::default()
     };
-    let bytes = image.encode(&head.displays.iter().collect::<Vec<_>>(), &options);
+    let bytes = image.encode(&head.displays.iter().collect::<Vec<_>>(), &options.encoding());
     frame::atomic::write(picture, &bytes.map_err(|m| Failure::new(Exit::Fault, m))?)?;
     if !keep {
         for part in 1..=parts {

@@ -5,20 +5,26 @@ mod primitives;
 mod shaders;
 
 use self::moving::{Keys, MotionBlock, Moving, Place};
-use crate::cpu::bucket::{self, Share, Stats};
-use crate::cpu::bvh::Bvh;
+use crate::cpu::bucket::{self, Stats};
+use crate::film::bucket::Shard;
 use crate::film::display::Display;
 use crate::film::filter::FilterKind;
 use crate::film::image::Image;
 use crate::gprim::blobby::Field;
 use crate::gprim::surfaces::{self, Profile};
-use crate::gprim::trim::Trim;
+use crate::gprim::trim::trim;
 use crate::gprim::variables::{BEZIER, dress};
 use crate::scene::area::{self, Area, AreaLight};
+use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
+use crate::scene::emitters;
 use crate::scene::motion;
-use crate::scene::options::{Attributes, Hider, Options};
-use crate::scene::world::{Patch, Scene, Shape, Source, SourceShape};
+use crate::scene::options::{Hider, Options};
+use crate::scene::patch::Patch;
+use crate::scene::shape::Shape;
+use crate::scene::source::{Source, SourceShape};
+use crate::scene::trim::Trim;
+use crate::scene::world::Scene;
 use crate::texture::{self, Textures, Wrap};
 use glam::{Mat4, Vec3};
 use ri::files::Files;
@@ -82,7 +88,7 @@ pub struct Context {
     open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
     progress: Progress,
     /// The share of each picture's buckets that is drawn.
-    pub share: Option<Share>,
+    pub share: Option<Shard>,
     /// What is written into the pictures' files, by key.
     pub about: Vec<(String, String)>,
     /// Take all calls but make no picture: for checking a scene.
@@ -171,7 +177,7 @@ impl Context {
 
     /// What is odd about what was read so far.
     pub fn warnings(&self) -> Vec<String> {
-        self.scene.warnings.lock().unwrap_or_else(|e| e.into_inner()).clone()
+        self.scene.warnings.list()
     }
 
     /// Object to world: the current transformation after `WorldBegin`.
@@ -388,7 +394,7 @@ impl Ri for Context {
         if self.options.displays.is_empty() && self.options.passed_over {
             return self.leave_world();
         }
-        area::expand(&mut self.scene);
+        emitters::expand(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], passed_over: true, ..self.options.clone() };
             let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
@@ -398,9 +404,6 @@ impl Ri for Context {
             self.finished.push(Finished { frame: self.frame, options, image, stats, warnings });
             return self.leave_world();
         }
-        let start = std::time::Instant::now();
-        self.scene.bvh = Bvh::build(&self.scene);
-        let hierarchy = start.elapsed().as_secs_f64();
         let moves = match self.camera_moves.as_slice() {
             [] => vec![],
             keys => motion::in_shutter(keys, self.open_shutter()).1,
@@ -413,8 +416,7 @@ impl Ri for Context {
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.share = self.share;
         self.options.about.clone_from(&self.about);
-        let (mut image, mut stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
-        stats.seconds.hierarchy = hierarchy;
+        let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = self.scene.take_warnings();
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
@@ -1004,7 +1006,7 @@ impl Ri for Context {
         self.draw_nu_patch(u, v, params)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
-        self.trim = Trim::new(&curves)?.map(Arc::new);
+        self.trim = trim(&curves)?.map(Arc::new);
         Ok(())
     }
     fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {

@@ -1,5 +1,6 @@
 //! The film: where samples lie, how they are filtered to pixels, and the displays and files that images go to.
 
+pub mod bucket;
 pub mod display;
 pub mod filter;
 pub mod image;

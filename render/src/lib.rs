@@ -12,6 +12,7 @@ pub mod film;
 mod gprim;
 mod scene;
 mod texture;
+mod warnings;
 
 pub use {ri, sl};
 

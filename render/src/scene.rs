@@ -1,7 +1,14 @@
 //! The scene: primitives by sources, their attributes, the options of the image, the camera, motion and lights.
 
 pub mod area;
+pub mod attributes;
 pub mod camera;
+pub mod emitters;
+pub mod facets;
 pub mod motion;
 pub mod options;
+pub mod patch;
+pub mod shape;
+pub mod source;
+pub mod trim;
 pub mod world;

@@ -2,7 +2,7 @@
 
 pub mod texels;
 
-use crate::scene::world::Scene;
+use crate::warnings::Warnings;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;
@@ -91,7 +91,7 @@ impl Textures {
     }
 
     /// A texture by its name; the first failure is a warning.
-    fn get(&self, name: &str, scene: &Scene) -> Option<Arc<Map>> {
+    fn get(&self, name: &str, warnings: &Warnings) -> Option<Arc<Map>> {
         let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
         if let Some(known) = loaded.get(name) {
             return known.clone();
@@ -115,7 +115,7 @@ impl Textures {
             None => read(&PathBuf::from(name), [Wrap::Black; 2]).map(Map::Picture),
         };
         if let Err(message) = &map {
-            scene.warn(format!("texture `{name}` cannot be read and is black: {message}"));
+            warnings.add(format!("texture `{name}` cannot be read and is black: {message}"));
         }
         let map = map.ok().map(Arc::new);
         loaded.insert(name.into(), map.clone());
@@ -123,8 +123,8 @@ impl Textures {
     }
 
     /// Size of a texture, or of a face of it, if it can be read.
-    pub fn resolution(&self, name: &str, scene: &Scene) -> Option<[f32; 2]> {
-        let map = self.get(name, scene)?;
+    pub fn resolution(&self, name: &str, warnings: &Warnings) -> Option<[f32; 2]> {
+        let map = self.get(name, warnings)?;
         let first = match &*map {
             Map::Picture(picture) => picture,
             Map::Cube(faces, _) => &faces[0],
@@ -134,12 +134,12 @@ impl Textures {
     }
 
     /// Four channels of a map at a place.
-    pub fn look_up(&self, q: &MapQuery, scene: &Scene) -> [f32; 4] {
+    pub fn look_up(&self, q: &MapQuery, warnings: &Warnings) -> [f32; 4] {
         // Shaders whose map is optional ask for none.
         if q.name.is_empty() {
             return [0.0; 4];
         }
-        let Some(map) = self.get(q.name, scene) else { return [0.0; 4] };
+        let Some(map) = self.get(q.name, warnings) else { return [0.0; 4] };
         let (texture, at, change) = match (&*map, q.how) {
             (Map::Cube(faces, tangent), _) => {
                 let (face, here) = cube_place(q.at, *tangent);

@@ -2,7 +2,9 @@
 
 use super::Context;
 use crate::scene::motion;
-use crate::scene::world::{Patch, Shape, SourceShape};
+use crate::scene::patch::Patch;
+use crate::scene::shape::Shape;
+use crate::scene::source::SourceShape;
 use glam::Mat4;
 use ri::{Fail, Instances, RiResult};
 

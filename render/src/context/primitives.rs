@@ -6,7 +6,7 @@ use crate::gprim::surfaces;
 use crate::gprim::variables::{
     dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers,
 };
-use crate::scene::world::Patch;
+use crate::scene::patch::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, Values};
 

@@ -1,9 +1,11 @@
 //! The bucket loop: which items a bucket has, the picture of one bucket, and the picture of all.
 
+use crate::cpu::bvh::Bvh;
 use crate::cpu::imager;
 use crate::cpu::samples::{Pixels, Samples};
 use crate::cpu::shade::{Grid, displacement_reach};
 use crate::cpu::visible::{Held, settle};
+use crate::film::bucket::{Tile, tiles};
 use crate::film::display::{self, Aov, aovs};
 use crate::film::filter::Filter;
 use crate::film::image::Image;
@@ -14,7 +16,9 @@ use crate::gprim::{patch, sphere};
 use crate::scene::camera::{Camera, RasterBound};
 use crate::scene::motion::{self, instants};
 use crate::scene::options::Options;
-use crate::scene::world::{Item, ItemView, Scene, Shape};
+use crate::scene::shape::Shape;
+use crate::scene::source::{Item, ItemView};
+use crate::scene::world::Scene;
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 use sl::machine::Machine;
@@ -76,44 +80,12 @@ impl Stats {
     }
 }
 
-/// One of several equal parts of a picture's buckets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Share {
-    /// Which, from 1.
-    pub part: usize,
-    /// How many there are.
-    pub parts: usize,
-}
-
-/// The pixels of a bucket.
-#[derive(Clone, Copy, Debug)]
-pub struct Tile {
-    /// The first.
-    pub x: usize,
-    /// The first.
-    pub y: usize,
-    /// How many along x.
-    pub width: usize,
-    /// How many along y.
-    pub height: usize,
-    /// The bucket's number, row by row.
-    bucket: usize,
-}
-
-/// The buckets of a picture, or of a share of it: every so many-th, so that shares take about as long.
-pub fn tiles(width: usize, height: usize, size: usize, share: Option<Share>) -> impl Iterator<Item = Tile> {
-    let (columns, rows) = (width.div_ceil(size), height.div_ceil(size));
-    let (first, step) = share.map_or((0, 1), |s| (s.part - 1, s.parts));
-    (first..columns * rows).step_by(step).map(move |bucket| {
-        let (x, y) = (bucket % columns * size, bucket / columns * size);
-        Tile { x, y, width: size.min(width - x), height: size.min(height - y), bucket }
-    })
-}
-
 /// What all buckets share.
 pub struct Frame<'a> {
     /// The scene.
     pub scene: &'a Scene,
+    /// The hierarchy over its primitives, for rays.
+    pub bvh: Bvh,
     /// The camera.
     pub camera: Camera,
     /// Where samples lie.
@@ -208,7 +180,10 @@ pub fn render(
     let aovs = aovs(&options.displays);
     let depth = display::depth(&aovs);
     let numbers = scene.numbers();
-    let frame = Frame { scene, camera, jitter, aovs: &aovs, depth, numbers, filter, options };
+    let start = Instant::now();
+    let bvh = Bvh::build(scene);
+    let hierarchy = start.elapsed().as_secs_f64();
+    let frame = Frame { scene, bvh, camera, jitter, aovs: &aovs, depth, numbers, filter, options };
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let start = Instant::now();
@@ -238,7 +213,7 @@ pub fn render(
     };
     let mut image = Image::new(options.width, options.height, aovs.clone());
     let items = scene.sources.iter().map(|s| s.len() as u64).sum();
-    let mut stats = Stats { items, seconds: Seconds { bound, ..Seconds::default() }, ..Stats::default() };
+    let mut stats = Stats { items, seconds: Seconds { hierarchy, bound, ..Seconds::default() }, ..Stats::default() };
     // Jobs between buckets, so that their memory is taken once a thread.
     let idle = Mutex::new(Vec::new());
     // So many at a time that what is held beside the picture itself stays small.

@@ -19,7 +19,7 @@ impl sl::machine::Scene for Darkroom<'_> {
         [1.0; 3]
     }
     fn map(&self, query: &MapQuery) -> [f32; 4] {
-        self.0.textures.look_up(query, self.0)
+        self.0.textures.look_up(query, &self.0.warnings)
     }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.0.ask(what, names)

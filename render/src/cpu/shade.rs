@@ -8,7 +8,7 @@ use crate::cpu::visible::hold;
 use crate::film::display::placed;
 use crate::scene::camera::Camera;
 use crate::scene::motion::Instant;
-use crate::scene::world::{Item, ItemView, instance_inputs};
+use crate::scene::source::{Item, ItemView, instance_inputs};
 use glam::{Vec2, Vec3};
 use sl::machine::Points;
 
@@ -49,7 +49,7 @@ pub fn finish(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, diced: &Diced,
     let frame = job.frame;
     uniform_inputs(&mut job.grid.points, view);
     if let Some(displacement) = &a.displacement {
-        let mut scene = View::new(frame.scene, item, view, [0.0; 2]);
+        let mut scene = View::new(frame.scene, &frame.bvh, item, view, [0.0; 2]);
         scene.shader_to_world = a.displacement_space;
         fill_incident(&mut job.grid.points, &frame.camera);
         let before = job.grid.points.get("P").unwrap_or(&[]).to_vec();
@@ -100,7 +100,7 @@ pub fn shade(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, points: &mut Po
     let begun = std::time::Instant::now();
     // A displaced surface does not shadow itself with what it was before.
     let bias = 2.0 / frame.camera.pixels_at(z);
-    let mut scene = View::new(frame.scene, item, view, [bias, bias + 2.0 * reach]);
+    let mut scene = View::new(frame.scene, &frame.bvh, item, view, [bias, bias + 2.0 * reach]);
     fill_incident(points, &frame.camera);
     surface_globals(points, view, frame.camera.eye);
     job.machine.run(&a.surface, points, &scene);

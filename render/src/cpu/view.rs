@@ -4,9 +4,14 @@
 //! that shine on it. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
+use crate::cpu::bvh::Bvh;
 use crate::cpu::shade::{surface_globals, uniform_inputs};
-use crate::scene::options::Attributes;
-use crate::scene::world::{Item, ItemView, Scene, Shape, bilinear, sphere_uv};
+use crate::scene::attributes::Attributes;
+use crate::scene::facets::place_on;
+use crate::scene::patch::bilinear;
+use crate::scene::shape::{Shape, sphere_uv};
+use crate::scene::source::{Item, ItemView};
+use crate::scene::world::Scene;
 use glam::{Mat3, Mat4, Vec3};
 use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points};
@@ -26,6 +31,8 @@ const MOST_NESTED: u32 = 2;
 pub struct View<'a> {
     /// The scene.
     pub scene: &'a Scene,
+    /// The hierarchy over its primitives.
+    pub bvh: &'a Bvh,
     /// The primitive that is shaded.
     pub item: Item,
     /// Object space to world.
@@ -53,10 +60,11 @@ thread_local! {
 
 impl<'a> View<'a> {
     /// The view from an item, as its surface shader has it.
-    pub fn new(scene: &'a Scene, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
+    pub fn new(scene: &'a Scene, bvh: &'a Bvh, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
         let attributes = view.attributes;
         View {
             scene,
+            bvh,
             item,
             object_to_world: view.object_to_world,
             shader_to_world: attributes.surface_space,
@@ -94,7 +102,7 @@ impl<'a> View<'a> {
             points.refill(name).extend_from_slice(value);
         }
         surface_globals(&mut points, &view, from);
-        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, item, &view, self.bias) };
+        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, &view, self.bias) };
         machine.run(&a.surface, &mut points, &scene);
         let three = |name: &str| points.get(name).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
         let answer = (three("Ci"), three("Oi"));
@@ -129,7 +137,7 @@ impl<'a> View<'a> {
     ) -> [f32; 3] {
         let (mut open, mut least) = ([1.0f32; 3], 0.0);
         for _ in 0..MAX_LAYERS {
-            let found = self.scene.bvh.nearest(self.item, from, dir, least, self.bias);
+            let found = self.bvh.nearest(self.item, from, dir, least, self.bias);
             let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
             let opacity = meet(item, distance, open);
             (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
@@ -194,7 +202,7 @@ fn meet(view: &ItemView<'_>, place: Vec3, from: Vec3, dir: Vec3) -> Met {
             let inverse = view.to_world.inverse();
             let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
             let at = inverse.transform_point3(place);
-            let found = patches.iter().filter_map(|p| Some((crate::cpu::bvh::place_on(p, o, d, at)?, p)));
+            let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
                 return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], inputs: vec![] };
             };
@@ -238,15 +246,15 @@ impl sl::machine::Scene for View<'_> {
 
     fn transmission(&self, from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
         let (from, to) = (Vec3::from(from), Vec3::from(to));
-        if self.scene.bvh.blocked(self.item, from, to, self.bias) {
+        if self.bvh.blocked(self.item, from, to, self.bias) {
             return [0.0; 3];
         }
-        if self.scene.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
+        if self.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
     }
 
     fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {
         let dir = Vec3::from(direction);
-        self.scene.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
+        self.bvh.nearest(self.item, self.start(from.into(), dir), dir, 0.0, self.bias).map(|(t, _)| t)
     }
 
     fn emitter(&self, light: usize, n: usize, place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
@@ -293,7 +301,7 @@ impl sl::machine::Scene for View<'_> {
                 self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
                 [0.0; 4]
             }
-            _ => self.scene.textures.look_up(query, self.scene),
+            _ => self.scene.textures.look_up(query, &self.scene.warnings),
         }
     }
 

@@ -1,6 +1,5 @@
 //! Displays and what goes to them: colour and coverage, depth, and other values of surfaces, all in one pass (RISpec 4.1.9).
 
-use crate::film::image::Image;
 use sl::ir::Kind;
 use std::collections::HashMap;
 
@@ -178,12 +177,12 @@ pub fn depth(aovs: &[Aov]) -> usize {
 pub struct Channel {
     /// Its name: R, G, B, A, Z, or the variable's with a suffix.
     pub name: String,
-    /// 0 to 3 for red, green, blue and coverage, from 4 on what [`Image::extra`] has.
+    /// 0 to 3 for red, green, blue and coverage, from 4 on the values besides colour.
     pub at: usize,
 }
 
-/// The channels of a file that takes some layers of a picture.
-pub fn channels(layers: &[Layer], image: &Image) -> Vec<Channel> {
+/// The channels of a file that takes some layers of an image with these values besides colour.
+pub fn channels(layers: &[Layer], aovs: &[Aov]) -> Vec<Channel> {
     let channel = |name: &str, at: usize| Channel { name: name.into(), at };
     let alone = layers.len() == 1;
     let mut all = vec![];
@@ -193,7 +192,7 @@ pub fn channels(layers: &[Layer], image: &Image) -> Vec<Channel> {
             Layer::Rgba => all.extend(["R", "G", "B", "A"].iter().enumerate().map(|(i, n)| channel(n, i))),
             Layer::Alpha => all.push(channel("A", 3)),
             Layer::Aov(aov) => {
-                let Some(first) = place_of(&image.aovs, &aov.name) else { continue };
+                let Some(first) = place_of(aovs, &aov.name) else { continue };
                 let from = 4 + first;
                 let suffixes = if aov.kind == Kind::Color || alone { ["R", "G", "B"] } else { ["X", "Y", "Z"] };
                 match aov.width() {

@@ -1,7 +1,6 @@
 //! Pictures: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
 
 use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
-use crate::scene::options::Options;
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
@@ -18,6 +17,20 @@ pub struct Image {
     pub aovs: Vec<Aov>,
     /// Their numbers, one pixel's after another's.
     pub extra: Vec<f32>,
+}
+
+/// How an image is written to a file: what the options of its frame say of that.
+pub struct Encoding<'a> {
+    /// The pixels that are written: the first along x and y, and one after the last.
+    pub window: [[usize; 2]; 2],
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    pub quantize_one: i32,
+    /// Amplitude of the dither, quantization steps.
+    pub dither: f32,
+    /// What is written into the file besides, by key.
+    pub about: &'a [(String, String)],
 }
 
 impl Image {
@@ -46,17 +59,17 @@ impl Image {
     }
 
     /// The picture as the bytes of the file of some displays that have one name. EXR has floats, and so has TIFF where colours
-    /// are not quantized; only EXR has several layers. `options` are those that it was made with.
-    pub fn encode(&self, displays: &[&Display], options: &Options) -> Result<Vec<u8>, String> {
+    /// are not quantized; only EXR has several layers.
+    pub fn encode(&self, displays: &[&Display], encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
         let Some(display) = displays.first() else { return Err("no display takes the picture".into()) };
         let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
-        let channels = channels(&layers, self);
-        let [[x0, y0], [x1, y1]] = options.window();
+        let channels = channels(&layers, &self.aovs);
+        let [[x0, y0], [x1, y1]] = encoding.window;
         let pixels: Vec<usize> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x)).collect();
         let size = [x1 - x0, y1 - y0];
         match display.format() {
-            "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), options),
-            kind => self.plain(kind, &channels, &pixels, size, options),
+            "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
+            kind => self.plain(kind, &channels, &pixels, size, encoding),
         }
     }
 
@@ -77,7 +90,7 @@ impl Image {
         pixels: &[usize],
         [width, height]: [usize; 2],
         half: bool,
-        options: &Options,
+        encoding: &Encoding<'_>,
     ) -> Result<Vec<u8>, String> {
         use exr::prelude::{
             AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, LayerAttributes, LineOrder, Text,
@@ -96,17 +109,17 @@ impl Image {
             AnyChannel::new(text(&c.name), samples)
         });
         // In a fixed order: the same picture is the same bytes.
-        let about: Vec<String> = options.about.iter().map(|(key, value)| format!("{key}={value}")).collect();
+        let about: Vec<String> = encoding.about.iter().map(|(key, value)| format!("{key}={value}")).collect();
         let attributes = LayerAttributes {
             software_name: Some(text(SOFTWARE)),
             comments: Some(text(&about.join(" "))).filter(|_| !about.is_empty()),
             ..LayerAttributes::default()
         };
-        let encoding =
+        let blocks =
             Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-        let layer = exr::image::Layer::new((width, height), attributes, encoding, AnyChannels::sort(list.collect()));
+        let layer = exr::image::Layer::new((width, height), attributes, blocks, AnyChannels::sort(list.collect()));
         let mut image = exr::image::Image::from_layer(layer);
-        image.attributes.pixel_aspect = options.pixel_aspect;
+        image.attributes.pixel_aspect = encoding.pixel_aspect;
         let mut bytes = std::io::Cursor::new(Vec::new());
         image.write().to_buffered(&mut bytes).map_err(|e| e.to_string())?;
         Ok(bytes.into_inner())
@@ -119,7 +132,7 @@ impl Image {
         channels: &[Channel],
         pixels: &[usize],
         size: [usize; 2],
-        options: &Options,
+        encoding: &Encoding<'_>,
     ) -> Result<Vec<u8>, String> {
         let n = channels.len();
         let [w, h] = size.map(|n| n as u32);
@@ -129,7 +142,7 @@ impl Image {
             let goal = std::io::Cursor::new(&mut bytes);
             TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
         };
-        if kind == "tiff" && options.quantize_one == 0 {
+        if kind == "tiff" && encoding.quantize_one == 0 {
             let color = match n {
                 3 => ExtendedColorType::Rgb32F,
                 4 => ExtendedColorType::Rgba32F,
@@ -138,7 +151,7 @@ impl Image {
             tiff(&numbers.flat_map(|(.., x)| x.to_ne_bytes()).collect::<Vec<u8>>(), color)?;
             return Ok(bytes);
         }
-        let deep = options.quantize_one > 255;
+        let deep = encoding.quantize_one > 255;
         let one = if deep { 65535.0 } else { 255.0 };
         let quantize = |(i, c, x): (usize, usize, f32)| {
             // Dither is noise of the pixel's own, the same in every run.
@@ -146,7 +159,7 @@ impl Image {
                 [(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5],
                 9,
             );
-            (x * one + options.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
+            (x * one + encoding.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
         };
         let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
         let data: Vec<u8> = if deep {
@@ -173,7 +186,7 @@ impl Image {
         encoder.set_depth(if deep { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
         encoder.set_compression(png::Compression::Fast);
         encoder.add_itxt_chunk("Software".into(), SOFTWARE.into()).map_err(fault)?;
-        for (key, value) in &options.about {
+        for (key, value) in encoding.about {
             encoder.add_itxt_chunk(format!("scree:{key}"), value.clone()).map_err(fault)?;
         }
         let mut writer = encoder.write_header().map_err(fault)?;

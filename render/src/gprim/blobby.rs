@@ -3,7 +3,7 @@
 //! The surface is found on a grid by surface nets (Gibson 1998): a point in every cell that it crosses, and a quadrilateral across
 //! every grid edge that it crosses; the points are then drawn to the surface along the field's slope, which gives the normals too.
 
-use crate::scene::world::Patch;
+use crate::scene::patch::Patch;
 use glam::{Mat4, Vec3};
 use ri::Fail;
 

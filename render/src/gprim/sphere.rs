@@ -10,7 +10,9 @@ use crate::cpu::shade::{Diced, displacement_reach, finish};
 use crate::gprim::patch::{self, coarsening};
 use crate::gprim::surfaces::{circle, revolve};
 use crate::scene::motion::Instant;
-use crate::scene::world::{Item, ItemView, Patch, sphere_uv};
+use crate::scene::patch::Patch;
+use crate::scene::shape::sphere_uv;
+use crate::scene::source::{Item, ItemView};
 use glam::{Mat3, Vec3};
 use std::sync::OnceLock;
 

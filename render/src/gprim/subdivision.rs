@@ -3,7 +3,7 @@
 //! A mesh is subdivided a few times, until its extraordinary vertices and creases are small; then each face becomes a bicubic
 //! patch by the masks of Loop and Schaefer (2008), which is the limit surface itself where a face is regular.
 
-use crate::scene::world::Patch;
+use crate::scene::patch::Patch;
 use glam::Vec3;
 use ri::{Fail, Tags};
 use std::collections::HashMap;

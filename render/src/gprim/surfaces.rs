@@ -1,7 +1,7 @@
 //! Surfaces of RIB as bicubic patches: quadrics, patch meshes, NURBS, curves and the teapot.
 
 use crate::gprim::variables::to_bezier;
-use crate::scene::world::Patch;
+use crate::scene::patch::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, Knots};
 use std::f32::consts::TAU;
@@ -83,12 +83,6 @@ pub fn revolve(profile: &[Profile], sweep: f32) -> Vec<Patch> {
 }
 
 impl Patch {
-    /// A bicubic patch over a range of parameters, which are its texture coordinates too.
-    pub fn smooth(p: [Vec3; 16], u: [f32; 2], v: [f32; 2]) -> Patch {
-        let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false, trim: None, moves: vec![] }
-    }
-
     /// The patch through points of a surface, given over unit parameters: exact for what is bicubic.
     pub fn through(at: impl Fn(f32, f32) -> Vec3, u: [f32; 2], v: [f32; 2]) -> Patch {
         let place = |r: [f32; 2], k: usize| r[0] + (r[1] - r[0]) * k as f32 / 3.0;

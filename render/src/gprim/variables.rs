@@ -1,6 +1,6 @@
 //! Geometric primitives of RIB as patches: polygons, patches of any basis, and their primitive variables.
 
-use crate::scene::world::Patch;
+use crate::scene::patch::Patch;
 use glam::{Mat4, Vec3};
 use ri::{Class, Fail, Params, RiResult, Values};
 

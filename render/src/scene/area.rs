@@ -3,12 +3,10 @@
 //!
 //! The points are other ones at every place that is lit, so that a penumbra is smooth up to noise and not a stack of hard shadows.
 
-use crate::cpu::bvh::facets_of;
-use crate::scene::options::Attributes;
-use crate::scene::world::{Scene, Shape};
+use crate::scene::facets::facets_of;
+use crate::scene::shape::Shape;
 use glam::{Mat3, Mat4, Vec3};
 use sl::machine::BoundShader;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Points of a light that are lit from if no attribute says.
@@ -101,45 +99,4 @@ pub struct AreaLight {
     pub samples: usize,
     /// Its surface.
     pub area: Area,
-}
-
-/// Put every point of an area light in the place of the light itself, in the lists of all primitives. A parameter `area` of its
-/// shader is told the light's.
-pub fn expand(scene: &mut Scene) {
-    let told = |light: &AreaLight| {
-        let mut shader = (*light.shader).clone();
-        if let Some(i) = shader.program.params.iter().position(|p| p.name == "area") {
-            shader.numbers.retain(|(k, _)| *k != i);
-            shader.numbers.push((i, vec![light.area.area()]));
-        }
-        Arc::new(shader)
-    };
-    let shaders: Vec<Arc<BoundShader>> = scene.area_lights.iter().map(told).collect();
-    type Lists = (Arc<Vec<Arc<BoundShader>>>, Arc<Vec<Emitter>>);
-    let mut known: HashMap<*const Vec<Arc<BoundShader>>, Lists> = HashMap::new();
-    for source in &mut scene.sources {
-        let list = source.attributes.light_list.clone();
-        let which = |light: &Arc<BoundShader>| scene.area_lights.iter().position(|a| Arc::ptr_eq(&a.shader, light));
-        if !list.iter().any(|light| which(light).is_some()) {
-            continue;
-        }
-        let (lights, emitters) = known.entry(Arc::as_ptr(&list)).or_insert_with(|| {
-            let (mut lights, mut emitters) = (vec![], vec![]);
-            for light in list.iter() {
-                match which(light) {
-                    Some(k) => (0..scene.area_lights[k].samples as u32).for_each(|sample| {
-                        lights.push(shaders[k].clone());
-                        emitters.push(Some((k as u32, sample)));
-                    }),
-                    None => {
-                        lights.push(light.clone());
-                        emitters.push(None);
-                    }
-                }
-            }
-            (Arc::new(lights), Arc::new(emitters))
-        });
-        let attributes: &mut Attributes = Arc::make_mut(&mut source.attributes);
-        (attributes.light_list, attributes.emitters) = (lights.clone(), emitters.clone());
-    }
 }

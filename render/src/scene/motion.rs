@@ -4,7 +4,8 @@
 //! else of the scene is as at 0: that is when surfaces are diced, shaded and cast their shadows.
 
 use crate::scene::camera::Camera;
-use crate::scene::world::{ItemView, Shape};
+use crate::scene::shape::Shape;
+use crate::scene::source::ItemView;
 use glam::{Mat4, Vec3};
 
 /// What may lie between two values.

@@ -1,100 +1,17 @@
-//! The scene: sources of primitives, held by reference; an item is one primitive of a source.
+//! The scene between `WorldBegin` and `WorldEnd`: its sources, spaces, textures and lights, and what shaders ask of it.
 
-use crate::cpu::bvh::Bvh;
-use crate::gprim::trim::Trim;
 use crate::scene::area::AreaLight;
+use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
-use crate::scene::options::Attributes;
+use crate::scene::shape::Shape;
+use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, unscaled};
 use crate::texture::Textures;
-use glam::{Mat4, Quat, Vec3};
-use ri::{Instances, Param, Values};
+use crate::warnings::Warnings;
+use glam::{Mat4, Vec3};
 use sl::ir::Ask;
 use sl::machine::Answer;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
-
-/// A primitive in its object space.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// A whole sphere of radius 1; its size is in the transformation.
-    Sphere,
-    /// Bicubic patches.
-    Patches(Arc<Vec<Patch>>),
-}
-
-/// A bicubic Bézier patch with its corner values.
-#[derive(Clone, Debug)]
-pub struct Patch {
-    /// Control points, u fastest.
-    pub p: [Vec3; 16],
-    /// u and v at the corners (0,0), (1,0), (0,1), (1,1).
-    pub uv: [[f32; 2]; 4],
-    /// s and t at the corners.
-    pub st: [[f32; 2]; 4],
-    /// Varying variables: name and values at the four corners, `width` each.
-    pub varying: Vec<(String, Vec<f32>)>,
-    /// Variables that are the same all over.
-    pub uniform: Vec<(String, Vec<f32>)>,
-    /// Flat, so that it cannot shadow itself.
-    pub flat: bool,
-    /// What of it is cut away.
-    pub trim: Option<Arc<Trim>>,
-    /// Control points later on, by the part of the time that the shutter is open then.
-    pub moves: Vec<(f32, [Vec3; 16])>,
-}
-
-/// What a source repeats.
-pub enum SourceShape {
-    /// One primitive.
-    One(Shape),
-    /// Spheres by columns.
-    Spheres(Instances),
-    /// Objects by columns: each has all these parts with their places in the object.
-    Objects(Instances, Arc<Vec<(Shape, Mat4)>>),
-}
-
-/// Primitives that share attributes and a transformation.
-pub struct Source {
-    /// The primitives.
-    pub shape: SourceShape,
-    /// Object to world.
-    pub to_world: Mat4,
-    /// The same later on, by the part of the time that the shutter is open then.
-    pub moves: Vec<(f32, Mat4)>,
-    /// Attributes.
-    pub attributes: Arc<Attributes>,
-    /// Uniform primitive variables.
-    pub uniform: Vec<(String, Vec<f32>)>,
-}
-
-/// Source and index within it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Item {
-    /// Index into the sources.
-    pub source: u32,
-    /// Index within the source.
-    pub index: u32,
-}
-
-/// One primitive, looked up.
-pub struct ItemView<'a> {
-    /// Its shape.
-    pub shape: &'a Shape,
-    /// Shape to world.
-    pub to_world: Mat4,
-    /// Object space to world: as `to_world`, but without the scale that is a sphere's radius.
-    pub object_to_world: Mat4,
-    /// Attributes.
-    pub attributes: &'a Attributes,
-    /// Colour.
-    pub color: [f32; 3],
-    /// The source, for its uniform variables.
-    pub source: &'a Source,
-    /// The instance.
-    pub instance: Option<(&'a Instances, usize)>,
-    /// How far an instance moves in its source while the shutter is open.
-    pub shift: Vec3,
-}
+use std::sync::Mutex;
 
 /// All that is drawn.
 #[derive(Default)]
@@ -113,31 +30,13 @@ pub struct Scene {
     pub textures: Textures,
     /// Lights that have an area.
     pub area_lights: Vec<AreaLight>,
-    /// For shadows; made at `WorldEnd`.
-    pub bvh: Bvh,
     /// What is odd about the scene, once each.
-    pub warnings: Mutex<Vec<String>>,
+    pub warnings: Warnings,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
 }
 
 static WHOLE_SPHERE: Shape = Shape::Sphere;
-
-impl Source {
-    /// Number of items.
-    pub fn len(&self) -> usize {
-        match &self.shape {
-            SourceShape::One(_) => 1,
-            SourceShape::Spheres(columns) => columns.len(),
-            SourceShape::Objects(columns, parts) => columns.len() * parts.len(),
-        }
-    }
-
-    /// Whether it has no items.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
 
 impl Scene {
     /// All items, in order.
@@ -241,9 +140,9 @@ impl Scene {
             (Ask::Option, ["Clipping"]) => numbers(&self.clipping),
             (Ask::Option, [name]) => self.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
             (Ask::TextureInfo, [texture, what]) => match *what {
-                "resolution" => numbers(&self.textures.resolution(texture, self)?),
-                "exists" => numbers(&[self.textures.resolution(texture, self).is_some() as u8 as f32]),
-                "channels" => self.textures.resolution(texture, self).and_then(|_| numbers(&[4.0])),
+                "resolution" => numbers(&self.textures.resolution(texture, &self.warnings)?),
+                "exists" => numbers(&[self.textures.resolution(texture, &self.warnings).is_some() as u8 as f32]),
+                "channels" => self.textures.resolution(texture, &self.warnings).and_then(|_| numbers(&[4.0])),
                 "type" => Some(Answer::Text("texture".into())),
                 _ => None,
             },
@@ -268,118 +167,11 @@ impl Scene {
                 (bound * 1.01 * 1e4).ceil() / 1e4
             ));
         }
-        std::mem::take(&mut *self.warnings.lock().unwrap_or_else(|e| e.into_inner()))
+        self.warnings.take()
     }
 
-    /// Remember an oddity, once.
+    /// Warn of something odd, once.
     pub fn warn(&self, message: String) {
-        let mut warnings = self.warnings.lock().unwrap_or_else(|e| e.into_inner());
-        if !warnings.contains(&message) {
-            warnings.push(message);
-        }
+        self.warnings.add(message);
     }
-}
-
-/// The object space of a sphere: a ball's radius is no part of it, the half axes of an ellipsoid are.
-fn unscaled(columns: &Instances, i: usize) -> Mat4 {
-    if columns.scale.get(i).is_some_and(|s| s[0] != s[1] || s[1] != s[2]) {
-        return columns.matrix(i);
-    }
-    let turn = columns.orientation.get(i).map_or(Quat::IDENTITY, |q| Quat::from_array(*q));
-    Mat4::from_rotation_translation(turn, Vec3::from(columns.position[i]))
-}
-
-fn instance_color(columns: &Instances, i: usize) -> Option<[f32; 3]> {
-    let param = columns.params.iter().find(|p| p.decl.name == "Cs")?;
-    param.numbers().get(3 * i..3 * i + 3).map(|c| [c[0], c[1], c[2]])
-}
-
-/// The uniform numbers of an instance's primitive variables other than colour.
-pub(crate) fn instance_inputs(columns: &Instances, i: usize) -> impl Iterator<Item = (String, Vec<f32>)> + '_ {
-    let wanted = |p: &&Param| p.decl.name != "Cs" && matches!(p.values, Values::Floats(_));
-    columns.params.iter().filter(wanted).map(move |p| {
-        let width = p.decl.width();
-        (p.decl.name.clone(), p.numbers()[i * width..(i + 1) * width].to_vec())
-    })
-}
-
-impl Patch {
-    /// The bilinear patch of four corners (0,0), (1,0), (0,1), (1,1), as a bicubic one.
-    pub fn bilinear(c: [Vec3; 4]) -> Patch {
-        let mut p = [Vec3::ZERO; 16];
-        for (k, q) in p.iter_mut().enumerate() {
-            let (u, v) = ((k % 4) as f32 / 3.0, (k / 4) as f32 / 3.0);
-            *q = lerp4(c, u, v);
-        }
-        let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
-        let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None, moves: vec![] }
-    }
-
-    /// The point at (u, v).
-    pub fn at(&self, u: f32, v: f32) -> Vec3 {
-        point_of(&self.p, u, v)
-    }
-
-    /// Derivatives along u and v.
-    pub fn slopes(&self, u: f32, v: f32) -> (Vec3, Vec3) {
-        let (bu, bv, du, dv) = (bernstein(u), bernstein(v), bernstein_slope(u), bernstein_slope(v));
-        let sum = |x: [f32; 4], y: [f32; 4]| {
-            (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum()
-        };
-        (sum(du, bv), sum(bu, dv))
-    }
-
-    /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.
-    pub fn normal(&self, u: f32, v: f32) -> Vec3 {
-        let (du, dv) = self.slopes(u, v);
-        self.normal_of(du, dv, u, v)
-    }
-
-    /// The normal at (u, v), whose derivatives are given.
-    pub fn normal_of(&self, mut du: Vec3, mut dv: Vec3, mut u: f32, mut v: f32) -> Vec3 {
-        for _ in 0..3 {
-            let n = du.cross(dv);
-            if n.length_squared() > 1e-12 * du.length_squared().max(dv.length_squared()).powi(2) {
-                return n.normalize();
-            }
-            (u, v) = (u + (0.5 - u) * 0.02, v + (0.5 - v) * 0.02);
-            (du, dv) = self.slopes(u, v);
-        }
-        Vec3::ZERO
-    }
-}
-
-/// u and v of the specification's sphere in a direction of object space: u around, v from the south pole up (RISpec 5.2).
-pub(crate) fn sphere_uv(d: Vec3) -> [f32; 2] {
-    [(d.y.atan2(d.x) / std::f32::consts::TAU).rem_euclid(1.0), d.z.clamp(-1.0, 1.0).asin() / std::f32::consts::PI + 0.5]
-}
-
-/// The point at (u, v) of the bicubic Bézier patch of some control points.
-pub(crate) fn point_of(p: &[Vec3; 16], u: f32, v: f32) -> Vec3 {
-    let (bu, bv) = (bernstein(u), bernstein(v));
-    (0..4).map(|j| (0..4).map(|i| p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
-}
-
-/// A number between those of four corners.
-pub(crate) fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
-    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
-}
-
-/// Bilinear interpolation between corners.
-pub(crate) fn lerp4(c: [Vec3; 4], u: f32, v: f32) -> Vec3 {
-    c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v)
-}
-
-/// Bernstein's polynomials of the third degree.
-pub(crate) fn bernstein(t: f32) -> [f32; 4] {
-    let s = 1.0 - t;
-    [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
-}
-
-/// Their derivatives.
-pub(crate) fn bernstein_slope(t: f32) -> [f32; 4] {
-    let s = 1.0 - t;
-    [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
 }

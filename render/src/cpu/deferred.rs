@@ -7,7 +7,7 @@ use crate::cpu::bucket::Job;
 use crate::cpu::samples::Triangle;
 use crate::cpu::shade::{shade, surface_opacity};
 use crate::film::display::place_of;
-use crate::scene::world::Item;
+use crate::scene::source::Item;
 use glam::Vec3A;
 use sl::machine::Points;
 
