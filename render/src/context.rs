@@ -5,7 +5,7 @@ mod primitives;
 mod shaders;
 
 use self::moving::{Keys, MotionBlock, Moving, Place};
-use crate::cpu::bucket::{self, Stats};
+use crate::cpu::render::render;
 use crate::film::bucket::Shard;
 use crate::film::display::Display;
 use crate::film::filter::FilterKind;
@@ -25,6 +25,7 @@ use crate::scene::shape::Shape;
 use crate::scene::source::{Source, SourceShape};
 use crate::scene::trim::Trim;
 use crate::scene::world::Scene;
+use crate::stats::Stats;
 use crate::texture::{self, Textures, Wrap};
 use glam::{Mat4, Vec3};
 use ri::files::Files;
@@ -398,7 +399,7 @@ impl Ri for Context {
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], passed_over: true, ..self.options.clone() };
             let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
-            let stats = bucket::Stats { items, ..bucket::Stats::default() };
+            let stats = Stats { items, ..Stats::default() };
             let warnings = self.scene.take_warnings();
             let image = Image::new(0, 0, vec![]);
             self.finished.push(Finished { frame: self.frame, options, image, stats, warnings });
@@ -416,7 +417,7 @@ impl Ri for Context {
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.share = self.share;
         self.options.about.clone_from(&self.about);
-        let (mut image, stats) = bucket::render(&self.scene, &self.options, camera, &*self.progress);
+        let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = self.scene.take_warnings();
         self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });

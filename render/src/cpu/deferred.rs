@@ -1,23 +1,19 @@
-//! What samples see: grids are sampled first, and shaded when the bucket knows what of them is seen, at those points alone.
+//! Deferred shading: grids are sampled first, and shaded when the bucket knows which of their points are visible, at those alone.
 //!
-//! A grid that may be half transparent is shaded before, since what it hides hangs on its opacity; one whose shaders look at
+//! A grid that may be translucent is shaded before, since what it hides depends on its opacity; one whose shaders look at
 //! neighbouring points is shaded whole.
 
-use crate::cpu::bucket::Job;
-use crate::cpu::samples::Triangle;
-use crate::cpu::shade::{shade, surface_opacity};
+use crate::cpu::frame::Frame;
+use crate::cpu::micropolygon::{Micropolygon, POINT_BITS};
+use crate::cpu::raster::Raster;
+use crate::cpu::samples::Samples;
+use crate::cpu::samples::visible::Triangle;
+use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
 use crate::film::display::place_of;
 use crate::scene::source::Item;
+use crate::stats::Stats;
 use glam::Vec3A;
 use sl::machine::Points;
-
-/// One triangle of a micropolygon of a grid of the bucket: the grid's number, the number of its first point, and which of the
-/// two triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Micropolygon(u32);
-
-/// Bits of a point's number.
-const POINT_BITS: u32 = 11;
 
 /// Points that are held at most before they are shaded, as far as they are seen by then.
 const MOST_POINTS: usize = 1 << 19;
@@ -25,48 +21,8 @@ const MOST_POINTS: usize = 1 << 19;
 /// Grids that are held at most.
 const MOST_GRIDS: usize = (1 << (31 - POINT_BITS)) - 1;
 
-impl Micropolygon {
-    /// None.
-    pub const NONE: Micropolygon = Micropolygon(u32::MAX);
-
-    /// Of a grid, a first point, and which triangle.
-    #[inline(always)]
-    pub fn new(grid: usize, point: usize, second: bool) -> Micropolygon {
-        Micropolygon((grid << (POINT_BITS + 1) | point << 1 | second as usize) as u32)
-    }
-
-    /// All of it as a number.
-    #[inline(always)]
-    pub fn number(self) -> u32 {
-        self.0
-    }
-
-    /// Of [`Self::number`].
-    #[inline(always)]
-    pub fn of_number(number: u32) -> Micropolygon {
-        Micropolygon(number)
-    }
-
-    #[inline(always)]
-    fn grid(self) -> usize {
-        (self.0 >> (POINT_BITS + 1)) as usize
-    }
-
-    #[inline(always)]
-    fn point(self) -> usize {
-        (self.0 >> 1) as usize & ((1 << POINT_BITS) - 1)
-    }
-
-    /// Corners of the triangle, in rows of `nu` points.
-    #[inline(always)]
-    fn corners(self, nu: usize) -> [usize; 3] {
-        let k = self.point();
-        if self.0 & 1 == 0 { [k, k + 1, k + nu + 1] } else { [k, k + nu + 1, k + nu] }
-    }
-}
-
-/// A grid that samples see.
-struct Seen {
+/// A grid of which samples see some.
+struct DeferredGrid {
     item: Item,
     points: Points,
     /// Ci and Oi are there.
@@ -75,7 +31,7 @@ struct Seen {
     reach: f32,
     z: f32,
     /// Of its primitive variables, how many are the same all over.
-    uniform: usize,
+    n_uniform: usize,
     /// How far its points move on the raster, if a display takes that.
     motion: Vec<[f32; 2]>,
     /// What displays take besides colour, if it is shaded.
@@ -83,7 +39,7 @@ struct Seen {
 }
 
 /// What samples need to know of a grid, small enough for all of them to lie close.
-struct Brief {
+struct Layout {
     /// Its first point among those of all.
     first: usize,
     nu: usize,
@@ -91,7 +47,7 @@ struct Brief {
     matte: bool,
 }
 
-impl Brief {
+impl Layout {
     /// Corners of a triangle among the points of all grids; of a flat one, the first alone counts.
     #[inline(always)]
     fn corners(&self, m: Micropolygon) -> [usize; 3] {
@@ -99,11 +55,11 @@ impl Brief {
     }
 }
 
-/// The grids of a bucket that are seen.
+/// The grids of a bucket that samples see, until they are flushed.
 #[derive(Default)]
-pub struct Held {
-    grids: Vec<Seen>,
-    briefs: Vec<Brief>,
+pub struct Deferred {
+    grids: Vec<DeferredGrid>,
+    layouts: Vec<Layout>,
     n: usize,
     wanted: Vec<bool>,
     color: Vec<Vec3A>,
@@ -116,111 +72,119 @@ pub struct Held {
     spare: Vec<Points>,
 }
 
-impl Held {
-    /// The number that the next grid will have.
+impl Deferred {
+    /// The index that the next grid will have.
     pub fn next(&self) -> usize {
         self.grids.len()
     }
-}
 
-/// Keep the grid at hand, which samples see; `reach` is how far it may be displaced, `z` its least depth.
-pub fn hold(job: &mut Job<'_>, item: Item, shaded: bool, reach: f32, z: f32) {
-    let held = &mut job.held;
-    let attributes = job.frame.scene.attributes(item);
-    let points = std::mem::replace(&mut job.grid.points, held.spare.pop().unwrap_or_default());
-    let first = held.n;
-    held.n += points.n();
-    debug_assert!(points.n() <= 1 << POINT_BITS);
-    let (smooth, matte) = (attributes.smooth, attributes.matte);
-    let uniform = job.grid.uniform;
-    let motion = if place_of(job.frame.aovs, "motion").is_some() { job.grid.motion().collect() } else { vec![] };
-    let outputs = if shaded { std::mem::take(&mut job.outputs) } else { vec![] };
-    held.briefs.push(Brief { first, nu: points.nu, smooth, matte });
-    held.grids.push(Seen { motion, outputs, item, uniform, points, shaded, reach, z });
-    if held.n >= MOST_POINTS || held.grids.len() >= MOST_GRIDS {
-        settle(job);
+    /// Keep a grid that samples see, in exchange for other memory; the first `n_uniform` of its primitive variables are the same
+    /// all over. `shaded` has what displays take of its points, if it is shaded.
+    pub fn push(
+        &mut self,
+        frame: &Frame<'_>,
+        surface: &Surface<'_>,
+        (points, n_uniform): (&mut Points, usize),
+        raster: &Raster,
+        shaded: Option<&mut Shading>,
+    ) {
+        let Surface { item, view, reach, z } = *surface;
+        let points = std::mem::replace(points, self.spare.pop().unwrap_or_default());
+        let first = self.n;
+        self.n += points.n();
+        debug_assert!(points.n() <= 1 << POINT_BITS);
+        let (smooth, matte) = (view.attributes.smooth, view.attributes.matte);
+        let motion = if place_of(&frame.aovs, "motion").is_some() { raster.motion().collect() } else { vec![] };
+        let is_shaded = shaded.is_some();
+        let outputs = shaded.map_or(vec![], |shading| std::mem::take(&mut shading.outputs));
+        self.layouts.push(Layout { first, nu: points.nu, smooth, matte });
+        self.grids.push(DeferredGrid { motion, outputs, item, n_uniform, points, shaded: is_shaded, reach, z });
     }
-}
 
-/// Shade what is seen and give the samples its colours.
-pub fn settle(job: &mut Job<'_>) {
-    let mut held = std::mem::take(&mut job.held);
-    let begun = std::time::Instant::now();
-    let shading = job.stats.seconds.shade;
-    let Held { grids, briefs, n, wanted, color, opacity, outputs, few, gathered, spare } = &mut held;
-    let (motion, depth) = (place_of(job.frame.aovs, "motion"), job.frame.depth);
-    wanted.clear();
-    wanted.resize(*n, false);
-    // Neighbouring samples often see the same micropolygon.
-    let mut last = Micropolygon::NONE;
-    job.samples.for_each_seen(|m| {
-        if m != last {
-            last = m;
-            let brief = &briefs[m.grid()];
-            let [a, b, c] = brief.corners(m);
-            wanted[a] = true;
-            if brief.smooth {
-                (wanted[b], wanted[c]) = (true, true);
+    /// Whether it should be flushed before more is pushed.
+    pub fn is_full(&self) -> bool {
+        self.n >= MOST_POINTS || self.grids.len() >= MOST_GRIDS
+    }
+
+    /// Shade the visible points of all grids and give the samples their colours.
+    pub fn flush(&mut self, frame: &Frame<'_>, samples: &mut Samples, shading: &mut Shading, stats: &mut Stats) {
+        let begun = std::time::Instant::now();
+        let shaded_before = stats.seconds.shade;
+        let Deferred { grids, layouts, n, wanted, color, opacity, outputs, few, gathered, spare } = self;
+        let (motion, depth) = (place_of(&frame.aovs, "motion"), frame.depth);
+        wanted.clear();
+        wanted.resize(*n, false);
+        // Neighbouring samples often see the same micropolygon.
+        let mut last = Micropolygon::NONE;
+        samples.for_each_seen(|m| {
+            if m != last {
+                last = m;
+                let layout = &layouts[m.grid()];
+                let [a, b, c] = layout.corners(m);
+                wanted[a] = true;
+                if layout.smooth {
+                    (wanted[b], wanted[c]) = (true, true);
+                }
             }
-        }
-    });
-    color.resize(*n, Vec3A::ZERO);
-    opacity.resize(*n, Vec3A::ZERO);
-    outputs.resize(*n * depth, 0.0);
-    for (grid, brief) in grids.iter_mut().zip(&*briefs) {
-        let range = brief.first..brief.first + grid.points.n();
-        few.clear();
-        few.extend(wanted[range.clone()].iter().enumerate().filter(|(_, w)| **w).map(|(k, _)| k as u32));
-        if few.is_empty() || brief.matte && !grid.shaded {
-            continue;
-        }
-        let view = job.frame.scene.view(grid.item);
-        let whole = grid.shaded || view.attributes.reads_neighbours();
-        if !grid.shaded {
-            if !whole {
-                gather(&grid.points, grid.uniform, few, gathered);
+        });
+        color.resize(*n, Vec3A::ZERO);
+        opacity.resize(*n, Vec3A::ZERO);
+        outputs.resize(*n * depth, 0.0);
+        for (grid, layout) in grids.iter_mut().zip(&*layouts) {
+            let range = layout.first..layout.first + grid.points.n();
+            few.clear();
+            few.extend(wanted[range.clone()].iter().enumerate().filter(|(_, w)| **w).map(|(k, _)| k as u32));
+            if few.is_empty() || layout.matte && !grid.shaded {
+                continue;
             }
-            let points = if whole { &mut grid.points } else { &mut *gathered };
-            shade(job, grid.item, &view, points, grid.reach, grid.z);
-        }
-        let points = if whole { &grid.points } else { &*gathered };
-        let n = points.n();
-        let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), surface_opacity(points));
-        let of = |v: &[f32], k: usize| {
-            let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
-            Vec3A::new(v[a], v[b], v[c])
-        };
-        let (color, opacity) = (&mut color[range.clone()], &mut opacity[range]);
-        for (i, k) in few.iter().enumerate() {
-            let (k, from) = (*k as usize, if whole { *k as usize } else { i });
-            (color[k], opacity[k]) = (of(ci, from), of(oi, from));
-            if depth > 0 {
-                let own = if grid.shaded { &grid.outputs } else { &job.outputs };
-                let goal = &mut outputs[(brief.first + k) * depth..][..depth];
-                goal.copy_from_slice(&own[from * depth..][..depth]);
-                if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
-                    goal[first..first + 2].copy_from_slice(motion);
+            let view = frame.scene.view(grid.item);
+            let whole = grid.shaded || view.attributes.reads_neighbours();
+            if !grid.shaded {
+                if !whole {
+                    gather(&grid.points, grid.n_uniform, few, gathered);
+                }
+                let points = if whole { &mut grid.points } else { &mut *gathered };
+                let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
+                shade(frame, &surface, points, shading, stats);
+            }
+            let points = if whole { &grid.points } else { &*gathered };
+            let n = points.n();
+            let (ci, oi) = (points.get("Ci").unwrap_or(&[0.0; 3]), surface_opacity(points));
+            let of = |v: &[f32], k: usize| {
+                let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
+                Vec3A::new(v[a], v[b], v[c])
+            };
+            let (color, opacity) = (&mut color[range.clone()], &mut opacity[range]);
+            for (i, k) in few.iter().enumerate() {
+                let (k, from) = (*k as usize, if whole { *k as usize } else { i });
+                (color[k], opacity[k]) = (of(ci, from), of(oi, from));
+                if depth > 0 {
+                    let own = if grid.shaded { &grid.outputs } else { &shading.outputs };
+                    let goal = &mut outputs[(layout.first + k) * depth..][..depth];
+                    goal.copy_from_slice(&own[from * depth..][..depth]);
+                    if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
+                        goal[first..first + 2].copy_from_slice(motion);
+                    }
                 }
             }
         }
+        let look = |m: Micropolygon| {
+            let layout = &layouts[m.grid()];
+            let corners = layout.corners(m);
+            let (smooth, matte) = (layout.smooth, layout.matte);
+            Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
+        };
+        samples.paint(look, outputs);
+        layouts.clear();
+        spare.extend(grids.drain(..).map(|grid| grid.points));
+        *n = 0;
+        let shaded = stats.seconds.shade - shaded_before;
+        stats.seconds.filter += begun.elapsed().as_secs_f64() - shaded;
     }
-    let look = |m: Micropolygon| {
-        let brief = &briefs[m.grid()];
-        let corners = brief.corners(m);
-        let (smooth, matte) = (brief.smooth, brief.matte);
-        Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
-    };
-    job.samples.paint(look, outputs);
-    briefs.clear();
-    spare.extend(grids.drain(..).map(|grid| grid.points));
-    *n = 0;
-    job.held = held;
-    let shading = job.stats.seconds.shade - shading;
-    job.stats.seconds.filter += begun.elapsed().as_secs_f64() - shading;
 }
 
-/// Some points of a grid, as a row of their own; the first `uniform` of its primitive variables are the same all over.
-fn gather(points: &Points, uniform: usize, few: &[u32], out: &mut Points) {
+/// Some points of a grid, as a row of their own; the first `n_uniform` of its primitive variables are the same all over.
+fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
     let n = points.n();
     (out.nu, out.nv, out.orientation) = (few.len(), 1, points.orientation);
     let of = |values: &[f32], out: &mut Vec<f32>| {
@@ -235,8 +199,8 @@ fn gather(points: &Points, uniform: usize, few: &[u32], out: &mut Points) {
         }
     }
     out.inputs.clear();
-    out.inputs.extend_from_slice(&points.inputs[..uniform]);
-    for (name, values) in &points.inputs[uniform..] {
+    out.inputs.extend_from_slice(&points.inputs[..n_uniform]);
+    for (name, values) in &points.inputs[n_uniform..] {
         let mut goal = Vec::new();
         of(values, &mut goal);
         out.inputs.push((name.clone(), goal));

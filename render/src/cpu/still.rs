@@ -1,8 +1,8 @@
 //! Sampling what stands still before a pinhole: the two triangles of a micropolygon against a cell of samples at a time.
 
 use crate::cpu::lanes::{LANES, Lanes, with_lanes};
+use crate::cpu::micropolygon::Micropolygon;
 use crate::cpu::samples::{CELL, EDGE, Look, Samples, Tally};
-use crate::cpu::visible::Micropolygon;
 
 /// A triangle as planes over the raster from its first corner on: weights of its second and third corner, and depth.
 struct Planes {

@@ -5,7 +5,7 @@
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::cpu::bvh::Bvh;
-use crate::cpu::shade::{surface_globals, uniform_inputs};
+use crate::cpu::globals::{surface_globals, uniform_inputs};
 use crate::scene::attributes::Attributes;
 use crate::scene::facets::place_on;
 use crate::scene::patch::bilinear;

@@ -1,17 +1,18 @@
-//! Splitting and dicing bicubic patches.
+//! Splitting of bicubic patches to pieces that make a grid each.
 //!
 //! A patch is split in its parameters until a piece is before the near plane, even in depth, and small enough for a grid. A
 //! grid's edge is diced by what the edge itself measures, halved where it is long and each half again, and points that the edge
 //! does not have so are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their
 //! insides need and however they are split.
 
-use crate::cpu::bucket::Job;
-use crate::cpu::shade::{Diced, displacement_reach, finish};
-use crate::gprim::sphere::whole_sphere;
+use crate::gprim::bound::displacement_reach;
+use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::patch::{Piece, dice};
+use crate::gprim::surfaces::whole_sphere;
 use crate::scene::motion::{Instant, later};
-use crate::scene::patch::{Patch, bernstein, bernstein_slope, bilinear, point_of};
+use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
-use crate::scene::source::{Item, ItemView};
+use crate::scene::source::Item;
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -21,14 +22,6 @@ const TILE: usize = 16;
 
 /// Splits after which a piece that still crosses the near plane is given up.
 const DEEPEST: u32 = 40;
-
-/// A piece of a patch, in its parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
-    u: [f32; 2],
-    v: [f32; 2],
-    depth: u32,
-}
 
 /// A piece of a patch of an item that waits for its turn, which comes by its least depth.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +43,7 @@ impl Waiting {
     }
 
     /// Whether its turn comes before that of an item whose least depth is `z`.
-    pub fn before(&self, z: f32, item: Item) -> bool {
+    fn before(&self, z: f32, item: Item) -> bool {
         self.z.total_cmp(&z).then((self.item.source, self.item.index).cmp(&(item.source, item.index))).is_lt()
     }
 }
@@ -77,35 +70,68 @@ impl PartialEq for Waiting {
 
 impl Eq for Waiting {}
 
-/// Draw the patches of an item.
-pub fn draw_all(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch]) {
-    for k in 0..patches.len() {
-        draw_piece(job, item, view, patches, k, Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 });
+/// Pieces that wait for their turn, the nearest first.
+#[derive(Default)]
+pub struct Queue {
+    waiting: BinaryHeap<Waiting>,
+    /// Pieces that were split.
+    pub splits: u64,
+}
+
+impl Queue {
+    /// The next piece, if its turn comes before that of an item with its least depth.
+    pub fn pop_before(&mut self, next: Option<&(f32, Item)>) -> Option<Waiting> {
+        self.waiting.peek().filter(|w| next.is_none_or(|(z, item)| w.before(*z, *item)))?;
+        self.waiting.pop()
     }
 }
 
-/// Draw a piece whose turn has come; `job` has the moments of its item.
-pub fn draw_waiting(job: &mut Job<'_>, view: &ItemView<'_>, waiting: &Waiting) {
-    let patches = match view.shape {
+/// Dice the patches of an item; what is too large is split and waits in the queue.
+pub fn dice_all(subject: &Subject<'_>, patches: &[Patch], queue: &mut Queue, grid: &mut Grid, sink: &mut impl Sink) {
+    for patch in patches.iter().enumerate() {
+        dice_or_split(subject, patch, Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 }, queue, grid, sink);
+    }
+}
+
+/// Dice a piece whose turn has come.
+pub fn dice_waiting(
+    subject: &Subject<'_>,
+    waiting: &Waiting,
+    queue: &mut Queue,
+    grid: &mut Grid,
+    sink: &mut impl Sink,
+) {
+    let patches = match subject.view.shape {
         Shape::Patches(patches) => patches,
         Shape::Sphere => whole_sphere(),
     };
-    draw_piece(job, waiting.item, view, patches, waiting.patch as usize, waiting.piece);
+    let k = waiting.patch as usize;
+    dice_or_split(subject, (k, &patches[k]), waiting.piece, queue, grid, sink);
 }
 
-fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Patch], k: usize, piece: Piece) {
-    let patch = &patches[k];
+/// Dice a piece of patch `k` of an item, or split it.
+///
+/// It is long because every measure of the piece decides in turn whether it is dropped, split or diced, and how finely.
+fn dice_or_split(
+    subject: &Subject<'_>,
+    (k, patch): (usize, &Patch),
+    piece: Piece,
+    queue: &mut Queue,
+    grid: &mut Grid,
+    sink: &mut impl Sink,
+) {
+    let Subject { view, camera, instants, .. } = *subject;
     let size = patch.p.iter().map(|p| (*p - patch.p[0]).length()).fold(0.0, f32::max);
     let scale = view.to_world.x_axis.truncate().length();
     let reach = displacement_reach(view, size * scale);
-    let to_camera = job.frame.camera.to_camera * view.to_world;
+    let to_camera = camera.to_camera * view.to_world;
     let own = sub_patch(&patch.p, piece);
     let p = own.map(|p| to_camera.transform_point3(p));
     let hull =
         |p: &[Vec3; 16]| p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     let (min, max) = hull(&p);
     // What is wholly behind the near plane as the shutter opens is not seen, wherever it moves.
-    if !min.is_finite() || !max.is_finite() || max.z + reach < job.frame.camera.near {
+    if !min.is_finite() || !max.is_finite() || max.z + reach < camera.near {
         return;
     }
     // Control points in camera space at a moment.
@@ -115,15 +141,14 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
         let m = instant.to_camera * view.to_world;
         own.map(|p| m.transform_point3(p))
     };
-    let shows = job.worth(|instant| {
+    let shows = subject.may_show(sink, |instant| {
         let (min, max) = if instant.time == 0.0 { (min, max) } else { hull(&moved(instant)) };
         (min - reach, max + reach)
     });
     if !shows {
         return;
     }
-    let camera = &job.frame.camera;
-    let split = |along_u: bool, waiting: &mut BinaryHeap<Waiting>| {
+    let split = |along_u: bool, queue: &mut Queue| {
         let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
         let (depth, whole) = (piece.depth + 1, [0.0, 1.0]);
         for half in 0..2 {
@@ -131,12 +156,12 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
             let [u, v] = [(whole, along_u), (whole, !along_u)].map(|(r, divided)| part(r, divided));
             let z = hull(&sub_patch(&p, Piece { u, v, depth })).0.z - reach;
             let piece = Piece { u: part(piece.u, along_u), v: part(piece.v, !along_u), depth };
-            waiting.push(Waiting { z, item, patch: k as u32, piece });
+            queue.waiting.push(Waiting { z, item: subject.item, patch: k as u32, piece });
         }
     };
     let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
     let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
-    let last = job.instants[1..].last().map(&moved);
+    let last = instants[1..].last().map(&moved);
     let crosses = camera.perspective && min.z <= camera.near;
     if crosses {
         // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
@@ -144,8 +169,8 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
         if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
-            split(u >= v, &mut job.waiting);
-            job.stats.splits += 1;
+            split(u >= v, queue);
+            queue.splits += 1;
         }
         return;
     }
@@ -193,20 +218,21 @@ fn draw_piece(job: &mut Job<'_>, item: Item, view: &ItemView<'_>, patches: &[Pat
     let uneven = camera.perspective && max.z > 2.0 * min.z;
     let deep = piece.depth >= DEEPEST;
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
-        job.stats.splits += 1;
-        return split(nu >= nv, &mut job.waiting);
+        queue.splits += 1;
+        return split(nu >= nv, queue);
     }
     let (nu, nv) = (nu.min(TILE), nv.min(TILE));
-    let apron = view.attributes.displacement.is_some();
-    dice(job, view, patch, piece, nu, nv, apron);
+    grid.apron = view.attributes.displacement.is_some();
+    dice(subject, patch, piece, [nu, nv], grid);
     let kept = |n: usize, edge: usize, rate: usize| {
         let every = (n / rate.min(n)).max(1);
         let is_kept =
             |k: usize| edges[edge].map_or(k.is_multiple_of(every), |points| points >> (k * TILE / n) & 1 == 1);
         (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
     };
-    let keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];
-    finish(job, item, view, &Diced { apron, keep }, reach);
+    grid.keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];
+    grid.reach = reach;
+    sink.take(grid);
 }
 
 /// How much wider micropolygons may be that are blurred over so many pixels.
@@ -269,115 +295,4 @@ fn sub_curve(p: [Vec3; 4], [a, b]: [f32; 2]) -> [Vec3; 4] {
         q[0]
     };
     [blossom([a, a, a]), blossom([a, a, b]), blossom([a, b, b]), blossom([b, b, b])]
-}
-
-fn dice(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, piece: Piece, nu: usize, nv: usize, apron: bool) {
-    let ring = apron as i32;
-    // All points are of the whole patch at dyadic parameters, so that grids that share an edge compute the same points.
-    let lines = |r: [f32; 2], n: usize| {
-        (-ring..=n as i32 + ring).map(move |k| r[0] + (r[1] - r[0]) * k as f32 / n as f32).collect::<Vec<f32>>()
-    };
-    let (us, vs) = (lines(piece.u, nu), lines(piece.v, nv));
-    let normals = glam::Mat3::from_mat4(view.to_world).inverse().transpose();
-    // Normals that the scene gives go before the patch's own.
-    let given = patch.varying.iter().find(|(name, v)| name == "N" && v.len() == 12).map(|(_, v)| v.as_slice());
-    let mirrored = view.to_world.determinant() < 0.0;
-    let sign = if view.attributes.reversed { -1.0 } else { 1.0 };
-    let points = &mut job.grid.points;
-    (points.nu, points.nv) = (us.len(), vs.len());
-    points.orientation = if mirrored { -sign } else { sign };
-    let n = points.n();
-    let mut p = std::mem::take(points.refill("P"));
-    let mut normal = std::mem::take(points.refill("N"));
-    p.resize(3 * n, 0.0);
-    normal.resize(3 * n, 0.0);
-    let along: Vec<([f32; 4], [f32; 4])> = us.iter().map(|u| (bernstein(*u), bernstein_slope(*u))).collect();
-    let mix = |c: &[Vec3; 4], w: &[f32; 4]| c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3];
-    // What is flat has one normal, but for the tips of triangles.
-    let even = (patch.flat && given.is_none()).then(|| normals * patch.normal(0.5, 0.5));
-    let even = even.map(|m| m.normalize_or_zero() * sign);
-    for (j, v) in vs.iter().enumerate() {
-        // The row as a curve along u, and its slope along v.
-        let (bv, dv) = (bernstein(*v), bernstein_slope(*v));
-        let column = |i: usize, w: &[f32; 4]| mix(&[0, 4, 8, 12].map(|row| patch.p[row + i]), w);
-        let (row, rise) = ([0, 1, 2, 3].map(|i| column(i, &bv)), [0, 1, 2, 3].map(|i| column(i, &dv)));
-        for (i, (u, (bu, du))) in us.iter().zip(&along).enumerate() {
-            let k = j * us.len() + i;
-            let q = view.to_world.transform_point3(mix(&row, bu));
-            let m = even.unwrap_or_else(|| {
-                let own = given
-                    .map_or_else(|| patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v), |n| normal_at(n, *u, *v));
-                (normals * own).normalize_or_zero() * sign
-            });
-            (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
-            (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
-        }
-    }
-    *points.refill("P") = p;
-    *points.refill("N") = normal;
-    deform(job, view, patch, [&us, &vs], ring as usize);
-    if job.frame.needs_parameters(view) {
-        let points = &mut job.grid.points;
-        for (name, corner) in [
-            ("u", patch.uv.map(|c| c[0])),
-            ("v", patch.uv.map(|c| c[1])),
-            ("s", patch.st.map(|c| c[0])),
-            ("t", patch.st.map(|c| c[1])),
-        ] {
-            let values = vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corner, *u, *v)));
-            points.refill(name).extend(values);
-        }
-    }
-    job.trimmed.clear();
-    if let Some(trim) = &patch.trim {
-        let inner = |n: usize| (0..n).map(move |k| (k as f32 + 0.5) / n as f32);
-        for v in inner(nv) {
-            let v = piece.v[0] + (piece.v[1] - piece.v[0]) * v;
-            job.trimmed.extend(inner(nu).map(|u| {
-                let u = piece.u[0] + (piece.u[1] - piece.u[0]) * u;
-                let at = |k: usize| bilinear(patch.uv.map(|c| c[k]), u, v);
-                !trim.keeps(at(0), at(1))
-            }));
-        }
-    }
-    job.varying.clear();
-    for (name, values) in patch.varying.iter().filter(|(name, _)| name != "N") {
-        let width = values.len() / 4;
-        let corner = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
-        // The apron is dropped from globals alone: variables are made without it.
-        let inner = |x: &[f32]| x[ring as usize..x.len() - ring as usize].to_vec();
-        let (us, vs) = (inner(&us), inner(&vs));
-        let all = (0..width).flat_map(|c| {
-            vs.iter()
-                .flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>())
-                .collect::<Vec<_>>()
-        });
-        job.varying.push((name.clone(), all.collect()));
-    }
-    job.uniform.clear();
-    job.uniform.extend(patch.uniform.iter().cloned());
-}
-
-/// How far the points of the grid, without the apron, are from where they were first, at each later moment.
-fn deform(job: &mut Job<'_>, view: &ItemView<'_>, patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize) {
-    job.deformed.clear();
-    if patch.moves.is_empty() {
-        return;
-    }
-    let (us, vs) = (&us[ring..us.len() - ring], &vs[ring..vs.len() - ring]);
-    let n = us.len() * vs.len();
-    for instant in &job.instants[1..] {
-        let moved = later(patch.p, &patch.moves, instant.time);
-        let mut all = vec![0.0; 3 * n];
-        for (k, (v, u)) in vs.iter().flat_map(|v| us.iter().map(move |u| (*v, *u))).enumerate() {
-            let off = view.to_world.transform_vector3(point_of(&moved, u, v) - patch.at(u, v));
-            (all[k], all[n + k], all[2 * n + k]) = (off.x, off.y, off.z);
-        }
-        job.deformed.push(all);
-    }
-}
-
-/// The normal between those of the corners.
-fn normal_at(corners: &[f32], u: f32, v: f32) -> Vec3 {
-    Vec3::from_array([0, 1, 2].map(|c| bilinear([0, 1, 2, 3].map(|k| corners[3 * k + c]), u, v)))
 }

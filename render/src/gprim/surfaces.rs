@@ -5,6 +5,7 @@ use crate::scene::patch::Patch;
 use glam::{Vec3, Vec4};
 use ri::{Fail, Knots};
 use std::f32::consts::TAU;
+use std::sync::OnceLock;
 
 /// The greatest arc of a patch: it misses the circle by less than 1e-6 of its radius.
 const ARC: f32 = 30.0;
@@ -80,6 +81,15 @@ pub fn revolve(profile: &[Profile], sweep: f32) -> Vec<Patch> {
         }
     }
     patches
+}
+
+/// The patches of the unit sphere.
+pub fn whole_sphere() -> &'static [Patch] {
+    static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
+    PATCHES.get_or_init(|| {
+        let quarter = 0.5 * std::f32::consts::PI;
+        revolve(&circle([0.0; 2], 1.0, -quarter, quarter), 360.0)
+    })
 }
 
 impl Patch {

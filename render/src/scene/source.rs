@@ -68,11 +68,6 @@ impl Source {
             SourceShape::Objects(columns, parts) => columns.len() * parts.len(),
         }
     }
-
-    /// Whether it has no items.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// The object space of a sphere: a ball's radius is no part of it, the half axes of an ellipsoid are.

@@ -1,10 +1,10 @@
 //! What moves before a pinhole: pixel by pixel, the samples of several strata of time together, which a picture of motion holds side
 //! by side.
 
-use super::{At, Quad, on_line};
+use crate::cpu::blur::quad::{At, Quad, on_line};
 use crate::cpu::lanes::{LANES, Lanes};
+use crate::cpu::micropolygon::Micropolygon;
 use crate::cpu::samples::{EDGE, Look, Samples, Tally};
-use crate::cpu::visible::Micropolygon;
 
 impl Samples {
     /// Sample a micropolygon between two times; `strata` are the bounds of time.
