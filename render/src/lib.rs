@@ -17,7 +17,8 @@ mod warnings;
 
 pub use {ri, sl};
 
-pub use context::{Context, Finished};
+pub use context::result::Finished;
+pub use context::state::Context;
 pub use film::display::Display;
 pub use scene::options::Options;
 pub use stats::{Seconds, Stats};

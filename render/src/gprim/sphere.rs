@@ -10,10 +10,10 @@ pub mod lattice;
 
 use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::quadric::whole_sphere;
 use crate::gprim::sphere::cap::{Cap, Scratch};
 use crate::gprim::sphere::lattice::{Ball, TILE, eye_in_lattice, fill};
 use crate::gprim::split::{self, Queue, coarsening};
-use crate::gprim::surfaces::whole_sphere;
 use crate::scene::motion::Instant;
 use glam::{Mat3, Vec3};
 

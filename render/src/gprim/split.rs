@@ -8,7 +8,7 @@
 use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::gprim::patch::{Piece, dice};
-use crate::gprim::surfaces::whole_sphere;
+use crate::gprim::quadric::whole_sphere;
 use crate::scene::motion::{Instant, later};
 use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;

@@ -1,6 +1,6 @@
 //! Trim curves as loops of straight pieces (RISpec 5.3).
 
-use crate::gprim::surfaces::nurbs_curve;
+use crate::gprim::nurbs::nurbs_curve;
 use crate::scene::trim::Trim;
 use glam::Vec3;
 use ri::{Fail, TrimCurves};

@@ -1,11 +1,8 @@
-//! Geometric primitives of RIB as patches: polygons, patches of any basis, and their primitive variables.
+//! Primitive variables: read from parameter lists and attached to patches.
 
 use crate::scene::patch::Patch;
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use ri::{Class, Fail, Params, RiResult, Values};
-
-/// The Bézier basis, rows by falling powers (RISpec 5.3).
-pub const BEZIER: [f32; 16] = [-1.0, 3.0, -3.0, 1.0, 3.0, -6.0, 3.0, 0.0, -3.0, 3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
 /// The points of "P".
 pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
@@ -15,68 +12,6 @@ pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
         Some(i) => Err(Fail::new(format!("vertex {i} of \"P\" is not a finite number"))),
         None => Ok(points),
     }
-}
-
-/// A polygon as patches: its outline, then its holes, as indices into "P". `face` is its uniform index, `first` that of its first
-/// corner in facevarying values. Four corners that make a convex face become one bilinear patch, others triangles.
-pub fn polygon_patches(loops: &[Vec<usize>], params: &Params, face: usize, first: usize) -> Result<Vec<Patch>, Fail> {
-    let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("a polygon needs \"P\""))?.numbers();
-    let all: Vec<usize> = loops.concat();
-    let mut points = Vec::with_capacity(all.len());
-    for i in &all {
-        let c = p.get(3 * i..3 * i + 3).ok_or(Fail::new(format!("vertex {i} is not in \"P\"")))?;
-        points.push([c[0], c[1], c[2]]);
-    }
-    if points.as_flattened().iter().any(|x| !x.is_finite()) {
-        return Err(Fail::new("a polygon has a vertex that is not a finite number"));
-    }
-    let n_outer = loops.first().map_or(0, Vec::len);
-    let at = |i: usize| Vec3::from(points[i]);
-    // Corners of a patch: (0,0), (1,0), (0,1), (1,1); a triangle has its last corner twice.
-    let mut quads: Vec<[usize; 4]> = Vec::new();
-    let normal = |a: usize, b: usize, c: usize| (at(b) - at(a)).cross(at(c) - at(a));
-    let convex = |n: usize| {
-        let first = normal(0, 1, 2);
-        (0..n).all(|k| {
-            let corner = (at((k + 1) % n) - at(k)).cross(at((k + 2) % n) - at((k + 1) % n));
-            corner.dot(first) > 0.0
-        })
-    };
-    if loops.len() == 1 && n_outer == 4 && convex(4) {
-        quads.push([0, 1, 3, 2]);
-    } else if n_outer == 3 && loops.len() == 1 {
-        quads.push([0, 1, 2, 2]);
-    } else {
-        let mut flat = Vec::new();
-        let mut triangles: Vec<usize> = Vec::new();
-        if earcut::utils3d::project3d_to_2d(&points, n_outer, &mut flat) {
-            let holes: Vec<usize> = loops[..loops.len() - 1]
-                .iter()
-                .scan(0, |sum, l| {
-                    *sum += l.len();
-                    Some(*sum)
-                })
-                .collect();
-            earcut::Earcut::new().earcut(flat.iter().copied(), &holes, &mut triangles);
-        }
-        // The plane that they are cut in may be seen from behind.
-        let whole: Vec3 = (0..n_outer).map(|k| at(k).cross(at((k + 1) % n_outer))).sum();
-        for t in triangles.chunks_exact(3) {
-            let [a, b, c] = [t[0], t[1], t[2]];
-            if normal(a, b, c).dot(whole) < 0.0 { quads.push([a, c, b, b]) } else { quads.push([a, b, c, c]) }
-        }
-    }
-    let mut patches = Vec::new();
-    for quad in quads {
-        let c = quad.map(at);
-        let mut patch = Patch::bilinear(c);
-        // A polygon's parameters are its x and y in object space (RISpec 5.2).
-        patch.uv = c.map(|c| [c.x, c.y]);
-        patch.st = patch.uv;
-        patch_variables(&mut patch, params, quad.map(|k| all[k]), quad.map(|k| first + k), face)?;
-        patches.push(patch);
-    }
-    Ok(patches)
 }
 
 /// Give a patch its primitive variables: `vertex` are the indices of its corners in varying values, `corner` in facevarying ones,
@@ -128,7 +63,7 @@ pub fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
 }
 
 /// Give the patches of one primitive with four corners its variables: varying ones are bilinear over all of it.
-pub fn dress(patches: &mut [Patch], params: &Params) -> RiResult {
+pub fn attach_variables(patches: &mut [Patch], params: &Params) -> RiResult {
     let (min, max) =
         patches.iter().flat_map(|p| p.uv).fold(([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]), |(a, b), uv| {
             ([a[0].min(uv[0]), a[1].min(uv[1])], [b[0].max(uv[0]), b[1].max(uv[1])])
@@ -210,23 +145,4 @@ pub fn uniform_numbers(params: Params) -> Result<Vec<(String, Vec<f32>)>, Fail> 
         }
     }
     Ok(out)
-}
-
-/// Control points of a bicubic patch of any basis as Bézier points.
-pub fn to_bezier(p: [Vec3; 16], (u, v): &([f32; 16], [f32; 16])) -> [Vec3; 16] {
-    // p(t) = T M G with rows of M by falling powers; Bézier points are B⁻¹ M G.
-    let matrix = |m: &[f32; 16]| Mat4::from_cols_array(m).transpose();
-    let change = |m: &[f32; 16]| matrix(&BEZIER).inverse() * matrix(m);
-    let (cu, cv) = (change(u), change(v));
-    let apply = |m: &Mat4, g: [Vec3; 4]| [0, 1, 2, 3].map(|i| (0..4).map(|k| g[k] * m.row(i)[k]).sum::<Vec3>());
-    let mut out = p;
-    for j in 0..4 {
-        let row = apply(&cu, [out[4 * j], out[4 * j + 1], out[4 * j + 2], out[4 * j + 3]]);
-        out[4 * j..4 * j + 4].copy_from_slice(&row);
-    }
-    for i in 0..4 {
-        let column = apply(&cv, [out[i], out[4 + i], out[8 + i], out[12 + i]]);
-        (0..4).for_each(|j| out[4 * j + i] = column[j]);
-    }
-    out
 }
