@@ -8,10 +8,10 @@
 use crate::args::StitchArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
-use render::film::bucket::{Shard, tiles};
+use render::film::bucket::{Shard, buckets};
 use render::film::display;
 use render::film::image::Image;
-use render::{Display, Finished, Options};
+use render::{Display, Options, RenderResult};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -47,12 +47,12 @@ pub fn part_of(picture: &Path, share: Shard) -> PathBuf {
 }
 
 /// Write a share of a picture as its part file.
-pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Shard) -> Outcome {
+pub fn write_part(finished: &RenderResult, displays: &[&Display], picture: &Path, share: Shard) -> Outcome {
     let (image, options) = (&finished.image, &finished.options);
     let displays: Vec<Display> = displays.iter().map(|d| (*d).clone()).collect();
     let own = display::aovs(&displays);
     let mut pixels = Vec::new();
-    for tile in tiles(image.width, image.height, options.bucket_size, Some(share)) {
+    for tile in buckets(image.width, image.height, options.bucket_size, Some(share)) {
         for y in tile.y..tile.y + tile.height {
             for at in (0..tile.width).map(|x| y * image.width + tile.x + x) {
                 let extra = own.iter().flat_map(|aov| image.values(at, aov));
@@ -104,7 +104,7 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
         return Err(fault("is torn: its pixels are not those that were written"));
     }
     let share = Shard { part: head.part, parts: head.parts };
-    let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
+    let count: usize = buckets(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
     let numbers = 4 + display::depth(&display::aovs(&head.displays));
     if pixels.len() != 4 * numbers * count {
         return Err(fault("has not as many pixels as its share"));
@@ -166,7 +166,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
             return Err(Fault::whole(FaultKind::Data, &path(part), message).hint("render all parts alike").into());
         }
         let mut numbers = pixels.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")));
-        for tile in tiles(head.width, head.height, head.bucket, Some(Shard { part, parts })) {
+        for tile in buckets(head.width, head.height, head.bucket, Some(Shard { part, parts })) {
             for y in tile.y..tile.y + tile.height {
                 let (depth, from) = (image.depth(), y * head.width + tile.x);
                 for at in from..from + tile.width {

@@ -244,11 +244,11 @@ impl Ri for Context {
         Ok(())
     }
     fn make_texture(&mut self, from: &str, to: &str, wraps: [&str; 2], _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), texture::Source::Picture(from.into(), wraps.map(Wrap::of_name)));
+        self.made.insert(to.into(), texture::Source::Image(from.into(), wraps.map(Wrap::of_name)));
         Ok(())
     }
     fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), texture::Source::Picture(from.into(), [Wrap::Periodic, Wrap::Clamp]));
+        self.made.insert(to.into(), texture::Source::Image(from.into(), [Wrap::Periodic, Wrap::Clamp]));
         Ok(())
     }
     fn make_cube_face_environment(

@@ -90,7 +90,7 @@ impl Context {
             return self.add_spheres(first, uniform);
         }
         if first.len() == 1 {
-            // One ball moves and grows as its space does.
+            // One sphere moves and grows as its space does.
             let before = self.place();
             let home = first.matrix(0).inverse();
             let places = later.iter().map(|spheres| Moving::Concat(spheres.matrix(0) * home));

@@ -78,10 +78,10 @@ impl Context {
             objects: HashMap::new(),
             open_object: None,
             progress: Box::new(|_, _| {}),
-            share: None,
+            shard: None,
             about: vec![],
             dry: false,
-            finished: vec![],
+            results: vec![],
         };
         context.attributes.surface = context.shader("defaultsurface", "surface", vec![])?;
         Ok(context)

@@ -9,21 +9,21 @@ use glam::Mat4;
 use ri::{Fail, Params, RiResult, Values};
 use sl::machine::Answer;
 
-/// The largest picture, pixels along a side.
-const LARGEST: i32 = 65_536;
+/// The largest image, pixels along a side.
+const MAX_SIZE: i32 = 65_536;
 
-/// The most pixels of a picture: it is held whole, 16 bytes each.
-const MOST_PIXELS: i64 = 1 << 28;
+/// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
+const MAX_PIXELS: i64 = 1 << 28;
 
 impl Context {
     /// Size of the image.
     pub(super) fn set_format(&mut self, width: i32, height: i32, aspect: f32) -> RiResult {
-        if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
-            return Err(Fail::new(format!("format {width}×{height}: expected 1 to {LARGEST} pixels along each side")));
+        if !(1..=MAX_SIZE).contains(&width) || !(1..=MAX_SIZE).contains(&height) {
+            return Err(Fail::new(format!("format {width}×{height}: expected 1 to {MAX_SIZE} pixels along each side")));
         }
-        if width as i64 * height as i64 > MOST_PIXELS {
-            let most = MOST_PIXELS / 1_000_000;
-            return Err(Fail::new(format!("format {width}×{height}: expected at most {most} million pixels")));
+        if width as i64 * height as i64 > MAX_PIXELS {
+            let max = MAX_PIXELS / 1_000_000;
+            return Err(Fail::new(format!("format {width}×{height}: expected at most {max} million pixels")));
         }
         self.options.width = width as usize;
         self.options.height = height as usize;
@@ -85,9 +85,9 @@ impl Context {
         let name = name.trim_start_matches('+');
         if !further {
             self.options.displays.clear();
-            self.options.passed_over = false;
+            self.options.unsupported_display = false;
         }
-        let passed_over = match kind {
+        let message = match kind {
             "zfile" | "shadow" | "deepshad" => {
                 Some(format!("the shadow map `{name}` is not made: shadows are traced, whatever map a light names"))
             }
@@ -96,9 +96,9 @@ impl Context {
             }
             _ => None,
         };
-        if let Some(message) = passed_over {
+        if let Some(message) = message {
             self.scene.warn(message);
-            self.options.passed_over = true;
+            self.options.unsupported_display = true;
             return Ok(());
         }
         let depth = params.iter().find(|p| matches!(p.decl.name.as_str(), "type" | "exrpixeltype"));

@@ -4,16 +4,16 @@ use crate::film::image::Image;
 use crate::scene::options::Options;
 use crate::stats::Stats;
 
-/// A finished picture and what it took.
-pub struct Finished {
-    /// Its number, from `FrameBegin`, or 0.
+/// A render result: an image, and what it was rendered with.
+pub struct RenderResult {
+    /// Frame number, from `FrameBegin`, or 0.
     pub frame: i32,
-    /// The options that it was made with, its displays among them.
+    /// Options of the image, its displays among them.
     pub options: Options,
-    /// The picture, exposed.
+    /// The image, exposed.
     pub image: Image,
-    /// What it took.
+    /// Render statistics.
     pub stats: Stats,
-    /// What is odd about the scene.
+    /// Warnings about the scene.
     pub warnings: Vec<String>,
 }

@@ -1,7 +1,7 @@
 //! The state between calls, and what all calls change it by: transformations, and primitives that are added to the scene.
 
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
-use crate::context::result::Finished;
+use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
 use crate::scene::attributes::Attributes;
 use crate::scene::motion;
@@ -20,7 +20,7 @@ use sl::machine::BoundShader;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Told buckets done and in all.
+/// A function that is called with the buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
 
 /// The renderer's state between calls.
@@ -52,23 +52,23 @@ pub struct Context {
     pub(super) objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     pub(super) open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
     pub(super) progress: Progress,
-    /// The share of each picture's buckets that is drawn.
-    pub share: Option<Shard>,
-    /// What is written into the pictures' files, by key.
+    /// The shard of each image that is rendered.
+    pub shard: Option<Shard>,
+    /// Metadata that is written into the images' files, by key.
     pub about: Vec<(String, String)>,
-    /// Take all calls but make no picture: for checking a scene.
+    /// Take all calls but render nothing: for checking a scene.
     pub dry: bool,
-    /// Pictures that are done, for the caller to take.
-    pub finished: Vec<Finished>,
+    /// Render results, for the caller to take.
+    pub results: Vec<RenderResult>,
 }
 
 impl Context {
-    /// Be told of buckets done and in all.
+    /// Have a function called with the buckets done and in all.
     pub fn on_progress(&mut self, progress: impl Fn(usize, usize) + Sync + Send + 'static) {
         self.progress = Box::new(progress);
     }
 
-    /// What is odd about what was read so far.
+    /// Warnings about what was read so far.
     pub fn warnings(&self) -> Vec<String> {
         self.scene.warnings.list()
     }

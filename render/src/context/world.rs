@@ -1,6 +1,6 @@
 //! `WorldBegin` and `WorldEnd`, which renders.
 
-use crate::context::result::Finished;
+use crate::context::result::RenderResult;
 use crate::context::state::Context;
 use crate::cpu::render::render;
 use crate::film::filter::FilterKind;
@@ -38,7 +38,7 @@ impl Context {
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         let camera = Camera::new(&self.options, to_camera, vec![]);
-        let spaces = camera.picture_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
+        let spaces = camera.image_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
         self.scene.spaces.extend(spaces);
         self.attribute_stack.push((self.attributes.clone(), self.place()));
         self.camera_moves = std::mem::take(&mut self.moves);
@@ -52,17 +52,17 @@ impl Context {
         if self.dry {
             return Ok(());
         }
-        if self.options.displays.is_empty() && self.options.passed_over {
+        if self.options.displays.is_empty() && self.options.unsupported_display {
             return self.leave_world();
         }
         emitters::expand(&mut self.scene);
         if self.options.hider == Hider::Null {
-            let options = Options { displays: vec![], passed_over: true, ..self.options.clone() };
+            let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
             let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
             let stats = Stats { items, ..Stats::default() };
             let warnings = self.scene.take_warnings();
             let image = Image::new(0, 0, vec![]);
-            self.finished.push(Finished { frame: self.frame, options, image, stats, warnings });
+            self.results.push(RenderResult { frame: self.frame, options, image, stats, warnings });
             return self.leave_world();
         }
         let moves = match self.camera_moves.as_slice() {
@@ -75,12 +75,12 @@ impl Context {
             self.options.lens = None;
         }
         let camera = Camera::new(&self.options, to_camera, moves);
-        self.options.share = self.share;
+        self.options.shard = self.shard;
         self.options.about.clone_from(&self.about);
         let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
         image.expose(self.options.gain, self.options.gamma);
         let warnings = self.scene.take_warnings();
-        self.finished.push(Finished { frame: self.frame, options: self.options.clone(), image, stats, warnings });
+        self.results.push(RenderResult { frame: self.frame, options: self.options.clone(), image, stats, warnings });
         self.leave_world()
     }
 

@@ -10,16 +10,22 @@ pub mod quad;
 
 use crate::cpu::blur::quad::{Quad, Track};
 use crate::cpu::lanes::{Lanes, with_lanes};
-use crate::cpu::samples::{Look, Samples, Tally};
+use crate::cpu::samples::{SampledGrid, Samples, Tally};
 
 impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point.
-        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, look: &Look) -> Tally
+        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, grid: &SampledGrid) -> Tally
     }
 
     #[inline(always)]
-    fn blurred_lanes<L: Lanes>(&mut self, nu: usize, micropolygons: &[u32], track: &Track<'_>, look: &Look) -> Tally {
+    fn blurred_lanes<L: Lanes>(
+        &mut self,
+        nu: usize,
+        micropolygons: &[u32],
+        track: &Track<'_>,
+        grid: &SampledGrid,
+    ) -> Tally {
         let mut tally = Tally::default();
         let Some(strata) = &track.jitter.moments else { return tally };
         let lens = std::mem::take(&mut self.lens);
@@ -32,11 +38,11 @@ impl Samples {
                 let until = if key + 1 < last { track.instants[key + 1].time } else { f32::INFINITY };
                 let times = [track.instants[key].time, until];
                 if track.camera.has_lens() {
-                    self.through_lens::<L>(&quad, times, &strata.bounds, &lens, k, look, &mut tally);
-                } else if look.opaque {
-                    self.moving::<L, true>(&quad, times, &strata.bounds, k, look, &mut tally);
+                    self.through_lens::<L>(&quad, times, &strata.bounds, &lens, k, grid, &mut tally);
+                } else if grid.opaque {
+                    self.moving::<L, true>(&quad, times, &strata.bounds, k, grid, &mut tally);
                 } else {
-                    self.moving::<L, false>(&quad, times, &strata.bounds, k, look, &mut tally);
+                    self.moving::<L, false>(&quad, times, &strata.bounds, k, grid, &mut tally);
                 }
             }
         }

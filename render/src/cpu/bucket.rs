@@ -8,9 +8,9 @@ use crate::cpu::frame::Frame;
 use crate::cpu::imager;
 use crate::cpu::raster::Raster;
 use crate::cpu::samples::pixels::Pixels;
-use crate::cpu::samples::{Look, Samples};
+use crate::cpu::samples::{SampledGrid, Samples};
 use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
-use crate::film::bucket::Tile;
+use crate::film::bucket::Bucket;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
@@ -34,11 +34,16 @@ pub struct Memory {
 }
 
 /// Render a bucket: its items front to back, then its samples filtered.
-pub fn render_bucket(frame: &Frame<'_>, memory: &mut Memory, tile: &Tile, items: &[(f32, Item)]) -> (Pixels, Stats) {
+pub fn render_bucket(
+    frame: &Frame<'_>,
+    memory: &mut Memory,
+    bucket: &Bucket,
+    items: &[(f32, Item)],
+) -> (Pixels, Stats) {
     let Memory { instants: moments, dicer, raster, samples, shading, deferred, pixels: points } = memory;
     let (camera, margin, parameters) = (&frame.camera, frame.margin(), frame.needs_parameters());
-    let (width, height) = (tile.width + 2 * margin[0], tile.height + 2 * margin[1]);
-    let (left, top) = (tile.x as i64 - margin[0] as i64, tile.y as i64 - margin[1] as i64);
+    let (width, height) = (bucket.width + 2 * margin[0], bucket.height + 2 * margin[1]);
+    let (left, top) = (bucket.x as i64 - margin[0] as i64, bucket.y as i64 - margin[1] as i64);
     samples.start(&frame.jitter, left, top, width, height, &frame.aovs);
     let rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
     let mut stats = Stats::default();
@@ -66,8 +71,8 @@ pub fn render_bucket(frame: &Frame<'_>, memory: &mut Memory, tile: &Tile, items:
     samples.resolve(&frame.aovs);
     let mut pixels = samples.filter(&frame.filter[0], &frame.filter[1], margin, &frame.aovs);
     if let Some(imager) = &frame.options.imager {
-        let (corner, machine) = ([tile.x, tile.y], &mut shading.machine);
-        imager::develop(imager, frame.scene, machine, points, corner, tile.width, &mut pixels.color);
+        let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
+        imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
     }
     let seconds = &mut stats.seconds;
     seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
@@ -133,13 +138,13 @@ impl Grids<'_> {
         let Raster { at, micropolygons } = &*self.raster;
         let nu = grid.points.nu;
         let primitive = (item.source as u64) << 32 | item.index as u64;
-        let look = Look { grid: self.deferred.next(), opaque, smooth: view.attributes.smooth, primitive };
+        let sampled = SampledGrid { index: self.deferred.next(), opaque, smooth: view.attributes.smooth, primitive };
         let jitter = &self.frame.jitter;
         // Without a lens, what stands still in an image of motion is sampled as if it moved.
         let tally = if jitter.moments.is_some() {
-            self.samples.blurred(nu, micropolygons, &Track { instants, raster: at, camera, jitter }, &look)
+            self.samples.blurred(nu, micropolygons, &Track { instants, raster: at, camera, jitter }, &sampled)
         } else {
-            self.samples.still(&at[0], nu, micropolygons, &look)
+            self.samples.still(&at[0], nu, micropolygons, &sampled)
         };
         self.stats.micropolygons += micropolygons.len() as u64;
         self.stats.samples += tally.tried;

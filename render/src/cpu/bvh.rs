@@ -13,11 +13,11 @@ use rayon::prelude::*;
 /// What stops a ray.
 #[derive(Clone, Copy, Debug)]
 enum Occluder {
-    Ball {
+    Sphere {
         center: Vec3,
         radius: f32,
     },
-    /// Index of the matrix that makes it the unit ball.
+    /// Index of the matrix that makes it the unit sphere.
     Ellipsoid {
         inverse: u32,
     },
@@ -65,7 +65,7 @@ pub struct Bvh {
     occluders: Vec<(Item, Occluder)>,
     inverses: Vec<Mat4>,
     /// By source: light gets through it, in part.
-    see_through: Vec<bool>,
+    translucent: Vec<bool>,
 }
 
 /// Occluders of a leaf.
@@ -74,8 +74,8 @@ const LEAF: usize = 4;
 impl Bvh {
     /// Build it over all items of a scene that cast shadows.
     pub fn build(scene: &Scene) -> Bvh {
-        let see_through = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
-        let mut bvh = Bvh { see_through, ..Bvh::default() };
+        let translucent = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
+        let mut bvh = Bvh { translucent, ..Bvh::default() };
         for item in scene.items() {
             if scene.sources[item.source as usize].attributes.casts_shadows {
                 let (shape, to_world) = scene.place(item);
@@ -100,7 +100,7 @@ impl Bvh {
                 let [x, y, z] = [to_world.x_axis, to_world.y_axis, to_world.z_axis].map(|a| a.truncate().length());
                 let even = (x - y).abs() <= 1e-4 * x && (x - z).abs() <= 1e-4 * x;
                 let occluder = if even {
-                    Occluder::Ball { center: to_world.w_axis.truncate(), radius: x }
+                    Occluder::Sphere { center: to_world.w_axis.truncate(), radius: x }
                 } else {
                     self.inverses.push(to_world.inverse());
                     Occluder::Ellipsoid { inverse: self.inverses.len() as u32 - 1 }
@@ -120,7 +120,7 @@ impl Bvh {
 
     fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
         match *occluder {
-            Occluder::Ball { center, radius } => (center - radius, center + radius),
+            Occluder::Sphere { center, radius } => (center - radius, center + radius),
             Occluder::Ellipsoid { inverse } => {
                 let m = self.inverses[inverse as usize].inverse();
                 let row = |k: usize| Vec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]).length();
@@ -132,8 +132,8 @@ impl Bvh {
     }
 
     /// Whether light gets through some of what casts shadows, in part.
-    pub fn any_see_through(&self) -> bool {
-        self.see_through.contains(&true)
+    pub fn any_translucent(&self) -> bool {
+        self.translucent.contains(&true)
     }
 
     /// Whether anything that lets no light through stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`
@@ -151,7 +151,7 @@ impl Bvh {
         let mut blocked = false;
         self.leaves(from, dir, length, |leaf, length| {
             blocked = leaf.iter().any(|(item, o)| {
-                !self.see_through[item.source as usize]
+                !self.translucent[item.source as usize]
                     && self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize])
             });
             (!blocked).then_some(length)
@@ -234,8 +234,8 @@ impl Bvh {
         // Of a displaced sphere nobody knows where it was met.
         let displaced = own && bias[1] > bias[0];
         match *occluder {
-            Occluder::Ball { .. } | Occluder::Ellipsoid { .. } if displaced => None,
-            Occluder::Ball { center, radius } => {
+            Occluder::Sphere { .. } | Occluder::Ellipsoid { .. } if displaced => None,
+            Occluder::Sphere { center, radius } => {
                 let o = from - center;
                 let near = if own { bias[1].min(0.5 * radius) } else { 0.0 };
                 root(1.0, o.dot(dir), o.length_squared() - radius * radius, near)
@@ -257,7 +257,7 @@ impl Bvh {
     #[inline]
     fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: f32) -> bool {
         match *occluder {
-            Occluder::Ball { center, radius } => {
+            Occluder::Sphere { center, radius } => {
                 !own && {
                     let to = center - from;
                     let along = to.dot(dir);

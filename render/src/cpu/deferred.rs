@@ -15,13 +15,13 @@ use crate::stats::Stats;
 use glam::Vec3A;
 use sl::machine::Points;
 
-/// Points that are held at most before they are shaded, as far as they are seen by then.
-const MOST_POINTS: usize = 1 << 19;
+/// The maximum of points that are deferred.
+const MAX_POINTS: usize = 1 << 19;
 
-/// Grids that are held at most.
-const MOST_GRIDS: usize = (1 << (31 - POINT_BITS)) - 1;
+/// The maximum of grids that are deferred.
+const MAX_GRIDS: usize = (1 << (31 - POINT_BITS)) - 1;
 
-/// A grid of which samples see some.
+/// A grid, some of which is visible.
 struct DeferredGrid {
     item: Item,
     points: Points,
@@ -38,7 +38,7 @@ struct DeferredGrid {
     outputs: Vec<f32>,
 }
 
-/// What samples need to know of a grid, small enough for all of them to lie close.
+/// What samples need of a grid, small enough for all of them to lie close.
 struct Layout {
     /// Its first point among those of all.
     first: usize,
@@ -55,7 +55,7 @@ impl Layout {
     }
 }
 
-/// The grids of a bucket that samples see, until they are flushed.
+/// Grids with visible points, until they are flushed.
 #[derive(Default)]
 pub struct Deferred {
     grids: Vec<DeferredGrid>,
@@ -78,7 +78,7 @@ impl Deferred {
         self.grids.len()
     }
 
-    /// Keep a grid that samples see, in exchange for other memory; the first `n_uniform` of its primitive variables are the same
+    /// Defer a grid with visible points, in exchange for other memory; the first `n_uniform` of its primitive variables are the same
     /// all over. `shaded` has what displays take of its points, if it is shaded.
     pub fn push(
         &mut self,
@@ -103,7 +103,7 @@ impl Deferred {
 
     /// Whether it should be flushed before more is pushed.
     pub fn is_full(&self) -> bool {
-        self.n >= MOST_POINTS || self.grids.len() >= MOST_GRIDS
+        self.n >= MAX_POINTS || self.grids.len() >= MAX_GRIDS
     }
 
     /// Shade the visible points of all grids and give the samples their colours.
@@ -116,7 +116,7 @@ impl Deferred {
         wanted.resize(*n, false);
         // Neighbouring samples often see the same micropolygon.
         let mut last = Micropolygon::NONE;
-        samples.for_each_seen(|m| {
+        samples.for_each_visible(|m| {
             if m != last {
                 last = m;
                 let layout = &layouts[m.grid()];
@@ -168,13 +168,13 @@ impl Deferred {
                 }
             }
         }
-        let look = |m: Micropolygon| {
+        let triangle_of = |m: Micropolygon| {
             let layout = &layouts[m.grid()];
             let corners = layout.corners(m);
             let (smooth, matte) = (layout.smooth, layout.matte);
             Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
         };
-        samples.paint(look, outputs);
+        samples.set_colors(triangle_of, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));
         *n = 0;

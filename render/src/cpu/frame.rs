@@ -37,7 +37,7 @@ impl<'a> Frame<'a> {
         let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
         let aovs = aovs(&options.displays);
         let depth = display::depth(&aovs);
-        let (bvh, first_ids) = (Bvh::build(scene), scene.numbers());
+        let (bvh, first_ids) = (Bvh::build(scene), scene.first_ids());
         Frame { scene, bvh, options, camera, jitter, filter, aovs, depth, first_ids }
     }
 

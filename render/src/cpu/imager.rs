@@ -5,10 +5,10 @@ use sl::ir::Ask;
 use sl::machine::{Answer, BoundShader, Machine, MapQuery, Points};
 use std::sync::Arc;
 
-/// The scene as an imager sees it: spaces, maps and options.
-struct Darkroom<'a>(&'a Scene);
+/// The scene as an imager asks it: spaces, maps and options.
+struct ImagerScene<'a>(&'a Scene);
 
-impl sl::machine::Scene for Darkroom<'_> {
+impl sl::machine::Scene for ImagerScene<'_> {
     fn lights(&self) -> &[Arc<BoundShader>] {
         &[]
     }
@@ -28,7 +28,7 @@ impl sl::machine::Scene for Darkroom<'_> {
 
 /// Run an imager over rows of `width` pixels whose first is at (`x`, `y`): P is the pixel's middle on the raster, Ci its
 /// colour, Oi and alpha its coverage.
-pub fn develop(
+pub fn run(
     imager: &BoundShader,
     scene: &Scene,
     machine: &mut Machine,
@@ -46,7 +46,7 @@ pub fn develop(
     points.refill("Oi").extend((0..3).flat_map(|_| pixels.iter().map(|p| p[3])));
     points.refill("alpha").extend(pixels.iter().map(|p| p[3]));
     points.refill("ncomps").push(3.0);
-    machine.run(imager, points, &Darkroom(scene));
+    machine.run(imager, points, &ImagerScene(scene));
     let value = |name: &str, c: usize, k: usize, width: usize| {
         let v = points.get(name).unwrap_or(&[]);
         if v.len() == width { v[c] } else { v.get(c * n + k).copied().unwrap_or(0.0) }

@@ -1,4 +1,4 @@
-//! Eight numbers at once, for loops over samples: AVX2 where the processor has it, plain arrays elsewhere. Both give the same bits.
+//! SIMD lanes: eight numbers at once, for loops over samples: AVX2 where the processor has it, plain arrays elsewhere. Both give the same bits.
 //!
 //! A kernel is a function generic over [`Lanes`], `#[inline(always)]` down to here and without closures, which would be compiled
 //! for plain processors; [`with_lanes!`] calls it for the processor at hand.
@@ -18,47 +18,47 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn store(self, v: &mut [f32], k: usize);
     /// As an array.
     fn to_array(self) -> [f32; LANES];
-    /// Where they are less.
-    fn below(self, o: Self) -> Self;
-    /// Where they are not less.
-    fn not_below(self, o: Self) -> Self;
+    /// Where they are less than others.
+    fn lt(self, o: Self) -> Self;
+    /// Where they are greater or equal.
+    fn ge(self, o: Self) -> Self;
     /// Where they differ.
-    fn differs(self, o: Self) -> Self;
+    fn ne(self, o: Self) -> Self;
     /// Where both hold.
     fn and(self, o: Self) -> Self;
     /// Where either holds.
     fn or(self, o: Self) -> Self;
     /// Where the answers hold, `a`, else `b`.
-    fn pick(self, a: Self, b: Self) -> Self;
+    fn select(self, a: Self, b: Self) -> Self;
     /// With the other sign where `o` is negative.
-    fn turned(self, o: Self) -> Self;
+    fn xor_sign(self, o: Self) -> Self;
     /// The answers as bits.
     fn bits(self) -> u32;
-    /// Where the answers hold, put one of two names into a column from `k` on: the second where `second` holds.
-    fn name(self, second: Self, names: [u32; 2], v: &mut [u32], k: usize);
+    /// Where the answers hold, put one of two ids into a column from `k` on: the second where `second` holds.
+    fn store_id(self, second: Self, names: [u32; 2], v: &mut [u32], k: usize);
 
     /// Where they are not below one number nor above another.
     #[inline(always)]
     fn between(self, low: f32, high: f32) -> Self {
-        self.not_below(Self::splat(low)).and(Self::splat(high).not_below(self))
+        self.ge(Self::splat(low)).and(Self::splat(high).ge(self))
     }
 
     /// −x
     #[inline(always)]
     fn negated(self) -> Self {
-        self.turned(Self::splat(-0.0))
+        self.xor_sign(Self::splat(-0.0))
     }
 
-    /// The lesser.
+    /// The minimum.
     #[inline(always)]
-    fn least(self, o: Self) -> Self {
-        o.below(self).pick(o, self)
+    fn min(self, o: Self) -> Self {
+        o.lt(self).select(o, self)
     }
 
-    /// The greater.
+    /// The maximum.
     #[inline(always)]
-    fn most(self, o: Self) -> Self {
-        self.below(o).pick(o, self)
+    fn max(self, o: Self) -> Self {
+        self.lt(o).select(o, self)
     }
 }
 
@@ -135,15 +135,15 @@ impl Lanes for Plain {
         self.0
     }
     #[inline(always)]
-    fn below(self, o: Plain) -> Plain {
+    fn lt(self, o: Plain) -> Plain {
         self.where_both(o, |a, b| a < b)
     }
     #[inline(always)]
-    fn not_below(self, o: Plain) -> Plain {
+    fn ge(self, o: Plain) -> Plain {
         self.where_both(o, |a, b| a >= b)
     }
     #[inline(always)]
-    fn differs(self, o: Plain) -> Plain {
+    fn ne(self, o: Plain) -> Plain {
         self.where_both(o, |a, b| a != b)
     }
     #[inline(always)]
@@ -155,12 +155,12 @@ impl Lanes for Plain {
         self.by_bits(o, |a, b| a | b)
     }
     #[inline(always)]
-    fn pick(self, a: Plain, b: Plain) -> Plain {
+    fn select(self, a: Plain, b: Plain) -> Plain {
         let (a, b) = (self.by_bits(a, |m, a| m & a), self.by_bits(b, |m, b| !m & b));
         a.or(b)
     }
     #[inline(always)]
-    fn turned(self, o: Plain) -> Plain {
+    fn xor_sign(self, o: Plain) -> Plain {
         self.by_bits(o, |a, b| a ^ (b & 0x8000_0000))
     }
     #[inline(always)]
@@ -168,7 +168,7 @@ impl Lanes for Plain {
         self.0.iter().enumerate().fold(0, |bits, (i, m)| bits | (m.to_bits() >> 31) << i)
     }
     #[inline(always)]
-    fn name(self, second: Plain, names: [u32; 2], v: &mut [u32], k: usize) {
+    fn store_id(self, second: Plain, names: [u32; 2], v: &mut [u32], k: usize) {
         for (i, v) in v[k..k + LANES].iter_mut().enumerate().filter(|(i, _)| self.0[*i].to_bits() != 0) {
             *v = names[(second.0[i].to_bits() != 0) as usize];
         }
@@ -241,15 +241,15 @@ mod wide {
             out
         }
         #[inline(always)]
-        fn below(self, o: Wide) -> Wide {
+        fn lt(self, o: Wide) -> Wide {
             Wide(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, o.0) })
         }
         #[inline(always)]
-        fn not_below(self, o: Wide) -> Wide {
+        fn ge(self, o: Wide) -> Wide {
             Wide(unsafe { _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, o.0) })
         }
         #[inline(always)]
-        fn differs(self, o: Wide) -> Wide {
+        fn ne(self, o: Wide) -> Wide {
             Wide(unsafe { _mm256_cmp_ps::<_CMP_NEQ_UQ>(self.0, o.0) })
         }
         #[inline(always)]
@@ -261,11 +261,11 @@ mod wide {
             Wide(unsafe { _mm256_or_ps(self.0, o.0) })
         }
         #[inline(always)]
-        fn pick(self, a: Wide, b: Wide) -> Wide {
+        fn select(self, a: Wide, b: Wide) -> Wide {
             Wide(unsafe { _mm256_blendv_ps(b.0, a.0, self.0) })
         }
         #[inline(always)]
-        fn turned(self, o: Wide) -> Wide {
+        fn xor_sign(self, o: Wide) -> Wide {
             Wide(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(o.0, _mm256_set1_ps(-0.0))) })
         }
         #[inline(always)]
@@ -273,7 +273,7 @@ mod wide {
             unsafe { _mm256_movemask_ps(self.0) as u32 }
         }
         #[inline(always)]
-        fn name(self, second: Wide, names: [u32; 2], v: &mut [u32], k: usize) {
+        fn store_id(self, second: Wide, names: [u32; 2], v: &mut [u32], k: usize) {
             let v = &mut v[k..k + LANES];
             unsafe {
                 let (a, b) = (_mm256_set1_epi32(names[0] as i32), _mm256_set1_epi32(names[1] as i32));
@@ -316,20 +316,20 @@ mod tests {
     #[inline(always)]
     fn mixed<L: Lanes>(a: &[f32], b: &[f32]) -> Vec<u32> {
         let (x, y) = (L::load(a, 0), L::load(b, 0));
-        let second = x.below(y);
+        let second = x.lt(y);
         let mut names = vec![7; LANES];
-        second.or(x.differs(x)).name(y.not_below(L::splat(0.0)), [1, 2], &mut names, 0);
+        second.or(x.ne(x)).store_id(y.ge(L::splat(0.0)), [1, 2], &mut names, 0);
         let all = [
             x + y,
             x - y,
             x * y,
             x / y,
-            x.least(y),
-            x.most(y),
-            second.pick(x, y),
-            x.turned(y),
+            x.min(y),
+            x.max(y),
+            second.select(x, y),
+            x.xor_sign(y),
             x.negated(),
-            second.and(x.not_below(y)),
+            second.and(x.ge(y)),
         ];
         let numbers = all.into_iter().flat_map(|v| v.to_array().map(|x| if x.is_nan() { 1 } else { x.to_bits() }));
         numbers.chain([second.bits()]).chain(names).collect()

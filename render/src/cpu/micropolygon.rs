@@ -18,16 +18,16 @@ impl Micropolygon {
         Micropolygon((grid << (POINT_BITS + 1) | point << 1 | second as usize) as u32)
     }
 
-    /// All of it as a number.
+    /// It as an id.
     #[inline(always)]
-    pub fn number(self) -> u32 {
+    pub fn id(self) -> u32 {
         self.0
     }
 
-    /// Of [`Self::number`].
+    /// Of [`Self::id`].
     #[inline(always)]
-    pub fn of_number(number: u32) -> Micropolygon {
-        Micropolygon(number)
+    pub fn from_id(id: u32) -> Micropolygon {
+        Micropolygon(id)
     }
 
     /// The grid.

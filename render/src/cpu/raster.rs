@@ -84,7 +84,7 @@ impl Raster {
     }
 }
 
-/// A raster point on steps of 1/1024 pixel: single precision then takes differences of places without rounding, so that pictures
+/// A raster point on steps of 1/1024 pixel: single precision then takes differences of places without rounding, so that images
 /// do not depend on how they are cut to buckets.
 fn on_steps(r: Vec2) -> Vec2 {
     // Of a sum of this size the last place is worth a step.

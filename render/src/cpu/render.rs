@@ -4,7 +4,7 @@ use crate::cpu::bucket::{Memory, render_bucket};
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::sort::items_of_buckets;
-use crate::film::bucket::{Tile, tiles};
+use crate::film::bucket::{Bucket, buckets};
 use crate::film::image::Image;
 use crate::scene::camera::Camera;
 use crate::scene::options::Options;
@@ -18,7 +18,7 @@ use std::time::Instant;
 /// Buckets of a batch: so many that what is held beside the image itself stays small.
 const BATCH: usize = 1024;
 
-/// Render an image; `progress` is told buckets done and in all.
+/// Render an image; `progress` is called with the buckets done and in all.
 pub fn render(
     scene: &Scene,
     options: &Options,
@@ -35,30 +35,30 @@ pub fn render(
     let bound = start.elapsed().as_secs_f64();
     let done = AtomicUsize::new(0);
     let [[x0, y0], [x1, y1]] = options.window();
-    let inside = |t: &Tile| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
-    let own: Vec<Tile> = tiles(options.width, options.height, size, options.share).filter(inside).collect();
+    let inside = |t: &Bucket| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
+    let own: Vec<Bucket> = buckets(options.width, options.height, size, options.shard).filter(inside).collect();
     let mut image = Image::new(options.width, options.height, frame.aovs.clone());
     let items = scene.sources.iter().map(|s| s.len() as u64).sum();
     let mut stats = Stats { items, seconds: Seconds { hierarchy, bound, ..Seconds::default() }, ..Stats::default() };
     // Memory between buckets, so that it is taken once a thread.
     let idle = Mutex::new(Vec::<Memory>::new());
     for batch in own.chunks(BATCH) {
-        let draw = |tile: &Tile| {
+        let render = |bucket: &Bucket| {
             let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
             let found = spare().pop();
             let mut memory = found.unwrap_or_default();
-            let drawn = render_bucket(&frame, &mut memory, tile, &lists[tile.bucket]);
+            let rendered = render_bucket(&frame, &mut memory, bucket, &lists[bucket.index]);
             spare().push(memory);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, own.len());
-            drawn
+            rendered
         };
-        let drawn: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(draw).collect();
-        for (tile, (pixels, took)) in batch.iter().zip(drawn) {
+        let rendered: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(render).collect();
+        for (bucket, (pixels, took)) in batch.iter().zip(rendered) {
             stats = stats.add(took);
-            for row in 0..tile.height {
-                let (at, from) = ((tile.y + row) * options.width + tile.x, row * tile.width);
-                image.pixels[at..][..tile.width].copy_from_slice(&pixels.color[from..][..tile.width]);
-                let wide = tile.width * frame.depth;
+            for row in 0..bucket.height {
+                let (at, from) = ((bucket.y + row) * options.width + bucket.x, row * bucket.width);
+                image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);
+                let wide = bucket.width * frame.depth;
                 image.extra[at * frame.depth..][..wide].copy_from_slice(&pixels.extra[from * frame.depth..][..wide]);
             }
         }

@@ -1,8 +1,8 @@
-//! Samples of a bucket: jittered places, the nearest opaque surface at each, and lists of what is half transparent.
+//! Samples of a bucket: jittered places, the visibility buffer of what is nearest and opaque, and layers of what is translucent.
 //!
 //! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata, held in small cells,
-//! and a micropolygon looks only at the cells that its bound touches. A sample holds which micropolygon it sees; what that looks
-//! like is asked when nothing more will hide it (`crate::cpu::deferred`).
+//! and a micropolygon looks only at the cells that its bound touches. A sample holds the id of the
+//! micropolygon that is visible there, which is shaded when nothing more will hide it (`crate::cpu::deferred`).
 
 pub mod composite;
 pub mod cull;
@@ -20,7 +20,7 @@ pub(crate) const EDGE: f32 = 1.5e-3;
 /// Strata along x and y of a cell, whose samples are tested together. Whole cells make up a block.
 pub(crate) const CELL: [usize; 2] = [4, LANES / 4];
 
-/// Something that may be half transparent at a sample.
+/// Something that may be translucent at a sample.
 #[derive(Clone, Copy)]
 struct Layer {
     z: f32,
@@ -34,11 +34,11 @@ struct Layer {
 
 const NONE: u32 = u32::MAX;
 
-/// What is sampled, as far as samples care.
+/// A grid, as far as sampling depends on it.
 #[derive(Clone, Copy)]
-pub struct Look {
-    /// The grid's number in the bucket.
-    pub grid: usize,
+pub struct SampledGrid {
+    /// Its index among the deferred grids of the bucket.
+    pub index: usize,
     /// All opaque.
     pub opaque: bool,
     /// Colour is interpolated over a micropolygon.
@@ -47,7 +47,7 @@ pub struct Look {
     pub primitive: u64,
 }
 
-/// What sampling came to.
+/// A tally of sampling.
 #[derive(Clone, Copy, Default)]
 pub struct Tally {
     /// Samples tried.
@@ -74,7 +74,7 @@ const BLOCK: usize = 4;
 /// The samples of a bucket through a lens: one stratum of time after another, in each pixel after pixel, which has one sample there.
 #[derive(Default)]
 pub struct LensSamples {
-    /// Place, pixels of the whole picture: what is decided by it is decided alike in every bucket.
+    /// Place, pixels of the whole image: what is decided by it is decided alike in every bucket.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
     /// Part of the time that the shutter is open.
@@ -95,7 +95,7 @@ pub struct Samples {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) strata: [usize; 2],
-    /// In pictures of motion without a lens, a pixel's samples are held together by their times: so many, with those that make
+    /// In images of motion without a lens, a pixel's samples are held together by their times: so many, with those that make
     /// the last cell whole. 0 elsewhere.
     pub(crate) padded: usize,
     /// Cells along x and y.
@@ -104,15 +104,15 @@ pub struct Samples {
     /// Places, pixels from the bucket's first one.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
-    /// Part of the time that the shutter is open, in pictures of motion without a lens.
+    /// Part of the time that the shutter is open, in images of motion without a lens.
     pub(crate) time: Vec<f32>,
     /// Which part of the pattern the places are of, and how many pixels; what depths are where nothing is.
     pattern: Option<([i64; 2], [usize; 2])>,
     empty: Vec<f32>,
     /// Depth of the nearest thing that is opaque.
     pub(crate) z: Vec<f32>,
-    /// The number of the micropolygon that it is; none, once its colour is known.
-    pub(crate) seen: Vec<u32>,
+    /// The id of the micropolygon that it is; none, once its colour is known.
+    pub(crate) visible: Vec<u32>,
     /// Where it is met: weights of its second and third corner, if it is smooth.
     pub(crate) weights: [Vec<f32>; 2],
     color: Vec<[f32; 3]>,
@@ -141,8 +141,8 @@ impl Samples {
         self.z.clear();
         self.z.extend_from_slice(&self.empty);
         self.set_lens_samples(jitter);
-        self.seen.clear();
-        self.seen.resize(n, Micropolygon::NONE.number());
+        self.visible.clear();
+        self.visible.resize(n, Micropolygon::NONE.id());
         self.weights.iter_mut().for_each(|w| w.resize(n, 0.0));
         self.color.clear();
         self.color.resize(n, [0.0; 3]);
@@ -226,7 +226,7 @@ impl Samples {
         self.lens = own;
     }
 
-    /// Where a sample of a pixel is in the columns: that of a stratum, or in pictures of motion, of the time of that number.
+    /// Where a sample of a pixel is in the columns: that of a stratum, or in images of motion, of the time of that number.
     #[inline]
     pub(crate) fn index(&self, [px, py]: [usize; 2], [column, row]: [usize; 2]) -> usize {
         let [sx, sy] = self.strata;
@@ -238,24 +238,31 @@ impl Samples {
         cell * LANES + row % CELL[1] * CELL[0] + column % CELL[0]
     }
 
-    /// Something is met at a sample, nearer than what is opaque there.
+    /// Record that a sample meets a micropolygon, nearer than what is opaque there.
     #[inline]
-    pub(crate) fn keep(&mut self, k: usize, z: f32, micropolygon: Micropolygon, weights: [f32; 2], look: &Look) {
-        if look.opaque {
+    pub(crate) fn record(
+        &mut self,
+        k: usize,
+        z: f32,
+        micropolygon: Micropolygon,
+        weights: [f32; 2],
+        grid: &SampledGrid,
+    ) {
+        if grid.opaque {
             self.z[k] = z;
-            self.seen[k] = micropolygon.number();
+            self.visible[k] = micropolygon.id();
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
             return;
         }
         let mut at = self.list[k];
         while at != NONE {
             let other = &self.layers[at as usize];
-            if other.primitive == look.primitive && (other.z - z).abs() <= 1e-4 * z {
+            if other.primitive == grid.primitive && (other.z - z).abs() <= 1e-4 * z {
                 return;
             }
             at = other.next;
         }
-        let (primitive, next) = (look.primitive, self.list[k]);
+        let (primitive, next) = (grid.primitive, self.list[k]);
         let (color, opacity) = ([0.0; 3], [0.0; 3]);
         self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next });
         self.list[k] = self.layers.len() as u32 - 1;

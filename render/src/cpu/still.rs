@@ -2,17 +2,17 @@
 
 use crate::cpu::lanes::{LANES, Lanes, with_lanes};
 use crate::cpu::micropolygon::Micropolygon;
-use crate::cpu::samples::{CELL, EDGE, Look, Samples, Tally};
+use crate::cpu::samples::{CELL, EDGE, SampledGrid, Samples, Tally};
 
 /// A triangle as planes over the raster from its first corner on: weights of its second and third corner, and depth.
 struct Planes {
     second: [f32; 2],
     third: [f32; 2],
     depth: [f32; 3],
-    /// Least and greatest depth.
+    /// Minimum and maximum depth.
     range: [f32; 2],
-    /// The least weight of each corner inside: an edge's width below 0. Infinite if the triangle has no area.
-    least: [f32; 3],
+    /// The minimum weight of each corner inside: an edge's width below 0. Infinite if the triangle has no area.
+    min_weight: [f32; 3],
 }
 
 impl Planes {
@@ -29,7 +29,7 @@ impl Planes {
             third: [-u[1] * inv, u[0] * inv],
             depth: [z, u[2], v[2]],
             range: [z + u[2].min(v[2]).min(0.0), z + u[2].max(v[2]).max(0.0)],
-            least: [side(v[0] - u[0], v[1] - u[1]), side(v[0], v[1]), side(u[0], u[1])],
+            min_weight: [side(v[0] - u[0], v[1] - u[1]), side(v[0], v[1]), side(u[0], u[1])],
         }
     }
 
@@ -42,10 +42,10 @@ impl Planes {
         let [z0, z1, z2] = self.depth;
         // Beyond a sliver's edge its plane runs wild.
         let z = L::splat(z0) + L::splat(z1) * w1 + L::splat(z2) * w2;
-        let z = z.most(L::splat(self.range[0])).least(L::splat(self.range[1]));
-        let [l0, l1, l2] = self.least;
-        let inside = w0.not_below(L::splat(l0)).and(w1.not_below(L::splat(l1))).and(w2.not_below(L::splat(l2)));
-        [w1, w2, inside.pick(z, L::splat(f32::INFINITY))]
+        let z = z.max(L::splat(self.range[0])).min(L::splat(self.range[1]));
+        let [l0, l1, l2] = self.min_weight;
+        let inside = w0.ge(L::splat(l0)).and(w1.ge(L::splat(l1))).and(w2.ge(L::splat(l2)));
+        [w1, w2, inside.select(z, L::splat(f32::INFINITY))]
     }
 }
 
@@ -53,19 +53,25 @@ impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point; `raster` has x, y and depth of
         /// every point.
-        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], look: &Look) -> Tally
+        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], grid: &SampledGrid) -> Tally
     }
 
     #[inline(always)]
-    fn still_lanes<L: Lanes>(&mut self, raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], look: &Look) -> Tally {
+    fn still_lanes<L: Lanes>(
+        &mut self,
+        raster: &[[f32; 3]],
+        nu: usize,
+        micropolygons: &[u32],
+        grid: &SampledGrid,
+    ) -> Tally {
         let mut tally = Tally::default();
         for point in micropolygons {
             let k = *point as usize;
             let corners = [k, k + 1, k + nu + 1, k + nu].map(|k| raster[k]);
-            match (look.opaque, look.smooth) {
-                (true, false) => self.quad::<L, true, false>(corners, k, look, &mut tally),
-                (true, true) => self.quad::<L, true, true>(corners, k, look, &mut tally),
-                (false, _) => self.quad::<L, false, true>(corners, k, look, &mut tally),
+            match (grid.opaque, grid.smooth) {
+                (true, false) => self.quad::<L, true, false>(corners, k, grid, &mut tally),
+                (true, true) => self.quad::<L, true, true>(corners, k, grid, &mut tally),
+                (false, _) => self.quad::<L, false, true>(corners, k, grid, &mut tally),
             }
         }
         tally
@@ -76,7 +82,7 @@ impl Samples {
         &mut self,
         corners: [[f32; 3]; 4],
         point: usize,
-        look: &Look,
+        grid: &SampledGrid,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
@@ -99,7 +105,7 @@ impl Samples {
             [cell(lo.max(0.0)), cell(hi).min(n - 1)]
         };
         let ([c0, c1], [r0, r1]) = (cells(min_x, max_x, 0, self.columns), cells(min_y, max_y, 1, self.rows));
-        let names = [false, true].map(|second| Micropolygon::new(look.grid, point, second).number());
+        let names = [false, true].map(|second| Micropolygon::new(grid.index, point, second).id());
         let mut hit = false;
         for r in r0..=r1 {
             for cell in r * self.columns + c0..=r * self.columns + c1 {
@@ -108,29 +114,29 @@ impl Samples {
                 let [p1, p2, pz] = first.meet(dx, dy);
                 let [q1, q2, qz] = second.meet(dx, dy);
                 let old = L::load(&self.z, k);
-                let later = qz.below(pz);
-                let z = later.pick(qz, pz);
-                let takes = z.below(old).and(dx.between(low_x, high_x)).and(dy.between(low_y, high_y));
+                let later = qz.lt(pz);
+                let z = later.select(qz, pz);
+                let takes = z.lt(old).and(dx.between(low_x, high_x)).and(dy.between(low_y, high_y));
                 let mut taken = takes.bits();
                 if taken == 0 {
                     continue;
                 }
                 hit = true;
                 if OPAQUE {
-                    takes.pick(z, old).store(&mut self.z, k);
-                    takes.name(later, names, &mut self.seen, k);
+                    takes.select(z, old).store(&mut self.z, k);
+                    takes.store_id(later, names, &mut self.visible, k);
                     if SMOOTH {
                         let [w1, w2] = &mut self.weights;
-                        takes.pick(later.pick(q1, p1), L::load(w1, k)).store(w1, k);
-                        takes.pick(later.pick(q2, p2), L::load(w2, k)).store(w2, k);
+                        takes.select(later.select(q1, p1), L::load(w1, k)).store(w1, k);
+                        takes.select(later.select(q2, p2), L::load(w2, k)).store(w2, k);
                     }
                 } else {
-                    let (z, w1, w2) = (z.to_array(), later.pick(q1, p1).to_array(), later.pick(q2, p2).to_array());
+                    let (z, w1, w2) = (z.to_array(), later.select(q1, p1).to_array(), later.select(q2, p2).to_array());
                     while taken != 0 {
                         let i = taken.trailing_zeros() as usize;
                         taken &= taken - 1;
-                        let name = Micropolygon::of_number(names[(later.bits() >> i & 1) as usize]);
-                        self.keep(k + i, z[i], name, [w1[i], w2[i]], look);
+                        let name = Micropolygon::from_id(names[(later.bits() >> i & 1) as usize]);
+                        self.record(k + i, z[i], name, [w1[i], w2[i]], grid);
                     }
                 }
             }

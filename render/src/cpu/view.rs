@@ -21,11 +21,11 @@ use std::sync::Arc;
 /// How deep rays are followed if no option says: single ones, and those that are many from one point.
 const MAX_DEPTH: [u32; 2] = [4, 1];
 
-/// See-through surfaces that a ray passes before it is held up.
+/// Translucent surfaces that a ray passes before it is held up.
 const MAX_LAYERS: usize = 64;
 
 /// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.
-const MOST_NESTED: u32 = 2;
+const MAX_NESTED: u32 = 2;
 
 /// The scene from one primitive.
 pub struct View<'a> {
@@ -117,7 +117,7 @@ impl<'a> View<'a> {
         self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
     }
 
-    /// How much light gets from one point to another through what is see-through, of which each surface that is met keeps its
+    /// How much light gets from one point to another through what is translucent, of which each surface that is met keeps its
     /// opacity.
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
@@ -152,7 +152,7 @@ impl<'a> View<'a> {
     /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
     fn opacity_at(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> [f32; 3] {
         let attributes = self.scene.attributes(item);
-        if attributes.surface.program.keeps_opacity || self.depth >= MOST_NESTED {
+        if attributes.surface.program.keeps_opacity || self.depth >= MAX_NESTED {
             return attributes.opacity;
         }
         self.shade(item, from, dir, distance, false).1
@@ -249,7 +249,7 @@ impl sl::machine::Scene for View<'_> {
         if self.bvh.blocked(self.item, from, to, self.bias) {
             return [0.0; 3];
         }
-        if self.bvh.any_see_through() { self.light_through(from, to) } else { [1.0; 3] }
+        if self.bvh.any_translucent() { self.light_through(from, to) } else { [1.0; 3] }
     }
 
     fn hit(&self, from: [f32; 3], direction: [f32; 3]) -> Option<f32> {

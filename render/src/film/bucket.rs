@@ -1,35 +1,35 @@
 //! Buckets: the rectangles that an image is rendered by, and the shards that they are dealt out to.
 
-/// One of several equal parts of a picture's buckets.
+/// A shard of an image: one of several equal parts of its buckets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Which shard, from 1.
     pub part: usize,
-    /// How many there are.
+    /// Number of shards.
     pub parts: usize,
 }
 
-/// The pixels of a bucket.
+/// A bucket: a rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Tile {
-    /// The first.
+pub struct Bucket {
+    /// First pixel along x.
     pub x: usize,
-    /// The first.
+    /// First pixel along y.
     pub y: usize,
-    /// How many along x.
+    /// Pixels along x.
     pub width: usize,
-    /// How many along y.
+    /// Pixels along y.
     pub height: usize,
-    /// The bucket's number, row by row.
-    pub(crate) bucket: usize,
+    /// Its index, row by row.
+    pub(crate) index: usize,
 }
 
-/// The buckets of a picture, or of a share of it: every so many-th, so that shares take about as long.
-pub fn tiles(width: usize, height: usize, size: usize, share: Option<Shard>) -> impl Iterator<Item = Tile> {
+/// The buckets of an image, or of a shard of it: every n-th of n shards, so that shards take about as long.
+pub fn buckets(width: usize, height: usize, size: usize, shard: Option<Shard>) -> impl Iterator<Item = Bucket> {
     let (columns, rows) = (width.div_ceil(size), height.div_ceil(size));
-    let (first, step) = share.map_or((0, 1), |s| (s.part - 1, s.parts));
-    (first..columns * rows).step_by(step).map(move |bucket| {
-        let (x, y) = (bucket % columns * size, bucket / columns * size);
-        Tile { x, y, width: size.min(width - x), height: size.min(height - y), bucket }
+    let (first, step) = shard.map_or((0, 1), |s| (s.part - 1, s.parts));
+    (first..columns * rows).step_by(step).map(move |index| {
+        let (x, y) = (index % columns * size, index / columns * size);
+        Bucket { x, y, width: size.min(width - x), height: size.min(height - y), index }
     })
 }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 ///
 /// Its name is one of a shading variable (`P`, `N`, `Ng`, `I`, `u`, `v`, `s`, `t`, `Cs`, `Os`, `Ci`, `Oi`; points and directions in
 /// world space), of a surface shader's output parameter or of a primitive variable, or one of these:
-/// `z`, the depth before the camera; `id`, the number of the primitive or instance, from 1; `motion`, how far it moves on the
+/// `z`, the depth before the camera; `id`, the id of the primitive or instance, from 1; `motion`, how far it moves on the
 /// raster while the shutter is open, pixels to the right and down.
 ///
 /// Colours are filtered and composited like Ci. Other values are means over what covers the pixel, seen through nothing that is
@@ -79,7 +79,7 @@ pub enum Layer {
     Aov(Aov),
 }
 
-/// Where a picture goes.
+/// Where an image goes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Display {
     /// File name. EXR displays of one name are layers of one file.

@@ -1,10 +1,10 @@
-//! Pictures: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
+//! Images: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
 
 use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
-/// A picture: rows from the top, red, green, blue (premultiplied) and coverage, and what else was asked for.
+/// An image: rows from the top, red, green, blue (premultiplied) and coverage, and what else was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Pixels.
@@ -29,12 +29,12 @@ pub struct Encoding<'a> {
     pub quantize_one: i32,
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
-    /// What is written into the file besides, by key.
+    /// Metadata that is written into the file, by key.
     pub about: &'a [(String, String)],
 }
 
 impl Image {
-    /// A black picture.
+    /// A black image.
     pub fn new(width: usize, height: usize, aovs: Vec<Aov>) -> Image {
         let mut image = Image { width, height, pixels: vec![[0.0; 4]; width * height], aovs, extra: vec![] };
         image.extra.resize(width * height * image.depth(), 0.0);
@@ -58,10 +58,10 @@ impl Image {
         }
     }
 
-    /// The picture as the bytes of the file of some displays that have one name. EXR has floats, and so has TIFF where colours
+    /// The image as the bytes of the file of some displays that have one name. EXR has floats, and so has TIFF where colours
     /// are not quantized; only EXR has several layers.
     pub fn encode(&self, displays: &[&Display], encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
-        let Some(display) = displays.first() else { return Err("no display takes the picture".into()) };
+        let Some(display) = displays.first() else { return Err("no display takes the image".into()) };
         let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
         let channels = channels(&layers, &self.aovs);
         let [[x0, y0], [x1, y1]] = encoding.window;
@@ -73,7 +73,7 @@ impl Image {
         }
     }
 
-    /// The numbers of a pixel for a value besides colour that the picture has.
+    /// The numbers of a pixel for a value besides colour that the image has.
     pub fn values(&self, pixel: usize, aov: &Aov) -> &[f32] {
         let first = display::place_of(&self.aovs, &aov.name).unwrap_or_default();
         &self.extra[pixel * self.depth() + first..][..aov.width()]
@@ -108,7 +108,7 @@ impl Image {
             };
             AnyChannel::new(text(&c.name), samples)
         });
-        // In a fixed order: the same picture is the same bytes.
+        // In a fixed order: the same image is the same bytes.
         let about: Vec<String> = encoding.about.iter().map(|(key, value)| format!("{key}={value}")).collect();
         let attributes = LayerAttributes {
             software_name: Some(text(SOFTWARE)),
@@ -196,10 +196,10 @@ impl Image {
     }
 }
 
-/// The program and its version, as it is written into pictures.
+/// The program and its version, as it is written into images.
 const SOFTWARE: &str = concat!("scree ", env!("CARGO_PKG_VERSION"));
 
-/// Width and height of a picture file, if it can be decoded whole.
+/// Width and height of an image file, if it can be decoded whole.
 pub fn decode_size(path: &std::path::Path) -> Option<(u32, u32)> {
     ::image::open(path).ok().map(|i| (i.width(), i.height()))
 }

@@ -15,7 +15,7 @@ pub struct Jitter {
     offset: Vec<[f32; 2]>,
     /// Whether there is a lens.
     pub lens: bool,
-    /// Where pictures are blurred by motion or a lens.
+    /// Where images are blurred by motion or a lens.
     pub moments: Option<Moments>,
 }
 
@@ -55,7 +55,7 @@ impl Jitter {
     pub fn new(strata: [usize; 2], lens: bool, moves: bool) -> Jitter {
         let (nx, ny) = (PERIOD * strata[0], PERIOD * strata[1]);
         // Of steps that single precision adds to any pixel's number without rounding, so that it matters to no sum whether places
-        // are counted from the picture's corner or a bucket's.
+        // are counted from the image's corner or a bucket's.
         let step = |k: usize, n: usize, random: f32| (((k % n) as f32 + random) / n as f32 * STEPS).floor() / STEPS;
         let place = |i: usize| {
             let random = if strata == [1, 1] { [0.5, 0.5] } else { [number(2 * i), number(2 * i + 1)] };

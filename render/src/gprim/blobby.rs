@@ -15,7 +15,7 @@ const CELLS: f32 = 72.0;
 /// A leaf or an operator on those before it.
 enum Node {
     Constant(f32),
-    /// Of the unit ball, by the matrix into it.
+    /// Of the unit sphere, by the matrix into it.
     Ellipsoid(Mat4),
     /// A segment with a radius, in a space.
     Segment {
@@ -178,6 +178,8 @@ impl Field {
     }
 
     /// The surface as patches; `varying` are values of the leaves, which blend as their fields do.
+    ///
+    /// It is long because its passes, over values, cells and edges, share the lattice and its indices.
     pub fn patches(&self, varying: &[(String, usize, Vec<f32>)]) -> Vec<Patch> {
         let mut scratch = Vec::new();
         let size = (self.max - self.min).max_element() / CELLS;

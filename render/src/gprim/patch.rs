@@ -75,34 +75,44 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
             points.refill(name).extend(values);
         }
     }
-    grid.trimmed.clear();
+    trim(patch, piece, [nu, nv], &mut grid.trimmed);
+    vary(patch, [&us, &vs], ring as usize, &mut grid.varying);
+    grid.uniform.clear();
+    grid.uniform.extend(patch.uniform.iter().cloned());
+}
+
+/// Find the micropolygons of a grid that are cut away.
+fn trim(patch: &Patch, piece: Piece, [nu, nv]: [usize; 2], trimmed: &mut Vec<bool>) {
+    trimmed.clear();
     if let Some(trim) = &patch.trim {
         let inner = |n: usize| (0..n).map(move |k| (k as f32 + 0.5) / n as f32);
         for v in inner(nv) {
             let v = piece.v[0] + (piece.v[1] - piece.v[0]) * v;
-            grid.trimmed.extend(inner(nu).map(|u| {
+            trimmed.extend(inner(nu).map(|u| {
                 let u = piece.u[0] + (piece.u[1] - piece.u[0]) * u;
                 let at = |k: usize| bilinear(patch.uv.map(|c| c[k]), u, v);
                 !trim.keeps(at(0), at(1))
             }));
         }
     }
-    grid.varying.clear();
+}
+
+/// Give the points of a grid, without the apron, the patch's varying variables.
+fn vary(patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize, varying: &mut Vec<(String, Vec<f32>)>) {
+    varying.clear();
     for (name, values) in patch.varying.iter().filter(|(name, _)| name != "N") {
         let width = values.len() / 4;
         let corner = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
         // The apron is dropped from globals alone: variables are made without it.
-        let inner = |x: &[f32]| x[ring as usize..x.len() - ring as usize].to_vec();
-        let (us, vs) = (inner(&us), inner(&vs));
+        let inner = |x: &[f32]| x[ring..x.len() - ring].to_vec();
+        let (us, vs) = (inner(us), inner(vs));
         let all = (0..width).flat_map(|c| {
             vs.iter()
                 .flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>())
                 .collect::<Vec<_>>()
         });
-        grid.varying.push((name.clone(), all.collect()));
+        varying.push((name.clone(), all.collect()));
     }
-    grid.uniform.clear();
-    grid.uniform.extend(patch.uniform.iter().cloned());
 }
 
 /// How far the points of the grid, without the apron, are from where they were first, at each later moment.

@@ -2,7 +2,7 @@
 //!
 //! Of a sphere that keeps its form and hides its back, the half that the eye sees is diced, evenly as the eye sees it ([`Cap`]).
 //! Others, and those whose shaders look at how things change from point to point, are six faces of a cube blown up to the sphere,
-//! even to a quarter, without poles. Where a sphere crosses the near plane or fills the picture it is drawn as patches instead,
+//! even to a quarter, without poles. Where a sphere crosses the near plane or fills the image it is drawn as patches instead,
 //! which are split as they need.
 
 pub mod cap;
@@ -12,7 +12,7 @@ use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::gprim::quadric::whole_sphere;
 use crate::gprim::sphere::cap::{Cap, Scratch};
-use crate::gprim::sphere::lattice::{Ball, TILE, eye_in_lattice, fill};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill};
 use crate::gprim::split::{self, Queue, coarsening};
 use crate::scene::motion::Instant;
 use glam::{Mat3, Vec3};
@@ -85,7 +85,7 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
     // cover what they should.
     let delta = std::f32::consts::FRAC_PI_2 / n as f32;
     let swell = 1.0 / (1.0 - delta * delta / 6.0).sqrt();
-    let ball = Ball {
+    let sphere = LatticeSphere {
         center,
         linear: (if even { Mat3::from_diagonal(Vec3::splat(x)) } else { linear }) * swell,
         normals: if even { Mat3::IDENTITY } else { linear.inverse().transpose() },
@@ -96,22 +96,22 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         n,
     };
     let a = view.attributes;
-    let seen_through = !a.stays_opaque();
-    let even_on_raster = !seen_through && a.displacement.is_none() && !a.reads_neighbours();
+    let translucent = !a.stays_opaque();
+    let even_on_raster = !translucent && a.displacement.is_none() && !a.reads_neighbours();
     if even_on_raster && (a.two_sided || !a.reversed) {
         let pixels = radius * camera.pixels_at(depth) / step;
-        if let Some(cap) = Cap::new(subject, &ball, pixels) {
-            return cap.dice(subject, Ball { linear: ball.linear / swell, ..ball }, scratch, grid, sink);
+        if let Some(cap) = Cap::new(subject, &sphere, pixels) {
+            return cap.dice(subject, LatticeSphere { linear: sphere.linear / swell, ..sphere }, scratch, grid, sink);
         }
     }
     (grid.apron, grid.keep, grid.reach) = (a.displacement.is_some(), [u32::MAX; 4], reach);
-    let tiles = ball.n.div_ceil(TILE);
+    let tiles = sphere.n.div_ceil(TILE);
     for face in 0..6 {
         for tile in 0..tiles * tiles {
-            let range = |k: usize| [k * ball.n / tiles, (k + 1) * ball.n / tiles];
+            let range = |k: usize| [k * sphere.n / tiles, (k + 1) * sphere.n / tiles];
             let part = Tile { face, i: range(tile % tiles), j: range(tile / tiles) };
-            if part.may_show(subject, &ball, seen_through, sink) {
-                part.dice(subject, &ball, &mut scratch.directions, grid);
+            if part.may_show(subject, &sphere, translucent, sink) {
+                part.dice(subject, &sphere, &mut scratch.directions, grid);
                 sink.take(grid);
             }
         }
@@ -128,8 +128,8 @@ struct Tile {
 
 impl Tile {
     /// Whether it may be visible; one that faces away is not, unless it is seen from behind.
-    fn may_show(&self, subject: &Subject<'_>, ball: &Ball, seen_through: bool, sink: &mut impl Sink) -> bool {
-        let (Tile { face, i, j }, n) = (*self, ball.n as i32);
+    fn may_show(&self, subject: &Subject<'_>, sphere: &LatticeSphere, translucent: bool, sink: &mut impl Sink) -> bool {
+        let (Tile { face, i, j }, n) = (*self, sphere.n as i32);
         let at = |i: f32, j: f32| {
             let angle = |k: f32| (std::f32::consts::FRAC_PI_4 * (2.0 * k / n as f32 - 1.0)).tan();
             on_cube(face, angle(i), angle(j)).normalize()
@@ -137,11 +137,11 @@ impl Tile {
         let middle = at(0.5 * (i[0] + i[1]) as f32, 0.5 * (j[0] + j[1]) as f32);
         let corners = [(i[0], j[0]), (i[1], j[0]), (i[0], j[1]), (i[1], j[1])].map(|(i, j)| at(i as f32, j as f32));
         let spread = corners.iter().map(|c| c.dot(middle)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
-        if !seen_through {
+        if !translucent {
             // The tile faces away if no direction d in it has d · eye > 1, at no moment.
-            let lean = if ball.reach > 0.0 { LEAN } else { 0.0 };
+            let lean = if sphere.reach > 0.0 { LEAN } else { 0.0 };
             let faces_away = |instant: &Instant| {
-                let eye = eye_in_lattice(subject.camera, ball, instant);
+                let eye = eye_in_lattice(subject.camera, sphere, instant);
                 let away = middle.angle_between(eye) - spread - lean;
                 away > 0.0 && away.cos() * eye.length() < 1.0
             };
@@ -149,8 +149,8 @@ impl Tile {
                 return false;
             }
         }
-        let around = ball.center + ball.linear * middle;
-        let half = 2.0 * (0.5 * spread).sin() * ball.longest() + ball.reach;
+        let around = sphere.center + sphere.linear * middle;
+        let half = 2.0 * (0.5 * spread).sin() * sphere.longest() + sphere.reach;
         let box_at = |instant: &Instant| {
             let c = instant.to_camera.transform_point3(around);
             (c - half, c + half)
@@ -158,13 +158,13 @@ impl Tile {
         subject.may_show(sink, box_at)
     }
 
-    fn dice(&self, subject: &Subject<'_>, ball: &Ball, directions: &mut Vec<(Vec3, Vec3)>, grid: &mut Grid) {
+    fn dice(&self, subject: &Subject<'_>, sphere: &LatticeSphere, directions: &mut Vec<(Vec3, Vec3)>, grid: &mut Grid) {
         let (Tile { face, i, j }, ring) = (*self, grid.apron as i32);
-        let lines = |[lo, hi]: [usize; 2]| (lo as i32 - ring..=hi as i32 + ring).map(|k| line(k, ball.n as i32));
+        let lines = |[lo, hi]: [usize; 2]| (lo as i32 - ring..=hi as i32 + ring).map(|k| line(k, sphere.n as i32));
         let (s, t): (Vec<f32>, Vec<f32>) = (lines(i).collect(), lines(j).collect());
         directions.clear();
         directions.extend(t.iter().flat_map(|t| s.iter().map(|s| unit(on_cube(face, *s, *t)))).map(|d| (d, d)));
-        fill(subject, ball, [s.len(), t.len()], directions, grid);
+        fill(subject, sphere, [s.len(), t.len()], directions, grid);
     }
 }
 

@@ -5,7 +5,7 @@ use glam::Mat4;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
-/// What holds for a primitive.
+/// Attributes of a primitive.
 #[derive(Clone)]
 pub struct Attributes {
     /// Colour.
@@ -76,7 +76,7 @@ impl Attributes {
         self.whole_shadows || (self.opacity == [1.0; 3] && self.surface.program.keeps_opacity)
     }
 
-    /// Whether the colour of a point hangs on the points beside it.
+    /// Whether the colour of a point depends on the points beside it.
     pub fn reads_neighbours(&self) -> bool {
         let shaders = self.light_list.iter().chain(&self.atmosphere).chain([&self.surface]);
         shaders.into_iter().any(|shader| shader.program.reads_neighbours)

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 /// A camera.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    /// World to camera: x right, y up, z into the picture.
+    /// World to camera: x right, y up, z into the image.
     pub to_camera: Mat4,
     /// The same later on, by the part of the time that the shutter is open then.
     pub moves: Vec<(f32, Mat4)>,
@@ -27,7 +27,7 @@ pub struct Camera {
     pub center: Vec2,
     /// Width and height of the screen window.
     window: Vec2,
-    /// Least and greatest x/z and y/z that the picture shows, with some room for filters.
+    /// Least and greatest x/z and y/z that the image shows, with some room for filters.
     view: [Vec2; 2],
     /// Nearest depth.
     pub near: f32,
@@ -95,9 +95,9 @@ impl Camera {
         }
     }
 
-    /// The matrices from world to the spaces of the picture: `screen`, `raster` in pixels and `NDC` from 0 to 1, both from the
+    /// The matrices from world to the spaces of the image: `screen`, `raster` in pixels and `NDC` from 0 to 1, both from the
     /// upper left corner. Depth goes from 0 at the near plane to 1 at the far one (RISpec 4.1).
-    pub fn picture_spaces(&self, options: &Options) -> [(&'static str, Mat4); 3] {
+    pub fn image_spaces(&self, options: &Options) -> [(&'static str, Mat4); 3] {
         let depth = 1.0 / (1.0 - self.near / self.far);
         let screen_scale = self.scale * self.window / Vec2::new(options.width as f32, options.height as f32);
         // From camera space, before the division by what is the depth in perspective.

@@ -1,4 +1,4 @@
-//! What moves while the shutter is open: values at rising times, straight in between.
+//! Motion while the shutter is open: values at rising times, straight in between.
 //!
 //! Streams give keys in their own time; a scene has them in parts of the time that the shutter is open, 0 to 1, and everything
 //! else of the scene is as at 0: that is when surfaces are diced, shaded and cast their shadows.

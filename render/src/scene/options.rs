@@ -8,18 +8,18 @@ use crate::texture::texels;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
-/// What finds out what is seen (RISpec 4.1.8).
+/// Hider (RISpec 4.1.8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hider {
     /// All samples, lights and layers.
     Hidden,
     /// One sample in the middle of a pixel, and nothing blurred: for depth.
     Depth,
-    /// No picture is made.
+    /// No image is rendered.
     Null,
 }
 
-/// What holds for the whole picture.
+/// Options of the image.
 #[derive(Clone)]
 pub struct Options {
     /// Pixels.
@@ -52,25 +52,25 @@ pub struct Options {
     pub quantize_one: i32,
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
-    /// Where it goes.
+    /// Displays.
     pub displays: Vec<Display>,
-    /// A display was named that is not made: without another there is no picture.
-    pub passed_over: bool,
+    /// An unsupported display was named: without another, nothing is rendered.
+    pub unsupported_display: bool,
     /// Pixels along a bucket's edge.
     pub bucket_size: usize,
-    /// The part of the picture that is drawn and written: left, right, top and bottom, parts of its width and height.
+    /// Crop window, the part of the image that is rendered and written: left, right, top and bottom, parts of its width and height.
     pub crop: [f32; 4],
-    /// The share of the buckets that is drawn; all if not given.
-    pub share: Option<Shard>,
+    /// The shard that is rendered; all buckets if not given.
+    pub shard: Option<Shard>,
     /// Bytes that textures may take in memory; what finds no room is read from a file as it is needed.
     pub texture_memory: usize,
     /// Factor of all levels of detail.
     pub relative_detail: f32,
-    /// What finds out what is seen.
+    /// Hider.
     pub hider: Hider,
-    /// What is written into the files: what the picture is of.
+    /// Metadata that is written into the files, by key.
     pub about: Vec<(String, String)>,
-    /// What the filtered pixels go through.
+    /// Imager shader.
     pub imager: Option<Arc<BoundShader>>,
 }
 
@@ -93,10 +93,10 @@ impl Default for Options {
             quantize_one: 255,
             dither: 0.5,
             displays: vec![],
-            passed_over: false,
+            unsupported_display: false,
             bucket_size: 64,
             crop: [0.0, 1.0, 0.0, 1.0],
-            share: None,
+            shard: None,
             texture_memory: texels::MEMORY,
             relative_detail: 1.0,
             hider: Hider::Hidden,

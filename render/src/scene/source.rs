@@ -70,7 +70,7 @@ impl Source {
     }
 }
 
-/// The object space of a sphere: a ball's radius is no part of it, the half axes of an ellipsoid are.
+/// The object space of a sphere: the radius of a sphere is no part of it, the half axes of an ellipsoid are.
 pub(crate) fn unscaled(columns: &Instances, i: usize) -> Mat4 {
     if columns.scale.get(i).is_some_and(|s| s[0] != s[1] || s[1] != s[2]) {
         return columns.matrix(i);

@@ -13,7 +13,7 @@ use sl::machine::Answer;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// All that is drawn.
+/// The scene.
 #[derive(Default)]
 pub struct Scene {
     /// Primitives.
@@ -26,11 +26,11 @@ pub struct Scene {
     pub options: Vec<(String, Answer)>,
     /// Near and far, for shaders that ask.
     pub clipping: [f32; 2],
-    /// Pictures that shaders look up.
+    /// Images that shaders look up.
     pub textures: Textures,
     /// Lights that have an area.
     pub area_lights: Vec<AreaLight>,
-    /// What is odd about the scene, once each.
+    /// Warnings about the scene.
     pub warnings: Warnings,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
@@ -66,8 +66,8 @@ impl Scene {
             })
     }
 
-    /// The number of the first item of each source among all, from 1.
-    pub fn numbers(&self) -> Vec<usize> {
+    /// The id of the first item of each source among all, from 1.
+    pub fn first_ids(&self) -> Vec<usize> {
         let next = |next: &mut usize, source: &Source| Some(std::mem::replace(next, *next + source.len()));
         self.sources.iter().scan(1, next).collect()
     }
@@ -133,7 +133,7 @@ impl Scene {
         Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
     }
 
-    /// What shaders ask of the whole picture.
+    /// What shaders ask of the whole image.
     pub fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
         match (what, names) {
@@ -157,7 +157,7 @@ impl Scene {
         *known = known.max(bound);
     }
 
-    /// What is odd about the scene, taken out of it.
+    /// The warnings about the scene, which are removed.
     pub fn take_warnings(&self) -> Vec<String> {
         let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
         needed.sort_by(|a, b| a.0.cmp(&b.0));
@@ -170,7 +170,7 @@ impl Scene {
         self.warnings.take()
     }
 
-    /// Warn of something odd, once.
+    /// Add a warning, once.
     pub fn warn(&self, message: String) {
         self.warnings.add(message);
     }

@@ -4,7 +4,7 @@
 use crate::cpu::blur::quad::{At, Quad};
 use crate::cpu::lanes::{LANES, Lanes};
 use crate::cpu::micropolygon::Micropolygon;
-use crate::cpu::samples::{EDGE, LensSamples, Look, Samples, Tally};
+use crate::cpu::samples::{EDGE, LensSamples, SampledGrid, Samples, Tally};
 
 impl Samples {
     /// Sample a micropolygon between two times; `strata` are the bounds of time and lens.
@@ -17,7 +17,7 @@ impl Samples {
         strata: &[[[f32; 2]; 3]],
         samples: &LensSamples,
         point: usize,
-        look: &Look,
+        grid: &SampledGrid,
         tally: &mut Tally,
     ) {
         for (stratum, bounds) in strata.iter().enumerate() {
@@ -60,8 +60,8 @@ impl Samples {
                         let (w, z) = quad.at(second, [parts[0][l], parts[1][l], parts[2][l]], times[l]);
                         if z < self.z[sample] {
                             tally.hit = true;
-                            let micropolygon = Micropolygon::new(look.grid, point, second);
-                            self.keep(sample, z, micropolygon, [w[1], w[2]], look);
+                            let micropolygon = Micropolygon::new(grid.index, point, second);
+                            self.record(sample, z, micropolygon, [w[1], w[2]], grid);
                             self.mark(px + l, px + l, py, py);
                         }
                     }

@@ -160,7 +160,7 @@ impl<L: Lanes> Met<L> {
     #[inline(always)]
     pub fn within(&self, at: &At<L>, [xs, ys]: [[f32; 2]; 2], [from, until]: [f32; 2]) -> L {
         let in_box = at.x.between(xs[0], xs[1]).and(at.y.between(ys[0], ys[1]));
-        let in_time = at.t.not_below(L::splat(from)).and(at.t.below(L::splat(until)));
+        let in_time = at.t.ge(L::splat(from)).and(at.t.lt(L::splat(until)));
         self.in_first.or(self.in_second).and(in_box).and(in_time)
     }
 }
@@ -180,8 +180,8 @@ fn cross<L: Lanes>(p: [L; 2], q: [L; 2]) -> L {
 #[inline(always)]
 fn inside<L: Lanes>(parts: [L; 3], slack: L) -> L {
     let area = parts[0] + parts[1] + parts[2];
-    let (p, q, r) = (parts[0].turned(area), parts[1].turned(area), parts[2].turned(area));
-    p.not_below(slack).and(q.not_below(slack)).and(r.not_below(slack)).and(area.differs(L::splat(0.0)))
+    let (p, q, r) = (parts[0].xor_sign(area), parts[1].xor_sign(area), parts[2].xor_sign(area));
+    p.ge(slack).and(q.ge(slack)).and(r.ge(slack)).and(area.ne(L::splat(0.0)))
 }
 
 impl Samples {

@@ -4,7 +4,7 @@ use crate::cpu::micropolygon::Micropolygon;
 use crate::cpu::samples::{NONE, Samples, within};
 use glam::Vec3A;
 
-/// What a triangle of a micropolygon looks like.
+/// A shaded triangle of a micropolygon.
 #[derive(Clone, Copy, Default)]
 pub struct Triangle {
     /// Colours of its corners, by their opacity already.
@@ -38,11 +38,11 @@ impl Triangle {
 }
 
 impl Samples {
-    /// Visit what is seen and has no colour yet.
-    pub fn for_each_seen(&self, mut visit: impl FnMut(Micropolygon)) {
+    /// Visit the micropolygons that are visible and have no colour yet.
+    pub fn for_each_visible(&self, mut visit: impl FnMut(Micropolygon)) {
         let n = self.list.len();
-        let seen = self.seen.iter().map(|m| Micropolygon::of_number(*m));
-        seen.filter(|m| *m != Micropolygon::NONE).for_each(&mut visit);
+        let ids = self.visible.iter().map(|m| Micropolygon::from_id(*m));
+        ids.filter(|m| *m != Micropolygon::NONE).for_each(&mut visit);
         if self.layers.is_empty() {
             return;
         }
@@ -58,19 +58,19 @@ impl Samples {
         }
     }
 
-    /// Give what is seen its colours; `look` says what a triangle looks like, `outputs` has what displays take besides of all
+    /// Give visible points their colours; `triangle_of` has the colours of a triangle, `outputs` has what displays take besides of all
     /// points.
-    pub fn paint(&mut self, look: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+    pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
         let mut last = Micropolygon::NONE;
         let mut triangle = Triangle::default();
         for k in 0..self.list.len() {
-            let seen = Micropolygon::of_number(std::mem::replace(&mut self.seen[k], Micropolygon::NONE.number()));
-            if seen == Micropolygon::NONE {
+            let id = Micropolygon::from_id(std::mem::replace(&mut self.visible[k], Micropolygon::NONE.id()));
+            if id == Micropolygon::NONE {
                 continue;
             }
             // Neighbouring samples often see the same micropolygon.
-            if seen != last {
-                (last, triangle) = (seen, look(seen));
+            if id != last {
+                (last, triangle) = (id, triangle_of(id));
             }
             if triangle.matte {
                 (self.color[k], self.alpha[k]) = ([0.0; 3], 0.0);
@@ -85,21 +85,21 @@ impl Samples {
             }
         }
         if !self.layers.is_empty() {
-            self.paint_layers(look, outputs);
+            self.set_layer_colors(triangle_of, outputs);
         }
     }
 
     /// The same of layers that others may be seen through.
-    fn paint_layers(&mut self, look: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+    fn set_layer_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
         self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
         for k in 0..self.list.len() {
             let mut at = self.list[k];
             while at != NONE {
                 let own = &mut self.layer_outputs[at as usize * self.depth..][..self.depth];
                 let layer = &mut self.layers[at as usize];
-                let seen = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
-                if seen != Micropolygon::NONE && layer.z < self.z[k] {
-                    let triangle = look(seen);
+                let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
+                if id != Micropolygon::NONE && layer.z < self.z[k] {
+                    let triangle = triangle_of(id);
                     let w = triangle.weights(layer.weights);
                     let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
                     (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));

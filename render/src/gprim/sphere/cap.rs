@@ -1,7 +1,7 @@
 //! The half of a sphere that the eye sees, diced evenly as the eye sees it.
 
 use crate::gprim::grid::{Grid, Sink, Subject};
-use crate::gprim::sphere::lattice::{Ball, TILE, eye_in_lattice, fill};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill};
 use crate::scene::motion::Instant;
 use glam::Vec3;
 
@@ -32,18 +32,18 @@ const ROUND: f32 = 0.5;
 
 impl Cap {
     /// Of a sphere of so many micropolygons' radius; none where the eye is too near or moves too far.
-    pub fn new(subject: &Subject<'_>, ball: &Ball, radius: f32) -> Option<Cap> {
+    pub fn new(subject: &Subject<'_>, sphere: &LatticeSphere, radius: f32) -> Option<Cap> {
         let Subject { camera, instants, .. } = *subject;
-        let eye = eye_in_lattice(camera, ball, &instants[0]);
+        let eye = eye_in_lattice(camera, sphere, &instants[0]);
         let distance = if camera.perspective { eye.length() } else { f32::INFINITY };
         let to_eye = eye.normalize_or_zero();
-        let up = ball.to_lattice * camera.to_world.y_axis.truncate();
+        let up = sphere.to_lattice * camera.to_world.y_axis.truncate();
         let across = up.cross(to_eye).normalize_or_zero();
         // Angles between eyes are seen from the middle; from the surface they may be greater.
-        let turn = |i: &Instant| to_eye.angle_between(eye_in_lattice(camera, ball, i));
+        let turn = |i: &Instant| to_eye.angle_between(eye_in_lattice(camera, sphere, i));
         let mut round = instants[1..].iter().map(turn).fold(0.0, f32::max);
         if let Some(lens) = camera.lens_radius() {
-            round += lens / (ball.longest() * distance);
+            round += lens / (sphere.longest() * distance);
         }
         round *= 1.5;
         if !(distance > 1.05 && round < ROUND) || across == Vec3::ZERO || !across.is_finite() {
@@ -73,7 +73,7 @@ impl Cap {
     pub fn dice(
         &self,
         subject: &Subject<'_>,
-        mut ball: Ball,
+        mut sphere: LatticeSphere,
         scratch: &mut Scratch,
         grid: &mut Grid,
         sink: &mut impl Sink,
@@ -82,14 +82,14 @@ impl Cap {
         let half = self.rings.len() - 1;
         // The outline has eight sides a ring.
         let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;
-        ball.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
+        sphere.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
         let tiles = (2 * half).div_ceil(TILE);
         let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
         for tile in 0..tiles * tiles {
             let (i, j) = (range(tile % tiles), range(tile / tiles));
             let (middle, spread) = self.around(&mut scratch.disk, i, j);
-            let around = ball.center + ball.linear * middle;
-            let reach = 2.0 * (0.5 * spread).sin() * ball.longest();
+            let around = sphere.center + sphere.linear * middle;
+            let reach = 2.0 * (0.5 * spread).sin() * sphere.longest();
             let box_at = |instant: &Instant| {
                 let c = instant.to_camera.transform_point3(around);
                 (c - reach, c + reach)
@@ -97,7 +97,7 @@ impl Cap {
             if tiles > 1 && !subject.may_show(sink, box_at) {
                 continue;
             }
-            self.dice_tile(subject, &ball, i, j, scratch, grid);
+            self.dice_tile(subject, &sphere, i, j, scratch, grid);
             sink.take(grid);
         }
     }
@@ -123,7 +123,7 @@ impl Cap {
     fn dice_tile(
         &self,
         subject: &Subject<'_>,
-        ball: &Ball,
+        sphere: &LatticeSphere,
         i: [usize; 2],
         j: [usize; 2],
         scratch: &mut Scratch,
@@ -145,7 +145,7 @@ impl Cap {
                 directions.push((on(self.rings[ring]), on(normal)));
             }
         }
-        fill(subject, ball, size, directions, grid);
+        fill(subject, sphere, size, directions, grid);
     }
 }
 

@@ -10,7 +10,7 @@ use glam::{Mat3, Vec3};
 pub const TILE: usize = 11;
 
 /// A sphere being drawn, in the space of its lattice.
-pub struct Ball {
+pub struct LatticeSphere {
     /// The middle, world.
     pub center: Vec3,
     /// Lattice directions to world, the radius in it.
@@ -29,7 +29,7 @@ pub struct Ball {
     pub n: usize,
 }
 
-impl Ball {
+impl LatticeSphere {
     /// Its longest half axis, world.
     pub fn longest(&self) -> f32 {
         let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis].map(Vec3::length);
@@ -38,17 +38,23 @@ impl Ball {
 }
 
 /// The eye in lattice space as seen from the sphere at a moment, or a point far away towards it.
-pub fn eye_in_lattice(camera: &Camera, ball: &Ball, instant: &Instant) -> Vec3 {
-    let to = if camera.perspective { instant.eye - ball.center } else { instant.eye * -1e6 };
-    ball.to_lattice * to
+pub fn eye_in_lattice(camera: &Camera, sphere: &LatticeSphere, instant: &Instant) -> Vec3 {
+    let to = if camera.perspective { instant.eye - sphere.center } else { instant.eye * -1e6 };
+    sphere.to_lattice * to
 }
 
 /// Make the grid of the points of a sphere in some directions, with the normals of others, in rows.
-pub fn fill(subject: &Subject<'_>, ball: &Ball, [nu, nv]: [usize; 2], directions: &[(Vec3, Vec3)], grid: &mut Grid) {
+pub fn fill(
+    subject: &Subject<'_>,
+    sphere: &LatticeSphere,
+    [nu, nv]: [usize; 2],
+    directions: &[(Vec3, Vec3)],
+    grid: &mut Grid,
+) {
     let view = subject.view;
     let points = &mut grid.points;
     (points.nu, points.nv) = (nu, nv);
-    points.orientation = if view.attributes.reversed { -ball.orientation } else { ball.orientation };
+    points.orientation = if view.attributes.reversed { -sphere.orientation } else { sphere.orientation };
     let n = points.n();
     let mut p = std::mem::take(points.refill("P"));
     let mut normal = std::mem::take(points.refill("N"));
@@ -56,7 +62,7 @@ pub fn fill(subject: &Subject<'_>, ball: &Ball, [nu, nv]: [usize; 2], directions
     normal.resize(3 * n, 0.0);
     let outward = if view.attributes.reversed { -1.0 } else { 1.0 };
     for (k, (d, m)) in directions.iter().enumerate() {
-        let (q, m) = (ball.center + ball.linear * *d, ball.normals * *m * outward);
+        let (q, m) = (sphere.center + sphere.linear * *d, sphere.normals * *m * outward);
         (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
         (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
     }
@@ -67,7 +73,7 @@ pub fn fill(subject: &Subject<'_>, ball: &Ball, [nu, nv]: [usize; 2], directions
     grid.uniform.clear();
     grid.varying.clear();
     if subject.needs_parameters() {
-        let of = |(d, _): &(Vec3, Vec3)| sphere_uv(ball.to_object * *d);
+        let of = |(d, _): &(Vec3, Vec3)| sphere_uv(sphere.to_object * *d);
         for (axis, names) in [["u", "s"], ["v", "t"]].into_iter().enumerate() {
             for name in names {
                 points.refill(name).extend(directions.iter().map(|d| of(d)[axis]));
