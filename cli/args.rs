@@ -2,7 +2,7 @@
 
 use crate::render::Telling;
 use clap::{Parser, Subcommand, ValueEnum};
-use render::bucket::Share;
+use render::film::bucket::Shard;
 use std::path::PathBuf;
 
 /// Simulate granular material and vehicles, and turn the runs into pictures and movies.
@@ -167,8 +167,8 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// `2/8`: the second of eight shares.
-fn share(text: &str) -> Result<Share, String> {
-    let parsed = text.split_once('/').and_then(|(i, n)| Some(Share { part: i.parse().ok()?, parts: n.parse().ok()? }));
+fn share(text: &str) -> Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(i, n)| Some(Shard { part: i.parse().ok()?, parts: n.parse().ok()? }));
     parsed
         .filter(|s| (1..=s.parts).contains(&s.part) && s.parts <= 100_000)
         .ok_or_else(|| format!("`{text}` is not a share: expected 2/8, from 1/8 to 8/8"))
@@ -194,7 +194,7 @@ pub struct RenderArgs {
     pub pictures: PictureArgs,
     /// Draw one share of each picture's buckets to a part file, such as 2/8, for `scree stitch` to join.
     #[arg(long, value_name = "I/N", value_parser = share)]
-    pub bucket: Option<Share>,
+    pub bucket: Option<Shard>,
     /// Say what every picture took.
     #[arg(short, long)]
     pub verbose: bool,

@@ -119,9 +119,10 @@ fn bench_render(bed: &Bed, image: Option<&PathBuf>) -> Outcome<serde_json::Value
     let fault = |f: Fail| Failure::new(Exit::Fault, f.message);
     let mut context = Context::new(library::files(Path::new("."))).map_err(fault)?;
     draw_bed(&mut context, bed).map_err(fault)?;
-    let finished = context.finished.pop().ok_or_else(|| Failure::new(Exit::Fault, "no picture was made"))?;
+    let finished = context.results.pop().ok_or_else(|| Failure::new(Exit::Fault, "no picture was made"))?;
     let displays: Vec<_> = finished.options.displays.iter().collect();
-    let bytes = finished.image.encode(&displays, &finished.options).map_err(|m| Failure::new(Exit::Fault, m))?;
+    let bytes =
+        finished.image.encode(&displays, &finished.options.encoding()).map_err(|m| Failure::new(Exit::Fault, m))?;
     if let Some(path) = image {
         frame::atomic::write(path, &bytes)?;
     }

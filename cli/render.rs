@@ -8,10 +8,10 @@ use crate::report::{Exit, Failure, Outcome, peak_bytes};
 use crate::{source, stitch};
 use bind::emit;
 use frame::FaultKind;
-use render::bucket::Share;
-use render::output;
+use render::film::bucket::Shard;
+use render::film::display;
 use render::ri::reader;
-use render::{Context, Finished};
+use render::{Context, RenderResult};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ pub fn is_scene(input: &Path) -> bool {
 }
 
 /// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
-pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, telling: Telling) -> Outcome {
+pub fn pictures_of(pictures: &Pictures, share: Option<Shard>, missing: bool, telling: Telling) -> Outcome {
     let size = pictures.checked.output.resolution;
     let there =
         |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
@@ -54,11 +54,11 @@ pub fn pictures_of(pictures: &Pictures, share: Option<Share>, missing: bool, tel
 }
 
 /// Draw a frame and write its picture.
-fn picture(pictures: &Pictures, number: u64, share: Option<Share>) -> Outcome<Finished> {
+fn picture(pictures: &Pictures, number: u64, share: Option<Shard>) -> Outcome<RenderResult> {
     let table = pictures.source.read(number)?;
     pictures.checked.check_columns(&table)?;
     let mut context = context(&pictures.files)?;
-    context.share = share;
+    context.shard = share;
     context.about = vec![("frame".into(), number.to_string()), ("time".into(), table.time.to_string())];
     context.about.extend(pictures.source.run_hash().map(|hash| ("run".into(), hash.into())));
     let image = pictures.image(number);
@@ -83,7 +83,7 @@ fn scene(args: &RenderArgs) -> Outcome {
     let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
     let mut context = context(&files)?;
-    context.share = args.bucket;
+    context.shard = args.bucket;
     let progress = std::sync::Arc::new(Progress::start("rendering", 100));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
@@ -106,7 +106,7 @@ fn scene(args: &RenderArgs) -> Outcome {
     }
     for f in &finished {
         let mut first = None;
-        for (name, _) in output::files(&f.options.displays) {
+        for (name, _) in display::files(&f.options.displays) {
             let picture = folder.join(name);
             let written = args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share));
             println!("{}", written.display());
@@ -120,8 +120,8 @@ fn scene(args: &RenderArgs) -> Outcome {
 }
 
 /// Write every finished picture to its displays, and say what was odd.
-fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
-    let mut finished = std::mem::take(&mut context.finished);
+fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
+    let mut finished = std::mem::take(&mut context.results);
     for warning in context.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -129,16 +129,16 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
         for warning in &f.warnings {
             eprintln!("warning: {warning}");
         }
-        if f.options.displays.is_empty() && !f.options.passed_over {
+        if f.options.displays.is_empty() && !f.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
             f.options.displays.push(render::Display { name, kind, mode, half: false });
         }
-        for (name, displays) in output::files(&f.options.displays) {
-            if let Some(share) = f.options.share {
+        for (name, displays) in display::files(&f.options.displays) {
+            if let Some(share) = f.options.shard {
                 stitch::write_part(f, &displays, &folder.join(name), share)?;
                 continue;
             }
-            let bytes = f.image.encode(&displays, &f.options);
+            let bytes = f.image.encode(&displays, &f.options.encoding());
             let bytes = bytes.map_err(|m| Failure::new(Exit::Input, format!("{name}: {m}")))?;
             frame::atomic::write(&folder.join(name), &bytes)?;
         }
@@ -150,12 +150,12 @@ fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<Finished>> {
 pub fn is_picture(path: &Path, [w, h]: [u32; 2]) -> bool {
     match path.extension().and_then(|e| e.to_str()) {
         Some("png") => crate::movie::read_png(path).is_ok_and(|p| (p.width, p.height) == (w, h)),
-        _ => render::image::decode_size(path).is_some_and(|size| size == (w, h)),
+        _ => render::film::image::decode_size(path).is_some_and(|size| size == (w, h)),
     }
 }
 
 /// Say what a picture took, as far as that is wanted: to the user, and as a file beside the picture.
-fn tell(f: &Finished, number: u64, picture: &Path, telling: Telling) -> Outcome {
+fn tell(f: &RenderResult, number: u64, picture: &Path, telling: Telling) -> Outcome {
     let s = &f.stats;
     if telling.aloud {
         let t = &s.seconds;

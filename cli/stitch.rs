@@ -8,10 +8,10 @@
 use crate::args::StitchArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
-use render::bucket::{Share, tiles};
-use render::image::Image;
-use render::output;
-use render::{Display, Finished, Options};
+use render::film::bucket::{Shard, buckets};
+use render::film::display;
+use render::film::image::Image;
+use render::{Display, Options, RenderResult};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -41,18 +41,18 @@ struct Head {
 }
 
 /// The part file of a picture.
-pub fn part_of(picture: &Path, share: Share) -> PathBuf {
+pub fn part_of(picture: &Path, share: Shard) -> PathBuf {
     let name = picture.file_name().unwrap_or_default().to_string_lossy();
     picture.with_file_name(format!("{name}.part-{}-of-{}", share.part, share.parts))
 }
 
 /// Write a share of a picture as its part file.
-pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, share: Share) -> Outcome {
+pub fn write_part(finished: &RenderResult, displays: &[&Display], picture: &Path, share: Shard) -> Outcome {
     let (image, options) = (&finished.image, &finished.options);
     let displays: Vec<Display> = displays.iter().map(|d| (*d).clone()).collect();
-    let own = output::aovs(&displays);
+    let own = display::aovs(&displays);
     let mut pixels = Vec::new();
-    for tile in tiles(image.width, image.height, options.bucket_size, Some(share)) {
+    for tile in buckets(image.width, image.height, options.bucket_size, Some(share)) {
         for y in tile.y..tile.y + tile.height {
             for at in (0..tile.width).map(|x| y * image.width + tile.x + x) {
                 let extra = own.iter().flat_map(|aov| image.values(at, aov));
@@ -82,7 +82,7 @@ pub fn write_part(finished: &Finished, displays: &[&Display], picture: &Path, sh
 }
 
 /// Whether the part of a picture is there and whole.
-pub fn is_part(picture: &Path, share: Share, [width, height]: [u32; 2]) -> bool {
+pub fn is_part(picture: &Path, share: Shard, [width, height]: [u32; 2]) -> bool {
     read(&part_of(picture, share)).is_ok_and(|(head, _)| (head.width, head.height) == (width as usize, height as usize))
 }
 
@@ -103,9 +103,9 @@ fn read(path: &Path) -> Result<(Head, Vec<u8>), Fault> {
     if blake3::hash(&pixels).to_hex().as_str() != head.hash {
         return Err(fault("is torn: its pixels are not those that were written"));
     }
-    let share = Share { part: head.part, parts: head.parts };
-    let count: usize = tiles(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
-    let numbers = 4 + output::depth(&output::aovs(&head.displays));
+    let share = Shard { part: head.part, parts: head.parts };
+    let count: usize = buckets(head.width, head.height, head.bucket, Some(share)).map(|t| t.width * t.height).sum();
+    let numbers = 4 + display::depth(&display::aovs(&head.displays));
     if pixels.len() != 4 * numbers * count {
         return Err(fault("has not as many pixels as its share"));
     }
@@ -152,13 +152,13 @@ pub fn command(args: &StitchArgs) -> Outcome {
 
 /// Join the parts of a picture, write it, and remove them.
 fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
-    let path = |part: usize| part_of(picture, Share { part, parts });
+    let path = |part: usize| part_of(picture, Shard { part, parts });
     let mut first: Option<Head> = None;
     let mut image = Image::new(0, 0, vec![]);
     for part in 1..=parts {
         let (head, pixels) = read(&path(part))?;
         let first = first.get_or_insert_with(|| {
-            image = Image::new(head.width, head.height, output::aovs(&head.displays));
+            image = Image::new(head.width, head.height, display::aovs(&head.displays));
             head.clone()
         });
         if (Head { part, hash: head.hash.clone(), ..first.clone() }) != head {
@@ -166,7 +166,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
             return Err(Fault::whole(FaultKind::Data, &path(part), message).hint("render all parts alike").into());
         }
         let mut numbers = pixels.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")));
-        for tile in tiles(head.width, head.height, head.bucket, Some(Share { part, parts })) {
+        for tile in buckets(head.width, head.height, head.bucket, Some(Shard { part, parts })) {
             for y in tile.y..tile.y + tile.height {
                 let (depth, from) = (image.depth(), y * head.width + tile.x);
                 for at in from..from + tile.width {
@@ -187,7 +187,7 @@ fn join(picture: &Path, parts: usize, keep: bool) -> Outcome {
         pixel_aspect: head.pixel_aspect,
         ..Options::default()
     };
-    let bytes = image.encode(&head.displays.iter().collect::<Vec<_>>(), &options);
+    let bytes = image.encode(&head.displays.iter().collect::<Vec<_>>(), &options.encoding());
     frame::atomic::write(picture, &bytes.map_err(|m| Failure::new(Exit::Fault, m))?)?;
     if !keep {
         for part in 1..=parts {

@@ -1,42 +1,35 @@
 //! The REYES renderer: bound, split, dice, displace, shade, sample, filter, display.
 //!
-//! [`Context`] takes the calls of the RenderMan Interface and keeps a [`scene::Scene`]; at `WorldEnd` the picture is made,
-//! [`bucket`] by bucket: what overlaps the bucket is taken front to back, culled if hidden, split and diced to grids of
-//! micropolygons about a pixel across (`sphere`, `patch`), displaced and shaded a grid at a time (`shade`), and sampled
-//! (`sample`); then the samples are filtered ([`filter`]). A bucket depends on no other, so that any number of threads and
-//! any order give the same bits. Spaces: shading happens in world space, which is what shaders call "current".
+//! [`Context`] takes the calls of the RenderMan Interface and keeps a scene; at `WorldEnd` the image is rendered, bucket by bucket:
+//! what overlaps the bucket is taken front to back, culled if hidden, split and diced to grids of micropolygons about a pixel
+//! across, displaced, sampled and shaded where samples see it; then the samples are filtered. A bucket depends on no other, so that
+//! any number of threads and any order give the same bits. Shading happens in world space, which is what shaders call "current".
+//!
+//! | room | what it is | uses |
+//! |---|---|---|
+//! | `context` | the calls of the interface → the scene; `WorldEnd` → render results | all below |
+//! | `cpu` | the back end on the processor: buckets, sampling, visible points, shading, rays | `gprim`, `scene`, `film` |
+//! | `gprim` | geometric primitives: made from parameters, bounded, split, diced to grids for a `Sink` | `scene` |
+//! | `scene` | shapes, sources, attributes, options, camera, motion, area lights | `texture`, `film` |
+//! | `texture` | maps, their levels and tiles | – |
+//! | [`film`] | sample places, filters, buckets and shards, displays, image files | – |
+//!
+//! `stats` and `warnings` are beside them. A room uses only rooms below it, and no file uses one that uses it: paths are written
+//! out, `crate::room::file`. Another back end stands beside `cpu` and uses what `cpu` uses.
 
-mod area;
-mod blobby;
-mod blur;
-pub mod bucket;
-mod bvh;
-mod camera;
 mod context;
-pub mod filter;
+mod cpu;
+pub mod film;
 mod gprim;
-pub mod image;
-mod imager;
-mod jitter;
-mod lanes;
-mod motion;
-mod options;
-pub mod output;
-mod patch;
-mod sample;
-pub mod scene;
-mod seen;
-mod shade;
-mod sphere;
-mod still;
-mod subdivision;
-mod surfaces;
+mod scene;
+mod stats;
 mod texture;
-mod trim;
-mod view;
+mod warnings;
 
 pub use {ri, sl};
 
-pub use context::{Context, Finished};
-pub use options::Options;
-pub use output::Display;
+pub use context::result::RenderResult;
+pub use context::state::Context;
+pub use film::display::Display;
+pub use scene::options::Options;
+pub use stats::{Seconds, Stats};

@@ -1,8 +1,8 @@
-//! Textures: pictures as mip-maps, looked up with a filter as wide as a micropolygon.
+//! Textures: images as mip-maps, looked up with a filter as wide as a micropolygon.
 
 pub mod texels;
 
-use crate::scene::Scene;
+use crate::warnings::Warnings;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use texels::{Cache, Levels, Texels, decoded};
 
-/// A picture and its reductions by halves; four channels.
+/// An image and its reductions by halves; four channels.
 pub struct Texture {
     levels: Levels,
     /// What lies beyond its edges: `black`, `clamp` or `periodic`, along s and t.
@@ -24,7 +24,7 @@ pub enum Wrap {
     Black,
     /// The edge's own values.
     Clamp,
-    /// The picture again.
+    /// The image again.
     Periodic,
 }
 
@@ -42,8 +42,8 @@ impl Wrap {
 /// What `MakeTexture` and its kin make a texture of.
 #[derive(Clone)]
 pub enum Source {
-    /// One picture.
-    Picture(PathBuf, [Wrap; 2]),
+    /// One image.
+    Image(PathBuf, [Wrap; 2]),
     /// Views along +x, −x, +y, −y, +z, −z, and their angle, degrees.
     CubeFaces([PathBuf; 6], f32),
 }
@@ -53,7 +53,7 @@ pub type Made = HashMap<String, Source>;
 
 /// A texture as it is looked up.
 enum Map {
-    Picture(Texture),
+    Image(Texture),
     /// Six faces, and the tangent of half their angle.
     Cube(Box<[Texture; 6]>, f32),
 }
@@ -75,7 +75,7 @@ impl Map {
     /// Bytes that it takes in memory.
     fn bytes(&self) -> usize {
         match self {
-            Map::Picture(texture) => texture.levels.bytes(),
+            Map::Image(texture) => texture.levels.bytes(),
             Map::Cube(faces, _) => faces.iter().map(|f| f.levels.bytes()).sum(),
         }
     }
@@ -91,7 +91,7 @@ impl Textures {
     }
 
     /// A texture by its name; the first failure is a warning.
-    fn get(&self, name: &str, scene: &Scene) -> Option<Arc<Map>> {
+    fn get(&self, name: &str, warnings: &Warnings) -> Option<Arc<Map>> {
         let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
         if let Some(known) = loaded.get(name) {
             return known.clone();
@@ -106,16 +106,16 @@ impl Textures {
             Ok(texture)
         };
         let map: Result<Map, String> = match self.made.get(name) {
-            Some(Source::Picture(path, wrap)) => read(path, *wrap).map(Map::Picture),
+            Some(Source::Image(path, wrap)) => read(path, *wrap).map(Map::Image),
             Some(Source::CubeFaces(paths, fov)) => {
                 let faces: Result<Vec<_>, _> = paths.iter().map(|p| read(p, [Wrap::Clamp; 2])).collect();
                 let tangent = (0.5 * fov.to_radians()).tan();
                 faces.map(|f| Map::Cube(Box::new(f.try_into().unwrap_or_else(|_| unreachable!("six"))), tangent))
             }
-            None => read(&PathBuf::from(name), [Wrap::Black; 2]).map(Map::Picture),
+            None => read(&PathBuf::from(name), [Wrap::Black; 2]).map(Map::Image),
         };
         if let Err(message) = &map {
-            scene.warn(format!("texture `{name}` cannot be read and is black: {message}"));
+            warnings.add(format!("texture `{name}` cannot be read and is black: {message}"));
         }
         let map = map.ok().map(Arc::new);
         loaded.insert(name.into(), map.clone());
@@ -123,10 +123,10 @@ impl Textures {
     }
 
     /// Size of a texture, or of a face of it, if it can be read.
-    pub fn resolution(&self, name: &str, scene: &Scene) -> Option<[f32; 2]> {
-        let map = self.get(name, scene)?;
+    pub fn resolution(&self, name: &str, warnings: &Warnings) -> Option<[f32; 2]> {
+        let map = self.get(name, warnings)?;
         let first = match &*map {
-            Map::Picture(picture) => picture,
+            Map::Image(image) => image,
             Map::Cube(faces, _) => &faces[0],
         };
         let (w, h) = first.levels.size(0);
@@ -134,12 +134,12 @@ impl Textures {
     }
 
     /// Four channels of a map at a place.
-    pub fn look_up(&self, q: &MapQuery, scene: &Scene) -> [f32; 4] {
+    pub fn look_up(&self, q: &MapQuery, warnings: &Warnings) -> [f32; 4] {
         // Shaders whose map is optional ask for none.
         if q.name.is_empty() {
             return [0.0; 4];
         }
-        let Some(map) = self.get(q.name, scene) else { return [0.0; 4] };
+        let Some(map) = self.get(q.name, warnings) else { return [0.0; 4] };
         let (texture, at, change) = match (&*map, q.how) {
             (Map::Cube(faces, tangent), _) => {
                 let (face, here) = cube_place(q.at, *tangent);
@@ -149,7 +149,7 @@ impl Textures {
                 });
                 (&faces[face], here, change)
             }
-            (Map::Picture(texture), Lookup::Environment) => {
+            (Map::Image(texture), Lookup::Environment) => {
                 // A map of longitude and latitude: z is up.
                 let place = |d: [f32; 3]| {
                     let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt().max(1e-20);
@@ -164,7 +164,7 @@ impl Textures {
                 });
                 (texture, here, change)
             }
-            (Map::Picture(texture), _) => (texture, [q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
+            (Map::Image(texture), _) => (texture, [q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
         };
         let spread = |axis: usize| {
             let d = change[0][axis].abs().max(change[1][axis].abs());
@@ -186,7 +186,7 @@ fn cube_place(d: [f32; 3], tangent: f32) -> (usize, [f32; 2]) {
     (face, on_face(face, d, tangent))
 }
 
-/// Where a direction meets the picture of a face: each is seen from within, y up on the four sides, in the left-handed space of
+/// Where a direction meets the image of a face: each is seen from within, y up on the four sides, in the left-handed space of
 /// the interface; the face above has +z below, the one beneath has +z on top.
 fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
     let (right, up, ahead) = match face {
@@ -202,7 +202,7 @@ fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
 }
 
 impl Texture {
-    /// Read a picture.
+    /// Read an image.
     fn read(path: &std::path::Path, wrap: [Wrap; 2], room: usize, cache: &Arc<Cache>) -> Result<Texture, String> {
         let mut reader = image::ImageReader::open(path)
             .map_err(|e| e.to_string())?
@@ -211,27 +211,27 @@ impl Texture {
         let mut limits = image::Limits::default();
         limits.max_alloc = Some(4 << 30);
         reader.limits(limits);
-        let picture = reader.decode().map_err(|e| e.to_string())?;
-        let (w, h) = (picture.width() as usize, picture.height() as usize);
+        let image = reader.decode().map_err(|e| e.to_string())?;
+        let (w, h) = (image.width() as usize, image.height() as usize);
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
-        let linear = matches!(picture, ImageRgb32F(_) | ImageRgba32F(_));
-        let texels = match picture {
+        let linear = matches!(image, ImageRgb32F(_) | ImageRgba32F(_));
+        let texels = match image {
             ImageLuma8(_) | ImageLumaA8(_) | ImageRgb8(_) | ImageRgba8(_) => {
-                Texels::Bytes(picture.into_rgba8().pixels().map(|p| p.0).collect())
+                Texels::Bytes(image.into_rgba8().pixels().map(|p| p.0).collect())
             }
             _ => {
                 let own = |[r, g, b, a]: [f32; 4]| {
-                    // Pictures of whole numbers are encoded for screens.
+                    // Images of whole numbers are encoded for screens.
                     if linear { [r, g, b, a] } else { [decoded(r), decoded(g), decoded(b), a] }
                 };
-                Texels::Floats(picture.into_rgba32f().pixels().map(|p| own(p.0)).collect())
+                Texels::Floats(image.into_rgba32f().pixels().map(|p| own(p.0)).collect())
             }
         };
         let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
         Ok(Texture { levels, wrap })
     }
 
-    /// The mean about a place over a width, parts of the picture: between two levels, bilinear in each; a few along the longer side.
+    /// The mean about a place over a width, parts of the image: between two levels, bilinear in each; a few along the longer side.
     fn filtered(&self, at: [f32; 2], width: [f32; 2]) -> [f32; 4] {
         let (w, h) = self.levels.size(0);
         let (w, h) = (w as f32, h as f32);

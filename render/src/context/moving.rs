@@ -1,35 +1,14 @@
-//! Motion blocks: what their calls are kept as until `MotionEnd`, and what comes of them then (RISpec 6.3).
+//! Motion blocks: what their calls come to at `MotionEnd` (RISpec 6.3).
 
-use super::Context;
-use crate::motion;
-use crate::scene::{Patch, Shape, SourceShape};
+use crate::context::motion_block::{MotionBlock, Moving};
+use crate::context::state::Context;
+use crate::scene::motion;
+use crate::scene::patch::Patch;
 use glam::Mat4;
 use ri::{Fail, Instances, RiResult};
 
-/// A transformation at rising times.
-pub(super) type Keys = Vec<(f32, Mat4)>;
-
-/// A transformation as the shutter opens, and its keys if it moves.
-pub(super) type Place = (Mat4, Keys);
-
-/// An open `MotionBegin`: its times, and what its calls were.
-pub(super) struct MotionBlock {
-    pub(super) times: Vec<f32>,
-    pub(super) calls: Vec<Moving>,
-}
-
 /// What is said where a block's primitives cannot be matched.
 const CUT_DIFFERENTLY: &str = "the primitives of a motion block are cut differently: the first alone is drawn";
-
-/// A call within a motion block.
-pub(super) enum Moving {
-    /// A transformation after the current one.
-    Concat(Mat4),
-    /// One in its place.
-    Set(Mat4),
-    Patches(Vec<Patch>),
-    Spheres(Instances, Vec<(String, Vec<f32>)>),
-}
 
 impl Context {
     /// The end of a motion block.
@@ -68,19 +47,6 @@ impl Context {
             spheres.truncate(1);
         }
         if first_is_spheres { self.moving_spheres(&times, spheres) } else { self.moving_patches(&times, patches) }
-    }
-
-    /// Another transformation in place of the current one.
-    pub(super) fn set_transform(&mut self, m: Mat4) -> RiResult {
-        match &mut self.motion {
-            Some(block) => block.calls.push(Moving::Set(m)),
-            None => (self.transform, self.moves) = (m, vec![]),
-        }
-        Ok(())
-    }
-
-    pub(super) fn place(&self) -> Place {
-        (self.transform, self.moves.clone())
     }
 
     /// The transformations of a motion block, over what holds before it.
@@ -124,7 +90,7 @@ impl Context {
             return self.add_spheres(first, uniform);
         }
         if first.len() == 1 {
-            // One ball moves and grows as its space does.
+            // One sphere moves and grows as its space does.
             let before = self.place();
             let home = first.matrix(0).inverse();
             let places = later.iter().map(|spheres| Moving::Concat(spheres.matrix(0) * home));
@@ -144,21 +110,15 @@ impl Context {
         self.add_spheres(first, uniform)
     }
 
-    /// Spheres by columns, or as parts of the object that is open.
-    pub(super) fn add_spheres(&mut self, instances: Instances, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
-        if let Some(block) = &mut self.motion {
-            block.calls.push(Moving::Spheres(instances, uniform));
-            return Ok(());
+    /// `MotionBegin`.
+    pub(super) fn open_motion_block(&mut self, times: Vec<f32>) -> RiResult {
+        if self.motion.is_some() {
+            return Err(Fail::new("MotionBegin within MotionBegin"));
         }
-        if self.open_object.is_none() {
-            return self.push(SourceShape::Spheres(instances), uniform);
+        if times.windows(2).any(|t| !(t[0] < t[1])) {
+            return Err(Fail::new("the times of a motion block must rise"));
         }
-        let outer = self.transform;
-        for i in 0..instances.len() {
-            self.transform = outer * instances.matrix(i);
-            self.add(Shape::Sphere, uniform.clone())?;
-        }
-        self.transform = outer;
+        self.motion = Some(MotionBlock { times, calls: vec![] });
         Ok(())
     }
 }

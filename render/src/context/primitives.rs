@@ -1,12 +1,22 @@
 //! Primitives: the calls of RISpec section 5 as patches, spheres and instances.
 
-use super::Context;
-use crate::gprim::{dress, patch_variables, polygon_patches, positions, set_varying, to_bezier, uniform_numbers};
-use crate::scene::Patch;
-use crate::subdivision;
-use crate::surfaces;
+use crate::context::state::Context;
+use crate::gprim::basis::to_bezier;
+use crate::gprim::blobby::Field;
+use crate::gprim::curves::{curve, ribbon};
+use crate::gprim::nurbs::{nurbs, nurbs_variable};
+use crate::gprim::patch_mesh::patch_mesh;
+use crate::gprim::polygon::polygon_patches;
+use crate::gprim::quadric::{self, Profile};
+use crate::gprim::subdivision;
+use crate::gprim::teapot::teapot;
+use crate::gprim::variables::{
+    attach_variables, corner_columns, corner_variables, patch_variables, positions, set_varying, uniform_numbers,
+};
+use crate::scene::patch::Patch;
+use crate::scene::source::SourceShape;
 use glam::{Vec3, Vec4};
-use ri::{Fail, InstanceShape, Instances, Knots, Params, Ri, RiResult, Tags, Values};
+use ri::{Fail, InstanceShape, Instances, Knots, Params, RiResult, Tags, Values};
 
 impl Context {
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {
@@ -20,7 +30,7 @@ impl Context {
 
     pub(super) fn draw_general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
         let total: i32 = n_vertices.iter().map(|n| (*n).max(0)).sum();
-        self.points_general_polygons(vec![n_vertices.len() as i32], n_vertices, (0..total).collect(), params)
+        self.draw_points_general_polygons(vec![n_vertices.len() as i32], n_vertices, (0..total).collect(), params)
     }
 
     pub(super) fn draw_points_general_polygons(
@@ -110,7 +120,7 @@ impl Context {
         let sizes = [nu.max(0) as usize, nv.max(0) as usize];
         let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
         let points = positions(&params)?;
-        let mesh = surfaces::patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.bases, self.steps)?;
+        let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.bases, self.steps)?;
         let mut patches = Vec::new();
         for (face, (mut patch, corners)) in mesh.into_iter().enumerate() {
             patch_variables(&mut patch, &params, corners, [4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3], face)?;
@@ -124,7 +134,7 @@ impl Context {
             Some(p) => p.numbers().chunks_exact(4).map(Vec4::from_slice).collect(),
             None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
         };
-        let mut patches = surfaces::nurbs(&points, &u, &v)?;
+        let mut patches = nurbs(&points, &u, &v)?;
         // Texture coordinates go from 0 to 1 over the patch (RISpec 5.3).
         for patch in &mut patches {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
@@ -141,7 +151,7 @@ impl Context {
                 continue;
             }
             for patch in &mut patches {
-                let corners = patch.uv.map(|[s, t]| surfaces::nurbs_variable(values, width, &points, &u, &v, s, t));
+                let corners = patch.uv.map(|[s, t]| nurbs_variable(values, width, &points, &u, &v, s, t));
                 let Some(all) = corners.into_iter().collect::<Option<Vec<_>>>() else {
                     let message = format!(
                         "`{}` has {} values, one for no point of the patch",
@@ -153,7 +163,7 @@ impl Context {
                 set_varying(patch, &param.decl.name, all.concat());
             }
         }
-        dress(&mut patches, &others)?;
+        attach_variables(&mut patches, &others)?;
         self.add_patches(patches)
     }
 
@@ -221,7 +231,7 @@ impl Context {
             let own = points.get(at..at + (*n).max(0) as usize);
             let own = own.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
             at += own.len();
-            let curve = surfaces::curve(own, cubic, periodic, &self.bases.1, self.steps[1])?;
+            let curve = curve(own, cubic, periodic, &self.bases.1, self.steps[1])?;
             let count = curve.segments.len() as f32;
             for (k, (control, ends)) in curve.segments.iter().enumerate() {
                 let width = ends.map(|e| match &widths {
@@ -240,7 +250,7 @@ impl Context {
                     _ => -along,
                 };
                 let range = [k as f32 / count, (k + 1) as f32 / count];
-                let mut patch = surfaces::ribbon(control, width, range, facing);
+                let mut patch = ribbon(control, width, range, facing);
                 let own: Params = params
                     .iter()
                     .filter(|p| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth"))
@@ -268,7 +278,7 @@ impl Context {
         }
         let points = positions(&params)?;
         let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
-        let (columns, values, width) = crate::gprim::corner_columns(&params, &vertices, corners)?;
+        let (columns, values, width) = corner_columns(&params, &vertices, corners)?;
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
         // Fewer steps where there are many faces already.
         let levels = match n_vertices.len() {
@@ -280,7 +290,7 @@ impl Context {
         let mut patches = Vec::new();
         for part in mesh.patches(levels) {
             let mut patch = part.patch;
-            crate::gprim::corner_variables(&mut patch, &columns, &part.values, width);
+            corner_variables(&mut patch, &columns, &part.values, width);
             let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
             patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
             patches.push(patch);
@@ -293,9 +303,9 @@ impl Context {
             self.scene.warn(format!("geometry `{name}` is passed over: `teapot` alone is known"));
             return Ok(());
         }
-        let mut patches = surfaces::teapot();
+        let mut patches = teapot();
         let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-        dress(&mut patches, &whole)?;
+        attach_variables(&mut patches, &whole)?;
         self.add_patches(patches)
     }
 
@@ -321,6 +331,60 @@ impl Context {
             return self.add_spheres(one, uniform);
         }
         let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
-        self.quadric(surfaces::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)
+        self.quadric(quadric::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)
+    }
+
+    /// A quadric: a profile, swept.
+    pub(super) fn quadric(&mut self, profile: Vec<Profile>, sweep: f32, params: Params) -> RiResult {
+        let sound = |p: &Profile| p.0.iter().all(|q| q.is_finite());
+        if !(sweep.is_finite() && sweep != 0.0 && profile.iter().all(sound)) {
+            return Err(Fail::new("the quadric's numbers make no surface"));
+        }
+        let mut patches = quadric::revolve(&profile, sweep.clamp(-360.0, 360.0));
+        attach_variables(&mut patches, &params)?;
+        self.add_patches(patches)
+    }
+
+    /// One instance of an object.
+    pub(super) fn draw_object(&mut self, handle: &str) -> RiResult {
+        let place = Instances {
+            shape: InstanceShape::Object(handle.into()),
+            position: vec![[0.0; 3]],
+            orientation: vec![],
+            scale: vec![],
+            params: vec![],
+            moved: None,
+        };
+        self.draw_instances(place)
+    }
+
+    /// A blobby.
+    pub(super) fn draw_blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, params: Params) -> RiResult {
+        let field = Field::new(leaves.max(0) as usize, &codes, &floats)?;
+        let mut varying = Vec::new();
+        for param in params.iter().filter(|p| !p.decl.class.is_whole() && !p.numbers().is_empty()) {
+            let width = param.decl.width();
+            if param.numbers().len() != width * leaves as usize {
+                return Err(Fail::new(format!("`{}` needs a value for each of {leaves} leaves", param.decl.name)));
+            }
+            varying.push((param.decl.name.clone(), width, param.numbers().to_vec()));
+        }
+        let mut patches = field.patches(&varying);
+        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        attach_variables(&mut patches, &whole)?;
+        self.add_patches(patches)
+    }
+
+    /// Instances by columns.
+    pub(super) fn draw_instances(&mut self, instances: Instances) -> RiResult {
+        let shape = match &instances.shape {
+            InstanceShape::Sphere => SourceShape::Spheres(instances),
+            InstanceShape::Object(handle) => {
+                let parts =
+                    self.objects.get(handle).cloned().ok_or(Fail::new(format!("there is no object `{handle}`")))?;
+                SourceShape::Objects(instances, parts)
+            }
+        };
+        self.push(shape, vec![])
     }
 }

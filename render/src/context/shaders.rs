@@ -1,6 +1,6 @@
 //! Shaders by their names: found, compiled once, and given the parameters of a call.
 
-use super::Context;
+use crate::context::state::Context;
 use glam::{Mat4, Vec3};
 use ri::{Fail, Params, Values};
 use sl::ir::Kind;

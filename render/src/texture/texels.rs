@@ -14,7 +14,7 @@ pub const MEMORY: usize = 1 << 30;
 /// The least that is kept of textures in files, bytes.
 const LEAST: usize = 1 << 20;
 
-/// Texels in rows: those of pictures of whole bytes stay such, encoded for screens (IEC 61966-2-1) but for the coverage.
+/// Texels in rows: those of images of whole bytes stay such, encoded for screens (IEC 61966-2-1) but for the coverage.
 pub enum Texels {
     /// Red, green, blue, coverage.
     Bytes(Vec<[u8; 4]>),
@@ -81,7 +81,7 @@ impl Texels {
         }
     }
 
-    /// The picture at half its size: means of four.
+    /// The image at half its size: means of four.
     pub fn halved(&self, w: usize, h: usize) -> (usize, usize, Texels) {
         let (nw, nh) = (w.div_ceil(2), h.div_ceil(2));
         let mean = |k: usize| {
@@ -95,7 +95,7 @@ impl Texels {
         (nw, nh, self.of((0..nw * nh).map(mean)))
     }
 
-    /// A tile of a picture of size `w` × `h`, as bytes; what lies beyond the picture is 0.
+    /// A tile of an image of size `w` × `h`, as bytes; what lies beyond the image is 0.
     fn tile_bytes(&self, w: usize, h: usize, tile: usize, out: &mut Vec<u8>) {
         let (x0, y0) = (tile % w.div_ceil(TILE) * TILE, tile / w.div_ceil(TILE) * TILE);
         for (y, x) in (y0..y0 + TILE).flat_map(|y| (x0..x0 + TILE).map(move |x| (y, x))) {
@@ -118,7 +118,7 @@ impl Texels {
     }
 }
 
-/// A picture and its reductions by halves.
+/// An image and its reductions by halves.
 pub enum Levels {
     /// In memory: width, height and texels of each.
     Resident(Vec<(usize, usize, Texels)>),
@@ -127,7 +127,7 @@ pub enum Levels {
 }
 
 impl Levels {
-    /// All reductions of a picture; they go to a file if `room` is less than they take.
+    /// All reductions of an image; they go to a file if `room` is less than they take.
     pub fn new(w: usize, h: usize, first: Texels, room: usize, cache: &Arc<Cache>) -> std::io::Result<Levels> {
         let resident = first.bytes() / 3 * 4 <= room;
         let mut pages = if resident { None } else { Some(Pages::new(matches!(first, Texels::Floats(_)), cache)?) };

@@ -1,0 +1,89 @@
+//! A context before its first call.
+
+use crate::context::state::Context;
+use crate::gprim::basis::BEZIER;
+use crate::scene::area;
+use crate::scene::attributes::Attributes;
+use crate::scene::options::Options;
+use crate::scene::world::Scene;
+use glam::Mat4;
+use ri::Fail;
+use ri::files::Files;
+use sl::machine::BoundShader;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+impl Context {
+    /// A renderer that finds shaders through `files`.
+    pub fn new(files: Files) -> Result<Context, Fail> {
+        let nothing = Arc::new(BoundShader::given(
+            Arc::new(
+                sl::compile(Path::new("constant.sl"), "surface constant() { Ci = Os * Cs; }")
+                    .map_err(|e| Fail::new(e.to_string()))?,
+            ),
+            vec![],
+            vec![],
+        ));
+        let attributes = Attributes {
+            color: [1.0; 3],
+            opacity: [1.0; 3],
+            surface: nothing,
+            surface_space: Mat4::IDENTITY,
+            displacement: None,
+            displacement_space: Mat4::IDENTITY,
+            displacement_bound: None,
+            atmosphere: None,
+            atmosphere_space: Mat4::IDENTITY,
+            user: Arc::default(),
+            texture_corners: [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+            lights: vec![],
+            light_list: Arc::default(),
+            emitters: Arc::default(),
+            area_light: None,
+            light_samples: area::SAMPLES,
+            shading_rate: 1.0,
+            smooth: true,
+            two_sided: true,
+            reversed: false,
+            matte: false,
+            visible: true,
+            casts_shadows: true,
+            whole_shadows: false,
+            detail: f32::INFINITY,
+            detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
+            level: 1.0,
+        };
+        let mut context = Context {
+            files,
+            programs: HashMap::new(),
+            options: Options::default(),
+            saved_options: None,
+            frame: 0,
+            attributes,
+            attribute_stack: vec![],
+            transform: Mat4::IDENTITY,
+            moves: vec![],
+            transform_stack: vec![],
+            to_camera: None,
+            camera_moves: vec![],
+            bases: (BEZIER, BEZIER),
+            known_lights: vec![],
+            declared: HashMap::new(),
+            steps: [3, 3],
+            trim: None,
+            motion: None,
+            made: HashMap::new(),
+            scene: Scene::default(),
+            objects: HashMap::new(),
+            open_object: None,
+            progress: Box::new(|_, _| {}),
+            shard: None,
+            about: vec![],
+            dry: false,
+            results: vec![],
+        };
+        context.attributes.surface = context.shader("defaultsurface", "surface", vec![])?;
+        Ok(context)
+    }
+}

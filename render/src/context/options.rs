@@ -1,0 +1,207 @@
+//! Calls that set options.
+
+use crate::context::state::{Context, positive};
+use crate::film::display::Display;
+use crate::film::filter::FilterKind;
+use crate::scene::options::Hider;
+use crate::texture;
+use glam::Mat4;
+use ri::{Fail, Params, RiResult, Values};
+use sl::machine::Answer;
+
+/// The largest image, pixels along a side.
+const MAX_SIZE: i32 = 65_536;
+
+/// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
+const MAX_PIXELS: i64 = 1 << 28;
+
+impl Context {
+    /// Size of the image.
+    pub(super) fn set_format(&mut self, width: i32, height: i32, aspect: f32) -> RiResult {
+        if !(1..=MAX_SIZE).contains(&width) || !(1..=MAX_SIZE).contains(&height) {
+            return Err(Fail::new(format!("format {width}×{height}: expected 1 to {MAX_SIZE} pixels along each side")));
+        }
+        if width as i64 * height as i64 > MAX_PIXELS {
+            let max = MAX_PIXELS / 1_000_000;
+            return Err(Fail::new(format!("format {width}×{height}: expected at most {max} million pixels")));
+        }
+        self.options.width = width as usize;
+        self.options.height = height as usize;
+        self.options.pixel_aspect = if aspect > 0.0 { aspect } else { 1.0 };
+        Ok(())
+    }
+
+    /// The projection; it starts the camera's transformation.
+    pub(super) fn set_projection(&mut self, name: &str, params: Params) -> RiResult {
+        match name {
+            "perspective" => {
+                let fov = params
+                    .iter()
+                    .find(|p| p.decl.name == "fov")
+                    .map_or(90.0, |p| p.numbers().first().copied().unwrap_or(90.0));
+                if !(fov > 0.0 && fov < 179.9) {
+                    return Err(Fail::new(format!("fov is {fov}, expected an angle between 0 and 179.9 degrees")));
+                }
+                self.options.fov = Some(fov);
+            }
+            "orthographic" => self.options.fov = None,
+            other => {
+                return Err(Fail::new(format!("unknown projection `{other}`, expected perspective or orthographic")));
+            }
+        }
+        // The projection starts the camera's transformation afresh (RISpec 4.1.2).
+        (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
+        Ok(())
+    }
+
+    /// Samples of a pixel.
+    pub(super) fn set_pixel_samples(&mut self, x: f32, y: f32) -> RiResult {
+        for n in [x, y] {
+            if !(1.0..=64.0).contains(&n) {
+                return Err(Fail::new(format!("{n} samples along a pixel, expected 1 to 64")));
+            }
+        }
+        self.options.samples = [x as usize, y as usize];
+        Ok(())
+    }
+
+    /// The pixel filter.
+    pub(super) fn set_pixel_filter(&mut self, name: &str, x_width: f32, y_width: f32) -> RiResult {
+        self.options.filter = FilterKind::of_name(name).ok_or(Fail::new(format!(
+            "unknown filter `{name}`, expected box, triangle, gaussian, catmull-rom, sinc or mitchell"
+        )))?;
+        for width in [x_width, y_width] {
+            if !(1.0..=16.0).contains(&width) {
+                return Err(Fail::new(format!("filter width {width}, expected 1 to 16 pixels")));
+            }
+        }
+        self.options.filter_width = [x_width, y_width];
+        Ok(())
+    }
+
+    /// Another display, or the first of new ones.
+    pub(super) fn add_display(&mut self, name: &str, kind: &str, mode: &str, params: Params) -> RiResult {
+        let further = name.starts_with('+');
+        let name = name.trim_start_matches('+');
+        if !further {
+            self.options.displays.clear();
+            self.options.unsupported_display = false;
+        }
+        let message = match kind {
+            "zfile" | "shadow" | "deepshad" => {
+                Some(format!("the shadow map `{name}` is not made: shadows are traced, whatever map a light names"))
+            }
+            "framebuffer" | "it" | "x11" | "windows" if further => {
+                Some(format!("`{name}` is not shown: there is no window"))
+            }
+            _ => None,
+        };
+        if let Some(message) = message {
+            self.scene.warn(message);
+            self.options.unsupported_display = true;
+            return Ok(());
+        }
+        let depth = params.iter().find(|p| matches!(p.decl.name.as_str(), "type" | "exrpixeltype"));
+        let half = match depth.map(|p| p.text()) {
+            None | Some(Some("float")) => false,
+            Some(Some("half")) => true,
+            _ => return Err(Fail::new("the display's numbers: expected \"string type\" \"half\" or \"float\"")),
+        };
+        let mode = Display::with_type(mode, &self.declared).map_err(Fail::new)?;
+        let display = Display { name: name.into(), kind: kind.into(), mode, half };
+        if display.format() != "exr" && self.options.displays.iter().any(|d| d.name == name) {
+            return Err(Fail::new(format!("two displays are named `{name}`: only EXR files have layers")));
+        }
+        self.options.displays.push(display);
+        Ok(())
+    }
+
+    /// The hider.
+    pub(super) fn set_hider(&mut self, name: &str) -> RiResult {
+        self.options.hider = match name {
+            "hidden" => Hider::Hidden,
+            "z" | "zbuffer" | "depth" => Hider::Depth,
+            "null" => Hider::Null,
+            _ => {
+                self.scene.warn(format!("hider `{name}` is not known, expected hidden, z or null: `hidden` is taken"));
+                Hider::Hidden
+            }
+        };
+        Ok(())
+    }
+
+    /// An option of a group.
+    pub(super) fn set_option(&mut self, name: &str, params: Params) -> RiResult {
+        if name == "limits"
+            && let Some(size) = params.iter().find(|p| p.decl.name == "bucketsize").and_then(|p| p.numbers().first())
+        {
+            self.options.bucket_size = (*size as usize).clamp(8, 512);
+        }
+        if name == "limits"
+            && let Some(kib) = params.iter().find(|p| p.decl.name == "texturememory").and_then(|p| p.numbers().first())
+        {
+            positive(*kib, "the texture memory")?;
+            self.options.texture_memory = (*kib as usize).saturating_mul(1024);
+        }
+        if name == "searchpath" {
+            // Folders, separated by colons; `&` and `@` stand for what is searched anyway.
+            for text in params.iter().filter_map(|p| p.text()) {
+                for folder in text.split(':').filter(|f| !matches!(*f, "" | "&" | "@")) {
+                    let known: Vec<_> = self.files.folders.clone();
+                    for base in &known {
+                        let place = base.join(folder);
+                        if place.is_dir() && !self.files.folders.contains(&place) {
+                            self.files.folders.push(place);
+                        }
+                    }
+                }
+            }
+        }
+        for param in params {
+            let answer = match param.values {
+                Values::Floats(v) => Answer::Numbers(v),
+                Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),
+            };
+            for key in [format!("{name}:{}", param.decl.name), param.decl.name.clone()] {
+                self.scene.options.retain(|(n, _)| *n != key);
+                self.scene.options.push((key, answer.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The lens.
+    pub(super) fn set_depth_of_field(&mut self, f_stop: f32, length: f32, distance: f32) -> RiResult {
+        self.options.lens = None;
+        if f_stop.is_finite() {
+            positive(f_stop, "the f-stop")?;
+            positive(length, "the focal length")?;
+            positive(distance, "the focal distance")?;
+            self.options.lens = Some([f_stop, length, distance]);
+        }
+        Ok(())
+    }
+
+    /// Colours have three samples.
+    pub(super) fn check_color_samples(&mut self, to_rgb: Vec<f32>, from_rgb: Vec<f32>) -> RiResult {
+        if to_rgb.len() != from_rgb.len() || to_rgb.is_empty() || !to_rgb.len().is_multiple_of(3) {
+            return Err(Fail::new("ColorSamples takes two lists of three numbers a sample"));
+        }
+        if to_rgb.len() != 9 {
+            return Err(Fail::new(format!("colours of {} samples are not supported: three are", to_rgb.len() / 3)));
+        }
+        Ok(())
+    }
+
+    /// An environment map of six faces.
+    pub(super) fn add_cube_map(&mut self, from: Vec<String>, to: &str, fov: f32) -> RiResult {
+        if !(fov > 0.0 && fov < 179.9) {
+            return Err(Fail::new(format!("fov is {fov}, expected an angle between 0 and 179.9 degrees")));
+        }
+        let n = from.len();
+        let faces: Result<[String; 6], _> = from.try_into();
+        let faces = faces.map_err(|_| Fail::new(format!("{n} faces of a cube, expected 6")))?;
+        self.made.insert(to.into(), texture::Source::CubeFaces(faces.map(Into::into), fov));
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! `WorldBegin` and `WorldEnd`, which renders.
+
+use crate::context::result::RenderResult;
+use crate::context::state::Context;
+use crate::cpu::render::render;
+use crate::film::filter::FilterKind;
+use crate::film::image::Image;
+use crate::scene::camera::Camera;
+use crate::scene::emitters;
+use crate::scene::motion;
+use crate::scene::options::{Hider, Options};
+use crate::scene::world::Scene;
+use crate::stats::Stats;
+use crate::texture::Textures;
+use glam::Mat4;
+use ri::{Fail, RiResult};
+
+impl Context {
+    /// `WorldBegin`: the camera is where the current transformation leads, and the scene begins.
+    pub(super) fn begin_world(&mut self) -> RiResult {
+        if self.to_camera.is_some() {
+            return Err(Fail::new("WorldBegin within WorldBegin"));
+        }
+        let to_camera = self.transform;
+        if !(to_camera.determinant().abs() > 0.0) {
+            return Err(Fail::new("the camera's transformation cannot be inverted"));
+        }
+        self.to_camera = Some(to_camera);
+        self.scene = Scene {
+            camera_to_world: to_camera.inverse(),
+            warnings: std::mem::take(&mut self.scene.warnings),
+            spaces: std::mem::take(&mut self.scene.spaces),
+            options: std::mem::take(&mut self.scene.options),
+            clipping: self.options.clipping,
+            textures: Textures::new(self.files.folders.clone(), self.made.clone(), self.options.texture_memory),
+            ..Scene::default()
+        };
+        // Spaces that were set before are in camera space.
+        self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
+        let camera = Camera::new(&self.options, to_camera, vec![]);
+        let spaces = camera.image_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
+        self.scene.spaces.extend(spaces);
+        self.attribute_stack.push((self.attributes.clone(), self.place()));
+        self.camera_moves = std::mem::take(&mut self.moves);
+        self.transform = Mat4::IDENTITY;
+        Ok(())
+    }
+
+    /// `WorldEnd`: the scene is rendered, and forgotten.
+    pub(super) fn end_world(&mut self) -> RiResult {
+        let Some(to_camera) = self.to_camera.take() else { return Err(Fail::new("WorldEnd without WorldBegin")) };
+        if self.dry {
+            return Ok(());
+        }
+        if self.options.displays.is_empty() && self.options.unsupported_display {
+            return self.leave_world();
+        }
+        emitters::expand(&mut self.scene);
+        if self.options.hider == Hider::Null {
+            let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
+            let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();
+            let stats = Stats { items, ..Stats::default() };
+            let warnings = self.scene.take_warnings();
+            let image = Image::new(0, 0, vec![]);
+            self.results.push(RenderResult { frame: self.frame, options, image, stats, warnings });
+            return self.leave_world();
+        }
+        let moves = match self.camera_moves.as_slice() {
+            [] => vec![],
+            keys => motion::in_shutter(keys, self.open_shutter()).1,
+        };
+        if self.options.hider == Hider::Depth {
+            self.options.samples = [1, 1];
+            (self.options.filter, self.options.filter_width) = (FilterKind::Box, [1.0; 2]);
+            self.options.lens = None;
+        }
+        let camera = Camera::new(&self.options, to_camera, moves);
+        self.options.shard = self.shard;
+        self.options.about.clone_from(&self.about);
+        let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
+        image.expose(self.options.gain, self.options.gamma);
+        let warnings = self.scene.take_warnings();
+        self.results.push(RenderResult { frame: self.frame, options: self.options.clone(), image, stats, warnings });
+        self.leave_world()
+    }
+
+    /// Back to what held before `WorldBegin`; options and warnings stay.
+    fn leave_world(&mut self) -> RiResult {
+        self.scene = Scene {
+            options: std::mem::take(&mut self.scene.options),
+            warnings: std::mem::take(&mut self.scene.warnings),
+            ..Scene::default()
+        };
+        self.objects.clear();
+        if let Some((attributes, place)) = self.attribute_stack.pop() {
+            self.attributes = attributes;
+            (self.transform, self.moves) = place;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,19 @@
+//! The back end on the processor: buckets, sampling, shading at visible points, and rays.
+
+pub mod blur;
+pub mod bucket;
+pub mod bvh;
+pub mod deferred;
+pub mod displace;
+pub mod frame;
+pub mod globals;
+pub mod imager;
+pub mod lanes;
+pub mod micropolygon;
+pub mod raster;
+pub mod render;
+pub mod samples;
+pub mod shade;
+pub mod sort;
+pub mod still;
+pub mod view;

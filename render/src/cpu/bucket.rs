@@ -1,0 +1,154 @@
+//! The bucket loop: the items of a bucket are diced front to back, their grids displaced, sampled and shaded, and the samples
+//! filtered to pixels.
+
+use crate::cpu::blur::quad::Track;
+use crate::cpu::deferred::Deferred;
+use crate::cpu::displace::displace;
+use crate::cpu::frame::Frame;
+use crate::cpu::imager;
+use crate::cpu::raster::Raster;
+use crate::cpu::samples::pixels::Pixels;
+use crate::cpu::samples::{SampledGrid, Samples};
+use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
+use crate::film::bucket::Bucket;
+use crate::gprim::bound::raster_bound;
+use crate::gprim::dice::Dicer;
+use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::scene::camera::RasterBound;
+use crate::scene::motion::{self, instants};
+use crate::scene::source::Item;
+use crate::stats::Stats;
+use sl::machine::Points;
+use std::time::Instant;
+
+/// The memory of the stages, kept from bucket to bucket: each stage is given its own part.
+#[derive(Default)]
+pub struct Memory {
+    instants: Vec<motion::Instant>,
+    dicer: Dicer,
+    raster: Raster,
+    samples: Samples,
+    shading: Shading,
+    deferred: Deferred,
+    pixels: Points,
+}
+
+/// Render a bucket: its items front to back, then its samples filtered.
+pub fn render_bucket(
+    frame: &Frame<'_>,
+    memory: &mut Memory,
+    bucket: &Bucket,
+    items: &[(f32, Item)],
+) -> (Pixels, Stats) {
+    let Memory { instants: moments, dicer, raster, samples, shading, deferred, pixels: points } = memory;
+    let (camera, margin, parameters) = (&frame.camera, frame.margin(), frame.needs_parameters());
+    let (width, height) = (bucket.width + 2 * margin[0], bucket.height + 2 * margin[1]);
+    let (left, top) = (bucket.x as i64 - margin[0] as i64, bucket.y as i64 - margin[1] as i64);
+    samples.start(&frame.jitter, left, top, width, height, &frame.aovs);
+    let rect = [left as f32, top as f32, (left + width as i64) as f32, (top + height as i64) as f32];
+    let mut stats = Stats::default();
+    let begun = Instant::now();
+    let mut items = items.iter().peekable();
+    loop {
+        // A piece that waits goes before the next item if it is nearer.
+        let waiting = dicer.queue.pop_before(items.peek().copied());
+        let Some(item) = waiting.map(|w| w.item()).or_else(|| items.next().map(|(_, item)| *item)) else { break };
+        let view = frame.scene.view(item);
+        instants(camera, &view, moments);
+        let subject = Subject { item, view: &view, instants: moments, camera, parameters };
+        let mut sink = Grids { frame, rect, subject, raster, samples, shading, deferred, stats: &mut stats };
+        match waiting {
+            Some(waiting) => dicer.dice_waiting(&subject, &waiting, &mut sink),
+            None if raster_bound(camera, &view, moments).is_some_and(|b| sink.shows(&b)) => {
+                dicer.dice(&subject, &mut sink)
+            }
+            None => {}
+        }
+    }
+    stats.splits = std::mem::take(&mut dicer.queue.splits);
+    deferred.flush(frame, samples, shading, &mut stats);
+    let drawn = begun.elapsed().as_secs_f64();
+    samples.resolve(&frame.aovs);
+    let mut pixels = samples.filter(&frame.filter[0], &frame.filter[1], margin, &frame.aovs);
+    if let Some(imager) = &frame.options.imager {
+        let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
+        imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
+    }
+    let seconds = &mut stats.seconds;
+    seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
+    seconds.filter += begun.elapsed().as_secs_f64() - drawn;
+    (pixels, stats)
+}
+
+/// What becomes of an item's grids in a bucket: the stages after dicing, with what they read and what they write.
+struct Grids<'a> {
+    frame: &'a Frame<'a>,
+    /// Raster bound of the samples: x0, y0, x1, y1.
+    rect: [f32; 4],
+    subject: Subject<'a>,
+    raster: &'a mut Raster,
+    samples: &'a mut Samples,
+    shading: &'a mut Shading,
+    deferred: &'a mut Deferred,
+    stats: &'a mut Stats,
+}
+
+impl Sink for Grids<'_> {
+    fn shows(&mut self, bound: &RasterBound) -> bool {
+        let (min, max) = (bound.min.to_array(), bound.max.to_array());
+        let [x0, y0, x1, y1] = self.rect;
+        let touches = max[0] >= x0 && max[1] >= y0 && min[0] <= x1 && min[1] <= y1;
+        touches && !self.samples.hides(min, max, bound.z)
+    }
+
+    /// Displace, project, shade and sample a grid.
+    fn take(&mut self, grid: &mut Grid) {
+        let Subject { item, view, instants, camera, .. } = self.subject;
+        let n_uniform = displace(self.frame, &self.subject, grid, &mut self.shading.machine);
+        let Some(bound) = self.raster.project(camera, instants, grid) else { return };
+        self.stats.grids += 1;
+        if !self.shows(&bound) {
+            self.stats.grids_hidden += 1;
+            return;
+        }
+        let surface = Surface { item, view, reach: grid.reach, z: bound.z };
+        // What is surely opaque is shaded when the bucket knows which of its points are visible.
+        let later = view.attributes.stays_opaque() && !grid.points.inputs.iter().any(|(name, _)| name == "Os");
+        if !later {
+            shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
+        }
+        let opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
+        if !self.sample(grid, opaque) {
+            return;
+        }
+        let shaded = if later { None } else { Some(&mut *self.shading) };
+        self.deferred.push(self.frame, &surface, (&mut grid.points, n_uniform), self.raster, shaded);
+        if self.deferred.is_full() {
+            self.deferred.flush(self.frame, self.samples, self.shading, self.stats);
+        }
+    }
+}
+
+impl Grids<'_> {
+    /// Sample a projected grid; whether any sample takes something of it.
+    fn sample(&mut self, grid: &Grid, opaque: bool) -> bool {
+        let begun = Instant::now();
+        let Subject { item, view, instants, camera, .. } = self.subject;
+        self.raster.choose(camera, view, grid);
+        let Raster { at, micropolygons } = &*self.raster;
+        let nu = grid.points.nu;
+        let primitive = (item.source as u64) << 32 | item.index as u64;
+        let sampled = SampledGrid { index: self.deferred.next(), opaque, smooth: view.attributes.smooth, primitive };
+        let jitter = &self.frame.jitter;
+        // Without a lens, what stands still in an image of motion is sampled as if it moved.
+        let tally = if jitter.moments.is_some() {
+            self.samples.blurred(nu, micropolygons, &Track { instants, raster: at, camera, jitter }, &sampled)
+        } else {
+            self.samples.still(&at[0], nu, micropolygons, &sampled)
+        };
+        self.stats.micropolygons += micropolygons.len() as u64;
+        self.stats.samples += tally.tried;
+        self.stats.seconds.sample += begun.elapsed().as_secs_f64();
+        tally.hit
+    }
+}

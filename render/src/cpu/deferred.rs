@@ -1,0 +1,209 @@
+//! Deferred shading: grids are sampled first, and shaded when the bucket knows which of their points are visible, at those alone.
+//!
+//! A grid that may be translucent is shaded before, since what it hides depends on its opacity; one whose shaders look at
+//! neighbouring points is shaded whole.
+
+use crate::cpu::frame::Frame;
+use crate::cpu::micropolygon::{Micropolygon, POINT_BITS};
+use crate::cpu::raster::Raster;
+use crate::cpu::samples::Samples;
+use crate::cpu::samples::visible::Triangle;
+use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
+use crate::film::display::place_of;
+use crate::scene::source::Item;
+use crate::stats::Stats;
+use glam::Vec3A;
+use sl::Global;
+use sl::machine::Points;
+
+/// The maximum of points that are deferred.
+const MAX_POINTS: usize = 1 << 19;
+
+/// The maximum of grids that are deferred.
+const MAX_GRIDS: usize = (1 << (31 - POINT_BITS)) - 1;
+
+/// A grid, some of which is visible.
+struct DeferredGrid {
+    item: Item,
+    points: Points,
+    /// Ci and Oi are there.
+    shaded: bool,
+    /// How far it may be displaced, and its least depth.
+    reach: f32,
+    z: f32,
+    /// Of its primitive variables, how many are the same all over.
+    n_uniform: usize,
+    /// How far its points move on the raster, if a display takes that.
+    motion: Vec<[f32; 2]>,
+    /// What displays take besides colour, if it is shaded.
+    outputs: Vec<f32>,
+}
+
+/// What samples need of a grid, small enough for all of them to lie close.
+struct Layout {
+    /// Its first point among those of all.
+    first: usize,
+    nu: usize,
+    smooth: bool,
+    matte: bool,
+}
+
+impl Layout {
+    /// Corners of a triangle among the points of all grids; of a flat one, the first alone counts.
+    #[inline(always)]
+    fn corners(&self, m: Micropolygon) -> [usize; 3] {
+        m.corners(self.nu).map(|k| self.first + k)
+    }
+}
+
+/// Grids with visible points, until they are flushed.
+#[derive(Default)]
+pub struct Deferred {
+    grids: Vec<DeferredGrid>,
+    layouts: Vec<Layout>,
+    n: usize,
+    wanted: Vec<bool>,
+    color: Vec<Vec3A>,
+    opacity: Vec<Vec3A>,
+    /// What displays take besides colour.
+    outputs: Vec<f32>,
+    /// Points of one grid that are wanted, and what is gathered of them.
+    few: Vec<u32>,
+    gathered: Points,
+    spare: Vec<Points>,
+}
+
+impl Deferred {
+    /// The index that the next grid will have.
+    pub fn next(&self) -> usize {
+        self.grids.len()
+    }
+
+    /// Defer a grid with visible points, in exchange for other memory; the first `n_uniform` of its primitive variables are the same
+    /// all over. `shaded` has what displays take of its points, if it is shaded.
+    pub fn push(
+        &mut self,
+        frame: &Frame<'_>,
+        surface: &Surface<'_>,
+        (points, n_uniform): (&mut Points, usize),
+        raster: &Raster,
+        shaded: Option<&mut Shading>,
+    ) {
+        let Surface { item, view, reach, z } = *surface;
+        let points = std::mem::replace(points, self.spare.pop().unwrap_or_default());
+        let first = self.n;
+        self.n += points.n();
+        debug_assert!(points.n() <= 1 << POINT_BITS);
+        let (smooth, matte) = (view.attributes.smooth, view.attributes.matte);
+        let motion = if place_of(&frame.aovs, "motion").is_some() { raster.motion().collect() } else { vec![] };
+        let is_shaded = shaded.is_some();
+        let outputs = shaded.map_or(vec![], |shading| std::mem::take(&mut shading.outputs));
+        self.layouts.push(Layout { first, nu: points.nu, smooth, matte });
+        self.grids.push(DeferredGrid { motion, outputs, item, n_uniform, points, shaded: is_shaded, reach, z });
+    }
+
+    /// Whether it should be flushed before more is pushed.
+    pub fn is_full(&self) -> bool {
+        self.n >= MAX_POINTS || self.grids.len() >= MAX_GRIDS
+    }
+
+    /// Shade the visible points of all grids and give the samples their colours.
+    pub fn flush(&mut self, frame: &Frame<'_>, samples: &mut Samples, shading: &mut Shading, stats: &mut Stats) {
+        let begun = std::time::Instant::now();
+        let shaded_before = stats.seconds.shade;
+        let Deferred { grids, layouts, n, wanted, color, opacity, outputs, few, gathered, spare } = self;
+        let (motion, depth) = (place_of(&frame.aovs, "motion"), frame.depth);
+        wanted.clear();
+        wanted.resize(*n, false);
+        // Neighbouring samples often see the same micropolygon.
+        let mut last = Micropolygon::NONE;
+        samples.for_each_visible(|m| {
+            if m != last {
+                last = m;
+                let layout = &layouts[m.grid()];
+                let [a, b, c] = layout.corners(m);
+                wanted[a] = true;
+                if layout.smooth {
+                    (wanted[b], wanted[c]) = (true, true);
+                }
+            }
+        });
+        color.resize(*n, Vec3A::ZERO);
+        opacity.resize(*n, Vec3A::ZERO);
+        outputs.resize(*n * depth, 0.0);
+        for (grid, layout) in grids.iter_mut().zip(&*layouts) {
+            let range = layout.first..layout.first + grid.points.n();
+            few.clear();
+            few.extend(wanted[range.clone()].iter().enumerate().filter(|(_, w)| **w).map(|(k, _)| k as u32));
+            if few.is_empty() || layout.matte && !grid.shaded {
+                continue;
+            }
+            let view = frame.scene.view(grid.item);
+            let whole = grid.shaded || view.attributes.reads_neighbours();
+            if !grid.shaded {
+                if !whole {
+                    gather(&grid.points, grid.n_uniform, few, gathered);
+                }
+                let points = if whole { &mut grid.points } else { &mut *gathered };
+                let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
+                shade(frame, &surface, points, shading, stats);
+            }
+            let points = if whole { &grid.points } else { &*gathered };
+            let n = points.n();
+            let (ci, oi) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), surface_opacity(points));
+            let of = |v: &[f32], k: usize| {
+                let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
+                Vec3A::new(v[a], v[b], v[c])
+            };
+            let (color, opacity) = (&mut color[range.clone()], &mut opacity[range]);
+            for (i, k) in few.iter().enumerate() {
+                let (k, from) = (*k as usize, if whole { *k as usize } else { i });
+                (color[k], opacity[k]) = (of(ci, from), of(oi, from));
+                if depth > 0 {
+                    let own = if grid.shaded { &grid.outputs } else { &shading.outputs };
+                    let goal = &mut outputs[(layout.first + k) * depth..][..depth];
+                    goal.copy_from_slice(&own[from * depth..][..depth]);
+                    if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
+                        goal[first..first + 2].copy_from_slice(motion);
+                    }
+                }
+            }
+        }
+        let triangle_of = |m: Micropolygon| {
+            let layout = &layouts[m.grid()];
+            let corners = layout.corners(m);
+            let (smooth, matte) = (layout.smooth, layout.matte);
+            Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
+        };
+        samples.set_colors(triangle_of, outputs);
+        layouts.clear();
+        spare.extend(grids.drain(..).map(|grid| grid.points));
+        *n = 0;
+        let shaded = stats.seconds.shade - shaded_before;
+        stats.seconds.filter += begun.elapsed().as_secs_f64() - shaded;
+    }
+}
+
+/// Some points of a grid, as a row of their own; the first `n_uniform` of its primitive variables are the same all over.
+fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
+    let n = points.n();
+    (out.nu, out.nv, out.orientation) = (few.len(), 1, points.orientation);
+    let of = |values: &[f32], out: &mut Vec<f32>| {
+        for run in values.chunks_exact(n) {
+            out.extend(few.iter().map(|k| run[*k as usize]));
+        }
+    };
+    for global in [Global::P, Global::N, Global::U, Global::V, Global::S, Global::T] {
+        let goal = out.refill(global);
+        if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
+            of(values, goal);
+        }
+    }
+    out.inputs.clear();
+    out.inputs.extend_from_slice(&points.inputs[..n_uniform]);
+    for (name, values) in &points.inputs[n_uniform..] {
+        let mut goal = Vec::new();
+        of(values, &mut goal);
+        out.inputs.push((name.clone(), goal));
+    }
+}

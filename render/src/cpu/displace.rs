@@ -1,0 +1,81 @@
+//! Displacement of a grid, by its item's displacement shader.
+
+use crate::cpu::frame::Frame;
+use crate::cpu::globals::{fill_incident, spread, uniform_inputs};
+use crate::cpu::view::View;
+use crate::gprim::grid::{Grid, Subject};
+use sl::Global;
+use sl::machine::{Machine, Points};
+
+/// Displace a grid, drop its apron and put its edges where those of its neighbours are. Of its primitive variables, how many are
+/// the same all over; they come first.
+pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) -> usize {
+    let Subject { item, view, camera, .. } = *subject;
+    let points = &mut grid.points;
+    uniform_inputs(points, view);
+    if let Some(displacement) = &view.attributes.displacement {
+        let mut scene = View::new(frame.scene, &frame.bvh, item, view, [0.0; 2]);
+        scene.shader_to_world = view.attributes.displacement_space;
+        fill_incident(points, camera);
+        let before = points.get(Global::P).unwrap_or(&[]).to_vec();
+        machine.run(displacement, points, &scene);
+        spread(points);
+        let after = points.get(Global::P).unwrap_or(&[]);
+        let n = points.n();
+        let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
+        let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
+        if farthest > grid.reach * 1.001 && farthest.is_finite() {
+            let scale = view.object_to_world.x_axis.truncate().length();
+            frame.scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
+        }
+    }
+    if grid.apron {
+        strip_apron(points);
+    }
+    points.inputs.append(&mut grid.uniform);
+    let n_uniform = points.inputs.len();
+    points.inputs.append(&mut grid.varying);
+    if grid.keep != [u32::MAX; 4] {
+        let (nu, nv) = (points.nu, points.nv);
+        let p = points.get_mut(Global::P).into_iter();
+        p.chain(&mut grid.deformed).for_each(|p| snap_edges(p, nu, nv, grid.keep));
+    }
+    n_uniform
+}
+
+/// Drop the ring of points around the grid.
+fn strip_apron(points: &mut Points) {
+    let (nu, nv, n) = (points.nu, points.nv, points.n());
+    for v in points.globals_mut() {
+        if v.len() >= n && v.len() % n == 0 {
+            let mut kept = Vec::with_capacity(v.len());
+            for c in 0..v.len() / n {
+                for j in 1..nv - 1 {
+                    let row = c * n + j * nu;
+                    kept.extend_from_slice(&v[row + 1..row + nu - 1]);
+                }
+            }
+            *v = kept;
+        }
+    }
+    points.nu -= 2;
+    points.nv -= 2;
+}
+
+/// Put the points of an edge that its neighbour does not have onto the line between those that it has.
+fn snap_edges(p: &mut [f32], nu: usize, nv: usize, keep: [u32; 4]) {
+    let n = nu * nv;
+    let edges = [(0, 1, nu), ((nv - 1) * nu, 1, nu), (0, nu, nv), (nu - 1, nu, nv)];
+    for ((start, stride, count), keep) in edges.into_iter().zip(keep) {
+        let kept = |i: usize| keep >> i & 1 == 1;
+        for i in (1..count - 1).filter(|i| !kept(*i)) {
+            let a = (0..i).rev().find(|k| kept(*k)).unwrap_or(0);
+            let b = (i..count).find(|k| kept(*k)).unwrap_or(count - 1);
+            let t = (i - a) as f32 / (b - a) as f32;
+            for c in 0..3 {
+                let at = |k: usize| c * n + start + k * stride;
+                p[at(i)] = p[at(a)] * (1.0 - t) + p[at(b)] * t;
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! What all buckets of an image read.
+
+use crate::cpu::bvh::Bvh;
+use crate::film::display::{self, Aov, aovs};
+use crate::film::filter::Filter;
+use crate::film::jitter::Jitter;
+use crate::scene::camera::Camera;
+use crate::scene::options::Options;
+use crate::scene::world::Scene;
+
+/// What all buckets of an image read.
+pub struct Frame<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The hierarchy over its primitives, for rays.
+    pub bvh: Bvh,
+    /// The options.
+    pub options: &'a Options,
+    /// The camera.
+    pub camera: Camera,
+    /// Where samples lie.
+    pub jitter: Jitter,
+    /// Filters along x and y.
+    pub filter: [Filter; 2],
+    /// What displays take besides colour.
+    pub aovs: Vec<Aov>,
+    /// How many numbers these are.
+    pub depth: usize,
+    /// The id of the first item of each source, from 1.
+    pub first_ids: Vec<usize>,
+}
+
+impl<'a> Frame<'a> {
+    /// The frame of a scene, whose hierarchy is built.
+    pub fn new(scene: &'a Scene, options: &'a Options, camera: Camera) -> Frame<'a> {
+        let filter = options.filter_width.map(|width| Filter::new(options.filter, width));
+        let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
+        let aovs = aovs(&options.displays);
+        let depth = display::depth(&aovs);
+        let (bvh, first_ids) = (Bvh::build(scene), scene.first_ids());
+        Frame { scene, bvh, options, camera, jitter, filter, aovs, depth, first_ids }
+    }
+
+    /// Pixels around a bucket that its filters reach into, along x and y.
+    pub fn margin(&self) -> [usize; 2] {
+        [self.filter[0].margin(), self.filter[1].margin()]
+    }
+
+    /// Whether a display takes u, v, s or t.
+    pub fn needs_parameters(&self) -> bool {
+        self.aovs.iter().any(|a| matches!(a.name.as_str(), "u" | "v" | "s" | "t"))
+    }
+}

@@ -1,0 +1,94 @@
+//! A grid on the raster: where its points fall at each moment of its item, and which of its micropolygons are sampled.
+
+use crate::gprim::grid::Grid;
+use crate::scene::camera::{Camera, RasterBound};
+use crate::scene::motion::Instant;
+use crate::scene::source::ItemView;
+use glam::{Vec2, Vec3};
+use sl::Global;
+
+/// A projected grid.
+#[derive(Default)]
+pub struct Raster {
+    /// Raster x and y, pixels, and depth of each point, at each moment of the item.
+    pub at: Vec<Vec<[f32; 3]>>,
+    /// Micropolygons that are sampled, by their first points.
+    pub micropolygons: Vec<u32>,
+}
+
+impl Raster {
+    /// How far each point moves on the raster while the shutter is open, pixels to the right and down.
+    pub fn motion(&self) -> impl Iterator<Item = [f32; 2]> + '_ {
+        let (first, last) = (self.at.first(), self.at.last());
+        let both = first.into_iter().flatten().zip(last.into_iter().flatten());
+        both.map(|(a, b)| if b[2] > f32::NEG_INFINITY { [b[0] - a[0], b[1] - a[1]] } else { [0.0; 2] })
+    }
+
+    /// Project the points of a grid at all moments of its item; the bound on the raster, blur included, and the least depth, `None`
+    /// if nothing is before the near plane.
+    pub fn project(&mut self, camera: &Camera, instants: &[Instant], grid: &Grid) -> Option<RasterBound> {
+        let n = grid.points.n();
+        let p = grid.points.get(Global::P)?;
+        let (mut min, mut max, mut z) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2], f32::INFINITY);
+        self.at.resize_with(instants.len(), Vec::new);
+        for (moment, (instant, raster)) in instants.iter().zip(&mut self.at).enumerate() {
+            let off = moment.checked_sub(1).and_then(|k| grid.deformed.get(k));
+            raster.clear();
+            for k in 0..n {
+                let mut at = Vec3::new(p[k], p[n + k], p[2 * n + k]);
+                if let Some(off) = off {
+                    at += Vec3::new(off[k], off[n + k], off[2 * n + k]);
+                }
+                let c = instant.to_camera.transform_point3(at);
+                if !(c.z >= camera.near && c.is_finite()) {
+                    raster.push([0.0, 0.0, f32::NEG_INFINITY]);
+                    continue;
+                }
+                let r = on_steps(camera.project(c));
+                let spread = camera.confusion(c.z).abs();
+                raster.push([r.x, r.y, c.z]);
+                min = [min[0].min(r.x - spread), min[1].min(r.y - spread)];
+                max = [max[0].max(r.x + spread), max[1].max(r.y + spread)];
+                z = z.min(c.z);
+            }
+        }
+        (z <= camera.far).then_some(RasterBound { min: min.into(), max: max.into(), z })
+    }
+
+    /// Choose the micropolygons of a grid that are sampled: neither cut away nor behind the near plane, nor facing away where their
+    /// item is one-sided.
+    pub fn choose(&mut self, camera: &Camera, view: &ItemView<'_>, grid: &Grid) {
+        let points = &grid.points;
+        let (n, nu, nv) = (points.n(), points.nu, points.nv);
+        let (place, normal) = (points.get(Global::P).unwrap_or(&[]), points.get(Global::N).unwrap_or(&[]));
+        // Of a one-sided primitive, micropolygons that face away are not there.
+        let away = |k: usize| {
+            let of = |v: &[f32]| Vec3::new(v[k], v[n + k], v[2 * n + k]);
+            of(normal).dot(camera.incident(of(place))) > 0.0
+        };
+        let Raster { at, micropolygons } = self;
+        let behind = |k: usize| at.iter().any(|raster| !(raster[k][2] >= camera.near));
+        let any_behind = (0..n).any(behind);
+        micropolygons.clear();
+        for j in 0..nv - 1 {
+            for i in 0..nu - 1 {
+                let k = j * nu + i;
+                if grid.trimmed.get(j * (nu - 1) + i) == Some(&true)
+                    || (any_behind && [k, k + 1, k + nu + 1, k + nu].into_iter().any(behind))
+                    || (!view.attributes.two_sided && away(k))
+                {
+                    continue;
+                }
+                micropolygons.push(k as u32);
+            }
+        }
+    }
+}
+
+/// A raster point on steps of 1/1024 pixel: single precision then takes differences of places without rounding, so that images
+/// do not depend on how they are cut to buckets.
+fn on_steps(r: Vec2) -> Vec2 {
+    // Of a sum of this size the last place is worth a step.
+    const SHIFT: f32 = 12_288.0;
+    (r + SHIFT) - SHIFT
+}

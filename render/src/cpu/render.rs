@@ -1,0 +1,67 @@
+//! Rendering of an image: its buckets, in parallel.
+
+use crate::cpu::bucket::{Memory, render_bucket};
+use crate::cpu::frame::Frame;
+use crate::cpu::samples::pixels::Pixels;
+use crate::cpu::sort::items_of_buckets;
+use crate::film::bucket::{Bucket, buckets};
+use crate::film::image::Image;
+use crate::scene::camera::Camera;
+use crate::scene::options::Options;
+use crate::scene::world::Scene;
+use crate::stats::{Seconds, Stats};
+use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Buckets of a batch: so many that what is held beside the image itself stays small.
+const BATCH: usize = 1024;
+
+/// Render an image; `progress` is called with the buckets done and in all.
+pub fn render(
+    scene: &Scene,
+    options: &Options,
+    camera: Camera,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> (Image, Stats) {
+    let start = Instant::now();
+    let frame = Frame::new(scene, options, camera);
+    let hierarchy = start.elapsed().as_secs_f64();
+    let size = options.bucket_size;
+    let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
+    let start = Instant::now();
+    let lists = items_of_buckets(&frame, columns, rows);
+    let bound = start.elapsed().as_secs_f64();
+    let done = AtomicUsize::new(0);
+    let [[x0, y0], [x1, y1]] = options.window();
+    let inside = |t: &Bucket| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
+    let own: Vec<Bucket> = buckets(options.width, options.height, size, options.shard).filter(inside).collect();
+    let mut image = Image::new(options.width, options.height, frame.aovs.clone());
+    let items = scene.sources.iter().map(|s| s.len() as u64).sum();
+    let mut stats = Stats { items, seconds: Seconds { hierarchy, bound, ..Seconds::default() }, ..Stats::default() };
+    // Memory between buckets, so that it is taken once a thread.
+    let idle = Mutex::new(Vec::<Memory>::new());
+    for batch in own.chunks(BATCH) {
+        let render = |bucket: &Bucket| {
+            let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
+            let found = spare().pop();
+            let mut memory = found.unwrap_or_default();
+            let rendered = render_bucket(&frame, &mut memory, bucket, &lists[bucket.index]);
+            spare().push(memory);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, own.len());
+            rendered
+        };
+        let rendered: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(render).collect();
+        for (bucket, (pixels, took)) in batch.iter().zip(rendered) {
+            stats = stats.add(took);
+            for row in 0..bucket.height {
+                let (at, from) = ((bucket.y + row) * options.width + bucket.x, row * bucket.width);
+                image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);
+                let wide = bucket.width * frame.depth;
+                image.extra[at * frame.depth..][..wide].copy_from_slice(&pixels.extra[from * frame.depth..][..wide]);
+            }
+        }
+    }
+    (image, stats)
+}

@@ -1,0 +1,270 @@
+//! Samples of a bucket: jittered places, the visibility buffer of what is nearest and opaque, and layers of what is translucent.
+//!
+//! A pixel is cut into strata, one sample in each, so that the samples of a bucket are a grid of strata, held in small cells,
+//! and a micropolygon looks only at the cells that its bound touches. A sample holds the id of the
+//! micropolygon that is visible there, which is shaded when nothing more will hide it (`crate::cpu::deferred`).
+
+pub mod composite;
+pub mod cull;
+pub mod pixels;
+pub mod visible;
+
+use crate::cpu::lanes::LANES;
+use crate::cpu::micropolygon::Micropolygon;
+use crate::film::display::{self, Aov};
+use crate::film::jitter::{Jitter, PERIOD};
+
+/// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
+pub(crate) const EDGE: f32 = 1.5e-3;
+
+/// Strata along x and y of a cell, whose samples are tested together. Whole cells make up a block.
+pub(crate) const CELL: [usize; 2] = [4, LANES / 4];
+
+/// Something that may be translucent at a sample.
+#[derive(Clone, Copy)]
+struct Layer {
+    z: f32,
+    micropolygon: Micropolygon,
+    weights: [f32; 2],
+    color: [f32; 3],
+    opacity: [f32; 3],
+    primitive: u64,
+    next: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// A grid, as far as sampling depends on it.
+#[derive(Clone, Copy)]
+pub struct SampledGrid {
+    /// Its index among the deferred grids of the bucket.
+    pub index: usize,
+    /// All opaque.
+    pub opaque: bool,
+    /// Colour is interpolated over a micropolygon.
+    pub smooth: bool,
+    /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
+    pub primitive: u64,
+}
+
+/// A tally of sampling.
+#[derive(Clone, Copy, Default)]
+pub struct Tally {
+    /// Samples tried.
+    pub tried: u64,
+    /// Whether any took something.
+    pub hit: bool,
+}
+
+/// Weights of a point in a triangle; of one on the widened edge, those of a point inside nearby, since a sliver's own weights
+/// run wild there.
+#[inline]
+pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
+    if w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 {
+        return w;
+    }
+    let w = w.map(|x| x.max(0.0));
+    let sum = w[0] + w[1] + w[2];
+    w.map(|x| x / sum)
+}
+
+/// Pixels along the edge of a block whose greatest depth is kept for culling.
+const BLOCK: usize = 4;
+
+/// The samples of a bucket through a lens: one stratum of time after another, in each pixel after pixel, which has one sample there.
+#[derive(Default)]
+pub struct LensSamples {
+    /// Place, pixels of the whole image: what is decided by it is decided alike in every bucket.
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    /// Part of the time that the shutter is open.
+    pub(crate) time: Vec<f32>,
+    /// Place on the lens.
+    pub(crate) lens: [Vec<f32>; 2],
+    /// The sample among all of the bucket.
+    pub(crate) sample: Vec<u32>,
+}
+
+/// The samples of a bucket and of the margin that its filter reaches into.
+#[derive(Default)]
+pub struct Samples {
+    /// First pixel.
+    pub(crate) x0: i64,
+    pub(crate) y0: i64,
+    /// Pixels.
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) strata: [usize; 2],
+    /// In images of motion without a lens, a pixel's samples are held together by their times: so many, with those that make
+    /// the last cell whole. 0 elsewhere.
+    pub(crate) padded: usize,
+    /// Cells along x and y.
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    /// Places, pixels from the bucket's first one.
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    /// Part of the time that the shutter is open, in images of motion without a lens.
+    pub(crate) time: Vec<f32>,
+    /// Which part of the pattern the places are of, and how many pixels; what depths are where nothing is.
+    pattern: Option<([i64; 2], [usize; 2])>,
+    empty: Vec<f32>,
+    /// Depth of the nearest thing that is opaque.
+    pub(crate) z: Vec<f32>,
+    /// The id of the micropolygon that it is; none, once its colour is known.
+    pub(crate) visible: Vec<u32>,
+    /// Where it is met: weights of its second and third corner, if it is smooth.
+    pub(crate) weights: [Vec<f32>; 2],
+    color: Vec<[f32; 3]>,
+    /// Nothing but a hole for `Matte`.
+    alpha: Vec<f32>,
+    list: Vec<u32>,
+    layers: Vec<Layer>,
+    /// What displays take besides colour, `depth` numbers of each sample and of each layer.
+    outputs: Vec<f32>,
+    layer_outputs: Vec<f32>,
+    depth: usize,
+    /// The samples by their moments, where there is a lens.
+    pub(crate) lens: LensSamples,
+    block_z: Vec<f32>,
+    block_dirty: Vec<bool>,
+    blocks: usize,
+}
+
+impl Samples {
+    /// Start a bucket whose pixels, margin included, begin at (`x0`, `y0`).
+    pub fn start(&mut self, jitter: &Jitter, x0: i64, y0: i64, width: usize, height: usize, aovs: &[Aov]) {
+        (self.x0, self.y0, self.width, self.height, self.strata) = (x0, y0, width, height, jitter.strata);
+        self.depth = display::depth(aovs);
+        self.set_places(jitter);
+        let n = self.x.len();
+        self.z.clear();
+        self.z.extend_from_slice(&self.empty);
+        self.set_lens_samples(jitter);
+        self.visible.clear();
+        self.visible.resize(n, Micropolygon::NONE.id());
+        self.weights.iter_mut().for_each(|w| w.resize(n, 0.0));
+        self.color.clear();
+        self.color.resize(n, [0.0; 3]);
+        self.alpha.clear();
+        self.alpha.resize(n, 0.0);
+        self.list.clear();
+        self.list.resize(n, NONE);
+        self.layers.clear();
+        self.outputs.clear();
+        self.outputs.resize(n * self.depth, 0.0);
+        self.blocks = width.div_ceil(BLOCK);
+        self.block_z.clear();
+        self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
+        self.block_dirty.clear();
+        self.block_dirty.resize(self.block_z.len(), false);
+    }
+
+    /// Put the samples in their places, which repeat from bucket to bucket.
+    fn set_places(&mut self, jitter: &Jitter) {
+        let (width, height, [sx, sy]) = (self.width, self.height, self.strata);
+        let pattern = ([self.x0, self.y0].map(|x| x.rem_euclid(PERIOD as i64)), [width, height]);
+        if self.pattern == Some(pattern) {
+            return;
+        }
+        self.pattern = Some(pattern);
+        self.padded = if jitter.moments.is_some() && !jitter.lens { (sx * sy).next_multiple_of(LANES) } else { 0 };
+        (self.columns, self.rows) = match self.padded {
+            0 => ((width * sx).div_ceil(CELL[0]), (height * sy).div_ceil(CELL[1])),
+            padded => (width * padded / LANES, height),
+        };
+        let n = self.columns * self.rows * LANES;
+        for places in [&mut self.x, &mut self.y] {
+            places.clear();
+            places.resize(n, f32::INFINITY);
+        }
+        // Lanes of a cell that lie beyond the last stratum are nowhere, and take nothing.
+        self.empty.clear();
+        self.empty.resize(n, 0.0);
+        let moments = jitter.moments.as_ref().filter(|_| self.padded > 0);
+        self.time.resize(if moments.is_some() { n } else { 0 }, 0.0);
+        for (px, py) in (0..height).flat_map(|py| (0..width).map(move |px| (px, py))) {
+            let pixel = [px as i64 + self.x0, py as i64 + self.y0];
+            for (row, column) in (0..sy).flat_map(|row| (0..sx).map(move |column| (row, column))) {
+                let k = self.index([px, py], [column, row]);
+                let mut place = [column, row];
+                if let Some(moments) = moments {
+                    // In the order of their times.
+                    let (sample, [time, ..]) = moments.of(pixel[0], pixel[1], row * sx + column);
+                    self.time[k] = time;
+                    place = sample.map(usize::from);
+                }
+                let [x, y] = jitter.in_pixel(pixel, place);
+                (self.x[k], self.y[k], self.empty[k]) = (px as f32 + x, py as f32 + y, f32::INFINITY);
+            }
+        }
+    }
+
+    /// Give the samples of a bucket their moments, where there is a lens.
+    fn set_lens_samples(&mut self, jitter: &Jitter) {
+        let Some(moments) = jitter.moments.as_ref().filter(|_| jitter.lens) else { return };
+        let [sx, sy] = self.strata;
+        let mut own = std::mem::take(&mut self.lens);
+        let LensSamples { x, y, time, lens: [lens_x, lens_y], sample } = &mut own;
+        [&mut *x, y, time, lens_x, lens_y].into_iter().for_each(Vec::clear);
+        sample.clear();
+        for stratum in 0..sx * sy {
+            for (px, py) in (0..self.height).flat_map(|py| (0..self.width).map(move |px| (px, py))) {
+                let ([column, row], moment) = moments.of(px as i64 + self.x0, py as i64 + self.y0, stratum);
+                let k = self.index([px, py], [column as usize, row as usize]);
+                x.push(self.x[k] + self.x0 as f32);
+                y.push(self.y[k] + self.y0 as f32);
+                time.push(moment[0]);
+                lens_x.push(moment[1]);
+                lens_y.push(moment[2]);
+                sample.push(k as u32);
+            }
+        }
+        // The last are tested with lanes beyond them, which are nowhere.
+        x.extend([f32::INFINITY; LANES]);
+        [y, time, lens_x, lens_y].into_iter().for_each(|v| v.extend([0.0; LANES]));
+        self.lens = own;
+    }
+
+    /// Where a sample of a pixel is in the columns: that of a stratum, or in images of motion, of the time of that number.
+    #[inline]
+    pub(crate) fn index(&self, [px, py]: [usize; 2], [column, row]: [usize; 2]) -> usize {
+        let [sx, sy] = self.strata;
+        if self.padded > 0 {
+            return (py * self.width + px) * self.padded + row * sx + column;
+        }
+        let (column, row) = (px * sx + column, py * sy + row);
+        let cell = row / CELL[1] * self.columns + column / CELL[0];
+        cell * LANES + row % CELL[1] * CELL[0] + column % CELL[0]
+    }
+
+    /// Record that a sample meets a micropolygon, nearer than what is opaque there.
+    #[inline]
+    pub(crate) fn record(
+        &mut self,
+        k: usize,
+        z: f32,
+        micropolygon: Micropolygon,
+        weights: [f32; 2],
+        grid: &SampledGrid,
+    ) {
+        if grid.opaque {
+            self.z[k] = z;
+            self.visible[k] = micropolygon.id();
+            (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
+            return;
+        }
+        let mut at = self.list[k];
+        while at != NONE {
+            let other = &self.layers[at as usize];
+            if other.primitive == grid.primitive && (other.z - z).abs() <= 1e-4 * z {
+                return;
+            }
+            at = other.next;
+        }
+        let (primitive, next) = (grid.primitive, self.list[k]);
+        let (color, opacity) = ([0.0; 3], [0.0; 3]);
+        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next });
+        self.list[k] = self.layers.len() as u32 - 1;
+    }
+}

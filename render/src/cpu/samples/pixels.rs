@@ -1,0 +1,95 @@
+//! Filtering of samples to pixels.
+
+use crate::cpu::samples::Samples;
+use crate::film::display::{Aov, placed};
+use crate::film::filter::Filter;
+use sl::ir::Kind;
+
+/// The pixels of a bucket, row by row.
+#[derive(Default)]
+pub struct Pixels {
+    /// Red, green, blue, coverage.
+    pub color: Vec<[f32; 4]>,
+    /// What displays take besides, one pixel's numbers after another's.
+    pub extra: Vec<f32>,
+}
+
+impl Samples {
+    /// Filter the pixels of the bucket proper, `margin` pixels in from each side.
+    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], aovs: &[Aov]) -> Pixels {
+        let [sx, sy] = self.strata;
+        let mut out = Pixels::default();
+        let mut sums = vec![0.0; self.depth];
+        // A box of a pixel takes its own samples and no others.
+        let alone = fx.is_pixel() && fy.is_pixel();
+        for py in margin[1]..self.height - margin[1] {
+            for px in margin[0]..self.width - margin[0] {
+                let (cx, cy) = (px as f32 + 0.5, py as f32 + 0.5);
+                let (mut sum, mut weight) = ([0.0f32; 4], 0.0f32);
+                let mut covered = 0.0;
+                sums.fill(0.0);
+                for (qx, qy) in (py - margin[1]..=py + margin[1])
+                    .flat_map(|qy| (px - margin[0]..=px + margin[0]).map(move |qx| (qx, qy)))
+                {
+                    for row in 0..sy {
+                        for column in 0..sx {
+                            let k = self.index([qx, qy], [column, row]);
+                            let w = if alone { 1.0 } else { fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy) };
+                            if w != 0.0 {
+                                for c in 0..3 {
+                                    sum[c] += w * self.color[k][c];
+                                }
+                                sum[3] += w * self.alpha[k];
+                                weight += w;
+                                if self.depth > 0 {
+                                    let own = &self.outputs[k * self.depth..][..self.depth];
+                                    sums.iter_mut().zip(own).for_each(|(sum, x)| *sum += w * x);
+                                    covered += if self.alpha[k] > 0.0 { w } else { 0.0 };
+                                }
+                            }
+                        }
+                    }
+                }
+                out.color.push(if weight != 0.0 { sum.map(|x| x / weight) } else { [0.0; 4] });
+                for (first, aov) in placed(aovs) {
+                    let of = match aov.kind {
+                        Kind::Color => weight,
+                        _ => covered,
+                    };
+                    match aov.name.as_str() {
+                        "z" => out.extra.push(self.nearest(px, py)),
+                        "id" => {
+                            out.extra.push(self.middle(px, py).map_or(0.0, |k| self.outputs[k * self.depth + first]))
+                        }
+                        _ => out.extra.extend(
+                            sums[first..first + aov.width()].iter().map(|x| if of != 0.0 { x / of } else { 0.0 }),
+                        ),
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// The samples of a pixel.
+    fn of_pixel(&self, px: usize, py: usize) -> impl Iterator<Item = usize> + '_ {
+        let [sx, sy] = self.strata;
+        (0..sy).flat_map(move |row| (0..sx).map(move |column| self.index([px, py], [column, row])))
+    }
+
+    /// The least depth in a pixel; infinity where nothing is.
+    fn nearest(&self, px: usize, py: usize) -> f32 {
+        let covered = self.of_pixel(px, py).filter(|k| self.alpha[*k] > 0.0);
+        covered.map(|k| self.z[k]).fold(f32::INFINITY, f32::min)
+    }
+
+    /// The sample nearest the middle of a pixel, if anything is there.
+    fn middle(&self, px: usize, py: usize) -> Option<usize> {
+        let off = |k: &usize| {
+            let (x, y) = (self.x[*k] - px as f32 - 0.5, self.y[*k] - py as f32 - 0.5);
+            x * x + y * y
+        };
+        let nearest = self.of_pixel(px, py).min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.filter(|k| self.alpha[*k] > 0.0)
+    }
+}

@@ -1,0 +1,112 @@
+//! Visible points: which micropolygons samples have, and the colours that they get of these.
+
+use crate::cpu::micropolygon::Micropolygon;
+use crate::cpu::samples::{NONE, Samples, within};
+use glam::Vec3A;
+
+/// A shaded triangle of a micropolygon.
+#[derive(Clone, Copy, Default)]
+pub struct Triangle {
+    /// Colours of its corners, by their opacity already.
+    pub color: [Vec3A; 3],
+    /// Opacities.
+    pub opacity: [Vec3A; 3],
+    /// The corners among the points of all grids.
+    pub corners: [usize; 3],
+    /// What lies between the corners is between them; else it is as the first is.
+    pub smooth: bool,
+    /// It leaves a hole.
+    pub matte: bool,
+}
+
+impl Triangle {
+    /// What each corner counts at a place with these weights of the second and third.
+    #[inline]
+    fn weights(&self, [second, third]: [f32; 2]) -> [f32; 3] {
+        if self.smooth { within([1.0 - second - third, second, third]) } else { [1.0, 0.0, 0.0] }
+    }
+
+    /// What displays take besides colour at such a place, of what they take at all points.
+    fn outputs(&self, all: &[f32], w: [f32; 3], own: &mut [f32]) {
+        let depth = own.len();
+        for (i, own) in own.iter_mut().enumerate() {
+            // What is the same at all corners stays that to the bit.
+            let [a, b, c] = self.corners.map(|k| all[k * depth + i]);
+            *own = a + (b - a) * w[1] + (c - a) * w[2];
+        }
+    }
+}
+
+impl Samples {
+    /// Visit the micropolygons that are visible and have no colour yet.
+    pub fn for_each_visible(&self, mut visit: impl FnMut(Micropolygon)) {
+        let n = self.list.len();
+        let ids = self.visible.iter().map(|m| Micropolygon::from_id(*m));
+        ids.filter(|m| *m != Micropolygon::NONE).for_each(&mut visit);
+        if self.layers.is_empty() {
+            return;
+        }
+        for k in 0..n {
+            let mut at = self.list[k];
+            while at != NONE {
+                let layer = &self.layers[at as usize];
+                if layer.micropolygon != Micropolygon::NONE && layer.z < self.z[k] {
+                    visit(layer.micropolygon);
+                }
+                at = layer.next;
+            }
+        }
+    }
+
+    /// Give visible points their colours; `triangle_of` has the colours of a triangle, `outputs` has what displays take besides of all
+    /// points.
+    pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+        let mut last = Micropolygon::NONE;
+        let mut triangle = Triangle::default();
+        for k in 0..self.list.len() {
+            let id = Micropolygon::from_id(std::mem::replace(&mut self.visible[k], Micropolygon::NONE.id()));
+            if id == Micropolygon::NONE {
+                continue;
+            }
+            // Neighbouring samples often see the same micropolygon.
+            if id != last {
+                (last, triangle) = (id, triangle_of(id));
+            }
+            if triangle.matte {
+                (self.color[k], self.alpha[k]) = ([0.0; 3], 0.0);
+                continue;
+            }
+            let w = triangle.weights([self.weights[0][k], self.weights[1][k]]);
+            let [a, b, c] = triangle.color;
+            self.color[k] = (a * w[0] + b * w[1] + c * w[2]).to_array();
+            self.alpha[k] = 1.0;
+            if self.depth > 0 {
+                triangle.outputs(outputs, w, &mut self.outputs[k * self.depth..][..self.depth]);
+            }
+        }
+        if !self.layers.is_empty() {
+            self.set_layer_colors(triangle_of, outputs);
+        }
+    }
+
+    /// The same of layers that others may be seen through.
+    fn set_layer_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+        self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
+        for k in 0..self.list.len() {
+            let mut at = self.list[k];
+            while at != NONE {
+                let own = &mut self.layer_outputs[at as usize * self.depth..][..self.depth];
+                let layer = &mut self.layers[at as usize];
+                let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
+                if id != Micropolygon::NONE && layer.z < self.z[k] {
+                    let triangle = triangle_of(id);
+                    let w = triangle.weights(layer.weights);
+                    let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
+                    (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));
+                    triangle.outputs(outputs, w, own);
+                }
+                at = layer.next;
+            }
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Shading of points by their surface and atmosphere shaders.
+
+use crate::cpu::frame::Frame;
+use crate::cpu::globals::{fill_incident, surface_globals};
+use crate::cpu::view::View;
+use crate::film::display::placed;
+use crate::scene::source::{Item, ItemView};
+use crate::stats::Stats;
+use sl::Global;
+use sl::machine::{Machine, Points};
+
+/// What is shaded: points of an item.
+#[derive(Clone, Copy)]
+pub struct Surface<'a> {
+    /// The item.
+    pub item: Item,
+    /// The item, looked up.
+    pub view: &'a ItemView<'a>,
+    /// How far the points may be displaced.
+    pub reach: f32,
+    /// Their least depth.
+    pub z: f32,
+}
+
+/// The machine that shaders run on, and what displays take of the points that it shaded last.
+#[derive(Default)]
+pub struct Shading {
+    /// The machine.
+    pub machine: Machine,
+    /// Values besides colour, one point's numbers after another's.
+    pub outputs: Vec<f32>,
+}
+
+/// Shade points: give them Ci and Oi, and [`Shading::outputs`] what displays take besides.
+pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shading: &mut Shading, stats: &mut Stats) {
+    let Surface { item, view, reach, z } = *surface;
+    let a = view.attributes;
+    let begun = std::time::Instant::now();
+    // A displaced surface does not shadow itself with what it was before.
+    let bias = 2.0 / frame.camera.pixels_at(z);
+    let mut scene = View::new(frame.scene, &frame.bvh, item, view, [bias, bias + 2.0 * reach]);
+    fill_incident(points, &frame.camera);
+    surface_globals(points, view, frame.camera.eye);
+    shading.machine.run(&a.surface, points, &scene);
+    note_outputs(frame, item, view, points, shading);
+    if let Some(atmosphere) = &a.atmosphere {
+        scene.shader_to_world = a.atmosphere_space;
+        shading.machine.run(atmosphere, points, &scene);
+    }
+    stats.shaded_points += points.n() as u64;
+    stats.seconds.shade += begun.elapsed().as_secs_f64();
+}
+
+/// Put what displays take besides colour into the outputs, point after point, as the surface shader has left it; what is not
+/// known before the grid is sampled stays 0.
+fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Points, shading: &mut Shading) {
+    let n = points.n();
+    let Shading { machine, outputs } = shading;
+    outputs.clear();
+    if frame.aovs.is_empty() {
+        return;
+    }
+    outputs.resize(n * frame.depth, 0.0);
+    let id = [(frame.first_ids[item.source as usize] + item.index as usize) as f32];
+    for (first, aov) in placed(&frame.aovs) {
+        let (width, name) = (aov.width(), aov.name.as_str());
+        let variable = || points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_slice());
+        let values = match name {
+            "z" | "motion" => None,
+            "id" => Some(&id[..]),
+            "Ng" => points.get(Global::Ng).filter(|v| !v.is_empty()).or(points.get(Global::N)),
+            _ => machine
+                .output(&view.attributes.surface, name)
+                .or_else(|| points.get(Global::of_name(name)?))
+                .or_else(variable),
+        };
+        if let Some(values) = values.filter(|v| v.len() == width || v.len() == width * n) {
+            for (k, out) in outputs.chunks_exact_mut(frame.depth).enumerate() {
+                for c in 0..width {
+                    out[first + c] = if values.len() == width { values[c] } else { values[c * n + k] };
+                }
+            }
+        }
+    }
+}
+
+/// The opacity that shading left: one, or one a point.
+pub fn surface_opacity(points: &Points) -> &[f32] {
+    points.get(Global::Oi).unwrap_or(&[1.0; 3])
+}

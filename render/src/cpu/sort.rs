@@ -1,0 +1,46 @@
+//! Sorting of items to the buckets that they may be visible in.
+
+use crate::cpu::frame::Frame;
+use crate::gprim::bound::raster_bound;
+use crate::scene::motion::instants;
+use crate::scene::source::Item;
+use rayon::prelude::*;
+
+/// For each bucket, its items with their least depth, nearest first.
+pub fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<Vec<(f32, Item)>> {
+    let size = frame.options.bucket_size as f32;
+    let margin = frame.margin().map(|n| n as f32);
+    let items: Vec<Item> =
+        frame.scene.items().filter(|i| frame.scene.sources[i.source as usize].attributes.visible).collect();
+    let bounds: Vec<_> = items
+        .par_iter()
+        .with_min_len(1024)
+        .map_init(Vec::new, |moments, item| {
+            let view = frame.scene.view(*item);
+            instants(&frame.camera, &view, moments);
+            raster_bound(&frame.camera, &view, moments)
+        })
+        .collect();
+    let mut lists: Vec<Vec<(f32, Item)>> = vec![Vec::new(); columns * rows];
+    for (item, bound) in items.iter().zip(bounds) {
+        let Some(bound) = bound else { continue };
+        let range = |lo: f32, hi: f32, margin: f32, n: usize| {
+            let first = ((lo - margin) / size).floor().max(0.0);
+            let last = ((hi + margin) / size).floor().min(n as f32 - 1.0);
+            (first <= last).then_some(first as usize..last as usize + 1)
+        };
+        let across = range(bound.min.x, bound.max.x, margin[0], columns);
+        let down = range(bound.min.y, bound.max.y, margin[1], rows);
+        if let (Some(across), Some(down)) = (across, down) {
+            for row in down {
+                for column in across.clone() {
+                    lists[row * columns + column].push((bound.z, *item));
+                }
+            }
+        }
+    }
+    lists.par_iter_mut().for_each(|list| {
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+    });
+    lists
+}

@@ -1,0 +1,340 @@
+//! The scene as shaders see it from one primitive: its lights, spaces, maps, and what rays find.
+//!
+//! A ray that asks for colour shades what it meets at that one point, with the surface shader of what was met and the lights
+//! that shine on it. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
+//! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
+
+use crate::cpu::bvh::Bvh;
+use crate::cpu::globals::{surface_globals, uniform_inputs};
+use crate::scene::attributes::Attributes;
+use crate::scene::facets::place_on;
+use crate::scene::patch::bilinear;
+use crate::scene::shape::{Shape, sphere_uv};
+use crate::scene::source::{Item, ItemView};
+use crate::scene::world::Scene;
+use glam::{Mat3, Mat4, Vec3};
+use sl::Global;
+use sl::ir::{Ask, Lookup};
+use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Points, Ray, Segment};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// How deep rays are followed if no option says: single ones, and those that are many from one point.
+const MAX_DEPTH: [u32; 2] = [4, 1];
+
+/// Translucent surfaces that a ray passes before it is held up.
+const MAX_LAYERS: usize = 64;
+
+/// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.
+const MAX_NESTED: u32 = 2;
+
+/// The scene from one primitive.
+pub struct View<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The hierarchy over its primitives.
+    pub bvh: &'a Bvh,
+    /// The primitive that is shaded.
+    pub item: Item,
+    /// Object space to world.
+    pub object_to_world: Mat4,
+    /// The space of the shader that runs, to world.
+    pub shader_to_world: Mat4,
+    /// Lights that shine on it.
+    pub lights: &'a [Arc<BoundShader>],
+    /// How near the start of a ray a surface does not count: others, and its own.
+    pub bias: [f32; 2],
+    /// Its normal, if it is flat.
+    pub flat: Option<Vec3>,
+    /// Its attributes.
+    pub attributes: &'a Attributes,
+    /// Rays between the camera and here.
+    pub depth: u32,
+    /// The last of them was one of many.
+    pub diffuse: bool,
+}
+
+thread_local! {
+    /// Machines for what rays meet, one for each ray that is followed at once.
+    static SPARE: RefCell<Vec<(Machine, Points)>> = const { RefCell::new(vec![]) };
+}
+
+impl<'a> View<'a> {
+    /// The view from an item, as its surface shader has it.
+    pub fn new(scene: &'a Scene, bvh: &'a Bvh, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
+        let attributes = view.attributes;
+        View {
+            scene,
+            bvh,
+            item,
+            object_to_world: view.object_to_world,
+            shader_to_world: attributes.surface_space,
+            lights: &attributes.light_list,
+            bias,
+            flat: flat_normal(view),
+            attributes,
+            depth: 0,
+            diffuse: false,
+        }
+    }
+
+    /// The colour and opacity of an item where a ray meets it.
+    fn shade(&self, item: Item, from: Vec3, dir: Vec3, distance: f32, diffuse: bool) -> ([f32; 3], [f32; 3]) {
+        let view = self.scene.view(item);
+        let a = view.attributes;
+        let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
+        let met = meet(&view, from + dir * distance, from, dir);
+        (points.nu, points.nv) = (1, 1);
+        points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
+        uniform_inputs(&mut points, &view);
+        points.inputs.extend(met.inputs);
+        let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
+        let way = (dir * distance).to_array();
+        let values: [(Global, &[f32]); 7] = [
+            (Global::P, &met.place.to_array()),
+            (Global::N, &normal),
+            (Global::I, &way),
+            (Global::U, &[met.uv[0]]),
+            (Global::V, &[met.uv[1]]),
+            (Global::S, &[met.st[0]]),
+            (Global::T, &[met.st[1]]),
+        ];
+        for (global, value) in values {
+            points.refill(global).extend_from_slice(value);
+        }
+        surface_globals(&mut points, &view, from);
+        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, &view, self.bias) };
+        machine.run(&a.surface, &mut points, &scene);
+        let three = |global| points.get(global).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
+        let answer = (three(Global::Ci), three(Global::Oi));
+        SPARE.with(|s| s.borrow_mut().push((machine, points)));
+        answer
+    }
+
+    /// Where a ray starts. From a flat surface it is lifted off a little, and begun a little earlier, so that in a corner it meets
+    /// the other wall, and at an edge passes the other side.
+    fn start(&self, from: Vec3, dir: Vec3) -> Vec3 {
+        let off = 0.05 * self.bias[0];
+        self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
+    }
+
+    /// How much light gets from one point to another.
+    fn light_along(&self, from: Vec3, to: Vec3) -> [f32; 3] {
+        if self.bvh.blocked(self.item, from, to, self.bias) {
+            return [0.0; 3];
+        }
+        if self.bvh.any_translucent() { self.light_through(from, to) } else { [1.0; 3] }
+    }
+
+    /// Four channels of a map at a place.
+    fn look_up(&self, query: &MapQuery) -> [f32; 4] {
+        match (query.how, query.light) {
+            // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
+            (Lookup::Shadow, Some(from)) => [1.0 - self.light_along(query.at.into(), from.into())[0]; 4],
+            (Lookup::Shadow, None) => {
+                self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
+                [0.0; 4]
+            }
+            _ => self.scene.textures.look_up(query, &self.scene.warnings),
+        }
+    }
+
+    /// How much light gets from one point to another through what is translucent, of which each surface that is met keeps its
+    /// opacity.
+    fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
+        let length = (to - from).length();
+        let dir = (to - from) / length;
+        let open = self.through(from, dir, length, |item, distance, _| self.opacity_at(item, from, dir, distance));
+        if nearly_none(open) { [0.0; 3] } else { open }
+    }
+
+    /// Follow a ray for a length through the surfaces that it meets, as long as they let something through: `meet` is told the item,
+    /// how far it is and what came so far, and answers its opacity. What is left at the end.
+    fn through(
+        &self,
+        from: Vec3,
+        dir: Vec3,
+        length: f32,
+        mut meet: impl FnMut(Item, f32, [f32; 3]) -> [f32; 3],
+    ) -> [f32; 3] {
+        let (mut open, mut least) = ([1.0f32; 3], 0.0);
+        for _ in 0..MAX_LAYERS {
+            let found = self.bvh.nearest(self.item, from, dir, least, self.bias);
+            let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
+            let opacity = meet(item, distance, open);
+            (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
+            if nearly_none(open) {
+                break;
+            }
+            least = distance + self.bias[0].max(1e-5 * distance);
+        }
+        open
+    }
+
+    /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
+    fn opacity_at(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> [f32; 3] {
+        let attributes = self.scene.attributes(item);
+        if attributes.surface.program.keeps_opacity || self.depth >= MAX_NESTED {
+            return attributes.opacity;
+        }
+        self.shade(item, from, dir, distance, false).1
+    }
+
+    /// How deep rays are followed.
+    fn max_depth(&self, many: bool) -> u32 {
+        let name = if many { "trace:maxdiffusedepth" } else { "trace:maxdepth" };
+        match self.scene.ask(Ask::Option, &[name]) {
+            Some(Answer::Numbers(v)) if !v.is_empty() => v[0].clamp(0.0, 100.0) as u32,
+            _ => MAX_DEPTH[many as usize],
+        }
+    }
+}
+
+/// The normal of an item that is flat all over, world space.
+fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
+    let Shape::Patches(patches) = view.shape else { return None };
+    let [patch] = patches.as_slice() else { return None };
+    let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
+    patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
+}
+
+/// Whether too little is left of a ray to follow it.
+fn nearly_none(open: [f32; 3]) -> bool {
+    open.iter().all(|o| *o < 1e-3)
+}
+
+/// A surface where a ray meets it, world space.
+struct Met {
+    place: Vec3,
+    normal: Vec3,
+    uv: [f32; 2],
+    st: [f32; 2],
+    inputs: Vec<(String, Vec<f32>)>,
+}
+
+fn meet(view: &ItemView<'_>, place: Vec3, from: Vec3, dir: Vec3) -> Met {
+    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
+    match view.shape {
+        Shape::Sphere => {
+            let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
+            let uv = sphere_uv(d);
+            Met { place, normal: (normals * d).normalize_or_zero(), uv, st: uv, inputs: vec![] }
+        }
+        Shape::Patches(patches) => {
+            let inverse = view.to_world.inverse();
+            let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
+            let at = inverse.transform_point3(place);
+            let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
+            let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
+                return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], inputs: vec![] };
+            };
+            let corner =
+                |values: &[f32], width: usize, c: usize| bilinear([0, 1, 2, 3].map(|k| values[k * width + c]), u, v);
+            let of = |corners: [[f32; 2]; 4], axis: usize| bilinear(corners.map(|c| c[axis]), u, v);
+            let mut normal = patch.normal(u, v);
+            let mut inputs = patch.uniform.clone();
+            for (name, values) in &patch.varying {
+                let width = values.len() / 4;
+                let value: Vec<f32> = (0..width).map(|c| corner(values, width, c)).collect();
+                match value[..] {
+                    [x, y, z] if name == "N" => normal = Vec3::new(x, y, z),
+                    _ => inputs.push((name.clone(), value)),
+                }
+            }
+            let normal = (normals * normal).normalize_or_zero();
+            Met {
+                place,
+                normal,
+                uv: [of(patch.uv, 0), of(patch.uv, 1)],
+                st: [of(patch.st, 0), of(patch.st, 1)],
+                inputs,
+            }
+        }
+    }
+}
+
+impl sl::machine::Scene for View<'_> {
+    fn lights(&self) -> &[Arc<BoundShader>] {
+        self.lights
+    }
+
+    fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
+        self.scene.matrix(from, to, &|space| match space {
+            "object" => Some(self.object_to_world),
+            "shader" => Some(self.shader_to_world),
+            _ => None,
+        })
+    }
+
+    fn transmission(&self, segments: &[Segment], light: &mut [[f32; 3]]) {
+        segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
+    }
+
+    fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
+        for (ray, distance) in rays.iter().zip(distances) {
+            let dir = Vec3::from(ray.direction);
+            let found = self.bvh.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
+            *distance = found.map(|(t, _)| t);
+        }
+    }
+
+    fn emitter(&self, light: usize, n: usize, place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
+        let (area, sample) = self.attributes.emitters.get(light).copied().flatten()?;
+        let light = &self.scene.area_lights[area as usize];
+        let (mut points, mut normals) = (vec![0.0; 3 * n], vec![0.0; 3 * n]);
+        for k in 0..n {
+            let at = sl::spread(sample as usize, place(k));
+            let (p, m) = light.area.point(at).unwrap_or_default();
+            for c in 0..3 {
+                (points[c * n + k], normals[c * n + k]) = (p[c], m[c]);
+            }
+        }
+        Some(Emitter { points, normals, part: 1.0 / light.samples as f32 })
+    }
+
+    fn traces(&self, many: bool) -> bool {
+        self.depth < self.max_depth(many)
+    }
+
+    fn trace(&self, rays: &[Ray], many: bool, colors: &mut [[f32; 3]]) {
+        if !self.traces(many) {
+            return colors.fill([0.0; 3]);
+        }
+        for (ray, color) in rays.iter().zip(colors) {
+            let dir = Vec3::from(ray.direction);
+            let from = self.start(ray.from.into(), dir);
+            *color = [0.0; 3];
+            self.through(from, dir, f32::INFINITY, |item, distance, open| {
+                let (ci, oi) = self.shade(item, from, dir, distance, many);
+                (0..3).for_each(|c| color[c] += open[c] * ci[c]);
+                oi
+            });
+        }
+    }
+
+    fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
+        queries.iter().zip(values).for_each(|(query, value)| *value = self.look_up(query));
+    }
+
+    fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        let a = self.attributes;
+        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
+        match (what, names) {
+            (Ask::Surface, [name]) => a.surface.parameter(name),
+            (Ask::Displacement, [name]) => a.displacement.as_ref()?.parameter(name),
+            (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
+            (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
+            (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
+            (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),
+            (Ask::Attribute, ["Color"]) => numbers(&a.color),
+            (Ask::Attribute, ["Opacity"]) => numbers(&a.opacity),
+            (Ask::Attribute, [name]) => a.user.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::RayInfo, ["depth"]) => numbers(&[self.depth as f32]),
+            (Ask::RayInfo, ["type"]) => {
+                let kind = if self.diffuse { "diffuse" } else { "specular" };
+                Some(Answer::Text(if self.depth == 0 { "camera" } else { kind }.into()))
+            }
+            _ => self.scene.ask(what, names),
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Images: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
+
+use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
+use ::image::codecs::tiff::TiffEncoder;
+use ::image::{ExtendedColorType, ImageEncoder};
+
+/// An image: rows from the top, red, green, blue (premultiplied) and coverage, and what else was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// The pixels.
+    pub pixels: Vec<[f32; 4]>,
+    /// Values besides colour.
+    pub aovs: Vec<Aov>,
+    /// Their numbers, one pixel's after another's.
+    pub extra: Vec<f32>,
+}
+
+/// How an image is written to a file: what the options of its frame say of that.
+pub struct Encoding<'a> {
+    /// The pixels that are written: the first along x and y, and one after the last.
+    pub window: [[usize; 2]; 2],
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    pub quantize_one: i32,
+    /// Amplitude of the dither, quantization steps.
+    pub dither: f32,
+    /// Metadata that is written into the file, by key.
+    pub about: &'a [(String, String)],
+}
+
+impl Image {
+    /// A black image.
+    pub fn new(width: usize, height: usize, aovs: Vec<Aov>) -> Image {
+        let mut image = Image { width, height, pixels: vec![[0.0; 4]; width * height], aovs, extra: vec![] };
+        image.extra.resize(width * height * image.depth(), 0.0);
+        image
+    }
+
+    /// Numbers of a pixel besides colour and coverage.
+    pub fn depth(&self) -> usize {
+        display::depth(&self.aovs)
+    }
+
+    /// Expose the colours: (gain · c)^(1/gamma).
+    pub fn expose(&mut self, gain: f32, gamma: f32) {
+        for p in &mut self.pixels {
+            for c in &mut p[..3] {
+                *c = (*c * gain).max(0.0);
+                if gamma != 1.0 {
+                    *c = c.powf(1.0 / gamma);
+                }
+            }
+        }
+    }
+
+    /// The image as the bytes of the file of some displays that have one name. EXR has floats, and so has TIFF where colours
+    /// are not quantized; only EXR has several layers.
+    pub fn encode(&self, displays: &[&Display], encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
+        let Some(display) = displays.first() else { return Err("no display takes the image".into()) };
+        let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
+        let channels = channels(&layers, &self.aovs);
+        let [[x0, y0], [x1, y1]] = encoding.window;
+        let pixels: Vec<usize> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x)).collect();
+        let size = [x1 - x0, y1 - y0];
+        match display.format() {
+            "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
+            kind => self.plain(kind, &channels, &pixels, size, encoding),
+        }
+    }
+
+    /// The numbers of a pixel for a value besides colour that the image has.
+    pub fn values(&self, pixel: usize, aov: &Aov) -> &[f32] {
+        let first = display::place_of(&self.aovs, &aov.name).unwrap_or_default();
+        &self.extra[pixel * self.depth() + first..][..aov.width()]
+    }
+
+    /// A number of a pixel, as [`display::Channel`] counts them.
+    fn number(&self, pixel: usize, at: usize) -> f32 {
+        if at < 4 { self.pixels[pixel][at] } else { self.extra[pixel * self.depth() + at - 4] }
+    }
+
+    fn exr(
+        &self,
+        channels: &[Channel],
+        pixels: &[usize],
+        [width, height]: [usize; 2],
+        half: bool,
+        encoding: &Encoding<'_>,
+    ) -> Result<Vec<u8>, String> {
+        use exr::prelude::{
+            AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, LayerAttributes, LineOrder, Text,
+            WritableImage, f16,
+        };
+        let text = |s: &str| Text::new_or_none(s).unwrap_or_else(|| Text::from("?"));
+        let list = channels.iter().map(|c| {
+            let values = pixels.iter().map(|p| self.number(*p, c.at));
+            // What is no colour needs all its digits.
+            let colour = matches!(c.name.rsplit('.').next(), Some("R" | "G" | "B" | "A"));
+            let samples = if half && colour {
+                FlatSamples::F16(values.map(f16::from_f32).collect())
+            } else {
+                FlatSamples::F32(values.collect())
+            };
+            AnyChannel::new(text(&c.name), samples)
+        });
+        // In a fixed order: the same image is the same bytes.
+        let about: Vec<String> = encoding.about.iter().map(|(key, value)| format!("{key}={value}")).collect();
+        let attributes = LayerAttributes {
+            software_name: Some(text(SOFTWARE)),
+            comments: Some(text(&about.join(" "))).filter(|_| !about.is_empty()),
+            ..LayerAttributes::default()
+        };
+        let blocks =
+            Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+        let layer = exr::image::Layer::new((width, height), attributes, blocks, AnyChannels::sort(list.collect()));
+        let mut image = exr::image::Image::from_layer(layer);
+        image.attributes.pixel_aspect = encoding.pixel_aspect;
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).map_err(|e| e.to_string())?;
+        Ok(bytes.into_inner())
+    }
+
+    /// PNG or TIFF.
+    fn plain(
+        &self,
+        kind: &str,
+        channels: &[Channel],
+        pixels: &[usize],
+        size: [usize; 2],
+        encoding: &Encoding<'_>,
+    ) -> Result<Vec<u8>, String> {
+        let n = channels.len();
+        let [w, h] = size.map(|n| n as u32);
+        let mut bytes = Vec::new();
+        let numbers = pixels.iter().flat_map(|p| channels.iter().map(move |c| (*p, c.at, self.number(*p, c.at))));
+        let mut tiff = |data: &[u8], color| {
+            let goal = std::io::Cursor::new(&mut bytes);
+            TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
+        };
+        if kind == "tiff" && encoding.quantize_one == 0 {
+            let color = match n {
+                3 => ExtendedColorType::Rgb32F,
+                4 => ExtendedColorType::Rgba32F,
+                _ => return Err(format!("a TIFF file of floats has 3 or 4 channels, not {n}: take EXR")),
+            };
+            tiff(&numbers.flat_map(|(.., x)| x.to_ne_bytes()).collect::<Vec<u8>>(), color)?;
+            return Ok(bytes);
+        }
+        let deep = encoding.quantize_one > 255;
+        let one = if deep { 65535.0 } else { 255.0 };
+        let quantize = |(i, c, x): (usize, usize, f32)| {
+            // Dither is noise of the pixel's own, the same in every run.
+            let noise = sl::noise::cell_noise(
+                [(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5],
+                9,
+            );
+            (x * one + encoding.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
+        };
+        let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
+        let data: Vec<u8> = if deep {
+            numbers.flat_map(|x| bits(quantize(x))).collect()
+        } else {
+            numbers.map(|x| quantize(x) as u8).collect()
+        };
+        let (color, tiff_color) = match (n, deep) {
+            (1, false) => (png::ColorType::Grayscale, ExtendedColorType::L8),
+            (1, true) => (png::ColorType::Grayscale, ExtendedColorType::L16),
+            (3, false) => (png::ColorType::Rgb, ExtendedColorType::Rgb8),
+            (3, true) => (png::ColorType::Rgb, ExtendedColorType::Rgb16),
+            (4, false) => (png::ColorType::Rgba, ExtendedColorType::Rgba8),
+            (4, true) => (png::ColorType::Rgba, ExtendedColorType::Rgba16),
+            _ => return Err(format!("a {kind} file has 1, 3 or 4 channels, not {n}: take EXR")),
+        };
+        if kind == "tiff" {
+            tiff(&data, tiff_color)?;
+            return Ok(bytes);
+        }
+        let fault = |e: png::EncodingError| e.to_string();
+        let mut encoder = png::Encoder::new(&mut bytes, w, h);
+        encoder.set_color(color);
+        encoder.set_depth(if deep { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
+        encoder.set_compression(png::Compression::Fast);
+        encoder.add_itxt_chunk("Software".into(), SOFTWARE.into()).map_err(fault)?;
+        for (key, value) in encoding.about {
+            encoder.add_itxt_chunk(format!("scree:{key}"), value.clone()).map_err(fault)?;
+        }
+        let mut writer = encoder.write_header().map_err(fault)?;
+        writer.write_image_data(&data).map_err(fault)?;
+        writer.finish().map_err(fault)?;
+        Ok(bytes)
+    }
+}
+
+/// The program and its version, as it is written into images.
+const SOFTWARE: &str = concat!("scree ", env!("CARGO_PKG_VERSION"));
+
+/// Width and height of an image file, if it can be decoded whole.
+pub fn decode_size(path: &std::path::Path) -> Option<(u32, u32)> {
+    ::image::open(path).ok().map(|i| (i.width(), i.height()))
+}

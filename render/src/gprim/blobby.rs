@@ -1,0 +1,300 @@
+//! Blobbies (PRMan's application note 31): a field made of leaves and operators, and the surface where it is 0.421875.
+//!
+//! The surface is found on a grid by surface nets (Gibson 1998): a point in every cell that it crosses, and a quadrilateral across
+//! every grid edge that it crosses; the points are then drawn to the surface along the field's slope, which gives the normals too.
+
+use crate::scene::patch::Patch;
+use glam::{Mat4, Vec3};
+use ri::Fail;
+
+/// The field's value on the surface.
+const LEVEL: f32 = 0.421_875;
+/// Cells along the longest side of the bound.
+const CELLS: f32 = 72.0;
+
+/// A leaf or an operator on those before it.
+enum Node {
+    Constant(f32),
+    /// Of the unit sphere, by the matrix into it.
+    Ellipsoid(Mat4),
+    /// A segment with a radius, in a space.
+    Segment {
+        a: Vec3,
+        b: Vec3,
+        radius: f32,
+        into: Mat4,
+    },
+    /// Repelling plane: height above it of a point, as a depth map would give.
+    Plane {
+        point: Vec3,
+        normal: Vec3,
+        reach: f32,
+    },
+    Add(Vec<usize>),
+    Multiply(Vec<usize>),
+    Max(Vec<usize>),
+    Min(Vec<usize>),
+    Subtract(usize, usize),
+    Divide(usize, usize),
+    Negate(usize),
+}
+
+/// A blobby's field.
+pub struct Field {
+    nodes: Vec<Node>,
+    leaves: Vec<usize>,
+    min: Vec3,
+    max: Vec3,
+}
+
+/// The falling off of a leaf's field: 1 in the middle, 0 at distance 1.
+fn bump(r2: f32) -> f32 {
+    if r2 >= 1.0 { 0.0 } else { (1.0 - r2).powi(3) }
+}
+
+impl Field {
+    /// Read the codes.
+    pub fn new(n_leaves: usize, codes: &[i32], floats: &[f32]) -> Result<Field, Fail> {
+        let mut field = Field { nodes: vec![], leaves: vec![], min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+        let mut at = 0;
+        let wrong = |what: String| Fail::new(format!("blobby: {what}"));
+        while at < codes.len() {
+            let code = codes[at];
+            at += 1;
+            let mut integer = || {
+                at += 1;
+                codes.get(at - 1).copied().ok_or(wrong(format!("the codes end within code {code}")))
+            };
+            let numbers = |first: i32, n: usize| {
+                let first = usize::try_from(first).unwrap_or(usize::MAX);
+                let found = floats.get(first..first.saturating_add(n));
+                found.ok_or(wrong(format!("code {code} needs {n} floats from {first}")))
+            };
+            let before = field.nodes.len();
+            let operand = |i: i32| {
+                let i = usize::try_from(i).ok().filter(|i| *i < before);
+                i.ok_or(wrong(format!("code {code} names a part that is not before it")))
+            };
+            let node = match code {
+                1000 => Node::Constant(numbers(integer()?, 1)?[0]),
+                1001 => {
+                    let m = Mat4::from_cols_slice(numbers(integer()?, 16)?);
+                    field.reach(&m, Vec3::ZERO, 1.0);
+                    Node::Ellipsoid(m.inverse())
+                }
+                1002 => {
+                    let v = numbers(integer()?, 23)?;
+                    let (a, b) = (Vec3::from_slice(&v[0..3]), Vec3::from_slice(&v[3..6]));
+                    let m = Mat4::from_cols_slice(&v[7..23]);
+                    field.reach(&m, a, v[6]);
+                    field.reach(&m, b, v[6]);
+                    Node::Segment { a, b, radius: v[6], into: m.inverse() }
+                }
+                1003 => {
+                    // A plane instead of the depth file: its name is a string, its numbers say how it repels.
+                    let (_, first) = (integer()?, integer()?);
+                    let v = numbers(first, 4)?;
+                    Node::Plane { point: Vec3::new(0.0, 0.0, v[0]), normal: Vec3::Z, reach: v[1].abs().max(1e-6) }
+                }
+                0..=3 => {
+                    let n = integer()?;
+                    let parts = (0..n.clamp(0, 1 << 20)).map(|_| operand(integer()?)).collect::<Result<Vec<_>, _>>()?;
+                    match code {
+                        0 => Node::Add(parts),
+                        1 => Node::Multiply(parts),
+                        2 => Node::Max(parts),
+                        _ => Node::Min(parts),
+                    }
+                }
+                4 => Node::Subtract(operand(integer()?)?, operand(integer()?)?),
+                5 => Node::Divide(operand(integer()?)?, operand(integer()?)?),
+                6 => Node::Negate(operand(integer()?)?),
+                7 => {
+                    operand(integer()?)?;
+                    continue;
+                }
+                other => return Err(wrong(format!("unknown code {other}"))),
+            };
+            if code >= 1000 {
+                field.leaves.push(field.nodes.len());
+            }
+            field.nodes.push(node);
+        }
+        if field.leaves.len() != n_leaves {
+            return Err(wrong(format!("{} leaves, expected {n_leaves}", field.leaves.len())));
+        }
+        if field.nodes.is_empty() || !field.min.is_finite() || !field.max.is_finite() {
+            return Err(wrong("no leaf with a bound".into()));
+        }
+        Ok(field)
+    }
+
+    fn reach(&mut self, m: &Mat4, center: Vec3, radius: f32) {
+        let c = m.transform_point3(center);
+        let row = |k: usize| Vec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]).length() * radius;
+        let half = Vec3::new(row(0), row(1), row(2));
+        self.min = self.min.min(c - half);
+        self.max = self.max.max(c + half);
+    }
+
+    fn leaf(&self, node: &Node, p: Vec3) -> f32 {
+        match node {
+            Node::Constant(x) => *x,
+            Node::Ellipsoid(m) => bump(m.transform_point3(p).length_squared()),
+            Node::Segment { a, b, radius, into } => {
+                let q = into.transform_point3(p);
+                let way = *b - *a;
+                let t =
+                    if way == Vec3::ZERO { 0.0 } else { ((q - *a).dot(way) / way.length_squared()).clamp(0.0, 1.0) };
+                bump((q - (*a + way * t)).length_squared() / (radius * radius))
+            }
+            Node::Plane { point, normal, reach } => {
+                let height = (p - *point).dot(*normal) / reach;
+                if height < 0.0 { -1.0 } else { -bump(height * height) }
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The field at a point; `values` is scratch.
+    fn at(&self, p: Vec3, values: &mut Vec<f32>) -> f32 {
+        values.clear();
+        for node in &self.nodes {
+            let parts = |list: &[usize]| list.iter().map(|i| values[*i]).collect::<Vec<f32>>();
+            let x = match node {
+                Node::Add(list) => parts(list).iter().sum(),
+                Node::Multiply(list) => parts(list).iter().product(),
+                Node::Max(list) => parts(list).into_iter().fold(f32::NEG_INFINITY, f32::max),
+                Node::Min(list) => parts(list).into_iter().fold(f32::INFINITY, f32::min),
+                Node::Subtract(a, b) => values[*a] - values[*b],
+                Node::Divide(a, b) if values[*b] != 0.0 => values[*a] / values[*b],
+                Node::Divide(..) => 0.0,
+                Node::Negate(a) => -values[*a],
+                leaf => self.leaf(leaf, p),
+            };
+            values.push(x);
+        }
+        *values.last().expect("a field has nodes")
+    }
+
+    /// The surface as patches; `varying` are values of the leaves, which blend as their fields do.
+    ///
+    /// It is long because its passes, over values, cells and edges, share the lattice and its indices.
+    pub fn patches(&self, varying: &[(String, usize, Vec<f32>)]) -> Vec<Patch> {
+        let mut scratch = Vec::new();
+        let size = (self.max - self.min).max_element() / CELLS;
+        let origin = self.min - size;
+        let n = ((self.max - self.min) / size).ceil().as_uvec3() + 3;
+        let [nx, ny, nz] = [n.x as usize, n.y as usize, n.z as usize];
+        let place = |i: usize, j: usize, k: usize| origin + Vec3::new(i as f32, j as f32, k as f32) * size;
+        let index = |i: usize, j: usize, k: usize| (k * ny + j) * nx + i;
+        let mut value = vec![0.0; nx * ny * nz];
+        for k in 0..nz {
+            for j in 0..ny {
+                for i in 0..nx {
+                    value[index(i, j, k)] = self.at(place(i, j, k), &mut scratch) - LEVEL;
+                }
+            }
+        }
+        let slope = |p: Vec3, scratch: &mut Vec<f32>| {
+            let d = 0.2 * size;
+            let mut along = |axis: Vec3| self.at(p + axis * d, scratch) - self.at(p - axis * d, scratch);
+            Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * d)
+        };
+        // A point in each cell that is crossed.
+        let mut cell = vec![u32::MAX; nx * ny * nz];
+        let (mut points, mut normals): (Vec<Vec3>, Vec<Vec3>) = (vec![], vec![]);
+        for k in 0..nz - 1 {
+            for j in 0..ny - 1 {
+                for i in 0..nx - 1 {
+                    let corner = |c: usize| (i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+                    let at = |c: usize| {
+                        let (i, j, k) = corner(c);
+                        value[index(i, j, k)]
+                    };
+                    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+                    for a in 0..8usize {
+                        for b in [a | 1, a | 2, a | 4].into_iter().filter(|b| *b != a) {
+                            let (x, y) = (at(a), at(b));
+                            if (x > 0.0) != (y > 0.0) {
+                                let place = |c: usize| {
+                                    let (i, j, k) = corner(c);
+                                    place(i, j, k)
+                                };
+                                sum += place(a).lerp(place(b), x / (x - y));
+                                count += 1.0;
+                            }
+                        }
+                    }
+                    if count > 0.0 {
+                        let mut p = sum / count;
+                        for _ in 0..3 {
+                            let g = slope(p, &mut scratch);
+                            if g.length_squared() > 1e-12 {
+                                let step = g * ((LEVEL - self.at(p, &mut scratch)) / g.length_squared());
+                                p += step.clamp_length_max(0.5 * size);
+                            }
+                        }
+                        cell[index(i, j, k)] = points.len() as u32;
+                        points.push(p);
+                        normals.push(-slope(p, &mut scratch).normalize_or_zero());
+                    }
+                }
+            }
+        }
+        let mut patches = Vec::new();
+        for k in 1..nz - 1 {
+            for j in 1..ny - 1 {
+                for i in 1..nx - 1 {
+                    let here = value[index(i, j, k)] > 0.0;
+                    // The four cells around each of the three edges that start here.
+                    for (there, around) in [
+                        (index(i + 1, j, k), [(i, j - 1, k - 1), (i, j, k - 1), (i, j - 1, k), (i, j, k)]),
+                        (index(i, j + 1, k), [(i - 1, j, k - 1), (i - 1, j, k), (i, j, k - 1), (i, j, k)]),
+                        (index(i, j, k + 1), [(i - 1, j - 1, k), (i, j - 1, k), (i - 1, j, k), (i, j, k)]),
+                    ] {
+                        if (value[there] > 0.0) == here {
+                            continue;
+                        }
+                        let mut quad = around.map(|(i, j, k)| cell[index(i, j, k)] as usize);
+                        if quad.contains(&(u32::MAX as usize)) {
+                            continue;
+                        }
+                        if !here {
+                            quad.swap(1, 2);
+                        }
+                        patches.push(self.patch(quad, &points, &normals, varying));
+                    }
+                }
+            }
+        }
+        patches
+    }
+
+    /// A quadrilateral of the net, curved by its normals.
+    fn patch(
+        &self,
+        quad: [usize; 4],
+        points: &[Vec3],
+        normals: &[Vec3],
+        varying: &[(String, usize, Vec<f32>)],
+    ) -> Patch {
+        let mut patch = Patch::bilinear(quad.map(|i| points[i]));
+        patch.flat = false;
+        patch.varying.push(("N".into(), quad.iter().flat_map(|i| normals[*i].to_array()).collect()));
+        for (name, width, values) in varying {
+            let mut corners = Vec::with_capacity(4 * width);
+            for i in quad {
+                let share: Vec<f32> =
+                    self.leaves.iter().map(|l| self.leaf(&self.nodes[*l], points[i]).max(0.0)).collect();
+                let whole: f32 = share.iter().sum();
+                for c in 0..*width {
+                    let sum: f32 = share.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
+                    corners.push(if whole > 0.0 { sum / whole } else { values[c] });
+                }
+            }
+            patch.varying.push((name.clone(), corners));
+        }
+        patch
+    }
+}

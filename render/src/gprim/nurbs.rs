@@ -1,0 +1,164 @@
+//! NURBS patches as bicubic patches, their variables, and NURBS curves.
+
+use crate::scene::patch::Patch;
+use glam::{Vec3, Vec4};
+use ri::{Fail, Knots};
+
+/// Basis functions of order k at t that are not zero: the first one's index and their values (Cox and de Boor).
+fn basis(knots: &[f32], n: usize, order: usize, t: f32) -> (usize, Vec<f32>) {
+    let mut span = order - 1;
+    while span + 1 < n && t >= knots[span + 1] {
+        span += 1;
+    }
+    let mut b = vec![1.0];
+    for k in 1..order {
+        let mut next = vec![0.0; k + 1];
+        for (i, x) in b.iter().enumerate() {
+            let (lo, hi) = (knots[span + 1 + i - k], knots[span + 1 + i]);
+            let w = if hi > lo { (t - lo) / (hi - lo) } else { 0.0 };
+            next[i] += x * (1.0 - w);
+            next[i + 1] += x * w;
+        }
+        b = next;
+    }
+    (span + 1 - order, b)
+}
+
+/// Check the numbers of a NURBS along one parameter.
+fn check(k: &Knots, axis: &str) -> Result<(), Fail> {
+    let (n, order) = (k.n as usize, k.order as usize);
+    let wrong = |what: String| Err(Fail::new(format!("NURBS along {axis}: {what}")));
+    if k.order < 2 || k.n < k.order || k.n > 1 << 20 || k.order > 32 {
+        return wrong(format!("{} points of order {}", k.n, k.order));
+    }
+    if k.knots.len() != n + order {
+        return wrong(format!("{} knots, expected {}", k.knots.len(), n + order));
+    }
+    if k.knots.windows(2).any(|w| !(w[0] <= w[1])) {
+        return wrong("its knots fall".into());
+    }
+    let (lo, hi) = (k.knots[order - 1], k.knots[n]);
+    if !(k.range[0] < k.range[1] && k.range[0] >= lo - 1e-6 && k.range[1] <= hi + 1e-6) {
+        return wrong(format!("its range {} to {} is not within its knots, {lo} to {hi}", k.range[0], k.range[1]));
+    }
+    Ok(())
+}
+
+/// A NURBS patch of homogeneous points; each span becomes patches, exact up to cubics with even weights.
+pub fn nurbs(points: &[Vec4], u: &Knots, v: &Knots) -> Result<Vec<Patch>, Fail> {
+    check(u, "u")?;
+    check(v, "v")?;
+    let (nu, nv) = (u.n as usize, v.n as usize);
+    if points.len() != nu * nv {
+        return Err(Fail::new(format!("a NURBS patch of {nu} × {nv} points has {}", points.len())));
+    }
+    let at = |s: f32, t: f32| nurbs_point(points, u, v, s, t);
+    let even = points.iter().all(|p| (p.w - points[0].w).abs() < 1e-6 * points[0].w.abs());
+    let exact = even && u.order <= 4 && v.order <= 4;
+    let cuts = |k: &Knots| -> Vec<[f32; 2]> {
+        let mut ends: Vec<f32> = vec![k.range[0]];
+        ends.extend(k.knots.iter().copied().filter(|x| *x > k.range[0] && *x < k.range[1]));
+        ends.push(k.range[1]);
+        ends.dedup();
+        let parts = if exact { 1 } else { 6 };
+        ends.windows(2)
+            .flat_map(|w| {
+                let at = move |i: usize| w[0] + (w[1] - w[0]) * i as f32 / parts as f32;
+                (0..parts).map(move |i| [at(i), at(i + 1)])
+            })
+            .collect()
+    };
+    let mut patches = Vec::new();
+    for tv in cuts(v) {
+        for su in cuts(u) {
+            // Just inside the span's end, so that the next span's polynomial is not taken.
+            let inside = |x: f32, r: [f32; 2]| if x >= r[1] { r[1] - (r[1] - r[0]) * 1e-6 } else { x };
+            patches.push(patch_through(|s, t| at(inside(s, su), inside(t, tv)), su, tv));
+        }
+    }
+    Ok(patches)
+}
+
+/// A point of a NURBS patch.
+fn nurbs_point(points: &[Vec4], u: &Knots, v: &Knots, s: f32, t: f32) -> Vec3 {
+    let nu = u.n as usize;
+    let (i0, bu) = basis(&u.knots, nu, u.order as usize, s);
+    let (j0, bv) = basis(&v.knots, v.n as usize, v.order as usize, t);
+    let mut sum = Vec4::ZERO;
+    for (j, y) in bv.iter().enumerate() {
+        for (i, x) in bu.iter().enumerate() {
+            sum += points[(j0 + j) * nu + i0 + i] * (x * y);
+        }
+    }
+    if sum.w != 0.0 { sum.truncate() / sum.w } else { sum.truncate() }
+}
+
+/// The values of a NURBS patch's variable, `width` numbers each, at (s, t), if it has as many as the patch has control points
+/// (then it follows the surface) or corners of spans (then it is bilinear in each). RISpec 5.3.
+pub fn nurbs_variable(
+    values: &[f32],
+    width: usize,
+    points: &[Vec4],
+    u: &Knots,
+    v: &Knots,
+    s: f32,
+    t: f32,
+) -> Option<Vec<f32>> {
+    let (nu, nv) = (u.n as usize, v.n as usize);
+    if values.len() == nu * nv * width {
+        let component = |c: usize| {
+            let own: Vec<Vec4> =
+                points.iter().enumerate().map(|(k, p)| Vec4::new(values[k * width + c] * p.w, 0.0, 0.0, p.w)).collect();
+            nurbs_point(&own, u, v, s, t).x
+        };
+        return Some((0..width).map(component).collect());
+    }
+    let spans = |k: &Knots| (k.n - k.order + 1) as usize;
+    let columns = spans(u) + 1;
+    if values.len() != columns * (spans(v) + 1) * width {
+        return None;
+    }
+    // Which span a parameter is in, and how far along it.
+    let place = |k: &Knots, x: f32| {
+        let first = k.order as usize - 1;
+        let at = (0..spans(k)).rev().find(|i| k.knots[first + i] <= x).unwrap_or(0);
+        let (a, b) = (k.knots[first + at], k.knots[first + at + 1]);
+        (at, if b > a { ((x - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 })
+    };
+    let ((i, x), (j, y)) = (place(u, s), place(v, t));
+    let component = |c: usize| {
+        let at = |di: usize, dj: usize| values[((j + dj) * columns + i + di) * width + c];
+        (at(0, 0) * (1.0 - x) + at(1, 0) * x) * (1.0 - y) + (at(0, 1) * (1.0 - x) + at(1, 1) * x) * y
+    };
+    Some((0..width).map(component).collect())
+}
+
+/// A point of a NURBS curve in u, v, w.
+pub fn nurbs_curve(points: &[Vec3], knots: &[f32], order: usize, t: f32) -> [f32; 2] {
+    let (first, b) = basis(knots, points.len(), order, t);
+    let sum: Vec3 = b.iter().enumerate().map(|(i, x)| points[first + i] * *x).sum();
+    if sum.z != 0.0 { [sum.x / sum.z, sum.y / sum.z] } else { [sum.x, sum.y] }
+}
+
+/// The patch through points of a surface, given over unit parameters: exact for what is bicubic.
+fn patch_through(at: impl Fn(f32, f32) -> Vec3, u: [f32; 2], v: [f32; 2]) -> Patch {
+    let place = |r: [f32; 2], k: usize| r[0] + (r[1] - r[0]) * k as f32 / 3.0;
+    let mut p = [Vec3::ZERO; 16];
+    for (k, q) in p.iter_mut().enumerate() {
+        *q = at(place(u, k % 4), place(v, k / 4));
+    }
+    // From points at thirds to control points, along rows and then along columns.
+    let control = |p: [Vec3; 4]| {
+        let inner = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 6.0;
+        [p[0], inner(p[0], p[1], p[2], p[3]), inner(p[3], p[2], p[1], p[0]), p[3]]
+    };
+    for j in 0..4 {
+        let row = control([p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
+        p[4 * j..4 * j + 4].copy_from_slice(&row);
+    }
+    for i in 0..4 {
+        let column = control([p[i], p[4 + i], p[8 + i], p[12 + i]]);
+        (0..4).for_each(|j| p[4 * j + i] = column[j]);
+    }
+    Patch::smooth(p, u, v)
+}

@@ -1,0 +1,68 @@
+//! Polygons as patches, concave ones and those with holes by triangles.
+
+use crate::gprim::variables::patch_variables;
+use crate::scene::patch::Patch;
+use glam::Vec3;
+use ri::{Fail, Params};
+
+/// A polygon as patches: its outline, then its holes, as indices into "P". `face` is its uniform index, `first` that of its first
+/// corner in facevarying values. Four corners that make a convex face become one bilinear patch, others triangles.
+pub fn polygon_patches(loops: &[Vec<usize>], params: &Params, face: usize, first: usize) -> Result<Vec<Patch>, Fail> {
+    let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("a polygon needs \"P\""))?.numbers();
+    let all: Vec<usize> = loops.concat();
+    let mut points = Vec::with_capacity(all.len());
+    for i in &all {
+        let c = p.get(3 * i..3 * i + 3).ok_or(Fail::new(format!("vertex {i} is not in \"P\"")))?;
+        points.push([c[0], c[1], c[2]]);
+    }
+    if points.as_flattened().iter().any(|x| !x.is_finite()) {
+        return Err(Fail::new("a polygon has a vertex that is not a finite number"));
+    }
+    let n_outer = loops.first().map_or(0, Vec::len);
+    let at = |i: usize| Vec3::from(points[i]);
+    // Corners of a patch: (0,0), (1,0), (0,1), (1,1); a triangle has its last corner twice.
+    let mut quads: Vec<[usize; 4]> = Vec::new();
+    let normal = |a: usize, b: usize, c: usize| (at(b) - at(a)).cross(at(c) - at(a));
+    let convex = |n: usize| {
+        let first = normal(0, 1, 2);
+        (0..n).all(|k| {
+            let corner = (at((k + 1) % n) - at(k)).cross(at((k + 2) % n) - at((k + 1) % n));
+            corner.dot(first) > 0.0
+        })
+    };
+    if loops.len() == 1 && n_outer == 4 && convex(4) {
+        quads.push([0, 1, 3, 2]);
+    } else if n_outer == 3 && loops.len() == 1 {
+        quads.push([0, 1, 2, 2]);
+    } else {
+        let mut flat = Vec::new();
+        let mut triangles: Vec<usize> = Vec::new();
+        if earcut::utils3d::project3d_to_2d(&points, n_outer, &mut flat) {
+            let holes: Vec<usize> = loops[..loops.len() - 1]
+                .iter()
+                .scan(0, |sum, l| {
+                    *sum += l.len();
+                    Some(*sum)
+                })
+                .collect();
+            earcut::Earcut::new().earcut(flat.iter().copied(), &holes, &mut triangles);
+        }
+        // The plane that they are cut in may be seen from behind.
+        let whole: Vec3 = (0..n_outer).map(|k| at(k).cross(at((k + 1) % n_outer))).sum();
+        for t in triangles.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]];
+            if normal(a, b, c).dot(whole) < 0.0 { quads.push([a, c, b, b]) } else { quads.push([a, b, c, c]) }
+        }
+    }
+    let mut patches = Vec::new();
+    for quad in quads {
+        let c = quad.map(at);
+        let mut patch = Patch::bilinear(c);
+        // A polygon's parameters are its x and y in object space (RISpec 5.2).
+        patch.uv = c.map(|c| [c.x, c.y]);
+        patch.st = patch.uv;
+        patch_variables(&mut patch, params, quad.map(|k| all[k]), quad.map(|k| first + k), face)?;
+        patches.push(patch);
+    }
+    Ok(patches)
+}

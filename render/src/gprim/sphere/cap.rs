@@ -1,0 +1,196 @@
+//! The half of a sphere that the eye sees, diced evenly as the eye sees it.
+
+use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::sphere::lattice::{LatticeSphere, TILE, eye_in_lattice, fill};
+use crate::scene::motion::Instant;
+use glam::Vec3;
+
+/// Memory of dicing a sphere, kept from sphere to sphere.
+#[derive(Default)]
+pub struct Scratch {
+    /// Directions and normals of the grid at hand.
+    pub directions: Vec<(Vec3, Vec3)>,
+    disk: Disk,
+}
+
+/// The half of a sphere that the eye sees: a square lattice on the disk that it is on the raster (Shirley and Chiu 1997), so that
+/// micropolygons are of one size there and the outline is a ring of the lattice.
+pub struct Cap {
+    /// Towards the eye, and two directions across, in the space of the sphere's lattice.
+    axes: [Vec3; 3],
+    /// Cosine and sine of the angle from the eye's direction, by rings from the middle.
+    rings: Vec<[f32; 2]>,
+    /// The ring of the outline, and the angle of its normals.
+    outline: (usize, [f32; 2]),
+}
+
+/// Normals at the outline lean this much towards the eye, radians, so that none is taken for one that faces away.
+const INWARDS: f32 = 2e-3;
+
+/// The most that a cap may reach round the outline, for eyes that move, radians.
+const ROUND: f32 = 0.5;
+
+impl Cap {
+    /// Of a sphere of so many micropolygons' radius; none where the eye is too near or moves too far.
+    pub fn new(subject: &Subject<'_>, sphere: &LatticeSphere, radius: f32) -> Option<Cap> {
+        let Subject { camera, instants, .. } = *subject;
+        let eye = eye_in_lattice(camera, sphere, &instants[0]);
+        let distance = if camera.perspective { eye.length() } else { f32::INFINITY };
+        let to_eye = eye.normalize_or_zero();
+        let up = sphere.to_lattice * camera.to_world.y_axis.truncate();
+        let across = up.cross(to_eye).normalize_or_zero();
+        // Angles between eyes are seen from the middle; from the surface they may be greater.
+        let turn = |i: &Instant| to_eye.angle_between(eye_in_lattice(camera, sphere, i));
+        let mut round = instants[1..].iter().map(turn).fold(0.0, f32::max);
+        if let Some(lens) = camera.lens_radius() {
+            round += lens / (sphere.longest() * distance);
+        }
+        round *= 1.5;
+        if !(distance > 1.05 && round < ROUND) || across == Vec3::ZERO || !across.is_finite() {
+            return None;
+        }
+        // As many micropolygons as the disk has room for.
+        let count = (0.5 * std::f32::consts::PI.sqrt() * radius * (1.0 - distance.powi(-2)).powf(-0.5)).ceil().max(1.0);
+        let angle = |part: f32| {
+            if distance == f32::INFINITY {
+                return part.min(1.0).asin();
+            }
+            let slope = part / (distance * distance - 1.0).sqrt();
+            (distance * slope / (1.0 + slope * slope).sqrt()).min(1.0).asin() - slope.atan()
+        };
+        let pair = |angle: f32| [angle.cos(), angle.sin()];
+        let mut rings: Vec<[f32; 2]> = (0..=count as usize).map(|k| pair(angle(k as f32 / count))).collect();
+        let outline = (rings.len() - 1, pair(angle(1.0) - INWARDS));
+        if round > 0.0 {
+            let more = (round * radius).ceil();
+            let horizon = angle(1.0);
+            rings.extend((1..=more as usize).map(|k| pair(horizon + round * k as f32 / more)));
+        }
+        Some(Cap { axes: [to_eye, across, to_eye.cross(across)], rings, outline })
+    }
+
+    /// Dice it, tile by tile.
+    pub fn dice(
+        &self,
+        subject: &Subject<'_>,
+        mut sphere: LatticeSphere,
+        scratch: &mut Scratch,
+        grid: &mut Grid,
+        sink: &mut impl Sink,
+    ) {
+        (grid.apron, grid.keep, grid.reach) = (false, [u32::MAX; 4], 0.0);
+        let half = self.rings.len() - 1;
+        // The outline has eight sides a ring.
+        let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;
+        sphere.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
+        let tiles = (2 * half).div_ceil(TILE);
+        let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
+        for tile in 0..tiles * tiles {
+            let (i, j) = (range(tile % tiles), range(tile / tiles));
+            let (middle, spread) = self.around(&mut scratch.disk, i, j);
+            let around = sphere.center + sphere.linear * middle;
+            let reach = 2.0 * (0.5 * spread).sin() * sphere.longest();
+            let box_at = |instant: &Instant| {
+                let c = instant.to_camera.transform_point3(around);
+                (c - reach, c + reach)
+            };
+            if tiles > 1 && !subject.may_show(sink, box_at) {
+                continue;
+            }
+            self.dice_tile(subject, &sphere, i, j, scratch, grid);
+            sink.take(grid);
+        }
+    }
+
+    /// The direction of a point of the lattice.
+    fn direction(&self, disk: &mut Disk, i: usize, j: usize) -> Vec3 {
+        let half = self.rings.len() as i32 - 1;
+        let (a, b) = (i as i32 - half, j as i32 - half);
+        let [cos, sin] = self.rings[a.abs().max(b.abs()) as usize];
+        let [x, y] = disk.direction(a, b);
+        self.axes[0] * cos + (self.axes[1] * x + self.axes[2] * y) * sin
+    }
+
+    /// A direction in the middle of a tile, and the angle from there within which all of it is: its corners lie farthest, up to a
+    /// little.
+    fn around(&self, disk: &mut Disk, i: [usize; 2], j: [usize; 2]) -> (Vec3, f32) {
+        let middle = self.direction(disk, (i[0] + i[1]) / 2, (j[0] + j[1]) / 2);
+        let corners = [(i[0], j[0]), (i[1], j[0]), (i[0], j[1]), (i[1], j[1])];
+        let angle = |(i, j): (usize, usize)| self.direction(disk, i, j).angle_between(middle);
+        (middle, 1.1 * corners.map(angle).into_iter().fold(0.0, f32::max) + 1e-3)
+    }
+
+    fn dice_tile(
+        &self,
+        subject: &Subject<'_>,
+        sphere: &LatticeSphere,
+        i: [usize; 2],
+        j: [usize; 2],
+        scratch: &mut Scratch,
+        grid: &mut Grid,
+    ) {
+        let half = self.rings.len() as i32 - 1;
+        let size = [i, j].map(|[lo, hi]| hi - lo + 1);
+        let [to_eye, across, up] = self.axes;
+        let Scratch { directions, disk } = scratch;
+        directions.clear();
+        for b in j[0]..=j[1] {
+            for a in i[0]..=i[1] {
+                let (a, b) = (a as i32 - half, b as i32 - half);
+                let ring = a.abs().max(b.abs()) as usize;
+                let [x, y] = disk.direction(a, b);
+                let side = across * x + up * y;
+                let on = |[cos, sin]: [f32; 2]| to_eye * cos + side * sin;
+                let normal = if ring >= self.outline.0 { self.outline.1 } else { self.rings[ring] };
+                directions.push((on(self.rings[ring]), on(normal)));
+            }
+        }
+        fill(subject, sphere, size, directions, grid);
+    }
+}
+
+/// Directions from the middle of a square lattice on a disk, by column and row from there, kept from sphere to sphere.
+#[derive(Default)]
+pub struct Disk {
+    /// For each ring, of an eighth of it: cosine and sine.
+    eighths: Vec<Vec<[f32; 2]>>,
+}
+
+impl Disk {
+    fn direction(&mut self, a: i32, b: i32) -> [f32; 2] {
+        let (x, y) = (a.unsigned_abs() as usize, b.unsigned_abs() as usize);
+        let (ring, along) = (x.max(y), x.min(y));
+        while self.eighths.len() <= ring {
+            let n = self.eighths.len();
+            let at = |k: usize| (std::f32::consts::FRAC_PI_4 * k as f32 / n.max(1) as f32).sin_cos();
+            self.eighths.push((0..=n).map(|k| [at(k).1, at(k).0]).collect());
+        }
+        let [near, far] = self.eighths[ring][along];
+        let (cos, sin) = if x >= y { (near, far) } else { (far, near) };
+        [if a < 0 { -cos } else { cos }, if b < 0 { -sin } else { sin }]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_of_a_cap_lie_within_their_bounds() {
+        for (half, horizon) in [(3usize, 1.5f32), (12, 1.2), (40, 0.7), (55, 1.56)] {
+            let angle = |k: usize| (k as f32 / half as f32 * horizon.sin()).min(1.0).asin();
+            let rings = (0..=half).map(|k| [angle(k).cos(), angle(k).sin()]).collect();
+            let cap = Cap { axes: [Vec3::Z, Vec3::X, Vec3::Y], rings, outline: (half, [0.0, 1.0]) };
+            let mut disk = Disk::default();
+            let tiles = (2 * half).div_ceil(TILE);
+            let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
+            for (i, j) in (0..tiles * tiles).map(|t| (range(t % tiles), range(t / tiles))) {
+                let (middle, spread) = cap.around(&mut disk, i, j);
+                for (a, b) in (i[0]..=i[1]).flat_map(|a| (j[0]..=j[1]).map(move |b| (a, b))) {
+                    let off = cap.direction(&mut disk, a, b).angle_between(middle);
+                    assert!(off <= spread, "{half} {i:?} {j:?}: {off} beyond {spread}");
+                }
+            }
+        }
+    }
+}

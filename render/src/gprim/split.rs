@@ -1,0 +1,298 @@
+//! Splitting of bicubic patches to pieces that make a grid each.
+//!
+//! A patch is split in its parameters until a piece is before the near plane, even in depth, and small enough for a grid. A
+//! grid's edge is diced by what the edge itself measures, halved where it is long and each half again, and points that the edge
+//! does not have so are put onto the line between those that it has: neighbours that share an edge agree on it, whatever their
+//! insides need and however they are split.
+
+use crate::gprim::bound::displacement_reach;
+use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::patch::{Piece, dice};
+use crate::gprim::quadric::whole_sphere;
+use crate::scene::motion::{Instant, later};
+use crate::scene::patch::Patch;
+use crate::scene::shape::Shape;
+use crate::scene::source::Item;
+use glam::Vec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Micropolygons along a grid's edge.
+const TILE: usize = 16;
+
+/// Splits after which a piece that still crosses the near plane is given up.
+const DEEPEST: u32 = 40;
+
+/// A piece of a patch of an item that waits for its turn, which comes by its least depth.
+#[derive(Clone, Copy, Debug)]
+pub struct Waiting {
+    z: f32,
+    item: Item,
+    patch: u32,
+    piece: Piece,
+}
+
+impl Waiting {
+    fn key(&self) -> (u32, u32, u32) {
+        (self.item.source, self.item.index, self.patch)
+    }
+
+    /// The item.
+    pub fn item(&self) -> Item {
+        self.item
+    }
+
+    /// Whether its turn comes before that of an item whose least depth is `z`.
+    fn before(&self, z: f32, item: Item) -> bool {
+        self.z.total_cmp(&z).then((self.item.source, self.item.index).cmp(&(item.source, item.index))).is_lt()
+    }
+}
+
+impl Ord for Waiting {
+    /// The nearest is the greatest.
+    fn cmp(&self, o: &Waiting) -> Ordering {
+        let start = |w: &Waiting| w.piece.u[0] + 2.0 * w.piece.v[0];
+        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(start(o).total_cmp(&start(self)))
+    }
+}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, o: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(o))
+    }
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, o: &Waiting) -> bool {
+        self.cmp(o).is_eq()
+    }
+}
+
+impl Eq for Waiting {}
+
+/// Pieces that wait for their turn, the nearest first.
+#[derive(Default)]
+pub struct Queue {
+    waiting: BinaryHeap<Waiting>,
+    /// Pieces that were split.
+    pub splits: u64,
+}
+
+impl Queue {
+    /// The next piece, if its turn comes before that of an item with its least depth.
+    pub fn pop_before(&mut self, next: Option<&(f32, Item)>) -> Option<Waiting> {
+        self.waiting.peek().filter(|w| next.is_none_or(|(z, item)| w.before(*z, *item)))?;
+        self.waiting.pop()
+    }
+}
+
+/// Dice the patches of an item; what is too large is split and waits in the queue.
+pub fn dice_all(subject: &Subject<'_>, patches: &[Patch], queue: &mut Queue, grid: &mut Grid, sink: &mut impl Sink) {
+    for patch in patches.iter().enumerate() {
+        dice_or_split(subject, patch, Piece { u: [0.0, 1.0], v: [0.0, 1.0], depth: 0 }, queue, grid, sink);
+    }
+}
+
+/// Dice a piece whose turn has come.
+pub fn dice_waiting(
+    subject: &Subject<'_>,
+    waiting: &Waiting,
+    queue: &mut Queue,
+    grid: &mut Grid,
+    sink: &mut impl Sink,
+) {
+    let patches = match subject.view.shape {
+        Shape::Patches(patches) => patches,
+        Shape::Sphere => whole_sphere(),
+    };
+    let k = waiting.patch as usize;
+    dice_or_split(subject, (k, &patches[k]), waiting.piece, queue, grid, sink);
+}
+
+/// Dice a piece of patch `k` of an item, or split it.
+///
+/// It is long because every measure of the piece decides in turn whether it is dropped, split or diced, and how finely.
+fn dice_or_split(
+    subject: &Subject<'_>,
+    (k, patch): (usize, &Patch),
+    piece: Piece,
+    queue: &mut Queue,
+    grid: &mut Grid,
+    sink: &mut impl Sink,
+) {
+    let Subject { view, camera, instants, .. } = *subject;
+    let size = patch.p.iter().map(|p| (*p - patch.p[0]).length()).fold(0.0, f32::max);
+    let scale = view.to_world.x_axis.truncate().length();
+    let reach = displacement_reach(view, size * scale);
+    let to_camera = camera.to_camera * view.to_world;
+    let own = sub_patch(&patch.p, piece);
+    let p = own.map(|p| to_camera.transform_point3(p));
+    let hull =
+        |p: &[Vec3; 16]| p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (min, max) = hull(&p);
+    // What is wholly behind the near plane as the shutter opens is not seen, wherever it moves.
+    if !min.is_finite() || !max.is_finite() || max.z + reach < camera.near {
+        return;
+    }
+    // Control points in camera space at a moment.
+    let moved = |instant: &Instant| {
+        let own =
+            if patch.moves.is_empty() { own } else { sub_patch(&later(patch.p, &patch.moves, instant.time), piece) };
+        let m = instant.to_camera * view.to_world;
+        own.map(|p| m.transform_point3(p))
+    };
+    let shows = subject.may_show(sink, |instant| {
+        let (min, max) = if instant.time == 0.0 { (min, max) } else { hull(&moved(instant)) };
+        (min - reach, max + reach)
+    });
+    if !shows {
+        return;
+    }
+    let split = |along_u: bool, queue: &mut Queue| {
+        let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
+        let (depth, whole) = (piece.depth + 1, [0.0, 1.0]);
+        for half in 0..2 {
+            let part = |r: [f32; 2], divided: bool| if divided { halves(r)[half] } else { r };
+            let [u, v] = [(whole, along_u), (whole, !along_u)].map(|(r, divided)| part(r, divided));
+            let z = hull(&sub_patch(&p, Piece { u, v, depth })).0.z - reach;
+            let piece = Piece { u: part(piece.u, along_u), v: part(piece.v, !along_u), depth };
+            queue.waiting.push(Waiting { z, item: subject.item, patch: k as u32, piece });
+        }
+    };
+    let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
+    let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
+    let last = instants[1..].last().map(&moved);
+    let crosses = camera.perspective && min.z <= camera.near;
+    if crosses {
+        // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
+        // than half a pixel there.
+        let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
+        let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
+        if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
+            split(u >= v, queue);
+            queue.splits += 1;
+        }
+        return;
+    }
+    let step = view.attributes.shading_rate.sqrt();
+    // Nearer than it may be displaced, its size on the raster says nothing.
+    let ahead = p.map(|p| Vec3::new(p.x, p.y, p.z.max(reach)));
+    let raster = ahead.map(|p| camera.project(p).extend(0.0));
+    // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
+    // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
+    let blur = |k: usize| {
+        let shift = last.map_or(0.0, |last| camera.shift(ahead[k], last[k]));
+        shift + 2.0 * camera.confusion(p[k].z).abs()
+    };
+    let blurred = last.is_some() || camera.has_lens();
+    let pixels = |a: usize, stride: usize| {
+        let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
+        let fine = path(&leg.map(|k| raster[k])) / step;
+        if !blurred {
+            return fine;
+        }
+        // A bent edge keeps its shape however much it is blurred.
+        let coarser = coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min));
+        (fine / coarser).max(fine.min(4.0))
+    };
+    let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
+    let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
+    let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
+    // An edge that is not blurred is halved where it is long, as far as that goes, so that neighbours find the same points on it
+    // however they are split.
+    let halved = |a: usize, stride: usize| {
+        let mut points = 1 | 1 << TILE;
+        let curve = [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| ahead[k]);
+        let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
+        halve(curve, 0, TILE, &length, &mut points).then_some(points)
+    };
+    let edges = [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) });
+    let own = |edge: usize, rate: usize| match edges[edge] {
+        Some(points) => segments(points),
+        None if blurred => rate,
+        None => rate.max(2 * TILE),
+    };
+    let most = |a: usize, inner: [usize; 2], b: usize| a.max(inner[0]).max(inner[1]).max(b);
+    let nu = most(own(0, rows[0]), [rows[1], rows[2]], own(1, rows[3]));
+    let nv = most(own(2, columns[0]), [columns[1], columns[2]], own(3, columns[3]));
+    let uneven = camera.perspective && max.z > 2.0 * min.z;
+    let deep = piece.depth >= DEEPEST;
+    if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
+        queue.splits += 1;
+        return split(nu >= nv, queue);
+    }
+    let (nu, nv) = (nu.min(TILE), nv.min(TILE));
+    grid.apron = view.attributes.displacement.is_some();
+    dice(subject, patch, piece, [nu, nv], grid);
+    let kept = |n: usize, edge: usize, rate: usize| {
+        let every = (n / rate.min(n)).max(1);
+        let is_kept =
+            |k: usize| edges[edge].map_or(k.is_multiple_of(every), |points| points >> (k * TILE / n) & 1 == 1);
+        (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
+    };
+    grid.keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];
+    grid.reach = reach;
+    sink.take(grid);
+}
+
+/// How much wider micropolygons may be that are blurred over so many pixels.
+pub fn coarsening(blur: f32) -> f32 {
+    1.0 + blur / 5.0
+}
+
+/// Equal segments of an edge that have all these points of `TILE` at their ends.
+fn segments(points: u32) -> usize {
+    let finest = (1..=TILE).filter(|k| points >> k & 1 == 1).map(|k| k.trailing_zeros()).min();
+    TILE >> finest.unwrap_or(0)
+}
+
+/// Halve a curve from place `lo` to `hi` of an edge of `TILE` where it is longer than 1, and each half likewise, and note the
+/// places in between; false if there are not enough of them.
+fn halve(curve: [Vec3; 4], lo: usize, hi: usize, length: &impl Fn(&[Vec3; 4]) -> f32, points: &mut u32) -> bool {
+    if !(length(&curve) > 1.0) {
+        return true;
+    }
+    if hi - lo == 1 {
+        return false;
+    }
+    let middle = (lo + hi) / 2;
+    *points |= 1 << middle;
+    let [a, b, c, d] = curve;
+    let (ab, bc, cd) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d));
+    let (abc, bcd) = (0.5 * (ab + bc), 0.5 * (bc + cd));
+    let m = 0.5 * (abc + bcd);
+    halve([a, ab, abc, m], lo, middle, length, points) && halve([m, bcd, cd, d], middle, hi, length, points)
+}
+
+/// Length of a control polygon's leg.
+fn path(p: &[Vec3; 4]) -> f32 {
+    (p[1] - p[0]).length() + (p[2] - p[1]).length() + (p[3] - p[2]).length()
+}
+
+/// Control points of a piece, by de Casteljau's construction in each direction.
+fn sub_patch(p: &[Vec3; 16], piece: Piece) -> [Vec3; 16] {
+    let mut out = *p;
+    for j in 0..4 {
+        let row = sub_curve([out[4 * j], out[4 * j + 1], out[4 * j + 2], out[4 * j + 3]], piece.u);
+        out[4 * j..4 * j + 4].copy_from_slice(&row);
+    }
+    for i in 0..4 {
+        let column = sub_curve([out[i], out[4 + i], out[8 + i], out[12 + i]], piece.v);
+        (0..4).for_each(|j| out[4 * j + i] = column[j]);
+    }
+    out
+}
+
+/// Bézier points of the part of a curve between two parameters: its blossom.
+fn sub_curve(p: [Vec3; 4], [a, b]: [f32; 2]) -> [Vec3; 4] {
+    let blossom = |t: [f32; 3]| {
+        let mut q = p;
+        for (level, t) in t.into_iter().enumerate() {
+            for i in 0..3 - level {
+                q[i] = q[i].lerp(q[i + 1], t);
+            }
+        }
+        q[0]
+    };
+    [blossom([a, a, a]), blossom([a, a, b]), blossom([a, b, b]), blossom([b, b, b])]
+}

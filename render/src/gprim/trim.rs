@@ -1,0 +1,39 @@
+//! Trim curves as loops of straight pieces (RISpec 5.3).
+
+use crate::gprim::nurbs::nurbs_curve;
+use crate::scene::trim::Trim;
+use glam::Vec3;
+use ri::{Fail, TrimCurves};
+
+/// Straight pieces of a curve's span.
+const PIECES: usize = 24;
+
+/// The loops of `TrimCurve`; none of an empty one, which ends trimming.
+pub fn trim(t: &TrimCurves) -> Result<Option<Trim>, Fail> {
+    let short = || Fail::new("TrimCurve: its lists do not fit each other");
+    let (mut curve, mut point, mut knot) = (0, 0, 0);
+    let mut loops = Vec::new();
+    for n in &t.n_curves {
+        let mut line: Vec<[f32; 2]> = Vec::new();
+        for _ in 0..*n {
+            let (Some(order), Some(n)) = (t.order.get(curve), t.n.get(curve)) else { return Err(short()) };
+            let (order, n) = (*order as usize, *n as usize);
+            if !(2..=32).contains(&order) || n < order || n > 1 << 20 {
+                return Err(Fail::new(format!("TrimCurve: a curve of {n} points of order {order}")));
+            }
+            let part = |v: &[f32], from: usize, n: usize| v.get(from..from + n).map(<[f32]>::to_vec).ok_or(short());
+            let (u, v, w) = (part(&t.u, point, n)?, part(&t.v, point, n)?, part(&t.w, point, n)?);
+            let knots = part(&t.knot, knot, n + order)?;
+            let (Some(min), Some(max)) = (t.min.get(curve), t.max.get(curve)) else { return Err(short()) };
+            let points: Vec<Vec3> = (0..n).map(|i| Vec3::new(u[i], v[i], w[i])).collect();
+            let total = PIECES * (n + 1 - order);
+            let step = |k: usize| min + (max - min) * k as f32 / total as f32;
+            line.extend((0..total).map(|k| nurbs_curve(&points, &knots, order, step(k))));
+            (curve, point, knot) = (curve + 1, point + n, knot + n + order);
+        }
+        if line.len() >= 3 {
+            loops.push(line);
+        }
+    }
+    Ok((!loops.is_empty()).then_some(Trim { loops }))
+}

@@ -1,0 +1,148 @@
+//! Primitive variables: read from parameter lists and attached to patches.
+
+use crate::scene::patch::Patch;
+use glam::Vec3;
+use ri::{Class, Fail, Params, RiResult, Values};
+
+/// The points of "P".
+pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
+    let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("the primitive needs \"P\""))?;
+    let points: Vec<Vec3> = p.numbers().chunks_exact(3).map(Vec3::from_slice).collect();
+    match points.iter().position(|p| !p.is_finite()) {
+        Some(i) => Err(Fail::new(format!("vertex {i} of \"P\" is not a finite number"))),
+        None => Ok(points),
+    }
+}
+
+/// Give a patch its primitive variables: `vertex` are the indices of its corners in varying values, `corner` in facevarying ones,
+/// `face` its uniform index.
+pub fn patch_variables(
+    patch: &mut Patch,
+    params: &Params,
+    vertex: [usize; 4],
+    corner: [usize; 4],
+    face: usize,
+) -> RiResult {
+    for param in params.iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "Np" | "Pw" | "Pz")) {
+        let width = param.decl.width();
+        let v = param.numbers();
+        let value = |i: usize| {
+            v.get(i * width..(i + 1) * width).ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))
+        };
+        let corners = match param.decl.class {
+            _ if v.is_empty() => continue,
+            Class::Constant => {
+                patch.uniform.push((param.decl.name.clone(), value(0)?.to_vec()));
+                continue;
+            }
+            Class::Uniform => {
+                let own = value(if v.len() > width { face } else { 0 })?;
+                patch.uniform.push((param.decl.name.clone(), own.to_vec()));
+                continue;
+            }
+            Class::FaceVarying => corner,
+            Class::Varying | Class::Vertex => vertex,
+        };
+        let mut all = Vec::with_capacity(4 * width);
+        for i in corners {
+            all.extend_from_slice(value(i)?);
+        }
+        set_varying(patch, &param.decl.name, all);
+    }
+    Ok(())
+}
+
+/// Set values at the corners of a patch.
+pub fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
+    match name {
+        "s" => (0..4).for_each(|k| patch.st[k][0] = all[k]),
+        "t" => (0..4).for_each(|k| patch.st[k][1] = all[k]),
+        "st" => (0..4).for_each(|k| patch.st[k] = [all[2 * k], all[2 * k + 1]]),
+        name => patch.varying.push((name.into(), all)),
+    }
+}
+
+/// Give the patches of one primitive with four corners its variables: varying ones are bilinear over all of it.
+pub fn attach_variables(patches: &mut [Patch], params: &Params) -> RiResult {
+    let (min, max) =
+        patches.iter().flat_map(|p| p.uv).fold(([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]), |(a, b), uv| {
+            ([a[0].min(uv[0]), a[1].min(uv[1])], [b[0].max(uv[0]), b[1].max(uv[1])])
+        });
+    let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+    for patch in patches.iter_mut() {
+        patch_variables(patch, &whole, [0; 4], [0; 4], 0)?;
+    }
+    let four = params.iter().filter(|p| !p.decl.class.is_whole() && !matches!(p.decl.name.as_str(), "P" | "Pw"));
+    for param in four {
+        let (width, v) = (param.decl.width(), param.numbers());
+        if v.len() != 4 * width {
+            // Values at control points of a NURBS patch and the like: those of its corners are not known here.
+            let message = format!("`{}` has {} values, expected 4, one a corner", param.decl.name, v.len() / width);
+            return Err(Fail::new(message));
+        }
+        for patch in patches.iter_mut() {
+            let mut all = Vec::with_capacity(4 * width);
+            for uv in patch.uv {
+                let unit = |k: usize| if max[k] > min[k] { (uv[k] - min[k]) / (max[k] - min[k]) } else { 0.0 };
+                let (s, t) = (unit(0), unit(1));
+                for c in 0..width {
+                    let at = |k: usize| v[k * width + c];
+                    all.push((at(0) * (1.0 - s) + at(1) * s) * (1.0 - t) + (at(2) * (1.0 - s) + at(3) * s) * t);
+                }
+            }
+            set_varying(patch, &param.decl.name, all);
+        }
+    }
+    Ok(())
+}
+
+/// Values at the corners of the faces of a mesh, all variables in a row: names and widths, the values, numbers a corner.
+pub type CornerColumns = (Vec<(String, usize)>, Vec<f32>, usize);
+
+/// Collect the variables of a mesh that vary over its faces.
+pub fn corner_columns(params: &Params, vertices: &[i32], corners: usize) -> Result<CornerColumns, Fail> {
+    let varying: Vec<_> =
+        params.iter().filter(|p| !p.decl.class.is_whole() && p.decl.name != "P" && !p.numbers().is_empty()).collect();
+    let width: usize = varying.iter().map(|p| p.decl.width()).sum();
+    let mut values = Vec::with_capacity(width * corners);
+    for k in 0..corners {
+        for param in &varying {
+            let w = param.decl.width();
+            let i = match param.decl.class {
+                Class::FaceVarying => k,
+                _ => vertices.get(k).map_or(0, |v| (*v).max(0) as usize),
+            };
+            let own = param.numbers().get(i * w..(i + 1) * w);
+            values.extend(own.ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))?);
+        }
+    }
+    Ok((varying.iter().map(|p| (p.decl.name.clone(), p.decl.width())).collect(), values, width))
+}
+
+/// Give a patch such values, `width` numbers at each of its four corners.
+pub fn corner_variables(patch: &mut Patch, columns: &[(String, usize)], values: &[f32], width: usize) {
+    let mut first = 0;
+    for (name, w) in columns {
+        let all = (0..4).flat_map(|k| values[k * width + first..k * width + first + w].iter().copied()).collect();
+        set_varying(patch, name, all);
+        first += w;
+    }
+}
+
+/// Uniform numbers of a quadric's parameter list.
+pub fn uniform_numbers(params: Params) -> Result<Vec<(String, Vec<f32>)>, Fail> {
+    let mut out = Vec::new();
+    for param in params {
+        match (&param.values, param.decl.class) {
+            (Values::Floats(v), Class::Constant | Class::Uniform) => out.push((param.decl.name, v.clone())),
+            (Values::Strings(_), _) => {}
+            _ => {
+                return Err(Fail::new(format!(
+                    "varying variable `{}` on a quadric is not supported yet",
+                    param.decl.name
+                )));
+            }
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,124 @@
+//! Motion while the shutter is open: values at rising times, straight in between.
+//!
+//! Streams give keys in their own time; a scene has them in parts of the time that the shutter is open, 0 to 1, and everything
+//! else of the scene is as at 0: that is when surfaces are diced, shaded and cast their shadows.
+
+use crate::scene::camera::Camera;
+use crate::scene::shape::Shape;
+use crate::scene::source::ItemView;
+use glam::{Mat4, Vec3};
+
+/// What may lie between two values.
+pub trait Blend: Copy {
+    /// A part `t` of the way to another value.
+    fn blend(self, to: Self, t: f32) -> Self;
+}
+
+impl Blend for Mat4 {
+    fn blend(self, to: Mat4, t: f32) -> Mat4 {
+        self * (1.0 - t) + to * t
+    }
+}
+
+impl Blend for [Vec3; 16] {
+    fn blend(mut self, to: [Vec3; 16], t: f32) -> [Vec3; 16] {
+        self.iter_mut().zip(to).for_each(|(a, b)| *a = a.lerp(b, t));
+        self
+    }
+}
+
+impl Blend for [f32; 3] {
+    fn blend(self, to: [f32; 3], t: f32) -> [f32; 3] {
+        Vec3::from(self).lerp(Vec3::from(to), t).to_array()
+    }
+}
+
+/// The value at a time of keys, of which there is at least one; before the first and after the last it rests.
+pub fn at<T: Blend>(keys: &[(f32, T)], time: f32) -> T {
+    if time <= keys[0].0 { keys[0].1 } else { from(keys[0], &keys[1..], time) }
+}
+
+/// The value at a time from a first key on.
+fn from<T: Blend>(first: (f32, T), keys: &[(f32, T)], time: f32) -> T {
+    let next = keys.partition_point(|(t, _)| *t <= time);
+    let (start, value) = next.checked_sub(1).map_or(first, |i| keys[i]);
+    keys.get(next).map_or(value, |(end, to)| value.blend(*to, (time - start) / (end - start)))
+}
+
+/// Keys of a stream's time as the scene has them: the value as the shutter opens, and the keys after that up to when it closes.
+pub fn in_shutter<T: Blend>(keys: &[(f32, T)], [open, close]: [f32; 2]) -> (T, Vec<(f32, T)>) {
+    let first = at(keys, open);
+    if !(close > open) {
+        return (first, vec![]);
+    }
+    let inner = keys.iter().map(|(t, _)| *t).filter(|t| *t > open && *t < close);
+    let later = inner.chain([close]).map(|t| ((t - open) / (close - open), at(keys, t))).collect();
+    (first, later)
+}
+
+/// The value at a part of the time that the shutter is open, of a scene's keys.
+pub fn later<T: Blend>(first: T, moves: &[(f32, T)], time: f32) -> T {
+    from((0.0, first), moves, time)
+}
+
+/// A moment of an item's motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// Part of the time that the shutter is open.
+    pub time: f32,
+    /// Where the item stood in the world as the shutter opened → camera space now.
+    pub to_camera: Mat4,
+    /// The eye, as seen from the item: in the world as the shutter opened. In parallel projection, the direction that it looks in.
+    pub eye: Vec3,
+}
+
+/// The moments between which an item moves straight: only the first if it stands still before a camera that does.
+pub fn instants(camera: &Camera, view: &ItemView<'_>, out: &mut Vec<Instant>) {
+    let seen_from = |to_world: Mat4| {
+        if camera.perspective { to_world.transform_point3(Vec3::ZERO) } else { to_world.transform_vector3(Vec3::Z) }
+    };
+    out.clear();
+    out.push(Instant { time: 0.0, to_camera: camera.to_camera, eye: seen_from(camera.to_world) });
+    let deformed = match view.shape {
+        Shape::Patches(patches) => patches.first().map_or(&[][..], |p| p.moves.as_slice()),
+        Shape::Sphere => &[],
+    };
+    let own = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;
+    if !own && camera.moves.is_empty() && deformed.is_empty() {
+        return;
+    }
+    let mut times: Vec<f32> = camera.moves.iter().chain(&view.source.moves).map(|(t, _)| *t).collect();
+    times.extend(deformed.iter().map(|(t, _)| *t));
+    if view.shift != Vec3::ZERO {
+        times.push(1.0);
+    }
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    let home = view.source.to_world;
+    for time in times {
+        let mut to_camera = later(camera.to_camera, &camera.moves, time);
+        if own {
+            let place = later(home, &view.source.moves, time);
+            to_camera *= place * Mat4::from_translation(view.shift * time) * home.inverse();
+        }
+        out.push(Instant { time, to_camera, eye: seen_from(to_camera.inverse()) });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_cut_to_the_shutter() {
+        let keys = [(0.0, [0.0; 3]), (1.0, [2.0; 3]), (3.0, [4.0; 3])];
+        assert_eq!(at(&keys, -1.0), [0.0; 3]);
+        assert_eq!(at(&keys, 0.5), [1.0; 3]);
+        assert_eq!(at(&keys, 2.0), [3.0; 3]);
+        assert_eq!(at(&keys, 9.0), [4.0; 3]);
+        let (first, later) = in_shutter(&keys, [0.5, 2.0]);
+        assert_eq!((first, later.len()), ([1.0; 3], 2));
+        assert!((later[0].0 - 1.0 / 3.0).abs() < 1e-6 && later[0].1 == [2.0; 3] && later[1] == (1.0, [3.0; 3]));
+        assert_eq!(in_shutter(&keys, [1.0, 1.0]), ([2.0; 3], vec![]));
+    }
+}

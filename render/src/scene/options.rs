@@ -1,0 +1,132 @@
+//! Options of the whole image (RISpec section 4).
+
+use crate::film::bucket::Shard;
+use crate::film::display::Display;
+use crate::film::filter::FilterKind;
+use crate::film::image::Encoding;
+use crate::texture::texels;
+use sl::machine::BoundShader;
+use std::sync::Arc;
+
+/// Hider (RISpec 4.1.8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hider {
+    /// All samples, lights and layers.
+    Hidden,
+    /// One sample in the middle of a pixel, and nothing blurred: for depth.
+    Depth,
+    /// No image is rendered.
+    Null,
+}
+
+/// Options of the image.
+#[derive(Clone)]
+pub struct Options {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Left, right, bottom, top of the screen; from the format if not given.
+    pub screen_window: Option<[f32; 4]>,
+    /// Full angle of view, degrees; `None` is orthographic.
+    pub fov: Option<f32>,
+    /// Near and far.
+    pub clipping: [f32; 2],
+    /// When the shutter opens and closes, in the time of motion blocks.
+    pub shutter: [f32; 2],
+    /// f-stop, focal length and distance of what is sharp; `None` is a pinhole.
+    pub lens: Option<[f32; 3]>,
+    /// Samples along x and y of a pixel.
+    pub samples: [usize; 2],
+    /// Pixel filter.
+    pub filter: FilterKind,
+    /// Its widths, pixels.
+    pub filter_width: [f32; 2],
+    /// Exposure's gain.
+    pub gain: f32,
+    /// Exposure's gamma.
+    pub gamma: f32,
+    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    pub quantize_one: i32,
+    /// Amplitude of the dither, quantization steps.
+    pub dither: f32,
+    /// Displays.
+    pub displays: Vec<Display>,
+    /// An unsupported display was named: without another, nothing is rendered.
+    pub unsupported_display: bool,
+    /// Pixels along a bucket's edge.
+    pub bucket_size: usize,
+    /// Crop window, the part of the image that is rendered and written: left, right, top and bottom, parts of its width and height.
+    pub crop: [f32; 4],
+    /// The shard that is rendered; all buckets if not given.
+    pub shard: Option<Shard>,
+    /// Bytes that textures may take in memory; what finds no room is read from a file as it is needed.
+    pub texture_memory: usize,
+    /// Factor of all levels of detail.
+    pub relative_detail: f32,
+    /// Hider.
+    pub hider: Hider,
+    /// Metadata that is written into the files, by key.
+    pub about: Vec<(String, String)>,
+    /// Imager shader.
+    pub imager: Option<Arc<BoundShader>>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            width: 640,
+            height: 480,
+            pixel_aspect: 1.0,
+            screen_window: None,
+            fov: None,
+            clipping: [1e-3, 1e30],
+            shutter: [0.0, 0.0],
+            lens: None,
+            samples: [2, 2],
+            filter: FilterKind::Gaussian,
+            filter_width: [2.0, 2.0],
+            gain: 1.0,
+            gamma: 1.0,
+            quantize_one: 255,
+            dither: 0.5,
+            displays: vec![],
+            unsupported_display: false,
+            bucket_size: 64,
+            crop: [0.0, 1.0, 0.0, 1.0],
+            shard: None,
+            texture_memory: texels::MEMORY,
+            relative_detail: 1.0,
+            hider: Hider::Hidden,
+            about: vec![],
+            imager: None,
+        }
+    }
+}
+
+impl Options {
+    /// The pixels that are drawn: the first along x and y, and one after the last (RISpec 4.1.1).
+    pub fn window(&self) -> [[usize; 2]; 2] {
+        let range = |n: usize, lo: f32, hi: f32| {
+            let pixel = |part: f32| ((n as f32 * part).ceil().max(0.0) as usize).min(n);
+            let first = pixel(lo).min(n - 1);
+            [first, pixel(hi).max(first + 1)]
+        };
+        let ([x0, x1], [y0, y1]) =
+            (range(self.width, self.crop[0], self.crop[1]), range(self.height, self.crop[2], self.crop[3]));
+        [[x0, y0], [x1, y1]]
+    }
+
+    /// How the image is written to files.
+    pub fn encoding(&self) -> Encoding<'_> {
+        Encoding {
+            window: self.window(),
+            pixel_aspect: self.pixel_aspect,
+            quantize_one: self.quantize_one,
+            dither: self.dither,
+            about: &self.about,
+        }
+    }
+}

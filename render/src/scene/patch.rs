@@ -1,0 +1,108 @@
+//! Bicubic Bézier patches with the values at their corners: what every primitive but a whole sphere becomes.
+
+use crate::scene::trim::Trim;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// A bicubic Bézier patch with its corner values.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// Control points, u fastest.
+    pub p: [Vec3; 16],
+    /// u and v at the corners (0,0), (1,0), (0,1), (1,1).
+    pub uv: [[f32; 2]; 4],
+    /// s and t at the corners.
+    pub st: [[f32; 2]; 4],
+    /// Varying variables: name and values at the four corners, `width` each.
+    pub varying: Vec<(String, Vec<f32>)>,
+    /// Variables that are the same all over.
+    pub uniform: Vec<(String, Vec<f32>)>,
+    /// Flat, so that it cannot shadow itself.
+    pub flat: bool,
+    /// What of it is cut away.
+    pub trim: Option<Arc<Trim>>,
+    /// Control points later on, by the part of the time that the shutter is open then.
+    pub moves: Vec<(f32, [Vec3; 16])>,
+}
+
+impl Patch {
+    /// The bilinear patch of four corners (0,0), (1,0), (0,1), (1,1), as a bicubic one.
+    pub fn bilinear(c: [Vec3; 4]) -> Patch {
+        let mut p = [Vec3::ZERO; 16];
+        for (k, q) in p.iter_mut().enumerate() {
+            let (u, v) = ((k % 4) as f32 / 3.0, (k / 4) as f32 / 3.0);
+            *q = lerp4(c, u, v);
+        }
+        let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
+        let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None, moves: vec![] }
+    }
+
+    /// A bicubic patch over a range of parameters, which are its texture coordinates too.
+    pub fn smooth(p: [Vec3; 16], u: [f32; 2], v: [f32; 2]) -> Patch {
+        let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
+        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false, trim: None, moves: vec![] }
+    }
+
+    /// The point at (u, v).
+    pub fn at(&self, u: f32, v: f32) -> Vec3 {
+        point_of(&self.p, u, v)
+    }
+
+    /// Derivatives along u and v.
+    pub fn slopes(&self, u: f32, v: f32) -> (Vec3, Vec3) {
+        let (bu, bv, du, dv) = (bernstein(u), bernstein(v), bernstein_slope(u), bernstein_slope(v));
+        let sum = |x: [f32; 4], y: [f32; 4]| {
+            (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum()
+        };
+        (sum(du, bv), sum(bu, dv))
+    }
+
+    /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.
+    pub fn normal(&self, u: f32, v: f32) -> Vec3 {
+        let (du, dv) = self.slopes(u, v);
+        self.normal_of(du, dv, u, v)
+    }
+
+    /// The normal at (u, v), whose derivatives are given.
+    pub fn normal_of(&self, mut du: Vec3, mut dv: Vec3, mut u: f32, mut v: f32) -> Vec3 {
+        for _ in 0..3 {
+            let n = du.cross(dv);
+            if n.length_squared() > 1e-12 * du.length_squared().max(dv.length_squared()).powi(2) {
+                return n.normalize();
+            }
+            (u, v) = (u + (0.5 - u) * 0.02, v + (0.5 - v) * 0.02);
+            (du, dv) = self.slopes(u, v);
+        }
+        Vec3::ZERO
+    }
+}
+
+/// The point at (u, v) of the bicubic Bézier patch of some control points.
+pub(crate) fn point_of(p: &[Vec3; 16], u: f32, v: f32) -> Vec3 {
+    let (bu, bv) = (bernstein(u), bernstein(v));
+    (0..4).map(|j| (0..4).map(|i| p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
+}
+
+/// A number between those of four corners.
+pub(crate) fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
+    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
+}
+
+/// Bilinear interpolation between corners.
+pub(crate) fn lerp4(c: [Vec3; 4], u: f32, v: f32) -> Vec3 {
+    c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v)
+}
+
+/// Bernstein's polynomials of the third degree.
+pub(crate) fn bernstein(t: f32) -> [f32; 4] {
+    let s = 1.0 - t;
+    [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
+}
+
+/// Their derivatives.
+pub(crate) fn bernstein_slope(t: f32) -> [f32; 4] {
+    let s = 1.0 - t;
+    [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
+}

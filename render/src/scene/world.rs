@@ -1,0 +1,177 @@
+//! The scene between `WorldBegin` and `WorldEnd`: its sources, spaces, textures and lights, and what shaders ask of it.
+
+use crate::scene::area::AreaLight;
+use crate::scene::attributes::Attributes;
+use crate::scene::camera::Camera;
+use crate::scene::shape::Shape;
+use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, unscaled};
+use crate::texture::Textures;
+use crate::warnings::Warnings;
+use glam::{Mat4, Vec3};
+use sl::ir::Ask;
+use sl::machine::Answer;
+use std::collections::HashMap;
+use std::sync::Mutex;
+
+/// The scene.
+#[derive(Default)]
+pub struct Scene {
+    /// Primitives.
+    pub sources: Vec<Source>,
+    /// Named coordinate systems, to world.
+    pub spaces: HashMap<String, Mat4>,
+    /// Camera to world.
+    pub camera_to_world: Mat4,
+    /// Options for shaders that ask, by `group:name` and by their own names.
+    pub options: Vec<(String, Answer)>,
+    /// Near and far, for shaders that ask.
+    pub clipping: [f32; 2],
+    /// Images that shaders look up.
+    pub textures: Textures,
+    /// Lights that have an area.
+    pub area_lights: Vec<AreaLight>,
+    /// Warnings about the scene.
+    pub warnings: Warnings,
+    /// Displacement bounds that are needed, by shader.
+    pub bounds: Mutex<HashMap<String, f32>>,
+}
+
+static WHOLE_SPHERE: Shape = Shape::Sphere;
+
+impl Scene {
+    /// All items, in order.
+    pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
+        self.sources
+            .iter()
+            .enumerate()
+            .flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
+    }
+
+    /// Whether anything moves while the shutter is open.
+    pub fn moves(&self, camera: &Camera) -> bool {
+        let deforms = |shape: &Shape| match shape {
+            Shape::Patches(patches) => patches.iter().any(|p| !p.moves.is_empty()),
+            Shape::Sphere => false,
+        };
+        !camera.moves.is_empty()
+            || self.sources.iter().any(|source| {
+                !source.moves.is_empty()
+                    || match &source.shape {
+                        SourceShape::One(shape) => deforms(shape),
+                        SourceShape::Spheres(columns) => columns.moved.is_some(),
+                        SourceShape::Objects(columns, parts) => {
+                            columns.moved.is_some() || parts.iter().any(|(shape, _)| deforms(shape))
+                        }
+                    }
+            })
+    }
+
+    /// The id of the first item of each source among all, from 1.
+    pub fn first_ids(&self) -> Vec<usize> {
+        let next = |next: &mut usize, source: &Source| Some(std::mem::replace(next, *next + source.len()));
+        self.sources.iter().scan(1, next).collect()
+    }
+
+    /// The attributes of an item.
+    pub fn attributes(&self, item: Item) -> &Attributes {
+        &self.sources[item.source as usize].attributes
+    }
+
+    /// Look an item up.
+    pub fn view(&self, item: Item) -> ItemView<'_> {
+        let source = &self.sources[item.source as usize];
+        let i = item.index as usize;
+        let attributes = &*source.attributes;
+        let (shape, place, object, instance) = match &source.shape {
+            SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
+            SourceShape::Spheres(columns) => {
+                (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i)))
+            }
+            SourceShape::Objects(columns, parts) => {
+                let (k, part) = (i / parts.len(), &parts[i % parts.len()]);
+                let place = columns.matrix(k) * part.1;
+                (&part.0, place, columns.matrix(k), Some((columns, k)))
+            }
+        };
+        let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
+        let (to_world, object_to_world) = (source.to_world * place, source.to_world * object);
+        let shift = instance.and_then(|(columns, i)| {
+            let (_, to) = columns.moved.as_ref()?;
+            Some(Vec3::from(to[i]) - Vec3::from(columns.position[i]))
+        });
+        let shift = shift.unwrap_or(Vec3::ZERO);
+        ItemView { shape, to_world, object_to_world, attributes, color, source, instance, shift }
+    }
+
+    /// The place of an item for shadows and bounds alone: shape and its matrix to world.
+    pub fn place(&self, item: Item) -> (&Shape, Mat4) {
+        let source = &self.sources[item.source as usize];
+        let i = item.index as usize;
+        match &source.shape {
+            SourceShape::One(shape) => (shape, source.to_world),
+            SourceShape::Spheres(columns) => (&WHOLE_SPHERE, source.to_world * columns.matrix(i)),
+            SourceShape::Objects(columns, parts) => {
+                let part = &parts[i % parts.len()];
+                (&part.0, source.to_world * columns.matrix(i / parts.len()) * part.1)
+            }
+        }
+    }
+
+    /// The matrix from one named space to another; `own` knows those of who asks.
+    pub fn matrix(&self, from: &str, to: &str, own: &dyn Fn(&str) -> Option<Mat4>) -> Option<[f32; 16]> {
+        let to_world = |space: &str| match space {
+            "current" | "world" => Some(Mat4::IDENTITY),
+            "camera" | "eye" => Some(self.camera_to_world),
+            named => {
+                let found = own(named).or_else(|| self.spaces.get(named).copied());
+                if found.is_none() {
+                    self.warn(format!("a shader names the unknown space `{named}`; world space is taken"));
+                }
+                found
+            }
+        };
+        Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
+    }
+
+    /// What shaders ask of the whole image.
+    pub fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        let numbers = |v: &[f32]| Some(Answer::Numbers(v.to_vec()));
+        match (what, names) {
+            (Ask::Option, ["Clipping"]) => numbers(&self.clipping),
+            (Ask::Option, [name]) => self.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
+            (Ask::TextureInfo, [texture, what]) => match *what {
+                "resolution" => numbers(&self.textures.resolution(texture, &self.warnings)?),
+                "exists" => numbers(&[self.textures.resolution(texture, &self.warnings).is_some() as u8 as f32]),
+                "channels" => self.textures.resolution(texture, &self.warnings).and_then(|_| numbers(&[4.0])),
+                "type" => Some(Answer::Text("texture".into())),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Note how far a displacement shader moves a point beyond its bound, as the bound that it needs in object units.
+    pub fn needs_bound(&self, shader: &str, bound: f32) {
+        let mut needed = self.bounds.lock().unwrap_or_else(|e| e.into_inner());
+        let known = needed.entry(shader.into()).or_insert(0.0);
+        *known = known.max(bound);
+    }
+
+    /// The warnings about the scene, which are removed.
+    pub fn take_warnings(&self) -> Vec<String> {
+        let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
+        needed.sort_by(|a, b| a.0.cmp(&b.0));
+        for (shader, bound) in needed {
+            self.warn(format!(
+                "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{}]` is needed",
+                (bound * 1.01 * 1e4).ceil() / 1e4
+            ));
+        }
+        self.warnings.take()
+    }
+
+    /// Add a warning, once.
+    pub fn warn(&self, message: String) {
+        self.warnings.add(message);
+    }
+}
