@@ -6,6 +6,7 @@ mod cli;
 mod corpus;
 mod determinism;
 mod faults;
+mod friction;
 mod golden;
 mod hider;
 mod joints;
