@@ -10,6 +10,7 @@ mod friction;
 mod golden;
 mod hider;
 mod joints;
+mod lanes;
 mod language;
 mod light;
 mod outputs;

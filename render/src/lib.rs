@@ -38,5 +38,6 @@ mod view;
 pub use {ri, sl};
 
 pub use context::{Context, Finished};
+pub use lanes::has_wide_lanes;
 pub use options::Options;
 pub use output::Display;
