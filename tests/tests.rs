@@ -2,6 +2,7 @@
 
 mod analytic;
 mod blur;
+mod broad_phase;
 mod cli;
 mod corpus;
 mod determinism;
@@ -17,7 +18,10 @@ mod outputs;
 mod parity;
 mod picture;
 mod pipeline;
+mod properties;
 mod rays;
 mod sheets;
 mod solver;
+mod terrain;
 mod tidy;
+mod warm_start;
