@@ -10,6 +10,8 @@ pub fn command() -> Outcome {
     if let Some(kib) = crate::report::status_kib("/proc/meminfo", "MemTotal") {
         println!("memory: {:.1} GiB", kib as f64 / 1_048_576.0);
     }
+    let lanes = |wide: bool| if wide { "AVX2" } else { "plain" };
+    println!("lanes: {} for contacts, {} for samples", lanes(sim::has_wide_lanes()), lanes(render::has_wide_lanes()));
     match movie::ffmpeg_version() {
         Some(version) => println!("movies: {version}"),
         None => println!(

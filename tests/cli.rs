@@ -30,9 +30,14 @@ impl Answer {
 
 /// Call the command from the tree's root.
 pub fn scree(args: &[&str]) -> Answer {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_scree")).current_dir(env!("CARGO_MANIFEST_DIR")).args(args).output().unwrap();
-    Answer { output, call: args.join(" ") }
+    scree_with(&[], args)
+}
+
+/// The same with more variables in its environment.
+pub fn scree_with(environment: &[(&str, &str)], args: &[&str]) -> Answer {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scree"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).envs(environment.iter().copied()).args(args);
+    Answer { output: command.output().unwrap(), call: args.join(" ") }
 }
 
 /// An empty folder that goes away.

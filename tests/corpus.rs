@@ -47,13 +47,15 @@ fn corpus(room: &str, ending: &str) -> Vec<(PathBuf, Vec<u8>)> {
     files.into_iter().map(|f| (f.clone(), std::fs::read(f).unwrap())).collect()
 }
 
-/// Hold a text to a snapshot beside the corpus; with SCREE_UPDATE set, write the snapshot instead.
+/// Hold a text to a snapshot beside the corpus; with `SCREE_UPDATE=1`, write the snapshot instead. Images are never written so.
 fn hold(name: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(name);
-    if std::env::var_os("SCREE_UPDATE").is_some() {
+    if std::env::var_os("SCREE_UPDATE").is_some_and(|v| v == "1") {
         return std::fs::write(path, now).unwrap();
     }
-    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    let before = std::fs::read_to_string(&path).unwrap_or_else(|e| {
+        panic!("{}: {e}; written by: SCREE_UPDATE=1 cargo test --release --test tests -- corpus", path.display())
+    });
     let differs = before.lines().zip(now.lines()).position(|(a, b)| a != b);
     if before != now {
         let line = differs.unwrap_or(before.lines().count().min(now.lines().count()));

@@ -123,9 +123,63 @@ fn jobs_of_chrono_render() {
     fault("radius: 0.5", "raduis: 0.5", "radius");
     fault("type: sphere", "type: shpere", "sphere");
     fault("{filename: light.rib}", "{script: {file: a.py}}", "Python");
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/chronorender");
-    for job in ["default.yml", "2.yaml"].map(|j| data.join(j)).into_iter().filter(|j| j.is_file()) {
-        scree(&["render", job.to_str().unwrap(), "-o", at("theirs").to_str().unwrap(), "--res", "64x48"]).ok();
+}
+
+/// How many pixels of an image are of each of three colours, by what channel is brightest; the filter makes edges of both.
+fn pixels_of(path: &Path) -> [f64; 3] {
+    let mut n = [0.0; 3];
+    for pixel in image::open(path).unwrap().to_rgb8().pixels() {
+        n[(0..3).max_by_key(|c| pixel.0[*c]).unwrap()] += 1.0;
+    }
+    n
+}
+
+#[test]
+fn jobs_of_chrono_render_from_folders() {
+    let work = scratch();
+    let out = work.path().join("out");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/chronorender");
+    let draw = |job: &Path, res: &[&str]| {
+        let _ = std::fs::remove_dir_all(&out);
+        scree(&[&["render", job.to_str().unwrap(), "-o", out.to_str().unwrap()], res].concat()).ok();
+        let mut images: Vec<_> = std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().path()).collect();
+        images.sort();
+        images
+    };
+    // Ten pixels to the unit: two balls of radius 0.5 in each of two frames; then a ball of 0.4 and an upright box in one.
+    for (job, frames, areas) in [("plain.yml", 2, [2.0 * PI * 25.0, 0.0]), ("passes.yml", 1, [PI * 16.0, 8.0 * 16.0])] {
+        let images = draw(&folder.join(job), &[]);
+        assert_eq!(images.len(), frames, "{job}");
+        for image in images {
+            let found = pixels_of(&image);
+            (0..2).for_each(|c| assert!((found[c] - areas[c]).abs() < 12.0, "{job}: {found:?}, expected {areas:?}"));
+        }
+    }
+    // Where the files of the old program lie beside the tree, they are drawn too.
+    let theirs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/chronorender");
+    for job in ["default.yml", "2.yaml"].map(|j| theirs.join(j)).into_iter().filter(|j| j.is_file()) {
+        assert!(!draw(&job, &["--res", "64x48"]).is_empty());
+    }
+}
+
+#[test]
+fn tables_of_other_programs_are_drawn_or_refused_with_their_place() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign");
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    // Yade writes no header but remarks: x, y, z, radius, velocity and id are columns by their place.
+    for frame in ["yade_000.txt", "yade_001.txt"] {
+        std::fs::copy(folder.join(frame), at(frame)).unwrap();
+    }
+    let said = scree(&["inspect", &at("yade_*.txt"), "--write", &at("m.yaml")]).ok();
+    assert!(said.contains("3 rows") && said.contains("c8") && !said.contains("c9"), "{said}");
+    scree(&["render", &at("m.yaml"), "--res", "64x48", "--samples", "2", "-o", &at("o")]).ok();
+    let [first, second] = [0, 1].map(|k| image::open(at(&format!("o/00000{k}.png"))).unwrap().to_rgb8());
+    assert!(crate::golden::worst_block(&first, &second).error > 20.0, "the first ball has fallen between the frames");
+    // What is no table is not taken for one: the dumps of LIGGGHTS and files of VTK.
+    for (file, place) in [("dump100.fill", ":2:1: "), ("part100.vtk", ":3:1: ")] {
+        let said = scree(&["inspect", folder.join(file).to_str().unwrap()]).fails(4);
+        assert!(said.contains(&format!("{file}{place}")), "{said}");
     }
 }
 

@@ -1,6 +1,8 @@
-//! Pictures against answers known on paper, then against a golden one.
+//! Images against answers known on paper, then against a golden one.
 
 use crate::cli::{scratch, scree};
+use crate::golden;
+use glam::DVec3;
 use std::path::Path;
 
 /// A rendered picture: floats, red green blue coverage.
@@ -289,21 +291,110 @@ fn no_background_shows_where_patches_are_split_unevenly() {
     }
 }
 
+/// What renders the golden image of the poured stones.
+const POUR: &str =
+    "scree simulate sim/models/pour.yaml --until 0.5 -o run && scree render run -f 11 --res 128x96 --samples 4 -o out";
+
+/// The run of the poured stones up to its frame 11, as CSV.
+fn pour(folder: &Path) -> String {
+    let run = folder.join("run");
+    scree(&["simulate", "sim/models/pour.yaml", "--until", "0.5", "--csv", "-o", run.to_str().unwrap()]).ok();
+    run.to_str().unwrap().into()
+}
+
+/// Render frames at the golden image's size.
+fn small(data: &str, frames: &str, out: &Path) {
+    scree(&["render", data, "-f", frames, "--res", "128x96", "--samples", "4", "-o", out.to_str().unwrap()]).ok();
+}
+
 #[test]
-fn the_golden_picture_is_as_it_was() {
+fn the_golden_image_is_as_it_was() {
     let work = scratch();
     let out = work.path().join("o");
-    let run = work.path().join("run");
-    scree(&["simulate", "sim/models/pour.yaml", "--until", "0.5", "-o", run.to_str().unwrap()]).ok();
-    let call =
-        ["render", run.to_str().unwrap(), "-f", "11", "--res", "128x96", "--samples", "4", "-o", out.to_str().unwrap()];
-    scree(&call).ok();
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/pour_000011.png");
-    let golden = image::open(&golden).unwrap_or_else(|e| panic!("{}: {e}", golden.display())).to_rgb8();
+    small(&pour(work.path()), "11", &out);
     let now = image::open(out.join("000011.png")).unwrap().to_rgb8();
-    assert_eq!(now.dimensions(), golden.dimensions());
-    let off: f64 = now.as_raw().iter().zip(golden.as_raw()).map(|(a, b)| a.abs_diff(*b) as f64).sum::<f64>()
-        / now.as_raw().len() as f64;
-    // A stone that lands elsewhere is seen; the last bits of a sine are not.
-    assert!(off < 1.0, "the picture is {off} of 255 away from the golden one on average");
+    golden::hold("pour_000011", &now, golden::STEADY, POUR).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// A stone of a table: its line, its columns, place and radius.
+struct Stone {
+    line: usize,
+    cells: Vec<String>,
+    at: DVec3,
+    radius: f64,
+}
+
+/// How many pixels of the golden image show each stone, by rays through their middles.
+fn seen(stones: &[Stone]) -> Vec<usize> {
+    let (eye, look_at) = (DVec3::new(-1.41, -3.12, 2.142), DVec3::new(-0.006267, -0.0004572, 0.5828));
+    let ahead = (look_at - eye).normalize();
+    let right = ahead.cross(DVec3::Z).normalize();
+    let up = right.cross(ahead);
+    let half = 17.5f64.to_radians().tan();
+    let mut n = vec![0; stones.len()];
+    for (x, y) in (0..96).flat_map(|y| (0..128).map(move |x| (x as f64 + 0.5, y as f64 + 0.5))) {
+        let way = (ahead + right * half * (x - 64.0) / 48.0 + up * half * (48.0 - y) / 48.0).normalize();
+        let met = stones.iter().enumerate().filter_map(|(i, stone)| {
+            let from = eye - stone.at;
+            let along = from.dot(way);
+            let inside = along * along - from.length_squared() + stone.radius * stone.radius;
+            (inside > 0.0).then(|| (-along - inside.sqrt(), i))
+        });
+        if let Some((_, i)) = met.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            n[i] += 1;
+        }
+    }
+    n
+}
+
+#[test]
+fn the_golden_image_misses_a_stone_that_moves_or_vanishes() {
+    let work = scratch();
+    let run = pour(work.path());
+    let table = std::fs::read_to_string(format!("{run}/frames/000011.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    let column = |name: &str| lines[0].split(',').position(|head| head.split(' ').next() == Some(name)).unwrap();
+    let [x, y, z, size] = ["pos_x", "pos_y", "pos_z", "size_x"].map(column);
+    let rows = lines.iter().enumerate().filter(|(_, line)| line.contains(",stones,"));
+    let stones: Vec<Stone> = rows
+        .map(|(line, row)| {
+            let cells: Vec<String> = row.split(',').map(String::from).collect();
+            let number = |c: usize| cells[c].parse::<f64>().unwrap();
+            let (at, radius) = (DVec3::new(number(x), number(y), number(z)), number(size));
+            Stone { line, cells, at, radius }
+        })
+        .collect();
+    // The table as it is, then with one of some stones gone or moved by its radius.
+    let plain = seen(&stones).into_iter().zip(&stones).filter(|(n, _)| *n >= 5).map(|(_, stone)| stone);
+    let some: Vec<&Stone> = plain.step_by(19).collect();
+    assert!(some.len() >= 6, "{} stones", some.len());
+    let changed = some.iter().flat_map(|stone| {
+        let mut moved = stone.cells.clone();
+        moved[x] = (stone.at.x + stone.radius).to_string();
+        [None, Some(moved.join(","))].map(|row| (stone.line, row))
+    });
+    let changed: Vec<(usize, Option<String>)> = changed.collect();
+    for (frame, change) in std::iter::once(None).chain(changed.iter().map(Some)).enumerate() {
+        let mut lines: Vec<&str> = lines.clone();
+        match change {
+            Some((line, Some(row))) => lines[*line] = row,
+            Some((line, None)) => drop(lines.remove(*line)),
+            None => {}
+        }
+        std::fs::write(work.path().join(format!("p_{frame:06}.csv")), lines.join("\n") + "\n").unwrap();
+    }
+    let metadata = std::fs::read_to_string(format!("{run}/metadata.yaml")).unwrap();
+    let own = work.path().join("m.yaml");
+    std::fs::write(&own, metadata.replacen("  run: .", "  csv: p_*.csv", 1)).unwrap();
+    let out = work.path().join("o");
+    small(own.to_str().unwrap(), &format!("0-{}", changed.len()), &out);
+    let at = |frame: usize| image::open(out.join(format!("{frame:06}.png"))).unwrap().to_rgb8();
+    let whole = at(0);
+    golden::hold("pour_000011", &whole, golden::STEADY, POUR).unwrap_or_else(|e| panic!("{e}"));
+    let errors = (1..=changed.len()).map(|frame| golden::worst_block(&at(frame), &whole).error);
+    let errors: Vec<f64> = errors.collect();
+    for (error, (line, row)) in errors.iter().zip(&changed) {
+        let how = row.as_deref().unwrap_or("gone");
+        assert!(*error > golden::STEADY, "nobody would see that the stone of line {line} is {how}: {error}");
+    }
 }

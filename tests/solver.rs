@@ -1,4 +1,4 @@
-//! The solvers against each other, and on problems of others where they are present.
+//! The solvers against each other, and on problems of others where they lie beside the tree.
 
 use crate::analytic::simulation;
 use crate::cli::scree;
@@ -35,18 +35,24 @@ bodies:
 
 #[test]
 fn problems_of_others_are_solved() {
+    // Those of `friction.rs` are of the same kind, and always there.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/fc3d");
     let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: the collection of problems is not here");
+        eprintln!("skipped: the collection of problems is not beside the tree");
         return;
     };
     for path in entries.flatten().map(|e| e.path()) {
-        let path = path.to_str().unwrap();
-        for friction in ["exact", "relaxed"] {
-            let said = scree(&["solve", path, "--friction", friction, "--tolerance", "1e-4", "--json"]).ok();
-            let result: serde_json::Value = serde_json::from_str(said.lines().next().unwrap_or("")).unwrap();
-            assert!(result["error"].as_f64().unwrap() <= 1e-4, "{path}: {result}");
-        }
+        solved(&path);
+    }
+}
+
+/// Solve a problem by both laws of friction with the command.
+pub fn solved(path: &Path) {
+    let path = path.to_str().unwrap();
+    for friction in ["exact", "relaxed"] {
+        let said = scree(&["solve", path, "--friction", friction, "--tolerance", "1e-4", "--json"]).ok();
+        let result: serde_json::Value = serde_json::from_str(said.lines().next().unwrap_or("")).unwrap();
+        assert!(result["error"].as_f64().unwrap() <= 1e-4, "{path}: {result}");
     }
 }
 

@@ -83,6 +83,21 @@ pub trait Kernel {
     fn run<V: Lanes4>(self) -> Self::Out;
 }
 
+/// Whether loops over contacts run in vector registers: the processor has AVX2, and `SCREE_LANES=plain` is not in the environment (a switch
+/// for tests, read once).
+pub fn has_wide_lanes() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::sync::LazyLock;
+        static WIDE: LazyLock<bool> = LazyLock::new(|| {
+            std::arch::is_x86_feature_detected!("avx2") && std::env::var_os("SCREE_LANES").is_none_or(|v| v != "plain")
+        });
+        *WIDE
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
 /// Run a kernel with the widest lanes that the processor has.
 pub fn widest<K: Kernel>(kernel: K) -> K::Out {
     #[cfg(target_arch = "x86_64")]
@@ -91,7 +106,7 @@ pub fn widest<K: Kernel>(kernel: K) -> K::Out {
         unsafe fn wide<K: Kernel>(kernel: K) -> K::Out {
             kernel.run::<Wide<std::arch::x86_64::__m256d>>()
         }
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if has_wide_lanes() {
             // SAFETY: the processor has AVX2.
             return unsafe { wide(kernel) };
         }

@@ -28,6 +28,7 @@ pub mod workload;
 
 pub use builder::ModelBuilder;
 pub use fill::SplitMix64;
+pub use lanes::has_wide_lanes;
 pub use probe::{probe_header, probe_line};
 pub use solve::{Method, SolverSettings};
 pub use stages::{Simulation, StepReport};

@@ -331,7 +331,7 @@ fn visit<T: Grouped<L>, const L: usize, const ACT: u8>(
         ) -> f64 {
             visit_lanes::<T, L, ACT, T::Wide>(groups, motion, omega)
         }
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if crate::lanes::has_wide_lanes() {
             // SAFETY: the processor has AVX2.
             return unsafe { wide::<T, L, ACT>(groups, motion, omega) };
         }
