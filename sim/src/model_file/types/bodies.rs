@@ -1,0 +1,294 @@
+//! Bodies and their shapes, as a model file writes them.
+
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The geometry of a shape: exactly one of these.
+#[derive(Clone, Debug, Default)]
+pub struct ShapeFile {
+    /// A ball.
+    pub sphere: Option<SphereFile>,
+    /// An ellipsoid.
+    pub ellipsoid: Option<EllipsoidFile>,
+    /// A box.
+    pub block: Option<BoxFile>,
+    /// A cylinder about local z.
+    pub cylinder: Option<CylinderFile>,
+    /// A cylinder about local z with half balls on its ends.
+    pub capsule: Option<CylinderFile>,
+    /// A cone about local z, tip up; the local origin is half way up.
+    pub cone: Option<CylinderFile>,
+    /// The convex hull of points.
+    pub hull: Option<HullFile>,
+    /// A half space, always fixed.
+    pub plane: Option<PlaneFile>,
+    /// A triangle mesh, always fixed.
+    pub mesh: Option<MeshFile>,
+    /// A height field, always fixed.
+    pub height_field: Option<HeightFieldFile>,
+}
+
+// Fields that several types share are written out in each of them: a reader of flattened types could not say where a wrong
+// key stands.
+
+/// A type with the fields of [`ShapeFile`] after its own.
+macro_rules! with_shape {
+    ($(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
+        $(#[$meta])*
+        pub struct $name {
+            $($own)*
+            /// A ball.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub sphere: Option<SphereFile>,
+            /// An ellipsoid.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub ellipsoid: Option<EllipsoidFile>,
+            /// A box.
+            #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+            pub block: Option<BoxFile>,
+            /// A cylinder about local z.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub cylinder: Option<CylinderFile>,
+            /// A cylinder about local z with half balls on its ends.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub capsule: Option<CylinderFile>,
+            /// A cone about local z, tip up; the local origin is half way up.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub cone: Option<CylinderFile>,
+            /// The convex hull of points.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub hull: Option<HullFile>,
+            /// A half space, always fixed.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub plane: Option<PlaneFile>,
+            /// A triangle mesh, always fixed.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub mesh: Option<MeshFile>,
+            /// A height field, always fixed.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub height_field: Option<HeightFieldFile>,
+        }
+
+        impl $name {
+            /// Its geometry.
+            pub fn shape(&self) -> ShapeFile {
+                ShapeFile {
+                    sphere: self.sphere.clone(),
+                    ellipsoid: self.ellipsoid.clone(),
+                    block: self.block.clone(),
+                    cylinder: self.cylinder.clone(),
+                    capsule: self.capsule.clone(),
+                    cone: self.cone.clone(),
+                    hull: self.hull.clone(),
+                    plane: self.plane.clone(),
+                    mesh: self.mesh.clone(),
+                    height_field: self.height_field.clone(),
+                }
+            }
+
+            /// Set its geometry.
+            pub fn set_shape(&mut self, shape: ShapeFile) {
+                self.sphere = shape.sphere;
+                self.ellipsoid = shape.ellipsoid;
+                self.block = shape.block;
+                self.cylinder = shape.cylinder;
+                self.capsule = shape.capsule;
+                self.cone = shape.cone;
+                self.hull = shape.hull;
+                self.plane = shape.plane;
+                self.mesh = shape.mesh;
+                self.height_field = shape.height_field;
+            }
+        }
+    };
+}
+
+with_shape! {
+    /// A body: one shape, or several under `shapes`.
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub struct BodyFile {
+        /// Name.
+        pub name: String,
+        /// Class, by which pictures select; the name if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub class: Option<String>,
+        /// Material.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub material: Option<String>,
+        /// Collision group.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub group: Option<String>,
+        /// Its shapes, if there are several or none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub shapes: Option<Vec<PartFile>>,
+        /// Position of the body's frame, m.
+        #[serde(default)]
+        pub position: [f64; 3],
+        /// Orientation, as a turn about an axis.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub rotate: Option<RotateFile>,
+        /// Orientation, as a quaternion w, x, y, z.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub orientation: Option<[f64; 4]>,
+        /// Velocity of the centre of mass, m/s.
+        #[serde(default)]
+        pub velocity: [f64; 3],
+        /// Angular velocity, rad/s, body frame.
+        #[serde(default)]
+        pub angular_velocity: [f64; 3],
+        /// Held in place: a static obstacle.
+        #[serde(default)]
+        pub fixed: bool,
+        /// Mass, kg; from the density if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub mass: Option<f64>,
+        /// Moments of inertia about the centre of mass along the body's axes, kg m²: xx, yy, zz and if need be xy, xz, yz.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub inertia: Option<Vec<f64>>,
+        /// Centre of mass in the body's frame, m; from the shapes if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub center: Option<[f64; 3]>,
+        /// When it appears, s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub appears: Option<f64>,
+        /// Held in place until this time, s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub held_until: Option<f64>,
+    }
+}
+
+with_shape! {
+    /// One shape of several.
+    #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub struct PartFile {
+        /// Material; the body's if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub material: Option<String>,
+        /// Position in the body's frame, m.
+        #[serde(default)]
+        pub position: [f64; 3],
+        /// Orientation in the body's frame.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub rotate: Option<RotateFile>,
+        /// Orientation in the body's frame, as a quaternion w, x, y, z.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub orientation: Option<[f64; 4]>,
+    }
+}
+
+/// A ball.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SphereFile {
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// An ellipsoid.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EllipsoidFile {
+    /// Half axes, m.
+    pub radii: [f64; 3],
+}
+
+/// A box.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoxFile {
+    /// Edge lengths, m.
+    pub size: [f64; 3],
+}
+
+/// A cylinder, capsule or cone.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderFile {
+    /// Radius, m.
+    pub radius: f64,
+    /// Whole length along z, m; of a capsule without its round ends.
+    pub length: f64,
+}
+
+/// A convex hull: of `points`, or of the corners of a `file`.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HullFile {
+    /// Points, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 3]>>,
+    /// An OBJ or STL file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Metres per unit of the file.
+    #[serde(default = "one")]
+    pub scale: f64,
+}
+
+/// A half space: all points below the plane through the body's position.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneFile {
+    /// The direction that is up.
+    pub normal: [f64; 3],
+}
+
+/// A triangle mesh.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// An OBJ or STL file; its triangles look outwards.
+    pub file: PathBuf,
+    /// Metres per unit of the file.
+    #[serde(default = "one")]
+    pub scale: f64,
+}
+
+/// A height field about the body's position: from an `image` or a `grid` file.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HeightFieldFile {
+    /// A PNG image; its brightness is the height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<PathBuf>,
+    /// A text file: one line a row (from −y to +y), heights in metres, separated by commas or spaces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid: Option<PathBuf>,
+    /// Length along x and y, m.
+    pub size: [f64; 2],
+    /// Heights of black and white, m (images).
+    #[serde(default = "default_height")]
+    pub height: [f64; 2],
+}
+
+/// A turn.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotateFile {
+    /// Axis, of any length but zero.
+    pub axis: [f64; 3],
+    /// Angle, degrees.
+    pub angle: f64,
+}
+
+/// Words that come from code, as YAML.
+fn quoted(text: &str) -> String {
+    serde_yaml::to_string(text).expect("text is plain data").trim_end().to_string()
+}
+
+impl BodyFile {
+    /// A body of a name, all else as if not given.
+    pub fn named(name: &str) -> BodyFile {
+        serde_yaml::from_str(&format!("name: {}", quoted(name))).expect("all other keys of a body have defaults")
+    }
+}
+
+fn default_height() -> [f64; 2] {
+    [0.0, 1.0]
+}
+
+fn one() -> f64 {
+    1.0
+}
