@@ -57,7 +57,7 @@ fn a_run_that_shall_stop_keeps_its_last_checkpoint() {
     let late = late.replace("iterations: 2", "iterations: 60, omega: 0.2");
     std::fs::write(&model, format!("# A load.\non_divergence: stop\n{late}")).unwrap();
     let said = scree(&["simulate", &model, "-o", &at("run")]).fails(4);
-    assert!(said.contains("the last checkpoint are kept") && said.contains("error: step 1"), "{said}");
+    assert!(said.contains(".state are kept") && said.contains("error: step 1"), "{said}");
     let last = sim::checkpoint::latest(Path::new(&at("run"))).unwrap().unwrap();
     let steps = sim::checkpoint::read(&last).unwrap().0.steps;
     assert!(steps == 100 || steps == 150, "{}", last.display());

@@ -32,7 +32,21 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
-    let rest = bytes.strip_prefix(HEAD).ok_or_else(|| broken("it does not begin as one of this version"))?;
+    let rest = bytes.strip_prefix(HEAD).ok_or_else(|| {
+        let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
+        match first.strip_prefix(b"scree checkpoint ") {
+            Some(version) => {
+                let version = String::from_utf8_lossy(&version[..version.len().min(8)]).into_owned();
+                Fault::whole(
+                    FaultKind::Data,
+                    path,
+                    format!("is a checkpoint of version {version}, this program reads 4"),
+                )
+                .hint("simulate again from the start, or go on with the program that wrote it")
+            }
+            None => broken("it does not begin as one"),
+        }
+    })?;
     let (hash, body) = rest.split_at_checked(32).ok_or_else(|| broken("it is cut off"))?;
     if blake3::hash(body).as_bytes() != hash {
         return Err(broken("its hash differs from its content; it is cut off or was changed"));

@@ -86,19 +86,21 @@ pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) 
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// Fold each piece's rows, and merge the pieces in order.
-pub fn fold_rows<T: Send>(
-    n: usize,
+/// Fold the rows of each piece of a column, `row(sum, i, column[i])`, and merge the pieces in order.
+pub fn fold_rows<T: Send, U: Send>(
+    column: &mut [U],
     start: impl Fn() -> T + Sync,
-    row: impl Fn(T, usize) -> T + Sync,
+    row: impl Fn(T, usize, &mut U) -> T + Sync,
     merge: impl Fn(T, T) -> T,
 ) -> T {
-    let piece = |p: usize| (p * PIECE..((p + 1) * PIECE).min(n)).fold(start(), &row);
-    let n_pieces = n.div_ceil(PIECE);
-    if n <= ALONE {
-        return (0..n_pieces).map(piece).fold(start(), merge);
+    let is_little = column.len() <= ALONE;
+    let body = |(piece, rows): (usize, &mut [U])| {
+        rows.iter_mut().enumerate().fold(start(), |sum, (k, value)| row(sum, piece * PIECE + k, value))
+    };
+    if is_little {
+        return column.chunks_mut(PIECE).enumerate().map(body).fold(start(), merge);
     }
-    let parts: Vec<T> = (0..n_pieces).into_par_iter().map(piece).collect();
+    let parts: Vec<T> = column.par_chunks_mut(PIECE).enumerate().map(body).collect();
     parts.into_iter().fold(start(), merge)
 }
 

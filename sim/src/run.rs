@@ -55,8 +55,9 @@ impl From<Fault> for RunError {
     }
 }
 
-/// The identity of a resolved model.
+/// The identity of a resolved model. What is done when it diverges does not change its run.
 pub fn model_hash(file: &ModelFile) -> String {
+    let file = ModelFile { on_divergence: OnDivergence::default(), ..file.clone() };
     frame::run::hash_text(&file.to_yaml())
 }
 
@@ -244,8 +245,11 @@ impl<'a> Run<'a> {
     /// Report a warning, the first time of its kind, or end the run if the model asks for it.
     fn warn(&mut self, warning: &Warning, number: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
         if self.file.on_divergence == OnDivergence::Stop {
-            let kept = format!("frames before {number} and the last checkpoint are kept");
-            return Err(self.end_early(format!("{warning}; {kept}")));
+            let checkpoint = match checkpoint::latest(self.folder)? {
+                Some(path) => format!("the checkpoint {} are kept", path.display()),
+                None => "no checkpoint yet are kept".into(),
+            };
+            return Err(self.end_early(format!("{warning}; frames before {number} and {checkpoint}")));
         }
         if self.sim.state.watch.warnings.iter().any(|w| w.first == *warning) {
             observer.warn(warning);

@@ -164,8 +164,8 @@ pub trait Operator: Sync {
     fn pull(&self, image: &Image, block: usize) -> DVec3;
     /// dᵀNd for the difference of two multipliers, given by their images.
     fn curvature(&self, a: &Image, b: &Image) -> f64;
-    /// What the rounding of an image may add to a curvature.
-    fn curvature_rounding(&self, image: &Image) -> f64;
+    /// The size of an image in the units of the curvature.
+    fn energy(&self, image: &Image) -> f64;
     /// A projected step from y = x + β (x − previous): `next = Π(y − t η (N y + r))`. Returns
     /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed. An operator may begin the image of `next` in `to`.
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, _to: &mut Image) -> [f64; 2] {
@@ -242,7 +242,7 @@ impl<'a, T: Copy> Cells<'a, T> {
     }
 }
 
-/// The rounding of an image's numbers, of their size: some units in the last place.
+/// The rounding of impulses and of velocities, of their size: some units in the last place.
 const ROUNDING: f64 = 1e-15;
 
 /// The methods' own columns, kept from step to step.

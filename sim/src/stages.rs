@@ -198,7 +198,7 @@ impl Simulation {
             outcome: &outcome,
             worst: w.solver.worst,
             joints: &w.solver.joint_errors,
-            stiffest: w.solver.stiffest,
+            spring_swing: w.solver.spring_swing,
         };
         let (warnings, broken) = watch.look(model, state, &seen);
         state.watch = watch;

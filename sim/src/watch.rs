@@ -6,10 +6,11 @@
 //! | joint | a locked motion is off by more than a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of what there is, without a cause |
 //!
-//! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move: from the
-//! last step that had one, energy is compared with its least value. "What there is" is kinetic energy, and potential energy over the
-//! bottom of the initial bounding box. Springs count with their elastic energy; the more a step takes of a spring's period, the more
-//! its energy may swing. A velocity, a position or a residual that is not finite ends a run ([`Broken`]).
+//! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
+//! the model: from the last step that had one, energy is compared with its least value. "What there is" is kinetic energy, elastic
+//! energy, and each body's potential energy over the lowest place where it has been, at least that of its own size. Steps that are
+//! explicit in positions let energy swing by h F·v/2, F being weight and springs' forces: it is known to twice that. A velocity, a
+//! position or a residual that is not finite ends a run ([`Broken`]).
 
 use crate::cpu::fold_rows;
 use crate::cpu::joint_write::JointErrors;
@@ -96,8 +97,8 @@ pub struct Broken {
 pub struct Watch {
     /// Diagonal of the bounding box of what moved or was jointed at the start, m; 0 before the first step.
     diagonal: f64,
-    /// Gravitational potential of the box's bottom, J/kg.
-    bottom: f64,
+    /// The least gravitational potential where each body has been, J/kg (n_bodies).
+    lowest: Vec<f64>,
     /// Moving mass in the last step, kg.
     mass: f64,
     /// Whether a spring or joint held in the last step, in their order.
@@ -116,8 +117,8 @@ pub struct Seen<'a> {
     pub worst: Option<[u32; 2]>,
     /// Errors of the joints.
     pub joints: &'a JointErrors,
-    /// The greatest h²k/m of springs that are integrated explicitly.
-    pub stiffest: f64,
+    /// h |F·v| of springs that are integrated explicitly, summed, J.
+    pub spring_swing: f64,
 }
 
 /// The residual above which a step counts as not converged, m/s.
@@ -130,8 +131,10 @@ pub fn residual_bound(model: &Model) -> f64 {
 struct Survey {
     kinetic: f64,
     potential: f64,
-    /// Potential energy over the bottom, each body's at least that of its own size, J.
-    over_bottom: f64,
+    /// Potential energy over the bodies' lowest places, each body's at least that of its own size, J.
+    over_lowest: f64,
+    /// h |F·v| of weight, summed, J.
+    swing: f64,
     mass: f64,
     /// The fastest body and its speed; a speed that is not finite is the greatest.
     fastest: (usize, f64),
@@ -140,12 +143,20 @@ struct Survey {
 }
 
 impl Survey {
-    const EMPTY: Survey =
-        Survey { kinetic: 0.0, potential: 0.0, over_bottom: 0.0, mass: 0.0, fastest: (0, 0.0), liveliest: (0, 0.0) };
+    const EMPTY: Survey = Survey {
+        kinetic: 0.0,
+        potential: 0.0,
+        over_lowest: 0.0,
+        swing: 0.0,
+        mass: 0.0,
+        fastest: (0, 0.0),
+        liveliest: (0, 0.0),
+    };
 
-    fn of(model: &Model, state: &State, bottom: f64) -> Survey {
+    /// Look at all bodies, and keep where they have been lowest.
+    fn of(model: &Model, state: &State, lowest: &mut [f64]) -> Survey {
         let gravity = model.gravity.length();
-        let body = |mut sum: Survey, b: usize| {
+        let body = |mut sum: Survey, b: usize, lowest: &mut f64| {
             let inv_mass = model.inv_mass[b];
             if inv_mass == 0.0 {
                 return sum;
@@ -157,7 +168,9 @@ impl Survey {
             sum.kinetic += kinetic;
             sum.potential += mass * height;
             let size = gyration(inv_mass, inv_inertia.max_element());
-            sum.over_bottom += mass * (height - bottom).max(gravity * size);
+            *lowest = lowest.min(height);
+            sum.over_lowest += mass * (height - *lowest).max(gravity * size);
+            sum.swing += mass * (model.step * model.gravity.dot(v)).abs();
             sum.mass += mass;
             let speed = v.length();
             let is_whole = speed.is_finite() && w.is_finite() && state.position[b].is_finite();
@@ -165,7 +178,7 @@ impl Survey {
             sum.merge_liveliest((b, kinetic));
             sum
         };
-        fold_rows(model.n_bodies(), || Survey::EMPTY, body, Survey::merge)
+        fold_rows(lowest, || Survey::EMPTY, body, Survey::merge)
     }
 
     fn merge_fastest(&mut self, other: (usize, f64)) {
@@ -183,7 +196,8 @@ impl Survey {
     fn merge(mut self, other: Survey) -> Survey {
         self.kinetic += other.kinetic;
         self.potential += other.potential;
-        self.over_bottom += other.over_bottom;
+        self.over_lowest += other.over_lowest;
+        self.swing += other.swing;
         self.mass += other.mass;
         self.merge_fastest(other.fastest);
         self.merge_liveliest(other.liveliest);
@@ -213,9 +227,8 @@ impl Watch {
             (min, max) = (DVec3::ZERO, DVec3::ZERO);
         }
         self.diagonal = (max - min).length().max(f64::MIN_POSITIVE);
-        let lowest = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
-        self.bottom = -model.gravity.dot(lowest);
-        let survey = Survey::of(model, state, self.bottom);
+        self.lowest = vec![f64::INFINITY; model.n_bodies()];
+        let survey = Survey::of(model, state, &mut self.lowest);
         self.mass = survey.mass;
         self.held = held(model, state.time);
         // What a spring holds is known after the first step.
@@ -232,7 +245,7 @@ impl Watch {
 
     /// Look at a step: its warnings, counted, and whether the run is broken.
     pub fn look(&mut self, model: &Model, state: &State, seen: &Seen) -> (Vec<Warning>, Option<Broken>) {
-        let survey = Survey::of(model, state, self.bottom);
+        let survey = Survey::of(model, state, &mut self.lowest);
         let broken = broken(seen, &survey);
         if broken.is_some() {
             return (vec![], broken);
@@ -285,26 +298,34 @@ impl Watch {
         let caused = self.is_caused(model, state, survey.mass);
         let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
         let energy = survey.kinetic + survey.potential + elastic;
+        let swing = survey.swing + seen.spring_swing;
+        let most = energy + swing;
         if caused {
-            self.least = energy;
+            self.least = most;
             return None;
         }
-        self.least = self.least.min(energy);
+        self.least = self.least.min(most);
         // Velocities are known to so much.
         let known = residual_bound(model);
-        let there_is = survey.kinetic + survey.over_bottom + elastic.abs();
-        // A spring's energy swings by hω/2 about its mean in steps that are explicit in its length.
-        let swing = seen.stiffest.sqrt();
-        let bound = (ENERGY_GROWTH + swing / (1.0 - 0.5 * swing)) * there_is + 0.5 * survey.mass * known * known;
-        let growth = energy - self.least;
-        (growth > bound).then(|| {
-            self.least = energy;
-            let (body, own) = survey.liveliest;
-            format!(
-                "energy has grown by {growth:.3e} J without a cause; there are {there_is:.3e} J, {own:.3e} J of it in the motion of body {}",
-                label(model, body as u32)
-            )
-        })
+        let there_is = survey.kinetic + survey.over_lowest + elastic.abs();
+        let bound = ENERGY_GROWTH * there_is + 2.0 * survey.mass * known * known;
+        let growth = energy - swing - self.least;
+        if !(growth > bound) {
+            return None;
+        }
+        self.least = most;
+        let (body, own) = survey.liveliest;
+        let message = format!(
+            "energy has grown by {growth:.3e} J without a cause; there are {there_is:.3e} J, {own:.3e} J of it in the motion of body {}",
+            label(model, body as u32)
+        );
+        let overlap = state.contacts.worst_penetration();
+        if overlap > 0.0 {
+            return Some(format!(
+                "{message}; overlaps that are pushed apart add energy, the deepest is {overlap:.3e} m"
+            ));
+        }
+        Some(message)
     }
 
     /// Whether the step may have added energy.

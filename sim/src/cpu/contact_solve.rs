@@ -136,8 +136,8 @@ pub struct Workspace {
     pub worst: Option<[u32; 2]>,
     /// Errors of the joints, from `joint_write`.
     pub joint_errors: JointErrors,
-    /// The greatest h²k/m of springs whose step is explicit in their length, from `joint_write`.
-    pub stiffest: f64,
+    /// h |F·v| of springs, summed, J, from `joint_write`.
+    pub spring_swing: f64,
     gamma: Vec<DVec3>,
     offset: Vec<f64>,
     offset_unfed: Vec<f64>,

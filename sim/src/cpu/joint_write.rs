@@ -19,7 +19,6 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
     let h = model.step;
     let end = state.time + h;
     let (joints, limits, masses) = (&mut work.joints, &mut work.limits, &work.masses);
-    work.stiffest = 0.0;
     work.joint_rows.clear();
     work.joint_rows.resize(model.joints.len(), 0..0);
     joints.rows.clear();
@@ -65,11 +64,7 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
         let (k, c) = (spring.stiffness, spring.damping);
         // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
         let response = masses.response(&row);
-        let stiff = h * h * k * response;
-        let theta = if stiff < 1.0 { 0.0 } else { 1.0 };
-        if stiff < 1.0 {
-            work.stiffest = work.stiffest.max(stiff);
-        }
+        let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
         let pull = k * (row.psi - spring.rest) + spring.preload.at(end);
         let damping = c + theta * h * k;
         if damping > 0.0 {
@@ -105,7 +100,7 @@ impl JointErrors {
 pub fn record(model: &Model, state: &mut State, work: &mut Workspace) {
     let h = model.step;
     let motion = &work.image.twist;
-    work.joint_errors = JointErrors::default();
+    (work.joint_errors, work.spring_swing) = (JointErrors::default(), 0.0);
     for (i, joint) in model.joints.iter().enumerate() {
         let f = frames(model, state, i);
         let range = work.joint_rows[i].clone();
@@ -129,6 +124,10 @@ pub fn record(model: &Model, state: &mut State, work: &mut Workspace) {
         let row = spring.row(&f, &state.springs[i]);
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| model.absent[*b as usize]);
         let speed = row.speed_in(motion);
+        if acts {
+            let pull = spring.stiffness * (row.psi - spring.rest) + spring.preload.at(state.time + h);
+            work.spring_swing += (h * pull * speed).abs();
+        }
         state.springs[i].coordinate = row.psi + h * speed;
         state.springs[i].force = if acts {
             spring.stiffness * (row.psi - spring.rest) + spring.damping * speed + spring.preload.at(state.time + h)

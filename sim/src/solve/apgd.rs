@@ -24,7 +24,9 @@ pub fn run(
     work.next.resize(gamma.len(), DVec3::ZERO);
     work.image_y.copy_from(image);
     let (mut theta, mut beta) = (1.0f64, 0.0);
-    let rounding = op.curvature_rounding(image);
+    // Velocities are sums of impulses that cancel where bodies rest: both sizes count.
+    let [impulses] = sum_rows(gamma.len(), |i| [gamma[i].length_squared() / op.eta(i)]);
+    let rounding = (op.energy(image) + impulses) * (ROUNDING * ROUNDING);
     let shortest = 1.0 / (3.0 * gamma.len() as f64);
     let is_sound = (shortest..=LONGEST).contains(&work.step_length);
     let mut step = if is_sound { work.step_length } else { 1.0 };

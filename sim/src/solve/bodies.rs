@@ -6,7 +6,7 @@
 
 use super::joints::Joints;
 use super::schedule::Colored;
-use super::{Cells, Extrapolated, Image, Operator, ROUNDING, Twist, descend, project_cone, schedule};
+use super::{Cells, Extrapolated, Image, Operator, Twist, descend, project_cone, schedule};
 use crate::cpu::contact_solve::Masses;
 use crate::cpu::{add, sum_rows, sweep, sweep_two};
 use crate::joint::Row;
@@ -283,9 +283,9 @@ impl Operator for BodyOperator<'_> {
         sum_rows(self.masses.inv_mass.len(), energy)[0] + self.joints.compliance(&a.lambda, &b.lambda)
     }
 
-    fn curvature_rounding(&self, image: &Image) -> f64 {
+    fn energy(&self, image: &Image) -> f64 {
         let [energy] = sum_rows(self.masses.inv_mass.len(), |b| [self.masses.energy(b, &image.twist[b])]);
-        (energy + self.joints.compliance(&image.lambda, &vec![0.0; image.lambda.len()])) * (ROUNDING * ROUNDING)
+        energy + self.joints.compliance(&image.lambda, &vec![0.0; image.lambda.len()])
     }
 
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, to: &mut Image) -> [f64; 2] {

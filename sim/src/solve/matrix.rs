@@ -1,7 +1,7 @@
 //! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q`, with (normal, tangent, tangent) a block.
 
 use super::schedule::Colored;
-use super::{Cells, Image, Operator, ROUNDING, Twist, project_cone};
+use super::{Cells, Image, Operator, Twist, project_cone};
 use crate::cpu::{fill_rows, sum_rows};
 use glam::{DMat3, DVec3};
 
@@ -82,8 +82,8 @@ impl Operator for MatrixOperator {
         sum_rows(self.q.len(), |i| [(a.twist[i].w - b.twist[i].w).dot(a.twist[i].v - b.twist[i].v)])[0]
     }
 
-    fn curvature_rounding(&self, image: &Image) -> f64 {
-        sum_rows(self.q.len(), |i| [image.twist[i].w.dot(image.twist[i].v).abs()])[0] * (ROUNDING * ROUNDING)
+    fn energy(&self, image: &Image) -> f64 {
+        sum_rows(self.q.len(), |i| [image.twist[i].w.dot(image.twist[i].v).abs()])[0]
     }
 
     #[inline]
