@@ -121,6 +121,55 @@ bodies:
 }
 
 #[test]
+fn swings_and_bounces_are_no_alarm() {
+    let pendulum = |length: f64, radius: f64, step: f64| {
+        format!(
+            "step: {step}
+materials: {{m: {{density: 2000, friction: 0.5}}}}
+bodies:
+  - {{name: bob, material: m, sphere: {{radius: {radius}}}, position: [{length}, 0, 0]}}
+joints:
+  - {{name: pin, kind: revolute, a: world, b: bob, position: [0, 0, 0], axis: [0, 1, 0]}}
+"
+        )
+    };
+    for (length, radius, step) in [(1.0, 0.01, 1e-3), (1.0, 0.05, 1e-2), (0.01, 0.002, 1e-3)] {
+        assert_eq!(kinds(&pendulum(length, radius, step), 3_000), [], "{length} m, {radius} m, {step} s");
+    }
+    for (restitution, step) in [(1.0, 1e-3), (0.9, 1e-2)] {
+        let ball = format!(
+            "step: {step}
+materials: {{m: {{density: 2000, friction: 0.5, restitution: {restitution}}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: ball, material: m, sphere: {{radius: 0.01}}, position: [0, 0, 1.01]}}
+"
+        );
+        assert_eq!(kinds(&ball, 3_000), [], "restitution {restitution}, {step} s");
+    }
+}
+
+#[test]
+fn a_stiff_spring_hides_no_energy() {
+    let model = "gravity: [0, 0, 0]
+solver: {recovery_speed: 5}
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: a, material: m, sphere: {radius: 0.1}}
+  - {name: b, material: m, sphere: {radius: 0.1}, position: [0.5, 0, 0]}
+  - {name: c, material: m, sphere: {radius: 0.1}, position: [9, 0, 0]}
+springs:
+  - {name: s, a: world, b: c, position: [8, 0, 0], position_b: [9, 0, 0], stiffness: 3.0e6, rest: 1.0}
+";
+    let mut sim = simulation(model);
+    (0..5).for_each(|_| assert!(sim.step().warnings.is_empty()));
+    // Two spheres come to stand in each other.
+    sim.state.position[1].x = 0.1;
+    let warnings = sim.step().warnings;
+    assert_eq!(warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [WarningKind::Energy]);
+}
+
+#[test]
 fn what_is_not_finite_stops_a_run() {
     let ball =
         "materials: {m: {density: 1000, friction: 0.5}}\nbodies:\n  - {name: a, material: m, sphere: {radius: 0.1}}\n";

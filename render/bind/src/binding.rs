@@ -4,7 +4,7 @@
 //! knows the other. Whatever stands in a file as text, names or nested keys is here a value: shapes are one of a kind, colour
 //! maps and shader parameters are found, and expressions are programs ([`Formula`]), compiled once for all frames.
 //!
-//! Keys (`objects.2.select`) are those of metadata files. The file's [`Document`] finds the place of a key, or of the longest part
+//! Keys (`objects.2.select`) are those of metadata files. The file's [`frame::yaml::Document`] finds the place of a key, or of the longest part
 //! of it that the file has.
 
 mod check;
