@@ -8,7 +8,8 @@
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
 //! the model: from the last step that had one, energy is compared with its least value. "What there is" is kinetic energy, elastic
-//! energy, and each body's potential energy over the lowest place where it has been, at least that of its own size. Steps that are
+//! energy, and each body's potential energy over the bottom of the initial bounding box, or over the lowest place where it has been if
+//! that is lower, at least that of its own size. Steps that are
 //! explicit in positions let energy swing by h F·v/2, F being weight and springs' forces: it is known to twice that. A velocity, a
 //! position or a residual that is not finite ends a run ([`Broken`]).
 
@@ -97,7 +98,7 @@ pub struct Broken {
 pub struct Watch {
     /// Diagonal of the bounding box of what moved or was jointed at the start, m; 0 before the first step.
     diagonal: f64,
-    /// The least gravitational potential where each body has been, J/kg (n_bodies).
+    /// The least gravitational potential where each body has been, at most that of the initial box's bottom, J/kg (n_bodies).
     lowest: Vec<f64>,
     /// Moving mass in the last step, kg.
     mass: f64,
@@ -227,7 +228,8 @@ impl Watch {
             (min, max) = (DVec3::ZERO, DVec3::ZERO);
         }
         self.diagonal = (max - min).length().max(f64::MIN_POSITIVE);
-        self.lowest = vec![f64::INFINITY; model.n_bodies()];
+        let bottom = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
+        self.lowest = vec![-model.gravity.dot(bottom); model.n_bodies()];
         let survey = Survey::of(model, state, &mut self.lowest);
         self.mass = survey.mass;
         self.held = held(model, state.time);
