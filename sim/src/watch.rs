@@ -9,7 +9,7 @@
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
 //! the model: from the last step that had one, energy is compared with its least value. "What there is" is kinetic energy, elastic
 //! energy, and each body's potential energy over the bottom of the initial bounding box, or over the lowest place where it has been if
-//! that is lower, at least that of its own size. Steps that are
+//! that is lower, and over that by its own size. Steps that are
 //! explicit in positions let energy swing by h F·v/2, F being weight and springs' forces: it is known to twice that. A velocity, a
 //! position or a residual that is not finite ends a run ([`Broken`]).
 
@@ -18,6 +18,7 @@ use crate::cpu::joint_write::JointErrors;
 use crate::joint::Motor;
 use crate::load::Function;
 use crate::solve::Outcome;
+use crate::state::is_isotropic;
 use crate::{Model, State};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -102,6 +103,8 @@ pub struct Watch {
     lowest: Vec<f64>,
     /// Moving mass in the last step, kg.
     mass: f64,
+    /// Its weight times radii of gyration, summed, J: the potential energy that bodies have by their size.
+    by_size: f64,
     /// Whether a spring or joint held in the last step, in their order.
     held: Vec<bool>,
     /// Least energy since the last cause, J.
@@ -132,12 +135,12 @@ pub fn residual_bound(model: &Model) -> f64 {
 struct Survey {
     kinetic: f64,
     potential: f64,
-    /// Potential energy over the bodies' lowest places, each body's at least that of its own size, J.
+    /// Potential energy over the bodies' lowest places, J.
     over_lowest: f64,
     /// h |F·v| of weight, summed, J.
     swing: f64,
     mass: f64,
-    /// The fastest body and its speed; a speed that is not finite is the greatest.
+    /// The fastest body and the square of its speed; one that is not finite is the greatest.
     fastest: (usize, f64),
     /// The body with the most kinetic energy, J.
     liveliest: (usize, f64),
@@ -156,7 +159,6 @@ impl Survey {
 
     /// Look at all bodies, and keep where they have been lowest.
     fn of(model: &Model, state: &State, lowest: &mut [f64]) -> Survey {
-        let gravity = model.gravity.length();
         let body = |mut sum: Survey, b: usize, lowest: &mut f64| {
             let inv_mass = model.inv_mass[b];
             if inv_mass == 0.0 {
@@ -164,18 +166,23 @@ impl Survey {
             }
             let (mass, inv_inertia) = (1.0 / inv_mass, model.inv_inertia[b]);
             let (v, w) = (state.velocity[b], state.angular_velocity[b]);
-            let kinetic = 0.5 * mass * v.length_squared() + 0.5 * (w * w / inv_inertia).element_sum();
+            let turning = if is_isotropic(inv_inertia) {
+                w.length_squared() / inv_inertia.x
+            } else {
+                (w * w / inv_inertia).element_sum()
+            };
+            let speed2 = v.length_squared();
+            let kinetic = 0.5 * (mass * speed2 + turning);
             let height = -model.gravity.dot(state.position[b]);
             sum.kinetic += kinetic;
             sum.potential += mass * height;
-            let size = gyration(inv_mass, inv_inertia.max_element());
             *lowest = lowest.min(height);
-            sum.over_lowest += mass * (height - *lowest).max(gravity * size);
+            sum.over_lowest += mass * (height - *lowest);
             sum.swing += mass * (model.step * model.gravity.dot(v)).abs();
             sum.mass += mass;
-            let speed = v.length();
-            let is_whole = speed.is_finite() && w.is_finite() && state.position[b].is_finite();
-            sum.merge_fastest((b, if is_whole { speed } else { f64::INFINITY }));
+            // What is not finite makes these not finite, and is then the fastest.
+            let is_whole = (kinetic + height).is_finite() && state.position[b].is_finite();
+            sum.merge_fastest((b, if is_whole { speed2 } else { f64::INFINITY }));
             sum.merge_liveliest((b, kinetic));
             sum
         };
@@ -231,7 +238,7 @@ impl Watch {
         let bottom = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
         self.lowest = vec![-model.gravity.dot(bottom); model.n_bodies()];
         let survey = Survey::of(model, state, &mut self.lowest);
-        self.mass = survey.mass;
+        (self.mass, self.by_size) = (survey.mass, energy_by_size(model));
         self.held = held(model, state.time);
         // What a spring holds is known after the first step.
         let energy = survey.kinetic + survey.potential;
@@ -309,7 +316,7 @@ impl Watch {
         self.least = self.least.min(most);
         // Velocities are known to so much.
         let known = residual_bound(model);
-        let there_is = survey.kinetic + survey.over_lowest + elastic.abs();
+        let there_is = survey.kinetic + survey.over_lowest + self.by_size + elastic.abs();
         let bound = ENERGY_GROWTH * there_is + 2.0 * survey.mass * known * known;
         let growth = energy - swing - self.least;
         if !(growth > bound) {
@@ -347,7 +354,10 @@ impl Watch {
         let tensioned = model.springs.iter().any(|s| s.acts(end - h) && changes(&s.preload));
         let held = held(model, end - h);
         let switched = held != self.held || mass != self.mass;
-        (self.held, self.mass) = (held, mass);
+        if mass != self.mass {
+            (self.mass, self.by_size) = (mass, energy_by_size(model));
+        }
+        self.held = held;
         loaded || driven || tensioned || switched
     }
 }
@@ -368,8 +378,7 @@ fn elastic_energy(model: &Model, state: &State, spring: usize) -> f64 {
 }
 
 fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
-    let (body, speed) = survey.fastest;
-    let body = Some(body);
+    let (body, speed) = (Some(survey.fastest.0), survey.fastest.1.sqrt());
     if speed == f64::INFINITY {
         return Some(Broken { body, why: "its state is not finite".into() });
     }
@@ -383,6 +392,13 @@ fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
     let JointErrors { length, angle } = seen.joints;
     let is_whole = length.1.is_finite() && angle.1.is_finite();
     (!is_whole).then(|| Broken { body: None, why: "the joints' errors are not finite".into() })
+}
+
+/// Weight times the least radius of gyration, of all bodies that move, J.
+fn energy_by_size(model: &Model) -> f64 {
+    let moving = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0);
+    let size = |b: usize| gyration(model.inv_mass[b], model.inv_inertia[b].max_element()) / model.inv_mass[b];
+    model.gravity.length() * moving.map(size).sum::<f64>()
 }
 
 /// The radius of gyration about an axis, m; 0 where the body does not turn about it.
