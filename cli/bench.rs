@@ -6,6 +6,7 @@ use crate::report::{Exit, Failure, Outcome, peak_bytes};
 use render::Context;
 use render::ri::{Class, Fail, InstanceShape, Instances, Param, Ri, Type};
 use serde_json::json;
+use sim::stages::Stage;
 use sim::workload::{self, Workload};
 use sim::{FrictionLaw, Method, Simulation, SolverSettings, SplitMix64};
 use std::path::{Path, PathBuf};
@@ -65,7 +66,7 @@ fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver
     let mut sim = Simulation::new(model, state);
     let steps = steps.unwrap_or((1.0 / step).round() as u64);
     let (mut contact_iterations, mut contacts) = (0.0, 0);
-    let mut stage_ms = [0.0; sim::stages::STAGES.len()];
+    let mut stage_ms = [0.0; Stage::ALL.len()];
     for _ in 0..steps {
         let r = sim.step();
         contact_iterations += r.contacts as f64 * r.iterations as f64;
@@ -73,17 +74,17 @@ fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver
         contacts = r.contacts;
     }
     let of = |stages: &[&str]| {
-        let wanted = sim::stages::STAGES.iter().zip(stage_ms).filter(|(name, _)| stages.contains(name));
+        let wanted = Stage::ALL.into_iter().zip(stage_ms).filter(|(stage, _)| stages.contains(&stage.name()));
         wanted.map(|(_, ms)| ms).sum::<f64>()
     };
     let all_ms: f64 = stage_ms.iter().sum();
     let solver_ms = of(&["contact_solve"]);
     let detection_ms = of(&["bounds", "bin_emit", "bin_sort", "bin_start", "pair_write", "contact_write"]);
     let cores = rayon::current_num_threads() as f64;
-    let stages: serde_json::Map<String, serde_json::Value> = sim::stages::STAGES
+    let stages: serde_json::Map<String, serde_json::Value> = Stage::ALL
         .iter()
         .zip(stage_ms)
-        .map(|(name, ms)| (name.to_string(), json!(ms / steps as f64)))
+        .map(|(stage, ms)| (stage.name().to_string(), json!(ms / steps as f64)))
         .collect();
     let radius = sim.model.shape_size.iter().map(|s| s.x).fold(0.0, f64::max);
     json!({
@@ -93,7 +94,7 @@ fn bench_sim(workload: Workload, n: usize, steps: Option<u64>, step: f64, solver
         "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (steps as f64 * step),
         "wall_seconds": wall.elapsed().as_secs_f64(),
         "worst_penetration_over_r": sim.state.contacts.worst_penetration() / radius,
-        "kinetic_energy_j": sim.model.kinetic_energy(&sim.state),
+        "kinetic_energy_j": sim.state.kinetic_energy(&sim.model),
         "contacts": contacts,
         "contact_iterations_per_second_per_core": contact_iterations / (solver_ms * 1e-3 * cores),
         "shapes_per_second_per_core": (n as u64 * steps) as f64 / (detection_ms * 1e-3 * cores),

@@ -6,7 +6,7 @@
 use crate::args::SolveArgs;
 use crate::report::{Exit, Failure, Outcome};
 use serde_json::json;
-use sim::solve::problem::{self, Law};
+use sim::problem::{self, Law};
 use sim::{FrictionLaw, Method};
 use std::time::Instant;
 

@@ -3,7 +3,7 @@
 
 use crate::analytic::simulation;
 use glam::{DMat3, DVec3};
-use sim::{Model, Pose, ShapeKind, Simulation, SplitMix64, State, stages};
+use sim::{Model, Pose, ShapeKind, Simulation, SplitMix64, State};
 use std::collections::BTreeSet;
 
 /// Sizes from the least to the greatest, evenly by their logarithms.
@@ -42,7 +42,7 @@ fn cloud(seed: u64, n: usize, boxes: u32, range: [f64; 2], extent: f64) -> Simul
         sim.state.orientation[b] = random.rotation();
     }
     // The pairs of the places that the bodies were at.
-    sim.state.roomy.clear();
+    sim.state.fat_aabb = None;
     sim
 }
 
@@ -85,7 +85,7 @@ fn boxes_depth(a: &Solid, b: &Solid) -> f64 {
 fn brute(model: &Model, state: &State) -> Vec<([u32; 2], f64, f64)> {
     let solid = |s: usize| {
         let (kind, size) = (model.shape_kind[s], model.shape_size[s]);
-        Solid { kind, place: model.shape_place(state, s), size }
+        Solid { kind, place: state.shape_pose(model, s), size }
     };
     let solids: Vec<Solid> = (0..model.n_shapes()).map(solid).collect();
     let radius: Vec<f64> =
@@ -136,7 +136,7 @@ fn overlaps_are_those_of_brute_force() {
     for (mix, (boxes, range, extent)) in mixes.into_iter().enumerate() {
         for seed in 0..12 {
             let sim = cloud(1000 * mix as u64 + seed, 250, boxes, range, extent);
-            let found = stages::overlaps(&sim.model, &sim.state);
+            let found = sim::overlaps::overlaps(&sim.model, &sim.state);
             let pairs: BTreeSet<[u32; 2]> = found.iter().map(|o| ordered(o.shapes)).collect();
             assert_eq!(pairs.len(), found.len(), "each pair once");
             total += held(&pairs, &brute(&sim.model, &sim.state), true, &format!("mix {mix}, seed {seed}"));
@@ -154,9 +154,9 @@ fn moving_bodies_meet_as_brute_force_says_step_after_step() {
             let (mut total, mut renewed) = (0, 0);
             for step in 0..60 {
                 let all = brute(&sim.model, &sim.state);
-                let before = format!("{:?}", sim.state.roomy);
+                let before = format!("{:?}", sim.state.fat_aabb);
                 sim.step();
-                renewed += (before != format!("{:?}", sim.state.roomy)) as usize;
+                renewed += (before != format!("{:?}", sim.state.fat_aabb)) as usize;
                 let contacts = &sim.state.contacts;
                 let pairs: BTreeSet<[u32; 2]> = contacts.key.iter().map(|[s, t, _]| ordered([*s, *t])).collect();
                 total += held(&pairs, &all, false, &format!("{boxes} boxes, seed {seed}, step {step}"));

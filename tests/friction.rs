@@ -3,7 +3,7 @@
 use crate::cli::scratch;
 use crate::solver::solved;
 use glam::{DMat3, DVec3};
-use sim::solve::problem::{self, Law};
+use sim::problem::{self, Law};
 use sim::{FrictionLaw, Method, SplitMix64};
 use std::path::{Path, PathBuf};
 

@@ -146,7 +146,7 @@ fn the_revolute_pendulum_follows_its_equation() {
 #[test]
 fn the_pendulum_keeps_its_energy() {
     let mut sim = pendulum(5e-4);
-    let energy = |s: &sim::Simulation| s.model.kinetic_energy(&s.state) + s.model.potential_energy(&s.state);
+    let energy = |s: &sim::Simulation| s.state.kinetic_energy(&s.model) + s.state.potential_energy(&s.model);
     run(&mut sim, 5.0);
     // Of some 20 J that go to and fro.
     assert!(energy(&sim).abs() < 0.05, "{} J", energy(&sim));

@@ -177,7 +177,7 @@ proptest! {
             most = most.max(n);
             prop_assert_eq!(report.contacts, n);
             prop_assert_eq!([c.key.len(), c.normal.len(), c.gap.len(), c.law.len(), c.impulse.len()], [n; 5]);
-            prop_assert_eq!(c.twist.len(), if rolling { n } else { 0 });
+            prop_assert_eq!(c.rolling_impulse.len(), if rolling { n } else { 0 });
             for i in 0..n {
                 let [a, b] = c.bodies[i].map(|b| b as usize);
                 prop_assert!(a < b && b < sim.model.n_bodies());

@@ -25,7 +25,7 @@ const BOULDERS: &str = "boulders: {count: 14, radius: [0.2, 0.5]}";
 /// The grid's points from the terrain's middle.
 fn points(sim: &Simulation) -> Vec<DVec3> {
     let s = sim.model.shape_kind.iter().position(|k| *k == ShapeKind::HeightField).expect("a height field");
-    let place = sim.model.shape_place(&sim.state, s);
+    let place = sim.state.shape_pose(&sim.model, s);
     let middle = sim.state.position[sim.model.body_names["hills"] as usize];
     let surface = &sim.model.surfaces[sim.model.shape_part[s] as usize];
     surface.vertices.iter().map(|v| place.position + place.orientation * *v - middle).collect()
@@ -83,7 +83,7 @@ fn boulders_lie_apart_on_the_ground_and_off_the_flat() {
     let boulders: Vec<(DVec3, f64)> = boulders
         .map(|s| {
             assert_eq!(sim.model.inv_mass[sim.model.shape_body[s] as usize], 0.0, "boulders are held in place");
-            (sim.model.shape_place(&sim.state, s).position - middle, sim.model.shape_size[s].max_element())
+            (sim.state.shape_pose(&sim.model, s).position - middle, sim.model.shape_size[s].max_element())
         })
         .collect();
     assert_eq!(boulders.len(), 14);

@@ -45,7 +45,7 @@ bodies:
 fn make_ready(sim: &mut Simulation, again: bool) {
     sim.step();
     if again {
-        sim.state.roomy.clear();
+        sim.state.fat_aabb = None;
     }
 }
 

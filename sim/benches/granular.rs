@@ -75,7 +75,7 @@ fills:
 fn scaled((model, state): &(Model, State), by: f64) -> (Model, State) {
     let (mut model, mut state) = (model.clone(), state.clone());
     state.contacts = Default::default();
-    state.roomy.clear();
+    state.fat_aabb = None;
     model.envelope *= by;
     model.shape_size.iter_mut().for_each(|size| *size *= by);
     model.inv_mass.iter_mut().for_each(|m| *m /= by.powi(3));
@@ -150,13 +150,12 @@ fn drop_ball(model: &Model, state: &State, top: f64, density: f64, diameter: f64
     model.inv_inertia.push(glam::DVec3::splat(2.5 / (mass * r * r)));
     model.class.push(0);
     model.body_frame.push(pose);
-    model.absent.push(false);
     state.position.push(glam::DVec3::new(0.0, 0.0, top + r + 1e-4));
     state.orientation.push(glam::DQuat::IDENTITY);
     state.velocity.push(glam::DVec3::new(0.0, 0.0, -(2.0 * 9.81 * height).sqrt()));
     state.angular_velocity.push(glam::DVec3::ZERO);
     (state.steps, state.time) = (0, 0.0);
-    state.roomy.clear();
+    state.fat_aabb = None;
     let mut sim = Simulation::new(model, state);
     let ball = sim.model.n_bodies() - 1;
     let mut lowest = f64::INFINITY;

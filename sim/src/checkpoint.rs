@@ -1,13 +1,13 @@
 //! Checkpoints: a state to the last bit, from which a run goes on as if it had never stopped.
 //!
-//! A file has a line `scree checkpoint 4`, the blake3 hash of what follows, and the state with the model's hash, encoded by
+//! A file has a line `scree checkpoint 5`, the blake3 hash of what follows, and the state with the model's hash, encoded by
 //! postcard. It is written whole and then renamed.
 
-use crate::State;
+use crate::state::State;
 use frame::{Fault, FaultKind, atomic};
 use std::path::{Path, PathBuf};
 
-const HEAD: &[u8] = b"scree checkpoint 4\n";
+const HEAD: &[u8] = b"scree checkpoint 5\n";
 
 /// The folder of a run's checkpoints.
 pub fn folder(run: &Path) -> PathBuf {

@@ -1,170 +1,174 @@
 //! The CPU back end: one file a stage, over the columns of the model and the state. [`crate::stages`] has their order.
 //!
-//! Every stage that runs in parallel cuts its rows into pieces of fixed length, so that results are the same bits for any
+//! Every stage that runs in parallel cuts its rows into chunks of fixed length, so that results are the same bits for any
 //! number of threads.
 
-mod ball_pairs;
-pub mod bin_emit;
-pub mod bin_start;
-pub mod bounds;
-pub mod collide;
+mod bin_emit;
+mod bin_start;
+mod bounds;
+mod collide;
 mod contact_rows;
-pub mod contact_solve;
-pub mod contact_write;
-pub mod force;
-pub mod integrate;
-pub mod joint_write;
-pub mod pair_write;
-pub mod warm_start;
+mod contact_solve;
+mod contact_write;
+mod force;
+mod integrate;
+mod joint_write;
+pub(crate) mod masses;
+mod pair_write;
+pub(crate) mod solve;
+mod sphere_pairs;
+mod warm_start;
 
-use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
+use crate::backend::Backend;
+use crate::joint::Row;
+use crate::model::Model;
+use crate::outcome::StepOutcome;
+use crate::plan::StepPlan;
+use crate::sphere::Sphere;
+use crate::stages::{Column, Stage, View};
+use crate::state::State;
+use crate::twist::Twist;
+use bin_emit::Bins;
+use masses::Masses;
+use pair_write::Pairs;
+use solve::joints::Joints;
+use solve::response::Response;
 
-/// Rows that one task handles.
-pub const PIECE: usize = 1024;
-
-/// An axis-aligned box, m, world, rounded outwards to single precision: four numbers are compared at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Aabb {
-    /// Least corner.
-    pub min: Vec3A,
-    /// Greatest corner.
-    pub max: Vec3A,
+/// The CPU back end, with the columns that its stages hand to each other beside those of the state.
+#[derive(Default)]
+pub struct Cpu {
+    masses: Masses,
+    margin: Vec<f32>,
+    spheres: Vec<Sphere>,
+    /// Whether `pairs` are those of the state's fat AABBs.
+    has_pairs: bool,
+    /// Whether they were when the step began, and still are.
+    pairs_hold: bool,
+    bins: Bins,
+    pairs: Pairs,
+    touching: contact_write::Touching,
+    last: warm_start::Last,
+    free: Vec<Twist>,
+    joint_start: Vec<u32>,
+    joints: Joints,
+    limits: Vec<Row>,
+    response: Response,
+    solver: contact_solve::Workspace,
+    outcome: StepOutcome,
 }
 
-impl Aabb {
-    /// The box about a centre.
-    #[inline]
-    pub fn about(centre: DVec3, half: DVec3) -> Aabb {
-        /// More than the rounding of a number to single precision.
-        const ROUNDING: f32 = 1.2e-7;
-        let (min, max) = ((centre - half).as_vec3a(), (centre + half).as_vec3a());
-        Aabb { min: min - min.abs() * ROUNDING, max: max + max.abs() * ROUNDING }
+impl Backend for Cpu {
+    fn name(&self) -> &'static str {
+        "cpu"
     }
 
-    /// A box that overlaps none.
-    pub const EMPTY: Aabb = Aabb { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
-
-    /// Whether another box is inside; an empty one always is.
-    #[inline]
-    pub fn holds(&self, other: &Aabb) -> bool {
-        (self.min.cmple(other.min) & other.max.cmple(self.max)).all()
+    fn prepare(&mut self, model: &Model, state: &State, _plan: &StepPlan) {
+        self.masses.prepare(model, state);
+        self.joints.forget();
     }
 
-    /// Whether two boxes share a point.
-    #[inline]
-    pub fn overlaps(&self, other: &Aabb) -> bool {
-        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
-    }
-}
-
-/// Rows below which one thread does the work: handing it out would cost more.
-pub const ALONE: usize = 4 * PIECE;
-
-/// Fill `out[i] = f(i)` in parallel.
-pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    let body = |(piece, rows): (usize, &mut [T])| {
-        for (i, row) in rows.iter_mut().enumerate() {
-            *row = f(piece * PIECE + i);
+    fn run(&mut self, stage: Stage, model: &Model, plan: &StepPlan, state: &mut State) -> bool {
+        match stage {
+            Stage::Bounds => self.bounds(model, plan, state),
+            Stage::BinEmit | Stage::BinSort | Stage::BinStart | Stage::PairWrite if self.pairs_hold => return false,
+            Stage::BinEmit => bin_emit::run(model, state, &mut self.bins),
+            Stage::BinSort => gpu::radix_sort::sort_cpu(&mut self.bins.bin, &mut self.bins.shape, self.bins.grid.len()),
+            Stage::BinStart => bin_start::run(&self.bins.bin, &mut self.bins.start),
+            Stage::PairWrite => {
+                pair_write::run(model, state, &self.bins, &mut self.pairs);
+                self.has_pairs = true;
+                // Pairs are looked for now and then; meanwhile the solver has the bins' memory.
+                self.bins = Bins::default();
+            }
+            Stage::ContactWrite => self.contact_write(model, plan, state),
+            Stage::WarmStart => warm_start::run(plan, model.n_shapes(), &mut self.last, &mut state.contacts),
+            Stage::Force => force::run(model, plan, state, &mut self.masses, &mut self.free),
+            Stage::JointWrite => {
+                let out = joint_write::Output {
+                    start: &mut self.joint_start,
+                    joints: &mut self.joints,
+                    limits: &mut self.limits,
+                    free: &mut self.free,
+                };
+                joint_write::run(model, state, &self.masses, out);
+            }
+            Stage::ContactSolve => self.contact_solve(model, plan, state),
+            Stage::Integrate => {
+                let Cpu { joint_start, joints, response, outcome, .. } = self;
+                joint_write::record(model, state, joint_start, &joints.rows, response, outcome);
+                integrate::run(model, &self.response.twist, state);
+            }
         }
-    };
-    if out.len() <= ALONE {
-        out.chunks_mut(PIECE).enumerate().for_each(body);
-    } else {
-        out.par_chunks_mut(PIECE).enumerate().for_each(body);
+        true
     }
-}
 
-/// Sum `f(i)` over the rows, piece by piece in order.
-pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    let piece = |p: usize| (p * PIECE..((p + 1) * PIECE).min(n)).fold([0.0; K], |sum, i| add(sum, f(i)));
-    let n_pieces = n.div_ceil(PIECE);
-    if n <= ALONE {
-        return (0..n_pieces).map(piece).fold([0.0; K], add);
+    fn outcome(&self) -> StepOutcome {
+        self.outcome
     }
-    let parts: Vec<[f64; K]> = (0..n_pieces).into_par_iter().map(piece).collect();
-    parts.into_iter().fold([0.0; K], add)
-}
 
-/// Fold the rows of each piece of a column, `row(sum, i, column[i])`, and merge the pieces in order.
-pub fn fold_rows<T: Send, U: Send>(
-    column: &mut [U],
-    start: impl Fn() -> T + Sync,
-    row: impl Fn(T, usize, &mut U) -> T + Sync,
-    merge: impl Fn(T, T) -> T,
-) -> T {
-    let is_little = column.len() <= ALONE;
-    let body = |(piece, rows): (usize, &mut [U])| {
-        rows.iter_mut().enumerate().fold(start(), |sum, (k, value)| row(sum, piece * PIECE + k, value))
-    };
-    if is_little {
-        return column.chunks_mut(PIECE).enumerate().map(body).fold(start(), merge);
-    }
-    let parts: Vec<T> = column.par_chunks_mut(PIECE).enumerate().map(body).collect();
-    parts.into_iter().fold(start(), merge)
-}
-
-/// Run `f(first row, rows)` on pieces of a column and add up what they return, in order.
-pub fn sweep<T: Send, const K: usize>(out: &mut [T], f: impl Fn(usize, &mut [T]) -> [f64; K] + Sync) -> [f64; K] {
-    let alone = out.len() <= ALONE;
-    let body = |(piece, rows): (usize, &mut [T])| f(piece * PIECE, rows);
-    if alone {
-        return out.chunks_mut(PIECE).enumerate().map(body).fold([0.0; K], add);
-    }
-    let parts: Vec<[f64; K]> = out.par_chunks_mut(PIECE).enumerate().map(body).collect();
-    parts.into_iter().fold([0.0; K], add)
-}
-
-/// As [`sweep`], on two columns of one length.
-pub fn sweep_two<T: Send, U: Send, const K: usize>(
-    a: &mut [T],
-    b: &mut [U],
-    f: impl Fn(usize, &mut [T], &mut [U]) -> [f64; K] + Sync,
-) -> [f64; K] {
-    let alone = a.len() <= ALONE;
-    let body = |(piece, (a, b)): (usize, (&mut [T], &mut [U]))| f(piece * PIECE, a, b);
-    if alone {
-        return a.chunks_mut(PIECE).zip(b.chunks_mut(PIECE)).enumerate().map(body).fold([0.0; K], add);
-    }
-    let parts: Vec<[f64; K]> = a.par_chunks_mut(PIECE).zip(b.par_chunks_mut(PIECE)).enumerate().map(body).collect();
-    parts.into_iter().fold([0.0; K], add)
-}
-
-/// The sums of two rows of sums.
-#[inline]
-pub fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
-    for k in 0..K {
-        a[k] += b[k];
-    }
-    a
-}
-
-/// Cut a column into parts of these lengths.
-pub fn cut<T>(mut column: &mut [T], lengths: impl IntoIterator<Item = usize>) -> Vec<&mut [T]> {
-    let part = |n| {
-        let (own, rest) = std::mem::take(&mut column).split_at_mut(n);
-        column = rest;
-        own
-    };
-    lengths.into_iter().map(part).collect()
-}
-
-/// Write each row `i`'s own values to `out[start[i]..start[i+1]]` in parallel; `start` rises and ends at `out.len()`.
-pub fn scatter_rows<T: Send>(out: &mut [T], start: &[u32], f: impl Fn(usize, &mut [T]) + Sync) {
-    let n = start.len() - 1;
-    let mut pieces: Vec<(usize, &mut [T])> = Vec::with_capacity(n.div_ceil(PIECE));
-    let mut rest = out;
-    for first in (0..n).step_by(PIECE) {
-        let last = (first + PIECE).min(n);
-        let (own, after) = rest.split_at_mut((start[last] - start[first]) as usize);
-        pieces.push((first, own));
-        rest = after;
-    }
-    pieces.into_par_iter().for_each(|(first, mut own)| {
-        for i in first..(first + PIECE).min(n) {
-            let (row, after) = own.split_at_mut((start[i + 1] - start[i]) as usize);
-            f(i, row);
-            own = after;
+    fn column<'a>(&'a self, state: &'a State, column: Column) -> View<'a> {
+        let row = |r: &Row| {
+            let [l, a, b] = [r.linear, r.angular_a, r.angular_b].map(|v| v.to_array());
+            [l[0], l[1], l[2], a[0], a[1], a[2], b[0], b[1], b[2], r.psi, r.rate, r.softness]
+        };
+        let sphere = |s: &Sphere| [s.centre.x, s.centre.y, s.centre.z, s.reach, s.radius];
+        match column {
+            Column::Margin => View::of_f32(&self.margin),
+            Column::Sphere => View::of_rows(&self.spheres, sphere),
+            Column::BinLevel => View::of_any(&self.bins.grid.level),
+            Column::BinLow => View::of_any(&self.bins.grid.low),
+            Column::Bin => View::of_u32(&self.bins.bin),
+            Column::BinShape => View::of_u32(&self.bins.shape),
+            Column::BinStart => View::of_u32(&self.bins.start),
+            Column::SpherePairStart => View::of_u32(&self.pairs.sphere_start),
+            Column::SpherePair => View::of_u32(&self.pairs.spheres),
+            Column::OtherPairStart => View::of_u32(&self.pairs.other_start),
+            Column::OtherPair => View::of_u32(&self.pairs.others),
+            Column::Free => View::of_f64(&self.free),
+            Column::Tensor => View::of_f64(self.masses.tensors()),
+            Column::JointStart => View::of_u32(&self.joint_start),
+            Column::JointRow => View::of_rows(&self.joints.rows, row),
+            Column::JointBias => View::of_f64(&self.joints.bias),
+            Column::Limit => View::of_rows(&self.limits, row),
+            Column::Motion => View::of_f64(&self.response.twist),
+            Column::JointImpulse => View::of_f64(&self.response.lambda),
+            column => View::of_state(state, column).expect("all other columns are the state's"),
         }
-    });
+    }
+}
+
+impl Cpu {
+    fn bounds(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
+        let mut fat_aabb = state.fat_aabb.take();
+        let has_left = bounds::run(model, plan, state, &mut self.margin, &mut self.spheres, &mut fat_aabb);
+        state.fat_aabb = fat_aabb;
+        self.pairs_hold = self.has_pairs && !has_left;
+        if !self.pairs_hold {
+            self.solver.forget();
+        }
+    }
+
+    fn contact_write(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
+        let mut contacts = std::mem::take(&mut state.contacts);
+        self.last.take(&mut contacts, self.pairs_hold);
+        let at = contact_write::Input { model, plan, state, margin: &self.margin, spheres: &self.spheres };
+        contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);
+        state.contacts = contacts;
+    }
+
+    fn contact_solve(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
+        let mut contacts = std::mem::take(&mut state.contacts);
+        let columns = contact_solve::Columns {
+            masses: &self.masses,
+            free: &self.free,
+            joints: &mut self.joints,
+            limits: &self.limits,
+            response: &mut self.response,
+        };
+        *self.solver.step_length() = state.step_length;
+        (self.outcome.solver, self.outcome.worst) =
+            contact_solve::run(model, plan, state, &mut contacts, columns, &mut self.solver);
+        state.step_length = *self.solver.step_length();
+        state.contacts = contacts;
+    }
 }

@@ -18,8 +18,8 @@
 //! Computer Aided Kinematics and Dynamics, ch. 9 for the forms of Ψ.
 
 use crate::load::Function;
+use crate::pose::Pose;
 use crate::twist::Twist;
-use crate::{Model, Pose, State};
 use glam::DVec3;
 
 /// What a joint leaves free.
@@ -178,10 +178,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Where two frames are.
-    pub fn of(bodies: [u32; 2], frame_a: &Pose, frame_b: &Pose, state: &State) -> Frames {
-        let body = |b: u32| Pose { position: state.position[b as usize], orientation: state.orientation[b as usize] };
-        let (a, b) = (body(bodies[0]), body(bodies[1]));
+    /// Where two frames are, given in those of A and B.
+    pub fn of([a, b]: [Pose; 2], frame_a: &Pose, frame_b: &Pose) -> Frames {
         let (fa, fb) = (a.place(frame_a), b.place(frame_b));
         Frames { arm: [fa.position - a.position, fb.position - b.position], a: fa, b: fb }
     }
@@ -360,16 +358,15 @@ impl Spring {
         t >= self.from && t < self.until
     }
 
+    /// What pulls B to A without damping, N or N m, at a length or angle and a time.
+    pub fn tension(&self, psi: f64, t: f64) -> f64 {
+        self.stiffness * (psi - self.rest) + self.preload.at(t)
+    }
+
     /// The row along which it pulls; Ψ is its length or angle.
     pub fn row(&self, f: &Frames, known: &SpringState) -> Row {
         let row = if self.rotational { f.about() } else { f.distance() };
         let psi = if self.rotational { unwrapped(row.psi, known.coordinate) } else { row.psi };
         Row { bodies: self.bodies, psi, ..row }
     }
-}
-
-/// Where the frames of a joint of the model are.
-pub fn frames(model: &Model, state: &State, joint: usize) -> Frames {
-    let j = &model.joints[joint];
-    Frames::of(j.bodies, &j.frame_a, &j.frame_b, state)
 }

@@ -52,7 +52,7 @@ pub trait Lanes<T: Real, const L: usize>:
     /// Square root.
     fn sqrt(self) -> Self;
     /// Where `self` ≤ `most`, `yes`, else `no`.
-    fn up_to(self, most: Self, yes: Self, no: Self) -> Self;
+    fn select_le(self, most: Self, yes: Self, no: Self) -> Self;
     /// Rows of eight numbers as eight columns.
     fn columns(rows: &[[T; 8]; L]) -> [Self; 8];
     /// Eight columns as rows of eight numbers.
@@ -62,7 +62,7 @@ pub trait Lanes<T: Real, const L: usize>:
 /// Double precision, four contacts: what the descent methods read of them.
 pub trait Lanes4: Lanes<f64, 4> {
     /// Bit l says whether lane l of `self` ≤ that of `most`.
-    fn at_most(self, most: Self) -> u32;
+    fn mask_le(self, most: Self) -> u32;
     /// Four vectors.
     fn load3(v: &[DVec3; 4]) -> Lane3<Self>;
     /// Write four vectors.
@@ -76,7 +76,7 @@ pub trait Lanes4: Lanes<f64, 4> {
 }
 
 /// A kernel of double precision, four contacts side by side, with what it works on.
-pub trait Kernel {
+pub trait LaneLoop {
     /// What comes out.
     type Out;
     /// Do it; `#[inline(always)]`.
@@ -99,11 +99,11 @@ pub fn has_wide_lanes() -> bool {
 }
 
 /// Run a kernel with the widest lanes that the processor has.
-pub fn widest<K: Kernel>(kernel: K) -> K::Out {
+pub fn widest<K: LaneLoop>(kernel: K) -> K::Out {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide<K: Kernel>(kernel: K) -> K::Out {
+        unsafe fn wide<K: LaneLoop>(kernel: K) -> K::Out {
             kernel.run::<Wide<std::arch::x86_64::__m256d>>()
         }
         if has_wide_lanes() {
@@ -161,7 +161,7 @@ macro_rules! plain {
                 Plain(self.0.map(<$T>::sqrt))
             }
             #[inline(always)]
-            fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+            fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
                 Plain(std::array::from_fn(|l| if self.0[l] <= most.0[l] { yes.0[l] } else { no.0[l] }))
             }
             #[inline(always)]
@@ -190,7 +190,7 @@ plain!(f64);
 
 impl Lanes4 for Plain<f64, 4> {
     #[inline(always)]
-    fn at_most(self, most: Self) -> u32 {
+    fn mask_le(self, most: Self) -> u32 {
         (0..4).fold(0, |bits, l| bits | ((self.0[l] <= most.0[l]) as u32) << l)
     }
     #[inline(always)]
@@ -268,7 +268,7 @@ mod wide {
             Wide(unsafe { _mm256_sqrt_ps(self.0) })
         }
         #[inline(always)]
-        fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+        fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
             Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, most.0)) })
         }
         #[inline(always)]
@@ -344,7 +344,7 @@ mod wide {
             Wide(unsafe { _mm256_sqrt_pd(self.0) })
         }
         #[inline(always)]
-        fn up_to(self, most: Self, yes: Self, no: Self) -> Self {
+        fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
             Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) })
         }
         #[inline(always)]
@@ -386,7 +386,7 @@ mod wide {
 
     impl Lanes4 for Wide<__m256d> {
         #[inline(always)]
-        fn at_most(self, most: Self) -> u32 {
+        fn mask_le(self, most: Self) -> u32 {
             unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) as u32 }
         }
         #[inline(always)]
@@ -535,12 +535,12 @@ pub fn project<T: Real, const L: usize, V: Lanes<T, L>>(y: Lane3<V>, n: Lane3<V>
     let tangent = y.minus(n.times(normal));
     let t = tangent.dot(tangent).sqrt();
     let reach = t * mu;
-    let kept = reach.up_to(zero - normal, zero, (reach + normal) / (mu * mu + one));
-    let share = t.up_to(zero, zero, mu * kept / t);
+    let kept = reach.select_le(zero - normal, zero, (reach + normal) / (mu * mu + one));
+    let share = t.select_le(zero, zero, mu * kept / t);
     let limit = mu * normal;
     // Without friction and tangent, what pulls is no less "inside" than what pushes: 0 ≤ −0.
-    let pushing = zero.up_to(normal, normal, zero);
-    n.times(t.up_to(limit, pushing, kept)).plus(tangent.times(t.up_to(limit, one, share)))
+    let pushing = zero.select_le(normal, normal, zero);
+    n.times(t.select_le(limit, pushing, kept)).plus(tangent.times(t.select_le(limit, one, share)))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

@@ -113,7 +113,7 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
         add(&force.to_array());
     }
     if probes.energies {
-        add(&[model.kinetic_energy(state), model.potential_energy(state)]);
+        add(&[state.kinetic_energy(model), state.potential_energy(model)]);
         add(&[state.contacts.worst_penetration(), mean_slip(state)]);
     }
     line.push('\n');
@@ -146,7 +146,7 @@ fn mean_slip(state: &State) -> f64 {
     let c = &state.contacts;
     let (mut n, mut sum) = (0usize, 0.0);
     for i in (0..c.len()).filter(|i| c.impulse[*i] != DVec3::ZERO) {
-        sum += c.velocity(state, i).reject_from_normalized(c.normal[i]).length();
+        sum += c.velocity(i, |b| state.twist(b)).reject_from_normalized(c.normal[i]).length();
         n += 1;
     }
     if n == 0 { 0.0 } else { sum / n as f64 }

@@ -1,293 +1,429 @@
-//! The ordered list of stages, and the step that runs them.
+//! The ordered list of stages, and the columns that they hand to each other.
 //!
-//! Each stage is a function over columns in `cpu/<stage>.rs`; the file's head names its inputs and outputs.
+//! A step is the stages of [`Stage::ALL`], one after the other. Each back end has a file a stage, `cpu/<stage>.rs`, whose head
+//! names the columns that come in and go out; [`COLUMNS`] is the whole table, and [`check`] holds a step to it in debug builds.
+//! Ragged data is in compressed rows: a column of starts, which begins with 0, never falls and ends with the number of items, and
+//! a column of items.
 
-use crate::cpu::bin_emit::BinGrid;
-use crate::cpu::bounds::Ball;
-use crate::cpu::contact_solve::Workspace;
-use crate::cpu::contact_write::Touching;
-use crate::cpu::pair_write::Pairs;
-use crate::cpu::{
-    Aabb, bin_emit, bin_start, bounds, contact_solve, contact_write, force, integrate, joint_write, pair_write,
-    warm_start,
-};
-use crate::joint::{JointState, SpringState};
-use crate::solve::Outcome;
-use crate::state::Arms;
-use crate::watch::{Broken, Seen, Warning};
-use crate::{Contacts, Model, State};
-use glam::DVec3;
-use std::time::Instant;
+use crate::contacts::Arms;
+use crate::joint::Row;
+use crate::model::Model;
+use crate::plan::{Narrow, StepPlan};
+use crate::state::State;
+use crate::twist::Twist;
+use bytemuck::NoUninit;
+use glam::{DQuat, DVec3};
+use std::borrow::Cow;
+use std::mem::size_of;
 
-/// The stages of a step in their order; reports and timers go by these names.
-pub const STAGES: [&str; 11] = [
-    "bounds",
-    "bin_emit",
-    "bin_sort",
-    "bin_start",
-    "pair_write",
-    "contact_write",
-    "warm_start",
-    "force",
-    "joint_write",
-    "contact_solve",
-    "integrate",
-];
-
-/// What a step did.
-#[derive(Clone, Debug, Default)]
-pub struct StepReport {
-    /// The step's number, from 1.
-    pub step: u64,
-    /// Time after it, s.
-    pub time: f64,
-    /// Contacts.
-    pub contacts: usize,
-    /// Solver iterations.
-    pub iterations: u32,
-    /// Residual, m/s.
-    pub residual: f64,
-    /// Worst penetration at the step's start, m.
-    pub worst_penetration: f64,
-    /// Milliseconds by stage, in the order of [`STAGES`].
-    pub stage_ms: [f64; STAGES.len()],
-    /// What has gone wrong.
-    pub warnings: Vec<Warning>,
-    /// Why the run cannot go on, if so.
-    pub broken: Option<Broken>,
+/// A stage of the step; reports and timers go by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Boxes around the shapes.
+    Bounds,
+    /// Pairs of a bin and a shape that touches it.
+    BinEmit,
+    /// The same, sorted by bin.
+    BinSort,
+    /// Where each bin with more than one shape begins.
+    BinStart,
+    /// Pairs of shapes whose boxes overlap, by tiles.
+    PairWrite,
+    /// Contacts of the pairs that touch.
+    ContactWrite,
+    /// The contacts' starting impulses.
+    WarmStart,
+    /// Velocities without contacts and joints.
+    Force,
+    /// Rows of joints, motors, springs and limits.
+    JointWrite,
+    /// Impulses of contacts and joints, and the velocities with them.
+    ContactSolve,
+    /// The bodies moved.
+    Integrate,
 }
 
-/// A model on its way.
-pub struct Simulation {
-    /// The model.
-    pub model: Model,
-    /// Its state.
-    pub state: State,
-    work: Scratch,
-}
+impl Stage {
+    /// The stages in their order.
+    pub const ALL: [Stage; 11] = [
+        Stage::Bounds,
+        Stage::BinEmit,
+        Stage::BinSort,
+        Stage::BinStart,
+        Stage::PairWrite,
+        Stage::ContactWrite,
+        Stage::WarmStart,
+        Stage::Force,
+        Stage::JointWrite,
+        Stage::ContactSolve,
+        Stage::Integrate,
+    ];
 
-/// Columns that stages hand to each other within a step, and scratch that is kept from step to step.
-#[derive(Default)]
-struct Scratch {
-    margin: Vec<f32>,
-    candidate: Pairs,
-    touching: Touching,
-    /// Whether `candidate` has the pairs of the state's roomy boxes.
-    has_pairs: bool,
-    /// Whether nothing but balls moves.
-    balls_only: bool,
-    last: warm_start::Last,
-    solver: Workspace,
-}
-
-impl Scratch {
-    /// Find the contacts: the stages from `bounds` to `contact_write`; those between the two are passed over while the pairs
-    /// of the last time hold. `roomy` has the boxes that the pairs were found for; `contacts` has the last step's, of which `last`
-    /// takes what the next start from.
-    fn detect(
-        &mut self,
-        model: &Model,
-        state: &State,
-        roomy: &mut Vec<Aabb>,
-        contacts: &mut Contacts,
-        clock: &mut Clock,
-    ) {
-        // Pairs and tiles hang on what moves.
-        if self.solver.masses.look(model) && self.has_pairs {
-            roomy.clear();
+    /// The name, as files, reports and timers have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Bounds => "bounds",
+            Stage::BinEmit => "bin_emit",
+            Stage::BinSort => "bin_sort",
+            Stage::BinStart => "bin_start",
+            Stage::PairWrite => "pair_write",
+            Stage::ContactWrite => "contact_write",
+            Stage::WarmStart => "warm_start",
+            Stage::Force => "force",
+            Stage::JointWrite => "joint_write",
+            Stage::ContactSolve => "contact_solve",
+            Stage::Integrate => "integrate",
         }
-        if roomy.is_empty() || !self.has_pairs {
-            self.balls_only = model.has_balls_only();
-        }
-        let mut balls = vec![];
-        if self.balls_only {
-            balls = Ball::rows_in(std::mem::take(&mut self.solver.image.twist), model.n_shapes());
-        }
-        let left = bounds::run(model, state, &mut self.margin, &mut balls, roomy);
-        clock.lap();
-        let kept = self.has_pairs && !left;
-        if !kept {
-            self.find_pairs(model, state, roomy, clock);
-            self.has_pairs = true;
-        } else {
-            clock.pass_to("contact_write");
-        }
-        self.last.take(contacts, &mut self.touching, kept);
-        let Scratch { margin, candidate, touching, .. } = self;
-        let at = contact_write::Input { model, state, margin, balls: &balls };
-        contact_write::run(&at, candidate, touching, contacts);
-        if self.balls_only {
-            self.solver.image.twist = bytemuck::cast_vec(balls);
-        }
-        clock.lap();
-    }
-
-    /// The stages from `bin_emit` to `pair_write`. Their bins are not kept: pairs are looked for now and then, and meanwhile the
-    /// solver has their memory, whose contacts in turn are let go for them.
-    fn find_pairs(&mut self, model: &Model, state: &State, roomy: &[Aabb], clock: &mut Clock) {
-        self.solver.methods.forget();
-        let mut grid = BinGrid::default();
-        grid.choose(model, roomy);
-        let (mut pair_start, mut bin, mut shape) = (vec![], vec![], vec![]);
-        bin_emit::run(model, roomy, &grid, &mut pair_start, &mut bin, &mut shape);
-        clock.lap();
-        gpu::radix_sort::sort_cpu(&mut bin, &mut shape, grid.len());
-        clock.lap();
-        let mut bin_start = vec![];
-        bin_start::run(&bin, &mut bin_start);
-        clock.lap();
-        let input = pair_write::Input {
-            model,
-            state,
-            aabb: roomy,
-            grid: &grid,
-            bin: &bin,
-            shape: &shape,
-            bin_start: &bin_start,
-        };
-        pair_write::run(&input, &mut self.candidate);
-        clock.lap();
     }
 }
 
-impl Simulation {
-    /// Start from a model and a state.
-    pub fn new(model: Model, mut state: State) -> Simulation {
-        state.joints.resize(model.joints.len(), JointState::default());
-        state.springs.resize(model.springs.len(), SpringState::default());
-        let mut sim = Simulation { model, state, work: Scratch::default() };
-        sim.wake();
-        let mut watch = std::mem::take(&mut sim.state.watch);
-        watch.start(&sim.model, &sim.state);
-        sim.state.watch = watch;
-        sim
+/// How many rows a column has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// One a body.
+    Bodies,
+    /// One a shape.
+    Shapes,
+    /// One a joint, and one more.
+    JointStarts,
+    /// As many as another column.
+    As(Column),
+    /// As many as the stage finds.
+    Found,
+}
+
+/// What a column's numbers must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Values {
+    /// Finite.
+    Finite,
+    /// Finite, or else the watch over the run ends it: they are not looked at here.
+    Watched,
+    /// Starts of the rows of a column of items.
+    StartsOf(Column),
+    /// Ids of bodies.
+    Bodies,
+    /// Ids of shapes.
+    Shapes,
+    /// Indices of laws.
+    Laws,
+    /// Any.
+    Any,
+}
+
+/// What the table of columns says of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Spec {
+    /// The column.
+    pub column: Column,
+    /// Its name in the heads of the stages' files.
+    pub name: &'static str,
+    /// Bytes of a row.
+    pub width: usize,
+    /// Its unit, where it has one.
+    pub unit: &'static str,
+    /// Its rows.
+    pub length: Length,
+    /// Its numbers.
+    pub values: Values,
+    /// The stages that write it, or change it.
+    pub writers: &'static [Stage],
+    /// The stages that read it, of this step or of the next.
+    pub readers: &'static [Stage],
+}
+
+/// Make the enum of columns and their table from one list.
+macro_rules! columns {
+    ($($(#[$doc:meta])* $column:ident $name:literal: $type:ty, $length:expr, $values:expr, $unit:literal,
+        [$($writer:ident),*] => [$($reader:ident),*];)*) => {
+        /// A column that stages hand to each other.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Column {
+            $($(#[$doc])* $column,)*
+        }
+
+        /// The columns that stages hand to each other.
+        pub const COLUMNS: &[Spec] = &[$(Spec {
+            column: Column::$column,
+            name: $name,
+            width: size_of::<$type>(),
+            unit: $unit,
+            length: $length,
+            values: $values,
+            writers: &[$(Stage::$writer),*],
+            readers: &[$(Stage::$reader),*],
+        },)*];
+    };
+}
+
+columns! {
+    /// Positions of the centres of mass, world.
+    Position "position": DVec3, Length::Bodies, Values::Watched, "m",
+        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve];
+    /// Orientations of the principal frames.
+    Orientation "orientation": DQuat, Length::Bodies, Values::Watched, "",
+        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve];
+    /// Velocities, world.
+    Velocity "velocity": DVec3, Length::Bodies, Values::Watched, "m/s",
+        [Integrate] => [Bounds, Force, ContactSolve];
+    /// Angular velocities, principal frame.
+    AngularVelocity "angular_velocity": DVec3, Length::Bodies, Values::Watched, "rad/s",
+        [Integrate] => [Bounds, Force, ContactSolve];
+    /// How far from a shape's surface contacts are looked for.
+    Margin "margin": f32, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
+    /// The spheres, where the plan has spheres only.
+    Sphere "sphere": crate::sphere::Sphere, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
+    /// Boxes with room to move; a plane's is without bounds.
+    FatAabb "fat_aabb": crate::aabb::Aabb, Length::Shapes, Values::Any, "m", [Bounds] => [BinEmit, PairWrite];
+    /// The level of bins that a shape is on.
+    BinLevel "bin_level": u8, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
+    /// The bin of the least corner of a shape's box.
+    BinLow "bin_low": glam::UVec3, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
+    /// The bin of each pair of a bin and a shape.
+    Bin "bin": u32, Length::Found, Values::Any, "", [BinEmit, BinSort] => [BinSort, BinStart, PairWrite];
+    /// The shape of the same.
+    BinShape "bin_shape": u32, Length::As(Column::Bin), Values::Shapes, "", [BinEmit, BinSort] => [BinSort, PairWrite];
+    /// First pair of each bin with more than one shape, and the pair after its last.
+    BinStart "bin_start": [u32; 2], Length::Found, Values::Any, "", [BinStart] => [PairWrite];
+    /// First pair of spheres of each tile, of those in none, and their end.
+    SpherePairStart "sphere_pair_start": u32, Length::Found, Values::StartsOf(Column::SpherePair), "",
+        [PairWrite] => [ContactWrite];
+    /// Pairs of spheres that may touch, the lower shape first.
+    SpherePair "sphere_pair": [u32; 2], Length::Found, Values::Shapes, "", [PairWrite] => [ContactWrite];
+    /// First other pair of each tile, of those in none, and their end.
+    OtherPairStart "other_pair_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::OtherPair), "",
+        [PairWrite] => [ContactWrite];
+    /// Other pairs that may touch, the lower shape first, and the triangle if one is a mesh or a height field.
+    OtherPair "other_pair": [u32; 3], Length::Found, Values::Any, "", [PairWrite] => [ContactWrite];
+    /// First contact of each tile, of those in none, and their end.
+    ContactStart "contact_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::ContactBodies), "",
+        [ContactWrite] => [WarmStart, ContactSolve];
+    /// Bodies A and B of a contact, the lower first.
+    ContactBodies "contact_bodies": [u32; 2], Length::Found, Values::Bodies, "", [ContactWrite] => [ContactSolve];
+    /// Shapes and feature that a contact is known by from step to step.
+    ContactKey "contact_key": [u32; 3], Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
+    /// The pair of spheres, in its tile, that a contact is of; none for other contacts.
+    ContactPair "contact_pair": u32, Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
+    /// Unit normals, out of A, world.
+    ContactNormal "contact_normal": DVec3, Length::As(Column::ContactBodies), Values::Finite, "",
+        [ContactWrite] => [ContactSolve];
+    /// From the centres of A and B to the contact, world, where the plan has any shapes.
+    ContactArms "contact_arms": [DVec3; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
+        [ContactWrite] => [ContactSolve];
+    /// The same along the normal, where the plan has spheres only.
+    ContactReach "contact_reach": [f64; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
+        [ContactWrite] => [ContactSolve];
+    /// Gaps Φ, negative in overlap.
+    ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [ContactSolve];
+    /// Which of the model's laws holds.
+    ContactLaw "contact_law": u32, Length::As(Column::ContactBodies), Values::Laws, "", [ContactWrite] => [ContactSolve];
+    /// Impulses on B, world.
+    Impulse "impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N s",
+        [WarmStart, ContactSolve] => [WarmStart, ContactSolve];
+    /// Rolling and spinning impulses on B, world, where the plan has them.
+    RollingImpulse "rolling_impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N m s",
+        [WarmStart, ContactSolve] => [WarmStart, ContactSolve];
+    /// Velocities without contacts and joints, world, where the plan has them as a column.
+    Free "free": Twist, Length::Bodies, Values::Finite, "m/s, rad/s", [Force, JointWrite] => [JointWrite, ContactSolve];
+    /// Reciprocal moments of inertia of bodies that do not turn alike about all axes, and their inverses, world.
+    Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force] => [JointWrite, ContactSolve];
+    /// First row of each joint, and the first of the springs.
+    JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [Integrate];
+    /// Rows of joints, motors and implicit springs.
+    JointRow "joint_row": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
+    /// What their rates are to be, less what motors prescribe.
+    JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite] => [ContactSolve];
+    /// Limits of joints that may be met in the step.
+    Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve];
+    /// Velocities with contacts and joints, world.
+    Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
+    /// Multipliers of the joints' rows.
+    JointImpulse "joint_impulse": f64, Length::As(Column::JointRow), Values::Watched, "N s, N m s",
+        [ContactSolve] => [Integrate];
+}
+
+impl Column {
+    /// Its row of the table.
+    pub fn spec(self) -> &'static Spec {
+        &COLUMNS[self as usize]
     }
 
-    /// Take one step of length `model.step`.
-    pub fn step(&mut self) -> StepReport {
-        // Inside the pool, so that its threads need not be woken by one outside it for every stage.
-        let mut report = StepReport::default();
-        rayon::scope(|_| report = self.advance());
-        report
+    /// Whether the plan has the column.
+    fn is_planned(self, plan: &StepPlan) -> bool {
+        match self {
+            Column::Sphere | Column::ContactReach => plan.narrow == Narrow::Spheres,
+            Column::ContactArms => plan.narrow == Narrow::Any,
+            Column::RollingImpulse => plan.rolls,
+            Column::Free => plan.has_free_column,
+            _ => true,
+        }
+    }
+}
+
+/// A column as [`check`] sees it.
+pub struct View<'a> {
+    rows: usize,
+    width: usize,
+    numbers: Numbers<'a>,
+}
+
+/// A column's numbers, row after row.
+enum Numbers<'a> {
+    U32(&'a [u32]),
+    F32(&'a [f32]),
+    F64(Cow<'a, [f64]>),
+    Opaque,
+}
+
+impl<'a> View<'a> {
+    /// A column of ids and indices.
+    pub fn of_u32<T: NoUninit>(column: &'a [T]) -> View<'a> {
+        View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::U32(bytemuck::cast_slice(column)) }
     }
 
-    fn advance(&mut self) -> StepReport {
-        self.wake();
-        let (model, state, w) = (&self.model, &mut self.state, &mut self.work);
-        let mut clock = Clock::start();
-
-        let (mut contacts, mut roomy) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.roomy));
-        w.detect(model, state, &mut roomy, &mut contacts, &mut clock);
-        state.roomy = roomy;
-        warm_start::run(model, &mut w.last, &w.touching, &mut contacts);
-        clock.lap();
-        let balls = matches!(contacts.arms, Arms::Along(_));
-        force::run(model, state, balls, &mut w.solver);
-        clock.lap();
-        joint_write::run(model, state, &mut w.solver);
-        clock.lap();
-        w.solver.methods.step_length = state.step_length;
-        let outcome = contact_solve::run(model, state, &mut contacts, &mut w.solver);
-        state.step_length = w.solver.methods.step_length;
-        clock.lap();
-        state.contacts = contacts;
-        joint_write::record(model, state, &mut w.solver);
-        integrate::run(model, &w.solver.image.twist, state);
-        let mut watch = std::mem::take(&mut state.watch);
-        let seen = Seen {
-            outcome: &outcome,
-            worst: w.solver.worst,
-            joints: &w.solver.joint_errors,
-            spring_swing: w.solver.spring_swing,
-        };
-        let (warnings, broken) = watch.look(model, state, &seen);
-        state.watch = watch;
-        clock.lap();
-
-        report(state, outcome, clock, warnings, broken)
+    /// A column of single precision.
+    pub fn of_f32(column: &'a [f32]) -> View<'a> {
+        View { rows: column.len(), width: size_of::<f32>(), numbers: Numbers::F32(column) }
     }
 
-    /// Let bodies appear and move whose time has come.
-    fn wake(&mut self) {
-        let now = self.state.time + 0.5 * self.model.step;
-        for late in &self.model.late {
-            let passed = |t: f64| t <= now && now - self.model.step < t;
-            if passed(late.appears) || passed(late.moves) {
-                // Pairs of what was held in place were not looked for.
-                self.state.roomy.clear();
+    /// A column of double precision.
+    pub fn of_f64<T: NoUninit>(column: &'a [T]) -> View<'a> {
+        View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(bytemuck::cast_slice(column).into()) }
+    }
+
+    /// A column of rows with numbers of several kinds, of which these are looked at.
+    pub fn of_rows<T, const K: usize>(column: &'a [T], numbers: impl Fn(&T) -> [f64; K]) -> View<'a> {
+        let numbers: Vec<f64> = column.iter().flat_map(numbers).collect();
+        View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(numbers.into()) }
+    }
+
+    /// A column of which the length alone is looked at.
+    pub fn of_any<T>(column: &'a [T]) -> View<'a> {
+        View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::Opaque }
+    }
+
+    /// A column of the state.
+    pub fn of_state(state: &'a State, column: Column) -> Option<View<'a>> {
+        let c = &state.contacts;
+        Some(match (column, &c.arms) {
+            (Column::Position, _) => View::of_f64(&state.position),
+            (Column::Orientation, _) => View::of_f64(&state.orientation),
+            (Column::Velocity, _) => View::of_f64(&state.velocity),
+            (Column::AngularVelocity, _) => View::of_f64(&state.angular_velocity),
+            (Column::FatAabb, _) => View::of_any(state.fat_aabb.as_deref().unwrap_or_default()),
+            (Column::ContactStart, _) => View::of_u32(&c.tiles.start),
+            (Column::ContactBodies, _) => View::of_u32(&c.bodies),
+            (Column::ContactKey, _) => View::of_u32(&c.key),
+            (Column::ContactPair, _) => View::of_u32(&c.pair),
+            (Column::ContactNormal, _) => View::of_f64(&c.normal),
+            (Column::ContactArms, Arms::Any(arms)) => View::of_f64(arms),
+            (Column::ContactReach, Arms::Along(reach)) => View::of_f64(reach),
+            // Contacts have one layout or the other.
+            (Column::ContactArms, _) => View::of_f64::<[DVec3; 2]>(&[]),
+            (Column::ContactReach, _) => View::of_f64::<[f64; 2]>(&[]),
+            (Column::ContactGap, _) => View::of_f64(&c.gap),
+            (Column::ContactLaw, _) => View::of_u32(&c.law),
+            (Column::Impulse, _) => View::of_f64(&c.impulse),
+            (Column::RollingImpulse, _) => View::of_f64(&c.rolling_impulse),
+            _ => return None,
+        })
+    }
+}
+
+/// What is wrong with the columns that a stage has written.
+///
+/// # Errors
+/// The first fault: a column of the wrong width or length, a start that falls, an id out of range, a number that is not finite; or
+/// tiles of one round that share a moving body.
+pub fn check<'a>(
+    after: Stage,
+    model: &Model,
+    plan: &StepPlan,
+    state: &State,
+    view: impl Fn(Column) -> View<'a>,
+) -> Result<(), String> {
+    for spec in COLUMNS.iter().filter(|s| s.writers.contains(&after) && s.column.is_planned(plan)) {
+        let found = check_column(spec, model, &view(spec.column), &view);
+        found.map_err(|fault| format!("after `{}`: column `{}` {fault}", after.name(), spec.name))?;
+    }
+    if after == Stage::ContactWrite { check_tiles(state) } else { Ok(()) }
+}
+
+fn check_column<'a>(
+    spec: &Spec,
+    model: &Model,
+    column: &View,
+    view: &impl Fn(Column) -> View<'a>,
+) -> Result<(), String> {
+    let View { rows, width, .. } = *column;
+    if width != spec.width {
+        return Err(format!("has rows of {width} bytes, expected {}", spec.width));
+    }
+    let expected = match spec.length {
+        Length::Bodies => model.n_bodies(),
+        Length::Shapes => model.n_shapes(),
+        Length::JointStarts => model.joints.len() + 1,
+        Length::As(other) => view(other).rows,
+        Length::Found => rows,
+    };
+    if rows != expected {
+        return Err(format!("has {rows} rows, expected {expected}"));
+    }
+    let below = |n: usize| match &column.numbers {
+        Numbers::U32(ids) => match ids.iter().position(|id| *id as usize >= n) {
+            Some(k) => Err(format!("has {} where ids are below {n} ({k} of {})", ids[k], ids.len())),
+            None => Ok(()),
+        },
+        _ => Err("has no ids".into()),
+    };
+    match spec.values {
+        Values::Any | Values::Watched => Ok(()),
+        Values::Bodies => below(model.n_bodies()),
+        Values::Shapes => below(model.n_shapes()),
+        Values::Laws => below(model.laws.len()),
+        Values::StartsOf(items) => match column.numbers {
+            Numbers::U32(starts) => check_starts(starts, view(items).rows),
+            _ => Err("has no starts".into()),
+        },
+        Values::Finite => {
+            let bad = match &column.numbers {
+                Numbers::F64(numbers) => numbers.iter().position(|x| !x.is_finite()),
+                Numbers::F32(numbers) => numbers.iter().position(|x| !x.is_finite()),
+                _ => return Err("has no real numbers".into()),
+            };
+            bad.map_or(Ok(()), |k| Err(format!("has a number that is not finite, the {k}th")))
+        }
+    }
+}
+
+fn check_starts(starts: &[u32], n_items: usize) -> Result<(), String> {
+    if starts.first() != Some(&0) || starts.last().map(|end| *end as usize) != Some(n_items) {
+        return Err(format!("does not go from 0 to {n_items}"));
+    }
+    match starts.windows(2).position(|ends| ends[0] > ends[1]) {
+        Some(k) => Err(format!("falls after row {k}")),
+        None => Ok(()),
+    }
+}
+
+/// The tiles of a round are worked on side by side: no two may have contacts of one moving body.
+fn check_tiles(state: &State) -> Result<(), String> {
+    const NONE: usize = usize::MAX;
+    for round in state.contacts.tiles.rounds() {
+        let mut tile_of = vec![NONE; state.position.len()];
+        for (tile, ends) in round.windows(2).enumerate() {
+            for contact in ends[0] as usize..ends[1] as usize {
+                for body in state.contacts.bodies[contact].map(|b| b as usize).into_iter().filter(|b| state.moves(*b)) {
+                    if tile_of[body] != tile && tile_of[body] != NONE {
+                        return Err(format!("after `contact_write`: body {body} has contacts in two tiles of a round"));
+                    }
+                    tile_of[body] = tile;
+                }
             }
-            let b = late.body as usize;
-            self.model.absent[b] = now < late.appears;
-            let moves = now >= late.moves.max(late.appears);
-            self.model.inv_mass[b] = if moves { late.inv_mass } else { 0.0 };
-            self.model.inv_inertia[b] = if moves { late.inv_inertia } else { DVec3::ZERO };
         }
     }
+    Ok(())
 }
 
-/// Two bodies that overlap.
-pub struct Overlap {
-    /// The bodies.
-    pub bodies: [u32; 2],
-    /// Their shapes.
-    pub shapes: [u32; 2],
-    /// How deep, m.
-    pub depth: f64,
-}
-
-/// The overlaps of a state, the deepest of each pair of shapes.
-pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
-    let mut w = Scratch::default();
-    let mut contacts = Contacts::default();
-    // What appears later must not overlap then; where that is nobody knows yet.
-    w.detect(model, state, &mut vec![], &mut contacts, &mut Clock::start());
-    let mut found: Vec<Overlap> = vec![];
-    for i in 0..contacts.len() {
-        let (depth, [s, t, _]) = (-contacts.gap[i], contacts.key[i]);
-        match found.last_mut() {
-            _ if depth <= 0.0 => {}
-            Some(last) if last.shapes == [s, t] => last.depth = last.depth.max(depth),
-            _ => found.push(Overlap { bodies: contacts.bodies[i], shapes: [s, t], depth }),
-        }
-    }
-    found
-}
-
-fn report(state: &State, outcome: Outcome, clock: Clock, warnings: Vec<Warning>, broken: Option<Broken>) -> StepReport {
-    StepReport {
-        step: state.steps,
-        time: state.time,
-        contacts: state.contacts.len(),
-        iterations: outcome.iterations,
-        residual: outcome.residual,
-        worst_penetration: state.contacts.worst_penetration(),
-        stage_ms: clock.ms,
-        warnings,
-        broken,
-    }
-}
-
-/// Milliseconds by stage.
-struct Clock {
-    last: Instant,
-    stage: usize,
-    ms: [f64; STAGES.len()],
-}
-
-impl Clock {
-    fn start() -> Clock {
-        Clock { last: Instant::now(), stage: 0, ms: [0.0; STAGES.len()] }
-    }
-
-    /// Leave out the stages before this one.
-    fn pass_to(&mut self, stage: &str) {
-        self.stage = STAGES.iter().position(|s| *s == stage).expect("a stage's name");
-    }
-
-    fn lap(&mut self) {
-        let now = Instant::now();
-        self.ms[self.stage] = (now - self.last).as_secs_f64() * 1e3;
-        self.last = now;
-        self.stage += 1;
-    }
-}
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,11 @@
 //! The state as a frame table, and the steps' report as CSV.
 
-use crate::stages::STAGES;
-use crate::{Model, Pose, ShapeKind, State, StepReport};
+use crate::model::Model;
+use crate::pose::Pose;
+use crate::shape::ShapeKind;
+use crate::simulation::StepReport;
+use crate::stages::Stage;
+use crate::state::State;
 use frame::{Column, Frame};
 use glam::DVec3;
 
@@ -13,9 +17,10 @@ use glam::DVec3;
 /// shape name of their own each, as `hull_0`.
 pub fn frame_of(model: &Model, state: &State, number: u64) -> Frame {
     let mut frame = Frame::new(number, state.time);
-    let rows: Vec<usize> = (0..model.n_shapes()).filter(|s| !model.absent[model.shape_body[*s] as usize]).collect();
+    let rows: Vec<usize> =
+        (0..model.n_shapes()).filter(|s| !state.is_inactive(model.shape_body[*s] as usize)).collect();
     let body = |s: usize| model.shape_body[s] as usize;
-    let places: Vec<Pose> = rows.iter().map(|s| model.shape_place(state, *s)).collect();
+    let places: Vec<Pose> = rows.iter().map(|s| state.shape_pose(model, *s)).collect();
     frame.push("id", "", Column::I64(rows.iter().map(|s| body(*s) as i64).collect()));
     let classes = rows.iter().map(|s| model.class[body(*s)]).collect();
     frame.push("class", "", Column::Category { codes: classes, names: model.class_names.clone() });
@@ -91,7 +96,7 @@ pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
             frame.push(name, unit, Column::F64((0..n).map(|i| value(i)[k]).collect()));
         }
     };
-    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| c.point(model, state, i));
+    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| state.contact_point(i));
     triple(["normal_x", "normal_y", "normal_z"], "", &|i| c.normal[i]);
     triple(["force_x", "force_y", "force_z"], "N", &|i| c.impulse[i] / model.step);
     frame.push("gap", "m", Column::F64(c.gap.clone()));
@@ -100,7 +105,7 @@ pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
 
 /// The head of `report.csv`.
 pub fn report_header() -> String {
-    let stages: Vec<String> = STAGES.iter().map(|s| format!("{s} [ms]")).collect();
+    let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
     format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
 }
 

@@ -13,15 +13,17 @@
 //! explicit in positions let energy swing by h F·v/2, F being weight and springs' forces: it is known to twice that. A velocity, a
 //! position or a residual that is not finite ends a run ([`Broken`]).
 
-use crate::cpu::fold_rows;
-use crate::cpu::joint_write::JointErrors;
+use crate::inertia::is_isotropic;
 use crate::joint::Motor;
 use crate::load::Function;
-use crate::solve::Outcome;
-use crate::state::is_isotropic;
-use crate::{Model, State};
+use crate::model::Model;
+use crate::outcome::{JointErrors, StepOutcome};
+use crate::rows::fold_rows;
+use crate::state::State;
+use crate::warning::Memory;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+
+pub use crate::warning::{Broken, Warning, WarningCount, WarningKind};
 
 /// Faster than anything that scree is for, m/s.
 const TOO_FAST: f64 = 1e5;
@@ -30,100 +32,6 @@ const JOINT_ERROR: f64 = 1e-3;
 const JOINT_ANGLE: f64 = 1e-2;
 /// How much energy may grow, of what there is.
 const ENERGY_GROWTH: f64 = 0.1;
-
-/// What a warning is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WarningKind {
-    /// The contact solver has not converged.
-    Residual,
-    /// A joint is violated.
-    Joint,
-    /// Energy has grown without a cause.
-    Energy,
-}
-
-impl WarningKind {
-    /// All kinds.
-    pub const ALL: [WarningKind; 3] = [WarningKind::Residual, WarningKind::Joint, WarningKind::Energy];
-
-    /// The name, as `run.json` writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            WarningKind::Residual => "residual",
-            WarningKind::Joint => "joint",
-            WarningKind::Energy => "energy",
-        }
-    }
-}
-
-/// A warning about one step.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Warning {
-    /// Kind.
-    pub kind: WarningKind,
-    /// The step, from 1.
-    pub step: u64,
-    /// Time after it, s.
-    pub time: f64,
-    /// What it says, with the body's or joint's name and the value and its bound.
-    pub message: String,
-}
-
-impl std::fmt::Display for Warning {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "step {} ({:.6} s): {}", self.step, self.time, self.message)
-    }
-}
-
-/// The steps of a run with a warning of one kind.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WarningCount {
-    /// Number of such steps.
-    pub count: u64,
-    /// The first of them.
-    pub first: Warning,
-}
-
-/// Why a run cannot go on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Broken {
-    /// The body that shows it, if it is one.
-    pub body: Option<usize>,
-    /// What is wrong.
-    pub why: String,
-}
-
-/// What is remembered from step to step; part of the state, so that a run that goes on from a checkpoint says the same.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Watch {
-    /// Diagonal of the bounding box of what moved or was jointed at the start, m; 0 before the first step.
-    diagonal: f64,
-    /// The least gravitational potential where each body has been, at most that of the initial box's bottom, J/kg (n_bodies).
-    lowest: Vec<f64>,
-    /// Moving mass in the last step, kg.
-    mass: f64,
-    /// Its weight times radii of gyration, summed, J: the potential energy that bodies have by their size.
-    by_size: f64,
-    /// Whether a spring or joint held in the last step, in their order.
-    held: Vec<bool>,
-    /// Least energy since the last cause, J.
-    least: f64,
-    /// Warnings so far, by kind, in order of their first step.
-    pub warnings: Vec<WarningCount>,
-}
-
-/// What a step shows to the watch.
-pub struct Seen<'a> {
-    /// The solver's outcome.
-    pub outcome: &'a Outcome,
-    /// Bodies of the contact that misses most, where the residual is above [`residual_bound`].
-    pub worst: Option<[u32; 2]>,
-    /// Errors of the joints.
-    pub joints: &'a JointErrors,
-    /// h |F·v| of springs that are integrated explicitly, summed, J.
-    pub spring_swing: f64,
-}
 
 /// The residual above which a step counts as not converged, m/s.
 pub fn residual_bound(model: &Model) -> f64 {
@@ -160,11 +68,10 @@ impl Survey {
     /// Look at all bodies, and keep where they have been lowest.
     fn of(model: &Model, state: &State, lowest: &mut [f64]) -> Survey {
         let body = |mut sum: Survey, b: usize, lowest: &mut f64| {
-            let inv_mass = model.inv_mass[b];
-            if inv_mass == 0.0 {
+            if !state.moves(b) {
                 return sum;
             }
-            let (mass, inv_inertia) = (1.0 / inv_mass, model.inv_inertia[b]);
+            let (mass, inv_inertia) = (1.0 / model.inv_mass[b], model.inv_inertia[b]);
             let (v, w) = (state.velocity[b], state.angular_velocity[b]);
             let turning = if is_isotropic(inv_inertia) {
                 w.length_squared() / inv_inertia.x
@@ -213,21 +120,21 @@ impl Survey {
     }
 }
 
-impl Watch {
+impl Memory {
     /// Take the measures of the initial state.
     fn begin(&mut self, model: &Model, state: &State) {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut reach = |p: DVec3, half: DVec3| (min, max) = (min.min(p - half), max.max(p + half));
         for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
-            let place = model.shape_place(state, s);
+            let place = state.shape_pose(model, s);
             reach(place.position, DVec3::splat(model.shape_size[s].max_element()));
         }
-        for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
+        for b in (0..model.n_bodies()).filter(|b| state.moves(*b)) {
             let size = gyration(model.inv_mass[b], model.inv_inertia[b].min_element());
             reach(state.position[b], DVec3::splat(size));
         }
-        for joint in 0..model.joints.len() {
-            let frames = crate::joint::frames(model, state, joint);
+        for joint in &model.joints {
+            let frames = state.joint_frames(joint);
             reach(frames.a.position, DVec3::ZERO);
             reach(frames.b.position, DVec3::ZERO);
         }
@@ -238,7 +145,7 @@ impl Watch {
         let bottom = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
         self.lowest = vec![-model.gravity.dot(bottom); model.n_bodies()];
         let survey = Survey::of(model, state, &mut self.lowest);
-        (self.mass, self.by_size) = (survey.mass, energy_by_size(model));
+        (self.mass, self.by_size) = (survey.mass, energy_by_size(model, state));
         self.held = held(model, state.time);
         // What a spring holds is known after the first step.
         let energy = survey.kinetic + survey.potential;
@@ -253,7 +160,7 @@ impl Watch {
     }
 
     /// Look at a step: its warnings, counted, and whether the run is broken.
-    pub fn look(&mut self, model: &Model, state: &State, seen: &Seen) -> (Vec<Warning>, Option<Broken>) {
+    pub fn look(&mut self, model: &Model, state: &State, seen: &StepOutcome) -> (Vec<Warning>, Option<Broken>) {
         let survey = Survey::of(model, state, &mut self.lowest);
         let broken = broken(seen, &survey);
         if broken.is_some() {
@@ -277,8 +184,8 @@ impl Watch {
         }
     }
 
-    fn residual(&self, model: &Model, seen: &Seen) -> Option<String> {
-        let (residual, bound) = (seen.outcome.residual, residual_bound(model));
+    fn residual(&self, model: &Model, seen: &StepOutcome) -> Option<String> {
+        let (residual, bound) = (seen.solver.residual, residual_bound(model));
         (residual > bound).then(|| {
             let at = seen.worst.map_or(String::new(), |[a, b]| {
                 format!("; it is greatest where body {} touches body {}", label(model, a), label(model, b))
@@ -287,8 +194,8 @@ impl Watch {
         })
     }
 
-    fn joint(&self, model: &Model, seen: &Seen) -> Option<String> {
-        let JointErrors { length, angle } = *seen.joints;
+    fn joint(&self, model: &Model, seen: &StepOutcome) -> Option<String> {
+        let JointErrors { length, angle } = seen.joints;
         let named = |joint: usize| {
             let j = &model.joints[joint];
             let [a, b] = j.bodies.map(|b| label(model, b));
@@ -303,7 +210,7 @@ impl Watch {
         (error > JOINT_ANGLE).then(|| format!("{} is off by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
     }
 
-    fn energy(&mut self, model: &Model, state: &State, seen: &Seen, survey: &Survey) -> Option<String> {
+    fn energy(&mut self, model: &Model, state: &State, seen: &StepOutcome, survey: &Survey) -> Option<String> {
         let caused = self.is_caused(model, state, survey.mass);
         let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
         let energy = survey.kinetic + survey.potential + elastic;
@@ -355,7 +262,7 @@ impl Watch {
         let held = held(model, end - h);
         let switched = held != self.held || mass != self.mass;
         if mass != self.mass {
-            (self.mass, self.by_size) = (mass, energy_by_size(model));
+            (self.mass, self.by_size) = (mass, energy_by_size(model, state));
         }
         self.held = held;
         loaded || driven || tensioned || switched
@@ -370,14 +277,14 @@ fn held(model: &Model, t: f64) -> Vec<bool> {
 /// What a spring holds, J: of its stiffness, and of a constant preload.
 fn elastic_energy(model: &Model, state: &State, spring: usize) -> f64 {
     let s = &model.springs[spring];
-    if !s.acts(state.time - model.step) || s.bodies.iter().any(|b| model.absent[*b as usize]) {
+    if !s.acts(state.time - model.step) || s.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
         return 0.0;
     }
     let stretch = state.springs[spring].coordinate - s.rest;
     0.5 * s.stiffness * stretch * stretch + s.preload.at(state.time) * stretch
 }
 
-fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
+fn broken(seen: &StepOutcome, survey: &Survey) -> Option<Broken> {
     let (body, speed) = (Some(survey.fastest.0), survey.fastest.1.sqrt());
     if speed == f64::INFINITY {
         return Some(Broken { body, why: "its state is not finite".into() });
@@ -385,7 +292,7 @@ fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
     if speed > TOO_FAST {
         return Some(Broken { body, why: format!("it moves at {speed:.3e} m/s") });
     }
-    let residual = seen.outcome.residual;
+    let residual = seen.solver.residual;
     if !residual.is_finite() {
         return Some(Broken { body: None, why: format!("the solver's residual is {residual} m/s") });
     }
@@ -395,8 +302,8 @@ fn broken(seen: &Seen, survey: &Survey) -> Option<Broken> {
 }
 
 /// Weight times the least radius of gyration, of all bodies that move, J.
-fn energy_by_size(model: &Model) -> f64 {
-    let moving = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0);
+fn energy_by_size(model: &Model, state: &State) -> f64 {
+    let moving = (0..model.n_bodies()).filter(|b| state.moves(*b));
     let size = |b: usize| gyration(model.inv_mass[b], model.inv_inertia[b].max_element()) / model.inv_mass[b];
     model.gravity.length() * moving.map(size).sum::<f64>()
 }

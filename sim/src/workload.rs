@@ -100,7 +100,6 @@ fn add(
     model.shape_group.push(0);
     model.shape_part.push(0);
     model.body_frame.push(middle);
-    model.absent.push(false);
     model.inv_mass.push(inv);
     model.inv_inertia.push(if mass > 0.0 { DVec3::splat(inv / (0.4 * size.x * size.x)) } else { DVec3::ZERO });
     model.class.push(class);

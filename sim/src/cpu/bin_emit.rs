@@ -1,16 +1,19 @@
 //! Count the bins that each shape's box touches, scan, and emit one (bin, shape) pair for each.
-//! in   aabb       [n_shapes]      m, world
-//! out  pair_start [n_shapes + 1]  first pair of each shape
-//!      bin        [n_pairs]       bin of the pair
-//!      shape      [n_pairs]       shape of the pair
+//! in   fat_aabb   [n_shapes]  m, world
+//! out  bin_level  [n_shapes]  which of the grids of bins a shape is on
+//! out  bin_low    [n_shapes]  the bin of its box's least corner
+//! out  bin        [n_bin_pairs]
+//! out  bin_shape  [n_bin_pairs]
 //! Source: paper §3, stages 1–3.
 //!
 //! Bins come in levels, each four times as large as the one below; a shape goes to the level whose bins are about its size, so
 //! that a chassis among grains costs a few large bins and not a million small ones. The bins of a level are numbered brick by
 //! brick, so that what is near in space is near in memory; `pair_write` hands the bricks to the threads.
 
-use super::{Aabb, PIECE, fill_rows, scatter_rows};
-use crate::Model;
+use crate::aabb::Aabb;
+use crate::model::Model;
+use crate::rows::{CHUNK, fill_rows, scatter_rows};
+use crate::state::State;
 use glam::{UVec3, Vec3A};
 use rayon::prelude::*;
 
@@ -31,6 +34,19 @@ pub struct Level {
     pub first: u32,
     /// Whether any shape is on it.
     pub used: bool,
+}
+
+/// The pairs of a bin and a shape that touches it, with the grids.
+#[derive(Default)]
+pub struct Bins {
+    /// The grids.
+    pub grid: BinGrid,
+    /// Bin of each pair (n_bin_pairs).
+    pub bin: Vec<u32>,
+    /// Shape of each pair (n_bin_pairs).
+    pub shape: Vec<u32>,
+    /// First pair of each bin with more than one shape, and the pair after its last (n_active_bins).
+    pub start: Vec<[u32; 2]>,
 }
 
 /// The grids of bins.
@@ -79,15 +95,14 @@ const MAX_BINS: f32 = 16_000_000.0;
 
 impl BinGrid {
     /// Choose the bins for a set of boxes: those of the finest level hold three or four of the usual shapes.
-    pub fn choose(&mut self, model: &Model, aabb: &[Aabb]) {
-        let moving = |s: usize| {
-            model.inv_mass[model.shape_body[s] as usize] > 0.0 && aabb[s].min.is_finite() && aabb[s].max.is_finite()
-        };
+    pub fn choose(&mut self, model: &Model, state: &State, aabb: &[Aabb]) {
+        let moving =
+            |s: usize| state.moves(model.shape_body[s] as usize) && aabb[s].min.is_finite() && aabb[s].max.is_finite();
         let pieces: Vec<Crowd> = aabb
-            .par_chunks(PIECE)
+            .par_chunks(CHUNK)
             .enumerate()
             .map(|(piece, boxes)| {
-                let own = boxes.iter().enumerate().filter(|(k, _)| moving(piece * PIECE + k));
+                let own = boxes.iter().enumerate().filter(|(k, _)| moving(piece * CHUNK + k));
                 own.fold(Crowd::NONE, |crowd, (_, b)| crowd.join(&Crowd::of(b)))
             })
             .collect();
@@ -202,32 +217,27 @@ impl BinGrid {
 }
 
 /// The stage. Planes and other surfaces take no bins; `pair_write` meets them on their own.
-pub fn run(
-    model: &Model,
-    aabb: &[Aabb],
-    grid: &BinGrid,
-    pair_start: &mut Vec<u32>,
-    bin: &mut Vec<u32>,
-    shape: &mut Vec<u32>,
-) {
-    let n = model.n_shapes();
-    pair_start.clear();
-    pair_start.resize(n + 1, 0);
-    fill_rows(&mut pair_start[..n], |s| {
+pub fn run(model: &Model, state: &State, bins: &mut Bins) {
+    let aabb = state.fat_aabb.as_deref().expect("boxes from `bounds`");
+    let Bins { grid, bin, shape, .. } = bins;
+    grid.choose(model, state, aabb);
+    let (grid, n) = (&*grid, model.n_shapes());
+    let mut start = vec![0; n + 1];
+    fill_rows(&mut start[..n], |s| {
         if !grid.holds(model, aabb, s) {
             return 0;
         }
         let level = grid.level[s] as usize;
         (grid.bin_of(level, aabb[s].max) - grid.bin_of(level, aabb[s].min) + UVec3::ONE).element_product()
     });
-    let n_pairs = gpu::scan::exclusive_cpu(pair_start) as usize;
+    let n_pairs = gpu::scan::exclusive_cpu(&mut start) as usize;
     bin.resize(n_pairs, 0);
     shape.resize(n_pairs, 0);
-    scatter_rows(bin, pair_start, |s, row| {
+    scatter_rows(bin, &start, |s, row| {
         if !row.is_empty() {
             let mut slot = row.iter_mut();
             grid.visit(grid.level[s] as usize, &aabb[s], |b| *slot.next().expect("as many slots as bins") = b);
         }
     });
-    scatter_rows(shape, pair_start, |s, row| row.fill(s as u32));
+    scatter_rows(shape, &start, |s, row| row.fill(s as u32));
 }

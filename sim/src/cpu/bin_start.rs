@@ -1,6 +1,6 @@
 //! Find where each active bin starts among the sorted (bin, shape) pairs.
-//! in   bin       [n_pairs]       sorted
-//! out  bin_start [n_active + 1]  index into the pairs
+//! in   bin        [n_bin_pairs]    sorted
+//! out  bin_start  [n_active_bins]  first pair, and the pair after the last
 //! Source: paper §3, stages 5 and 6.
 
 /// The stage. Bins with a single shape are left out: nothing can meet there.

@@ -1,10 +1,11 @@
-//! The rows that `contact_write` fills, piece by piece.
+//! The rows that `contact_write` fills, tile by tile.
 
-use super::bounds::Ball;
-use super::collide::{Point, collide_balls};
+use super::collide::collide_spheres;
+use super::collide::point::Point;
+use crate::sphere::Sphere;
 use glam::DVec3;
 
-/// The rows of a piece's contacts.
+/// The rows of a tile's contacts.
 pub struct Rows<'a, A> {
     /// Bodies A and B.
     pub bodies: &'a mut [[u32; 2]],
@@ -23,13 +24,13 @@ pub struct Rows<'a, A> {
 }
 
 impl<A> Rows<'_, A> {
-    /// Write row `i`: two shapes, as far as balls go, touch in a point. `arms_of` makes the arms of two bodies that touch in a
-    /// point, of which those that are balls have the radii given.
+    /// Write row `i`: two shapes, as far as spheres go, touch in a point. `arms_of` makes the arms of two bodies that touch in a
+    /// point, of which those that are spheres have the radii given.
     #[inline(always)]
     pub fn put(
         &mut self,
         i: usize,
-        [p, q]: [Ball; 2],
+        [p, q]: [Sphere; 2],
         key: [u32; 3],
         point: &Point,
         arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
@@ -44,21 +45,21 @@ impl<A> Rows<'_, A> {
         self.arms[i] = arms_of(self.bodies[i], point, radii);
     }
 
-    /// Write row `i`: the balls of two shapes touch.
+    /// Write row `i`: the spheres of two shapes touch.
     #[inline(always)]
-    pub fn put_balls(
+    pub fn put_spheres(
         &mut self,
         i: usize,
         pair: [u32; 2],
-        [p, q]: [Ball; 2],
+        [p, q]: [Sphere; 2],
         arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
     ) {
-        let point = collide_balls((p.centre, p.radius), (q.centre, q.radius));
+        let point = collide_spheres((p.centre, p.radius), (q.centre, q.radius));
         self.put(i, [p, q], [pair[0], pair[1], point.feature], &point, arms_of);
     }
 }
 
-/// The lengths of the arms of balls: the contact point is half the gap away from a ball's surface.
+/// The lengths of the arms of spheres: the contact point is half the gap away from a sphere's surface.
 pub fn along(_: [u32; 2], point: &Point, radii: [f64; 2]) -> [f64; 2] {
     radii.map(|r| r + 0.5 * point.gap)
 }

@@ -1,25 +1,27 @@
-//! Velocities at the end of the step if there were no contacts and no joints: v + h M⁻¹ f.
-//! in   velocity, angular_velocity  [n_bodies]
-//!      loads, motors that give an effort
-//! out  masses                      [n_bodies]  in the world frame
-//!      free                        [n_bodies]  m/s and rad/s, world; none where the solver makes it of the velocities
+//! Velocities at the end of the step if there were no contacts and no joints: v + h M⁻¹ f; and the bodies' inertia in the world frame.
+//! in   position          [n_bodies]  m
+//! in   orientation       [n_bodies]
+//! in   velocity          [n_bodies]  m/s
+//! in   angular_velocity  [n_bodies]  rad/s
+//! out  tensor            [n_tensors] of bodies that do not turn alike about all axes
+//! out  free              [n_bodies]  m/s and rad/s, world, where the plan has it as a column
 //! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
 
-use super::contact_solve::Workspace;
-use super::fill_rows;
-use crate::joint::frames;
-use crate::solve::bodies::Falling;
+use super::masses::Masses;
+use super::solve::bodies::Falling;
+use crate::model::Model;
+use crate::plan::StepPlan;
+use crate::rows::fill_rows;
+use crate::state::State;
 use crate::twist::Twist;
-use crate::{Method, Model, State};
 use glam::DVec3;
 
-/// The stage. `balls` says that nothing else moves.
-pub fn run(model: &Model, state: &State, balls: bool, work: &mut Workspace) {
-    work.masses.turn_to(model, state);
-    let (masses, free, h) = (&work.masses, &mut work.free, model.step);
-    // Sweeps ask for it twice a step, which is not worth a column; iterations of the other methods do each time.
-    let pushed = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
-    if balls && !pushed && model.solver.method == Method::GaussSeidel {
+/// The stage.
+pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, free: &mut Vec<Twist>) {
+    masses.turn_to(model, state);
+    let h = model.step;
+    if !plan.has_free_column {
+        // Sweeps over spheres ask for it twice a step, which is not worth a column; iterations of the other methods do each time.
         *free = vec![];
         return;
     }
@@ -30,7 +32,7 @@ pub fn run(model: &Model, state: &State, balls: bool, work: &mut Workspace) {
     let middle = state.time + 0.5 * h;
     for load in &model.loads {
         let b = load.body as usize;
-        if model.absent[b] {
+        if state.is_inactive(b) {
             continue;
         }
         let vector = load.vector(middle, state.orientation[b] * model.body_frame[b].orientation);
@@ -41,13 +43,13 @@ pub fn run(model: &Model, state: &State, balls: bool, work: &mut Workspace) {
         };
         masses.push(free, load.body, force * h, torque * h);
     }
-    for (i, joint) in model.joints.iter().enumerate() {
+    for joint in &model.joints {
         let effort = joint.effort(middle);
         let Some(coordinate) = joint.kind.coordinate() else { continue };
-        if effort == 0.0 || !joint.holds(state.time) || joint.bodies.iter().any(|b| model.absent[*b as usize]) {
+        if effort == 0.0 || !joint.holds(state.time) || joint.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
             continue;
         }
-        let row = joint.free_row(&frames(model, state, i), coordinate);
+        let row = joint.free_row(&state.joint_frames(joint), coordinate);
         masses.push_row(free, &row, effort * h);
     }
 }

@@ -1,30 +1,36 @@
 //! Move the bodies with their new velocities.
-//! in    motion                      [n_bodies]  m/s and rad/s, world, after the solver
-//! inout position, orientation       [n_bodies]
-//! out   velocity, angular_velocity  [n_bodies]  m/s world, rad/s body frame
+//! in     motion            [n_bodies]  m/s and rad/s, world
+//! in     joint_start       [n_joints + 1]
+//! in     joint_row         [n_rows]
+//! in     joint_impulse     [n_rows]    N s, N m s: what joints did is recorded before the bodies are moved
+//! inout  position          [n_bodies]  m
+//! inout  orientation       [n_bodies]
+//! out    velocity          [n_bodies]  m/s, world
+//! out    angular_velocity  [n_bodies]  rad/s, principal frame
 //! Source: PHYSICS, q⁺ = q + h L(q) v⁺; the rotation over a step is taken exactly, and the angular momentum of the world
 //! frame is carried over it, so that a free body keeps it to round-off.
 
-use super::PIECE;
-use crate::state::is_isotropic;
+use crate::inertia::is_isotropic;
+use crate::model::Model;
+use crate::rows::CHUNK;
+use crate::state::{Activity, State};
 use crate::twist::Twist;
-use crate::{Model, State};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 /// The stage.
 pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
-    let h = model.step;
+    let (h, activity) = (model.step, &state.activity);
     let columns = (
-        state.position.par_chunks_mut(PIECE),
-        state.orientation.par_chunks_mut(PIECE),
-        state.velocity.par_chunks_mut(PIECE),
-        state.angular_velocity.par_chunks_mut(PIECE),
+        state.position.par_chunks_mut(CHUNK),
+        state.orientation.par_chunks_mut(CHUNK),
+        state.velocity.par_chunks_mut(CHUNK),
+        state.angular_velocity.par_chunks_mut(CHUNK),
     );
     columns.into_par_iter().with_min_len(8).enumerate().for_each(|(piece, (position, orientation, velocity, spin))| {
         for k in 0..position.len() {
-            let b = piece * PIECE + k;
-            if model.inv_mass[b] == 0.0 {
+            let b = piece * CHUNK + k;
+            if activity[b] != Activity::Moving {
                 (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
                 continue;
             }

@@ -1,40 +1,57 @@
 //! Write the rows of joints, motors and springs, and the limits that may be met in this step.
-//! in   joints, springs            the model's
-//!      position, orientation      [n_bodies]
-//! out  rows                       [n_rows]    dΨ/dt and Ψ in the world frame
-//!      bias                       [n_rows]    Ψ/h − rate, and what springs add, m/s
-//!      limits                     [n_limits]
+//! in     position     [n_bodies]      m
+//! in     orientation  [n_bodies]
+//! in     tensor       [n_tensors]
+//! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
+//! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
+//! out    joint_bias   [n_rows]        Ψ/h − rate, and what springs add, m/s
+//! out    limit        [n_limits]
+//! inout  free         [n_bodies]      explicit springs act on it
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use crate::cpu::contact_solve::Workspace;
-use crate::joint::{Coordinate, Frames, JointState, Row, frames};
-use crate::{Model, State};
-use glam::DVec3;
+use super::masses::Masses;
+use super::solve::joints::Joints;
+use super::solve::response::Response;
+use crate::joint::{Coordinate, JointState, Row};
+use crate::model::Model;
+use crate::outcome::{JointErrors, StepOutcome};
+use crate::state::State;
+use crate::twist::Twist;
 
 /// A limit is looked at when the coordinate may come to it within this many steps.
 const LOOK_AHEAD: f64 = 3.0;
 
-/// The stage. Joints of which a body is absent do not hold yet.
-pub fn run(model: &Model, state: &State, work: &mut Workspace) {
+/// What the stage writes.
+pub struct Output<'a> {
+    /// First row of each joint, and of the springs (n_joints + 1).
+    pub start: &'a mut Vec<u32>,
+    /// The rows.
+    pub joints: &'a mut Joints,
+    /// Limits of joints that may be met.
+    pub limits: &'a mut Vec<Row>,
+    /// Velocities without contacts and joints (n_bodies).
+    pub free: &'a mut [Twist],
+}
+
+/// The stage. Joints of which a body is inactive do not hold yet.
+pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints, limits, free }: Output) {
     let h = model.step;
     let end = state.time + h;
-    let (joints, limits, masses) = (&mut work.joints, &mut work.limits, &work.masses);
-    work.joint_rows.clear();
-    work.joint_rows.resize(model.joints.len(), 0..0);
+    start.clear();
     joints.rows.clear();
     joints.bias.clear();
     limits.clear();
     let present = |bodies: [u32; 2]| {
-        !bodies.iter().any(|b| model.absent[*b as usize]) && bodies.iter().any(|b| masses.inv_mass[*b as usize] > 0.0)
+        !bodies.iter().any(|b| state.is_inactive(*b as usize)) && bodies.iter().any(|b| state.moves(*b as usize))
     };
     for (i, joint) in model.joints.iter().enumerate() {
+        let first = joints.rows.len();
+        start.push(first as u32);
         if !joint.holds(state.time) || !present(joint.bodies) {
             continue;
         }
-        let f = frames(model, state, i);
-        let first = joints.rows.len();
+        let f = state.joint_frames(joint);
         joint.rows(&f, &state.joints[i], end, &mut joints.rows);
-        work.joint_rows[i] = first..joints.rows.len();
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
         if let (Some([least, most]), Some(c)) = (joint.limits, joint.kind.coordinate()) {
@@ -55,56 +72,45 @@ pub fn run(model: &Model, state: &State, work: &mut Workspace) {
             }
         }
     }
+    start.push(joints.rows.len() as u32);
     for (i, spring) in model.springs.iter().enumerate() {
         if !spring.acts(state.time) || !present(spring.bodies) {
             continue;
         }
-        let f = Frames::of(spring.bodies, &spring.frame_a, &spring.frame_b, state);
+        let f = state.spring_frames(spring);
         let row = spring.row(&f, &state.springs[i]);
         let (k, c) = (spring.stiffness, spring.damping);
         // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
         let response = masses.response(&row);
         let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
-        let pull = k * (row.psi - spring.rest) + spring.preload.at(end);
+        let tension = spring.tension(row.psi, end);
         let damping = c + theta * h * k;
         if damping > 0.0 {
-            // λ = −h (pull + damping u), or u + λ/(h damping) + pull/damping = 0.
+            // λ = −h (tension + damping u), or u + λ/(h damping) + tension/damping = 0.
             joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
-            joints.bias.push(pull / damping);
+            joints.bias.push(tension / damping);
         } else {
-            masses.push_row(&mut work.free, &row, -h * pull);
-        }
-    }
-}
-
-/// The joints that are off most at a step's start.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct JointErrors {
-    /// A joint and by how much a length is off, m.
-    pub length: (usize, f64),
-    /// A joint and by how much an angle is off, rad.
-    pub angle: (usize, f64),
-}
-
-impl JointErrors {
-    fn add(&mut self, joint: usize, row: &Row, error: f64) {
-        let worst = if row.linear == DVec3::ZERO { &mut self.angle } else { &mut self.length };
-        // An error that is not finite is the greatest.
-        if !(error <= worst.1) {
-            *worst = (joint, error);
+            masses.push_row(free, &row, -h * tension);
         }
     }
 }
 
 /// Write what the joints and springs did: reactions, coordinates, violations. Runs before the bodies are moved.
-pub fn record(model: &Model, state: &mut State, work: &mut Workspace) {
+pub fn record(
+    model: &Model,
+    state: &mut State,
+    start: &[u32],
+    all_rows: &[Row],
+    response: &Response,
+    outcome: &mut StepOutcome,
+) {
     let h = model.step;
-    let motion = &work.image.twist;
-    (work.joint_errors, work.spring_swing) = (JointErrors::default(), 0.0);
+    let motion = &response.twist;
+    (outcome.joints, outcome.spring_swing) = (JointErrors::default(), 0.0);
     for (i, joint) in model.joints.iter().enumerate() {
-        let f = frames(model, state, i);
-        let range = work.joint_rows[i].clone();
-        let (rows, lambda) = (&work.joints.rows[range.clone()], &work.image.lambda[range]);
+        let f = state.joint_frames(joint);
+        let range = start[i] as usize..start[i + 1] as usize;
+        let (rows, lambda) = (&all_rows[range.clone()], &response.lambda[range]);
         let known = state.joints[i];
         let mut now = JointState { coordinate: joint.coordinate(&f, &known), ..JointState::default() };
         if let Some(c) = joint.kind.coordinate() {
@@ -114,19 +120,18 @@ pub fn record(model: &Model, state: &mut State, work: &mut Workspace) {
         now.violation = rows.iter().fold(0.0, |m, r| r.psi.abs().max(m));
         for (k, row) in rows.iter().enumerate() {
             let error = joint.error(row, k, rows.len(), state.time, state.time + h);
-            error.iter().for_each(|error| work.joint_errors.add(i, row, *error));
+            error.iter().for_each(|error| outcome.joints.add(i, row, *error));
         }
         (now.force, now.torque) = f.reaction(rows, lambda, h);
         state.joints[i] = now;
     }
     for (i, spring) in model.springs.iter().enumerate() {
-        let f = Frames::of(spring.bodies, &spring.frame_a, &spring.frame_b, state);
+        let f = state.spring_frames(spring);
         let row = spring.row(&f, &state.springs[i]);
-        let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| model.absent[*b as usize]);
+        let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| state.is_inactive(*b as usize));
         let speed = row.speed_in(motion);
         if acts {
-            let pull = spring.stiffness * (row.psi - spring.rest) + spring.preload.at(state.time + h);
-            work.spring_swing += (h * pull * speed).abs();
+            outcome.spring_swing += (h * spring.tension(row.psi, state.time + h) * speed).abs();
         }
         state.springs[i].coordinate = row.psi + h * speed;
         state.springs[i].force = if acts {

@@ -1,10 +1,17 @@
 //! Write every pair of shapes whose boxes overlap, once: the bin that holds the least corner of the overlap claims it. (The
 //! paper takes the overlap's midpoint; the least corner's bin follows from the shapes' own without arithmetic.)
-//! in   bin, shape [n_pairs]       sorted by bin
-//!      bin_start  [n_active]      first and last-but-one pair of each active bin
-//!      aabb       [n_shapes]      m, world
-//! out  candidate  [n_candidates]  two shapes, the lower index first, and the triangle if one is a mesh or a height field; by
-//!                                 tiles, those of two balls before the others
+//! in   position           [n_bodies]       m
+//! in   orientation        [n_bodies]
+//! in   fat_aabb           [n_shapes]       m, world
+//! in   bin_level          [n_shapes]
+//! in   bin_low            [n_shapes]
+//! in   bin                [n_bin_pairs]    sorted
+//! in   bin_shape          [n_bin_pairs]
+//! in   bin_start          [n_active_bins]
+//! out  sphere_pair_start  [n_tiles + 2]    pairs of spheres of each tile, and of those in none
+//! out  sphere_pair        [n_sphere_pairs] the lower shape first
+//! out  other_pair_start   [n_tiles + 2]    the same of other pairs
+//! out  other_pair         [n_other_pairs]  the lower shape first, and the triangle if one is a mesh or a height field
 //! Source: paper §3, stages 7–9.
 //!
 //! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
@@ -14,46 +21,90 @@
 //! between tiles go to a second round of tiles, moved by half a brick along each axis, and the few that both rounds cut come
 //! last: a solver can work on the tiles of a round side by side, and finds what it asks for near together.
 
-use super::bin_emit::BinGrid;
+use super::bin_emit::{BinGrid, Bins};
 use super::collide::surface_of;
-use super::{Aabb, PIECE, fill_rows};
-use crate::{Model, ShapeKind, State};
+use crate::aabb::Aabb;
+use crate::model::Model;
+use crate::rows::{CHUNK, cut, fill_rows};
+use crate::shape::ShapeKind;
+use crate::state::State;
 use glam::{DMat3, DVec3, Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Pairs of shapes, the lower index first.
+/// Pairs of shapes of a tile while they are found, the lower index first.
 #[derive(Clone, Default)]
-pub struct Candidates {
-    /// Of two balls.
-    pub balls: Vec<[u32; 2]>,
+struct Candidates {
+    /// Of two spheres.
+    spheres: Vec<[u32; 2]>,
     /// Of others, and the triangle if one is a mesh or a height field.
-    pub others: Vec<[u32; 3]>,
+    others: Vec<[u32; 3]>,
 }
 
 impl Candidates {
     #[inline]
     fn push(&mut self, model: &Model, [s, t, triangle]: [u32; 3]) {
         if [s, t].map(|s| model.shape_kind[s as usize]) == [ShapeKind::Sphere; 2] {
-            self.balls.push([s, t]);
+            self.spheres.push([s, t]);
         } else {
             self.others.push([s, t, triangle]);
         }
     }
+}
 
-    /// How many pairs.
-    pub fn len(&self) -> usize {
-        self.balls.len() + self.others.len()
+/// The pairs of shapes that may touch, by tiles: those of each tile of the first round, of each of the second, and of neither.
+#[derive(Default)]
+pub struct Pairs {
+    /// Tiles of the first round.
+    pub n_first: usize,
+    /// First pair of spheres of each tile, of those in none, and their end (n_tiles + 2).
+    pub sphere_start: Vec<u32>,
+    /// Pairs of spheres, the lower shape first (n_sphere_pairs).
+    pub spheres: Vec<[u32; 2]>,
+    /// First other pair of each tile, of those in none, and their end (n_tiles + 2).
+    pub other_start: Vec<u32>,
+    /// Other pairs, the lower shape first, and the triangle if one is a mesh or a height field (n_other_pairs).
+    pub others: Vec<[u32; 3]>,
+}
+
+impl Pairs {
+    /// The pairs of spheres of a tile.
+    pub fn spheres_of(&self, tile: usize) -> &[[u32; 2]] {
+        &self.spheres[self.sphere_start[tile] as usize..self.sphere_start[tile + 1] as usize]
+    }
+
+    /// The other pairs of a tile.
+    pub fn others_of(&self, tile: usize) -> &[[u32; 3]] {
+        &self.others[self.other_start[tile] as usize..self.other_start[tile + 1] as usize]
+    }
+
+    /// Number of tiles, and one for what is in none.
+    pub fn n_tiles(&self) -> usize {
+        self.sphere_start.len() - 1
+    }
+
+    /// Take what was found tile by tile: count, scan, write.
+    fn take(&mut self, found: Vec<Candidates>, n_first: usize) {
+        self.n_first = n_first;
+        flatten(&found, |c| &c.spheres, &mut self.sphere_start, &mut self.spheres);
+        flatten(&found, |c| &c.others, &mut self.other_start, &mut self.others);
     }
 }
 
-/// All pairs by tiles.
-#[derive(Default)]
-pub struct Pairs {
-    /// Those of each tile of the first round, of each of the second, and of neither.
-    pub pieces: Vec<Candidates>,
-    /// Tiles of the first round.
-    pub n_first: usize,
+/// Write ragged rows as compressed rows.
+fn flatten<R: Sync, T: Copy + Default + Send + Sync>(
+    rows: &[R],
+    items: impl Fn(&R) -> &Vec<T> + Sync,
+    start: &mut Vec<u32>,
+    out: &mut Vec<T>,
+) {
+    start.clear();
+    start.extend(rows.iter().map(|row| items(row).len() as u32).chain([0]));
+    let n = gpu::scan::exclusive_cpu(start) as usize;
+    out.clear();
+    out.resize(n, T::default());
+    let parts = cut(out, rows.iter().map(|row| items(row).len()));
+    parts.into_par_iter().zip(rows).for_each(|(own, row)| own.copy_from_slice(items(row)));
 }
 
 /// The tile of a body that is held in place: any.
@@ -87,45 +138,39 @@ impl Found<'_> {
 const MEMBERS: usize = 64;
 
 /// What the stage reads.
-pub struct Input<'a> {
-    /// The model.
-    pub model: &'a Model,
-    /// The state.
-    pub state: &'a State,
-    /// Boxes (n_shapes).
-    pub aabb: &'a [Aabb],
-    /// The bins.
-    pub grid: &'a BinGrid,
-    /// Sorted bins of the pairs.
-    pub bin: &'a [u32],
-    /// Their shapes.
-    pub shape: &'a [u32],
-    /// Active bins.
-    pub bin_start: &'a [[u32; 2]],
+struct Input<'a> {
+    model: &'a Model,
+    state: &'a State,
+    aabb: &'a [Aabb],
+    grid: &'a BinGrid,
+    bin: &'a [u32],
+    shape: &'a [u32],
+    bin_start: &'a [[u32; 2]],
 }
 
 impl Input<'_> {
     /// Whether two shapes may touch at all: not of one body, not both held in place, not of bodies or groups that pass through
-    /// each other. What is absent has no box, so that nobody asks.
+    /// each other. What is inactive has no box, so that nobody asks.
     #[inline]
     fn may_meet(&self, s: u32, t: u32) -> bool {
         let model = self.model;
         let (a, b) = (model.shape_body[s as usize], model.shape_body[t as usize]);
-        if a == b || (model.inv_mass[a as usize] == 0.0 && model.inv_mass[b as usize] == 0.0) {
+        if a == b || !(self.state.moves(a as usize) || self.state.moves(b as usize)) {
             return false;
         }
         let n_groups = model.group_names.len();
         let group = |s: u32| if n_groups == 1 { 0 } else { model.shape_group[s as usize] as usize };
         !(model.groups_pass[group(s) * n_groups + group(t)]
-            || (!model.apart.is_empty() && model.apart.binary_search(&[a.min(b), a.max(b)]).is_ok()))
+            || (!model.exclusions.is_empty() && model.exclusions.binary_search(&[a.min(b), a.max(b)]).is_ok()))
     }
 }
 
 /// The stage.
-pub fn run(input: &Input, candidate: &mut Pairs) {
-    candidate.pieces.clear();
-    let model = input.model;
-    let is_there = |s: usize| model.shape_kind[s].is_surface() && !model.absent[model.shape_body[s] as usize];
+pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
+    let aabb = state.fat_aabb.as_deref().expect("boxes from `bounds`");
+    let Bins { grid, bin, shape, start } = bins;
+    let input = &Input { model, state, aabb, grid, bin, shape, bin_start: start };
+    let is_there = |s: usize| model.shape_kind[s].is_surface() && !state.is_inactive(model.shape_body[s] as usize);
     let surfaces: Vec<SurfaceAt> =
         (0..model.n_shapes() as u32).filter(|s| is_there(*s as usize)).map(|s| SurfaceAt::of(input, s)).collect();
     let mixed = input.grid.levels.iter().filter(|l| l.used).count() > 1;
@@ -133,24 +178,24 @@ pub fn run(input: &Input, candidate: &mut Pairs) {
     // Room for so many pairs is no small block, whose memory would not go back to the system.
     const ROOM: usize = 1 << 14;
     let found = || {
-        let own = Candidates { balls: Vec::with_capacity(ROOM), others: vec![] };
+        let own = Candidates { spheres: Vec::with_capacity(ROOM), others: vec![] };
         Found { model, tile: &tile, here: NOWHERE, own, cut: vec![] }
     };
 
     let bricks = bricks_of(input);
     let within = bricks.par_iter().with_max_len(1).map_init(found, |found, (brick, rows)| {
         found.here = *brick;
-        found.own.balls.clear();
+        found.own.spheres.clear();
         found.own.others.clear();
         rows.clone().for_each(|row| in_bin(input, input.bin_start[row], found));
         (found.own.clone(), std::mem::take(&mut found.cut))
     });
-    let (mut pieces, mut cut): (Vec<Candidates>, Vec<Vec<[u32; 3]>>) = within.unzip();
+    let (mut found_in, mut cut): (Vec<Candidates>, Vec<Vec<[u32; 3]>>) = within.unzip();
     // The coarser levels and the surfaces that each shape meets.
     if mixed || !surfaces.is_empty() {
         let rows =
-            (0..model.n_shapes().div_ceil(PIECE)).into_par_iter().with_max_len(1).map_init(found, |found, piece| {
-                for s in piece * PIECE..((piece + 1) * PIECE).min(model.n_shapes()) {
+            (0..model.n_shapes().div_ceil(CHUNK)).into_par_iter().with_max_len(1).map_init(found, |found, chunk| {
+                for s in chunk * CHUNK..((chunk + 1) * CHUNK).min(model.n_shapes()) {
                     if mixed {
                         in_coarser_levels(input, s as u32, found);
                     }
@@ -161,18 +206,18 @@ pub fn run(input: &Input, candidate: &mut Pairs) {
         cut.par_extend(rows);
     }
 
-    hand_over(model, &tile, &bricks, &cut.concat(), &mut pieces);
-    *candidate = Pairs { pieces, n_first: bricks.len() };
+    hand_over(model, &tile, &bricks, &cut.concat(), &mut found_in);
+    pairs.take(found_in, bricks.len());
 }
 
 /// Hand the pairs that were not found in their tiles over to these: to those of the first round, which are there already, to
-/// those of the second, which are added, or to the piece of neither, which comes last.
+/// those of the second, which are added, or to the row of neither, which comes last.
 fn hand_over(
     model: &Model,
     tile: &[[u32; 2]],
     bricks: &[(u32, Range<usize>)],
     cut: &[[u32; 3]],
-    pieces: &mut Vec<Candidates>,
+    found: &mut Vec<Candidates>,
 ) {
     /// Bits of a pair's place in `cut`.
     const PLACE: u32 = 30;
@@ -193,19 +238,18 @@ fn hand_over(
     let mut neither = Candidates::default();
     for run in order.chunk_by(|a, b| a >> PLACE == b >> PLACE) {
         let (round, tile) = (run[0] >> (32 + PLACE), (run[0] >> PLACE) as u32);
-        let mut piece = Candidates::default();
+        let mut own = Candidates::default();
         let home = match round {
-            0 => bricks.binary_search_by_key(&tile, |(brick, _)| *brick).map_or(&mut neither, |k| &mut pieces[k]),
-            1 => &mut piece,
+            0 => bricks.binary_search_by_key(&tile, |(brick, _)| *brick).map_or(&mut neither, |k| &mut found[k]),
+            1 => &mut own,
             _ => &mut neither,
         };
         run.iter().for_each(|key| home.push(model, cut[*key as usize & ((1 << PLACE) - 1)]));
         if round == 1 {
-            piece.balls.shrink_to_fit();
-            pieces.push(piece);
+            found.push(own);
         }
     }
-    pieces.push(neither);
+    found.push(neither);
 }
 
 /// No brick.
@@ -213,12 +257,12 @@ const NOWHERE: u32 = u32::MAX - 1;
 
 /// The tile of each body in both rounds; of a body of several shapes, the last one's.
 fn tiles_of(input: &Input) -> Vec<[u32; 2]> {
-    let Input { model, grid, .. } = input;
+    let Input { model, state, grid, .. } = input;
     let mut of_shape = vec![[0; 2]; model.n_shapes()];
     fill_rows(&mut of_shape, |s| grid.bricks_of(s));
     let mut tile = vec![[HELD; 2]; model.n_bodies()];
     for (body, of_shape) in model.shape_body.iter().zip(of_shape) {
-        if model.inv_mass[*body as usize] > 0.0 {
+        if state.moves(*body as usize) {
             tile[*body as usize] = of_shape;
         }
     }
@@ -349,7 +393,7 @@ struct SurfaceAt {
 
 impl SurfaceAt {
     fn of(input: &Input, shape: u32) -> SurfaceAt {
-        let place = input.model.shape_place(input.state, shape as usize);
+        let place = input.state.shape_pose(input.model, shape as usize);
         let up = place.orientation * DVec3::Z;
         let reach = place.position.dot(up);
         SurfaceAt {

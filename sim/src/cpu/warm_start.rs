@@ -1,16 +1,17 @@
 //! Start each contact from the impulse that the same contact had in the last step.
-//! in   last     contacts of the last step, with their impulses
-//!      contacts [n_contacts]  all but the impulses
-//! out  impulse  [n_contacts]  N s, world; zero for a new contact
-//!      twist    [n_contacts]  N m s, world, where the model has rolling or spinning friction
+//! in     contact_start    [n_tiles + 2]
+//! in     contact_key      [n_contacts]
+//! in     contact_pair     [n_contacts]
+//! inout  impulse          [n_contacts]  N s, world: the last step's; zero for a new contact
+//! inout  rolling_impulse  [n_contacts]  N m s, world, where the plan has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 //!
-//! While the list of candidates holds, the contacts of two balls stand in its order in both steps, and one walk along both
-//! finds the same ones. The others, and all after the list was made anew, are looked for by their keys.
+//! While the pairs of shapes hold, the contacts of two spheres stand in their order in both steps, and one walk along both
+//! finds the same ones. The others, and all after the pairs were looked for again, are looked for by their keys.
 
-use super::contact_write::{Balls, Touching};
-use super::{cut, fill_rows};
-use crate::{Contacts, Model};
+use crate::contacts::{Contacts, NOT_OF_SPHERES};
+use crate::plan::StepPlan;
+use crate::rows::{cut, fill_rows};
 use glam::{DVec3, Vec3};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
@@ -18,29 +19,43 @@ use rayon::prelude::*;
 /// What is kept of a step's contacts. A starting point needs no double precision.
 #[derive(Default)]
 pub struct Last {
-    /// Whether the list of candidates still holds.
+    /// Whether the pairs of shapes still hold.
     kept: bool,
-    /// Contacts that are looked for by their keys, and these: those that are not between two balls if the list holds, else all.
+    /// Contacts that are looked for by their keys, and these: those that are not between two spheres if the pairs hold, else all.
     known: Vec<u32>,
     key: Vec<[u32; 3]>,
     impulse: Vec<Vec3>,
-    twist: Vec<Vec3>,
-    /// The candidates of two balls that touched, piece by piece, and the first contact of each piece.
-    balls: Balls,
+    rolling_impulse: Vec<Vec3>,
+    /// The pairs of spheres that touched, and the first contact of each tile.
+    pair: Vec<u32>,
     start: Vec<u32>,
 }
 
 /// No contact of the last step.
 const NEW: u32 = u32::MAX;
 
+/// The pairs of spheres that touch, tile by tile.
+fn pairs_by_tile<'a>(pair: &'a [u32], start: &[u32]) -> Vec<&'a [u32]> {
+    let of_tile = |ends: &[u32]| {
+        let own = &pair[ends[0] as usize..ends[1] as usize];
+        &own[..own.partition_point(|pair| *pair != NOT_OF_SPHERES)]
+    };
+    start.windows(2).map(of_tile).collect()
+}
+
+/// The contacts that are not between two spheres.
+fn others(pair: &[u32]) -> Vec<u32> {
+    pair.iter().zip(0..).filter(|(pair, _)| **pair == NOT_OF_SPHERES).map(|(_, i)| i).collect()
+}
+
 impl Last {
-    /// Take these contacts with the candidates that they are of; `kept` says that the list of candidates holds.
-    pub fn take(&mut self, contacts: &mut Contacts, touching: &mut Touching, kept: bool) {
+    /// Take the contacts of the last step, all but the columns of this one; `kept` says that the pairs of shapes hold.
+    pub fn take(&mut self, contacts: &mut Contacts, kept: bool) {
         self.kept = kept;
         std::mem::swap(&mut self.start, &mut contacts.tiles.start);
-        std::mem::swap(&mut self.balls, &mut touching.balls);
+        std::mem::swap(&mut self.pair, &mut contacts.pair);
         if kept {
-            self.known = others(contacts.len(), &self.start, &self.balls);
+            self.known = others(&self.pair);
             self.key = self.known.iter().map(|i| contacts.key[*i as usize]).collect();
         } else {
             self.known = (0..contacts.len() as u32).collect();
@@ -48,21 +63,22 @@ impl Last {
         }
         self.impulse.resize(contacts.impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
-        self.twist.resize(contacts.twist.len(), Vec3::ZERO);
-        fill_rows(&mut self.twist, |i| contacts.twist[i].as_vec3());
+        self.rolling_impulse.resize(contacts.rolling_impulse.len(), Vec3::ZERO);
+        fill_rows(&mut self.rolling_impulse, |i| contacts.rolling_impulse[i].as_vec3());
     }
 
-    /// Find the contacts between two balls, piece by piece along the candidates.
-    fn find_balls(&self, touching: &Touching, same: &mut [u32]) {
-        let same = cut(same, touching.lengths());
-        let pieces = (touching.balls.pieces(), self.balls.pieces(), &self.start, same).into_par_iter();
-        pieces.for_each(|(now, last, first, same)| {
+    /// Find the contacts between two spheres, tile by tile along the pairs.
+    fn find_spheres(&self, contacts: &Contacts, same: &mut [u32]) {
+        let start = &contacts.tiles.start;
+        let same = cut(same, start.windows(2).map(|ends| (ends[1] - ends[0]) as usize));
+        let (now, last) = (pairs_by_tile(&contacts.pair, start), pairs_by_tile(&self.pair, &self.start));
+        (now, last, &self.start[..self.start.len() - 1], same).into_par_iter().for_each(|(now, last, first, same)| {
             let mut at = 0;
-            for (candidate, same) in now.iter().zip(same) {
-                while last.get(at).is_some_and(|known| known < candidate) {
+            for (pair, same) in now.iter().zip(same) {
+                while last.get(at).is_some_and(|known| known < pair) {
                     at += 1;
                 }
-                if last.get(at) == Some(candidate) {
+                if last.get(at) == Some(pair) {
                     *same = first + at as u32;
                 }
             }
@@ -84,40 +100,32 @@ impl Last {
     }
 }
 
-/// Those of `n` contacts that are not between two balls.
-fn others(n: usize, start: &[u32], balls: &Balls) -> Vec<u32> {
-    let end = start.iter().skip(1).copied().chain([n as u32]);
-    let pieces = start.iter().zip(balls.pieces()).zip(end);
-    pieces.flat_map(|((first, balls), end)| first + balls.len() as u32..end).collect()
-}
-
-/// The stage. `touching` has the candidates that the contacts are of. The last step's keys are let go.
-pub fn run(model: &Model, last: &mut Last, touching: &Touching, contacts: &mut Contacts) {
+/// The stage. The last step's keys are let go.
+pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
-    let mut twist = std::mem::take(&mut contacts.twist);
-    let rolls = model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0);
+    let mut rolling_impulse = std::mem::take(&mut contacts.rolling_impulse);
     let n = contacts.len();
     impulse.resize(n, DVec3::ZERO);
-    twist.resize(if rolls { n } else { 0 }, DVec3::ZERO);
-    if model.solver.warm_start {
+    rolling_impulse.resize(if plan.rolls { n } else { 0 }, DVec3::ZERO);
+    if plan.warm_starts {
         let mut same = vec![NEW; n];
         if last.kept {
-            last.find_balls(touching, &mut same);
-            let asked = others(n, &contacts.tiles.start, &touching.balls);
+            last.find_spheres(contacts, &mut same);
+            let asked = others(&contacts.pair);
             let mut found = vec![NEW; asked.len()];
-            last.find(model.n_shapes(), |k| contacts.key[asked[k] as usize], &mut found);
+            last.find(n_shapes, |k| contacts.key[asked[k] as usize], &mut found);
             asked.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
         } else {
-            last.find(model.n_shapes(), |i| contacts.key[i], &mut same);
+            last.find(n_shapes, |i| contacts.key[i], &mut same);
         }
         let of = |column: &[Vec3], i: usize| column.get(same[i] as usize).map_or(DVec3::ZERO, |v| v.as_dvec3());
         fill_rows(&mut impulse, |i| of(&last.impulse, i));
-        fill_rows(&mut twist, |i| of(&last.twist, i));
+        fill_rows(&mut rolling_impulse, |i| of(&last.rolling_impulse, i));
     } else {
         impulse.fill(DVec3::ZERO);
-        twist.fill(DVec3::ZERO);
+        rolling_impulse.fill(DVec3::ZERO);
     }
     contacts.impulse = impulse;
-    contacts.twist = twist;
+    contacts.rolling_impulse = rolling_impulse;
     (last.known, last.key) = (vec![], vec![]);
 }

@@ -31,12 +31,12 @@ fn registers_and_arrays_agree() {
         let columns = V::columns(&[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]; 4]);
         let row = V::load(&V::rows(columns)[2][..4].try_into().unwrap());
         V::store3(project(lin.cross(ang).times(a).plus(lin.times(row)), n, b * b), &mut out.0);
-        (out.1, out.2) = (V::to_twists(ang, lin.cross(n)), lin.x.at_most(ang.y));
+        (out.1, out.2) = (V::to_twists(ang, lin.cross(n)), lin.x.mask_le(ang.y));
     }
     fn single<V: Lanes<f32, 8>>(f: &[[f32; 8]; 8]) -> [[f32; 8]; 8] {
         let mut c = V::columns(f);
         c[0] = c[0] * c[1] / c[2];
-        c[1] = c[3].up_to(c[4], c[5], c[6]).sqrt() - c[7];
+        c[1] = c[3].select_le(c[4], c[5], c[6]).sqrt() - c[7];
         V::rows(c)
     }
     if !std::arch::is_x86_feature_detected!("avx2") {

@@ -12,10 +12,10 @@ use super::types::*;
 use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Frames, Joint, JointKind, JointState, Motor, Spring};
+use crate::joint::{Joint, JointKind, JointState, Motor, Spring};
 use crate::load::{Function, Load};
 use crate::terrain::Ground;
-use crate::{ContactLaw, Late, Model, Pose, ShapeKind, SplitMix64, State, fill};
+use crate::{ContactLaw, Model, Pose, Scheduled, ShapeKind, SplitMix64, State, fill};
 use frame::Fault;
 use frame::sequence::matches;
 use frame::yaml::Document;
@@ -111,7 +111,7 @@ struct Builder<'a> {
     state: State,
     materials: BTreeMap<String, MaterialFile>,
     groups_pass: Vec<[u32; 2]>,
-    apart: Vec<[u32; 2]>,
+    exclusions: Vec<[u32; 2]>,
     stages: Vec<(String, f64)>,
     /// Where the bodies that have names stand in the file.
     key_of_body: BTreeMap<u32, String>,
@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
             state: State::default(),
             materials: file.materials.clone(),
             groups_pass: vec![],
-            apart: vec![],
+            exclusions: vec![],
             stages: vec![],
             key_of_body: BTreeMap::new(),
             probe_bodies: vec![],
@@ -272,7 +272,7 @@ impl<'a> Builder<'a> {
     }
 
     fn moves_ever(&self, body: u32) -> bool {
-        self.model.inv_mass[body as usize] > 0.0 || self.model.late.iter().any(|l| l.body == body && l.inv_mass > 0.0)
+        self.model.inv_mass[body as usize] > 0.0
     }
 
     fn finish(mut self) -> Result<Resolved, Fault> {
@@ -293,10 +293,10 @@ impl<'a> Builder<'a> {
             self.model.groups_pass[*a as usize * n + *b as usize] = true;
             self.model.groups_pass[*b as usize * n + *a as usize] = true;
         }
-        self.apart.sort_unstable();
-        self.apart.dedup();
-        self.model.apart = std::mem::take(&mut self.apart);
-        self.model.late.sort_by_key(|l| l.body);
+        self.exclusions.sort_unstable();
+        self.exclusions.dedup();
+        self.model.exclusions = std::mem::take(&mut self.exclusions);
+        self.model.scheduled.sort_by_key(|s| s.body);
         self.choose_envelope();
         self.joint_states();
         let probes = self.probes()?;
@@ -310,12 +310,12 @@ impl<'a> Builder<'a> {
     /// Angles and lengths of the joints and springs at the start.
     fn joint_states(&mut self) {
         for j in &self.model.joints {
-            let f = Frames::of(j.bodies, &j.frame_a, &j.frame_b, &self.state);
+            let f = self.state.joint_frames(j);
             let coordinate = j.coordinate(&f, &JointState::default());
             self.state.joints.push(JointState { coordinate, ..JointState::default() });
         }
         for s in &self.model.springs {
-            let f = Frames::of(s.bodies, &s.frame_a, &s.frame_b, &self.state);
+            let f = self.state.spring_frames(s);
             let coordinate = s.row(&f, &Default::default()).psi;
             self.state.springs.push(crate::joint::SpringState { coordinate, ..Default::default() });
         }
@@ -343,7 +343,7 @@ fn number_of(names: &mut Vec<String>, name: &str) -> u32 {
 /// Bodies that overlap at the start: deeper than a radius is an error, deeper than a tenth of it is told.
 fn overlaps(resolved: &mut Resolved, doc: &Document, key_of: &BTreeMap<u32, String>) -> Result<(), Fault> {
     let Resolved { model, state, warnings, .. } = resolved;
-    let found = crate::stages::overlaps(model, state);
+    let found = crate::overlaps::overlaps(model, state);
     let mut told = 0;
     for o in &found {
         let radius = o.shapes.map(|s| match model.shape_kind[s as usize] {

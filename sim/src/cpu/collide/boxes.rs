@@ -2,7 +2,7 @@
 //! is clipped to it) or a cross product of edges (then the two edges' nearest points touch).
 
 use super::manifold::{OF_SECOND, clip, feature};
-use super::{Placed, Point, Points, turn};
+use super::point::{Placed, Point, Points, turn};
 use glam::{DMat3, DVec3};
 
 /// How far two boxes are apart along a unit axis; negative in overlap.

@@ -1,9 +1,9 @@
 //! The distance of two convex shapes (Gilbert, Johnson, Keerthi 1988) and, where they overlap, the least way out (the
 //! expanding polytope algorithm, van den Bergen 2001). Both see a shape only through its support function.
 //!
-//! A ball is a point and a capsule a segment, with a radius around them: their roundness is exact.
+//! A sphere is a point and a capsule a segment, with a radius around them: their roundness is exact.
 
-use super::Placed;
+use super::point::Placed;
 use crate::ShapeKind;
 use glam::{DVec2, DVec3};
 

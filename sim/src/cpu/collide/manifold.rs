@@ -1,7 +1,7 @@
 //! Several points for flat contacts: the faces, edges or corners by which two convex shapes meet are clipped to each other.
 
 use super::convex::{self, Nearest, support_local};
-use super::{MAX_POINTS, Placed, Point, Points, turn};
+use super::point::{MAX_POINTS, Placed, Point, Points, turn};
 use crate::ShapeKind;
 use glam::DVec3;
 

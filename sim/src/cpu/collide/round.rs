@@ -1,6 +1,6 @@
-//! A ball against another ball, a box, a plane, and the solids of revolution: closed forms.
+//! A sphere against another sphere, a box, a plane, and the solids of revolution: closed forms.
 
-use super::{Placed, Point, Points};
+use super::point::{Placed, Point, Points};
 use crate::ShapeKind;
 use glam::{DVec2, DVec3};
 
@@ -10,13 +10,13 @@ pub fn sphere_sphere(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
     if (b.position - a.position).length_squared() > touch * touch {
         return 0;
     }
-    out[0] = balls((a.position, a.size.x), (b.position, b.size.x));
+    out[0] = spheres((a.position, a.size.x), (b.position, b.size.x));
     1
 }
 
-/// Where two balls are nearest, by their centres and radii, however far they are apart.
+/// Where two spheres are nearest, by their centres and radii, however far they are apart.
 #[inline(always)]
-pub fn balls((a, radius_a): (DVec3, f64), (b, radius_b): (DVec3, f64)) -> Point {
+pub fn spheres((a, radius_a): (DVec3, f64), (b, radius_b): (DVec3, f64)) -> Point {
     let apart = b - a;
     let distance = apart.length();
     let normal = if distance > 0.0 { apart / distance } else { DVec3::Z };
@@ -47,7 +47,7 @@ pub fn sphere_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
     1
 }
 
-/// The contact of a ball with a solid whose nearest surface point, outward normal there and signed distance are known, local.
+/// The contact of a sphere with a solid whose nearest surface point, outward normal there and signed distance are known, local.
 #[inline]
 fn touch(
     a: &Placed,
@@ -91,7 +91,7 @@ pub fn sphere_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize
     touch(a, b, found, reach, out)
 }
 
-/// A ball against a cylinder, a capsule or a cone: a problem in the half plane (distance from the axis, height).
+/// A sphere against a cylinder, a capsule or a cone: a problem in the half plane (distance from the axis, height).
 pub fn sphere_turned(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     let local = b.orientation.inverse() * (a.position - b.position);
     let radial = local.truncate().length();

@@ -3,7 +3,7 @@
 
 use super::convex::{self, Convex, Nearest, nearest_in_triangle, support_local};
 use super::manifold::{self, Feature, feature};
-use super::{MAX_POINTS, Placed, Point, Points, turn};
+use super::point::{MAX_POINTS, Placed, Point, Points, turn};
 use crate::ShapeKind;
 use glam::DVec3;
 

@@ -1,5 +1,6 @@
 //! Contacts whose points are known on paper.
 
+use super::point::{MAX_POINTS, Point};
 use super::*;
 use crate::geometry::{Hull, Surface};
 use glam::{DQuat, DVec3};
@@ -37,7 +38,7 @@ fn crossed_edges_touch_in_one_point() {
 
 #[test]
 fn a_ball_meets_the_face_the_edge_and_the_inside_of_a_box() {
-    let ball = |p| Placed {
+    let sphere = |p| Placed {
         kind: ShapeKind::Sphere,
         size: DVec3::splat(0.1),
         position: p,
@@ -46,13 +47,13 @@ fn a_ball_meets_the_face_the_edge_and_the_inside_of_a_box() {
     };
     let block = cube(DVec3::ZERO, DQuat::IDENTITY);
     let mut out = [Point::default(); MAX_POINTS];
-    assert_eq!(collide(&ball(DVec3::new(0.0, 0.0, 0.59)), &block, 0.0, &mut out), 1);
+    assert_eq!(collide(&sphere(DVec3::new(0.0, 0.0, 0.59)), &block, 0.0, &mut out), 1);
     assert!((out[0].gap + 0.01).abs() < 1e-12 && (out[0].normal + DVec3::Z).length() < 1e-12);
-    assert_eq!(collide(&block, &ball(DVec3::new(0.55, 0.0, 0.55)), 0.0, &mut out), 1);
+    assert_eq!(collide(&block, &sphere(DVec3::new(0.55, 0.0, 0.55)), 0.0, &mut out), 1);
     assert!((out[0].normal - DVec3::new(1.0, 0.0, 1.0).normalize()).length() < 1e-12);
-    assert_eq!(collide(&ball(DVec3::new(0.0, 0.4, 0.0)), &block, 0.0, &mut out), 1);
+    assert_eq!(collide(&sphere(DVec3::new(0.0, 0.4, 0.0)), &block, 0.0, &mut out), 1);
     assert!((out[0].gap + 0.2).abs() < 1e-12 && (out[0].normal + DVec3::Y).length() < 1e-12);
-    assert_eq!(collide(&ball(DVec3::new(0.0, 0.0, 0.7)), &block, 0.05, &mut out), 0);
+    assert_eq!(collide(&sphere(DVec3::new(0.0, 0.0, 0.7)), &block, 0.05, &mut out), 0);
 }
 
 fn placed(kind: ShapeKind, size: [f64; 3], position: DVec3, orientation: DQuat) -> Placed<'static> {
@@ -69,7 +70,7 @@ const UP: DQuat = DQuat::IDENTITY;
 
 #[test]
 fn the_general_distance_agrees_with_closed_forms() {
-    // A ball as an ellipsoid of equal axes meets every shape as the ball does.
+    // A sphere as an ellipsoid of equal axes meets every shape as the sphere does.
     let mut random = crate::SplitMix64(9);
     let mut met = 0;
     for k in 0..4000 {
@@ -83,9 +84,9 @@ fn the_general_distance_agrees_with_closed_forms() {
         let b = placed(kind, size, DVec3::ZERO, turn);
         let way = random.rotation() * DVec3::Z;
         let at = way * random.between(0.25, 0.8);
-        let ball = placed(ShapeKind::Sphere, [0.1; 3], at, UP);
+        let sphere = placed(ShapeKind::Sphere, [0.1; 3], at, UP);
         let round = placed(ShapeKind::Ellipsoid, [0.1; 3], at, turn);
-        let (exact, general) = (points(&ball, &b, 0.1), points(&round, &b, 0.1));
+        let (exact, general) = (points(&sphere, &b, 0.1), points(&round, &b, 0.1));
         assert_eq!(exact.is_empty(), general.is_empty(), "{kind:?} {at}");
         if let (Some(e), Some(g)) = (exact.first(), general.first()) {
             // Deep inside, the nearest way out may be found through another face.
@@ -188,9 +189,9 @@ fn seams_of_a_flat_surface_are_not_felt() {
     let n = 9;
     let surface = Surface::height_field(&vec![0.0; n * n], [n, n], [-1.0, -1.0], [0.25, 0.25]);
     for x in [-0.3, -0.26, -0.25, -0.125, 0.0, 0.1] {
-        let ball = placed(ShapeKind::Sphere, [0.2; 3], DVec3::new(x, 0.05, 0.195), UP);
+        let sphere = placed(ShapeKind::Sphere, [0.2; 3], DVec3::new(x, 0.05, 0.195), UP);
         let block = placed(ShapeKind::Box, [0.2, 0.3, 0.1], DVec3::new(x, 0.05, 0.099), UP);
-        for shape in [ball, block] {
+        for shape in [sphere, block] {
             let mut found = vec![];
             surface.visit(shape.position - 0.5, shape.position + 0.5, &mut |t| {
                 let mut out = [Point::default(); MAX_POINTS];

@@ -13,18 +13,19 @@ impl Builder<'_> {
         let Some(path) = latest else {
             return Err(fail("run", format!("{} has no checkpoint to go on from", base.run.display())));
         };
-        let (state, _) = checkpoint::read(&path).map_err(|f| fail("run", f.message.clone()))?;
-        let other_model = crate::Simulation::new(other.model, state.clone()).model;
+        let (mut state, _) = checkpoint::read(&path).map_err(|f| fail("run", f.message.clone()))?;
+        let other_model = other.model;
         if state.position.len() != other_model.n_bodies() {
             return Err(fail("run", "its checkpoint is not of its model".into()));
         }
+        state.wake(&other_model);
         for (name, material) in file.materials {
             self.materials.entry(name).or_insert(material);
         }
         self.model.material_names = self.materials.keys().cloned().collect();
         let wanted = |b: usize| {
             let class = &other_model.class_names[other_model.class[b] as usize];
-            !other_model.absent[b] && base.classes.as_ref().is_none_or(|c| c.contains(class))
+            !state.is_inactive(b) && base.classes.as_ref().is_none_or(|c| c.contains(class))
         };
         if let Some(classes) = &base.classes {
             let known: Vec<&str> = other_model.class_names.iter().map(String::as_str).collect();
@@ -32,14 +33,14 @@ impl Builder<'_> {
                 return Err(doc.unknown("base.classes", "class", name, &known));
             }
         }
-        let mut number = vec![u32::MAX; other_model.n_bodies()];
+        let mut id = vec![u32::MAX; other_model.n_bodies()];
         for b in (0..other_model.n_bodies()).filter(|b| wanted(*b)) {
-            number[b] = self.model.n_bodies() as u32;
+            id[b] = self.model.n_bodies() as u32;
             let class = self.class(&other_model.class_names[other_model.class[b] as usize]);
             let model = &mut self.model;
-            model.inv_mass.push(other_model.inv_mass[b]);
-            model.inv_inertia.push(other_model.inv_inertia[b]);
-            model.absent.push(false);
+            // What is still held in place there is fixed here.
+            model.inv_mass.push(if state.moves(b) { other_model.inv_mass[b] } else { 0.0 });
+            model.inv_inertia.push(if state.moves(b) { other_model.inv_inertia[b] } else { DVec3::ZERO });
             model.class.push(class);
             model.body_frame.push(other_model.body_frame[b]);
             self.state.position.push(state.position[b]);
@@ -48,10 +49,10 @@ impl Builder<'_> {
             self.state.velocity.push(if still { DVec3::ZERO } else { state.velocity[b] });
             self.state.angular_velocity.push(if still { DVec3::ZERO } else { state.angular_velocity[b] });
         }
-        for (name, b) in other_model.body_names.iter().filter(|(_, b)| number[**b as usize] != u32::MAX) {
-            self.model.body_names.insert(name.clone(), number[*b as usize]);
+        for (name, b) in other_model.body_names.iter().filter(|(_, b)| id[**b as usize] != u32::MAX) {
+            self.model.body_names.insert(name.clone(), id[*b as usize]);
         }
-        for s in (0..other_model.n_shapes()).filter(|s| number[other_model.shape_body[*s] as usize] != u32::MAX) {
+        for s in (0..other_model.n_shapes()).filter(|s| id[other_model.shape_body[*s] as usize] != u32::MAX) {
             let (kind, part) = (other_model.shape_kind[s], other_model.shape_part[s] as usize);
             let material = &other_model.material_names[other_model.shape_material[s] as usize];
             let group =
@@ -64,10 +65,10 @@ impl Builder<'_> {
             };
             let (material, density) = self.material("base", &material.clone())?;
             let new = NewShape { shape, pose: other_model.shape_pose[s], material, density, group };
-            self.add_shape(number[other_model.shape_body[s] as usize], other_model.shape_pose[s], new);
+            self.add_shape(id[other_model.shape_body[s] as usize], other_model.shape_pose[s], new);
         }
         let kept = |bodies: [u32; 2]| {
-            let pair = bodies.map(|b| number[b as usize]);
+            let pair = bodies.map(|b| id[b as usize]);
             (!pair.contains(&u32::MAX)).then_some(pair)
         };
         for j in &other_model.joints {
@@ -80,7 +81,8 @@ impl Builder<'_> {
                 self.model.springs.push(Spring { bodies, from: 0.0, ..s.clone() });
             }
         }
-        self.apart.extend(other_model.apart.iter().filter_map(|p| kept(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
+        self.exclusions
+            .extend(other_model.exclusions.iter().filter_map(|p| kept(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
         let n = other_model.group_names.len();
         for (k, _) in other_model.groups_pass.iter().enumerate().filter(|(_, pass)| **pass) {
             let names = [&other_model.group_names[k / n], &other_model.group_names[k % n]];

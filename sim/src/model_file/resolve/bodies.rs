@@ -165,14 +165,11 @@ impl Builder<'_> {
         let id = self.model.n_bodies() as u32;
         let (inv_mass, inv_inertia) = if moves_ever { (1.0 / mass, moments.recip()) } else { (0.0, DVec3::ZERO) };
         let model = &mut self.model;
-        let late = body.appears > 0.0 || (moves_ever && body.moves > 0.0);
-        if late {
-            model.late.push(Late { body: id, appears: body.appears, moves: body.moves, inv_mass, inv_inertia });
+        if body.appears > 0.0 || (moves_ever && body.moves > 0.0) {
+            model.scheduled.push(Scheduled { body: id, appears: body.appears, moves: body.moves });
         }
-        let held = late && body.moves > 0.0;
-        model.inv_mass.push(if held { 0.0 } else { inv_mass });
-        model.inv_inertia.push(if held { DVec3::ZERO } else { inv_inertia });
-        model.absent.push(body.appears > 0.0);
+        model.inv_mass.push(inv_mass);
+        model.inv_inertia.push(inv_inertia);
         model.class.push(body.class);
         // The principal frame in the file's frame, and the other way round.
         let own = Pose { position: centre, orientation: turn };
@@ -214,18 +211,12 @@ impl Builder<'_> {
     pub(super) fn release(&mut self, key: &str, name: &str, time: f64) -> Result<(), Fault> {
         let body = self.find(key, name)?;
         let model = &mut self.model;
-        match model.late.iter_mut().find(|l| l.body == body) {
-            Some(late) => late.moves = late.moves.max(time),
-            None => {
-                let (inv_mass, inv_inertia) = (model.inv_mass[body as usize], model.inv_inertia[body as usize]);
-                if inv_mass == 0.0 {
-                    return Err(self.doc.fault(key, format!("`{name}` is fixed and cannot be let go")));
-                }
-                model.late.push(Late { body, appears: 0.0, moves: time, inv_mass, inv_inertia });
+        match model.scheduled.iter_mut().find(|s| s.body == body) {
+            Some(scheduled) => scheduled.moves = scheduled.moves.max(time),
+            None if model.inv_mass[body as usize] == 0.0 => {
+                return Err(self.doc.fault(key, format!("`{name}` is fixed and cannot be let go")));
             }
-        }
-        if time > 0.0 {
-            (model.inv_mass[body as usize], model.inv_inertia[body as usize]) = (0.0, DVec3::ZERO);
+            None => model.scheduled.push(Scheduled { body, appears: 0.0, moves: time }),
         }
         Ok(())
     }

@@ -137,7 +137,7 @@ impl Builder<'_> {
         };
         self.model.joints.push(joint);
         if !file.collide {
-            self.apart.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
+            self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
         }
         Ok(())
     }

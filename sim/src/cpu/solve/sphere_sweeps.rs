@@ -1,6 +1,6 @@
-//! Gauss–Seidel on contacts with friction alone between balls, several at a time.
+//! Gauss–Seidel on contacts with friction alone between spheres, several at a time.
 //!
-//! A ball's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
+//! A sphere's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
 //! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
 //! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
 //! of its own, and the tangents are kept within the disc that its answer gives (Jourdan et al. 1998): no outer loop is needed.
@@ -11,30 +11,50 @@
 //! from the impulses after it, so that no rounding of it is left in the momentum.
 
 use super::bodies::BodyOperator;
+use super::cells::Cells;
+use super::operator::Operator;
+use super::response::Response;
 use super::schedule::{Colored, Tiled};
-use super::{Cells, Image, Operator, Outcome, SolverSettings, Twist, Workspace, share};
-use crate::FrictionLaw;
-use crate::cpu::{add, cut, fill_rows};
+use crate::contacts::Arms;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Wide;
 use crate::lanes::{Lane3, Lanes, Plain, Real, project};
-use crate::state::Arms;
+use crate::outcome::Outcome;
+use crate::rows::{add, cut, fill_rows, reduce_tasks};
+use crate::settings::{FrictionLaw, SolverSettings};
+use crate::twist::Twist;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Where single precision ends: contacts miss by so many times the greatest speed, root mean square.
 const COARSE: f64 = 1e-5;
 
-/// Solve: γ comes in as the starting point and goes out as the solution, `image` as its image.
+/// The sweeps' columns, kept from step to step.
+#[derive(Default)]
+pub struct Sweeps {
+    tiled: Tiled,
+    coarse: Packed<f32, 8>,
+    fine: Packed<f64, 4>,
+}
+
+impl Sweeps {
+    /// Let go of what the next solve lays out again.
+    pub fn forget(&mut self) {
+        (self.coarse, self.fine) = Default::default();
+    }
+}
+
+/// Solve: γ comes in as the starting point and goes out as the solution, `response` as its response.
 pub fn run(
     op: &mut BodyOperator,
     settings: &SolverSettings,
     gamma: &mut [DVec3],
-    image: &mut Image,
-    work: &mut Workspace,
+    response: &mut Response,
+    work: &mut Sweeps,
 ) -> Outcome {
-    let Workspace { tiled, coarse, fine, .. } = work;
-    tiled.fill(op);
+    let Sweeps { tiled, coarse, fine } = work;
+    tiled.fill(op.contacts, &op.masses.inv_mass);
+    response.lambda.resize(op.joints.rows.len(), 0.0);
     let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
     if op.joints.rows.is_empty() {
         coarse.fill(op, tiled, gamma);
@@ -42,21 +62,21 @@ pub fn run(
         coarse.sweeps(settings, gamma.len(), settings.tolerance.max(enough), &mut outcome, |_| ());
         coarse.unpack(tiled, gamma);
     }
-    if outcome.iterations < settings.most_iterations(gamma.len()) && outcome.residual > settings.tolerance {
+    if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
         fine.fill(op, tiled, gamma);
-        let mut settle = |fine: &mut Packed<f64, 4>| {
+        let mut solve_joints = |fine: &mut Packed<f64, 4>| {
             if !op.joints.rows.is_empty() {
-                fine.store(image);
-                op.settle(image);
-                fine.load(image);
+                fine.store(response);
+                op.solve_joints(response);
+                fine.load(response);
             }
         };
-        settle(fine);
-        fine.sweeps(settings, gamma.len(), settings.tolerance, &mut outcome, settle);
+        solve_joints(fine);
+        fine.sweeps(settings, gamma.len(), settings.tolerance, &mut outcome, solve_joints);
         fine.unpack(tiled, gamma);
-        fine.store(image);
+        fine.store(response);
     } else {
-        op.image(gamma, image);
+        op.response(gamma, response);
     }
     outcome
 }
@@ -114,7 +134,7 @@ const LITTLE: usize = 512;
 /// What is done with a contact.
 mod act {
     /// Its bodies are given its impulse.
-    pub const KICK: u8 = 0;
+    pub const APPLY: u8 = 0;
     /// Its problem is solved in the relaxed form.
     pub const RELAXED: u8 = 1;
     /// Its problem is solved in Coulomb's.
@@ -141,8 +161,8 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         let colors = shared.into_iter().zip(tiled.shared.colors());
         colors.for_each(|(groups, color)| lay_out(groups, [color].into_iter(), op, gamma));
         self.motion.resize(n_bodies + 1, Motion::default());
-        fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.round[b]));
-        self.visit::<{ act::KICK }>(1.0);
+        fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
+        self.visit::<{ act::APPLY }>(1.0);
     }
 
     /// The groups of each tile of both rounds, and of each colour of the contacts in none.
@@ -156,16 +176,16 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
     }
 
     /// Take the motions of the bodies.
-    fn load(&mut self, image: &Image) {
-        for (motion, twist) in self.motion.iter_mut().zip(&image.twist) {
+    fn load(&mut self, response: &Response) {
+        for (motion, twist) in self.motion.iter_mut().zip(&response.twist) {
             *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
         }
     }
 
     /// Give the motions of the bodies back.
-    fn store(&self, image: &mut Image) {
-        image.twist.resize(self.motion.len() - 1, Twist::default());
-        fill_rows(&mut image.twist, |b| self.motion[b].twist());
+    fn store(&self, response: &mut Response) {
+        response.twist.resize(self.motion.len() - 1, Twist::default());
+        fill_rows(&mut response.twist, |b| self.motion[b].twist());
     }
 
     /// The greatest speed of a body, m/s.
@@ -173,24 +193,24 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         self.motion.iter().fold(0.0f64, |most, m| most.max(m.twist().v.length_squared())).sqrt()
     }
 
-    /// Sweep until contacts are good enough; `settle` follows every sweep.
+    /// Sweep until contacts are good enough; `solve_joints` follows every sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
         n: usize,
         enough: f64,
         outcome: &mut Outcome,
-        mut settle: impl FnMut(&mut Self),
+        mut solve_joints: impl FnMut(&mut Self),
     ) {
         let omega = settings.omega.unwrap_or(1.0);
-        while outcome.iterations < settings.most_iterations(n) {
+        while outcome.iterations < settings.max_iterations(n) {
             // How far each block was off when it was visited, in the residual's units.
             let missed = match settings.friction {
                 FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),
                 FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega),
             };
             *outcome = Outcome { iterations: outcome.iterations + 1, residual: missed.sqrt() / n as f64 };
-            settle(self);
+            solve_joints(self);
             if outcome.residual <= enough {
                 break;
             }
@@ -203,16 +223,17 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         const TASK: usize = 128;
         let mut motion = std::mem::take(&mut self.motion);
         let cells = Cells::new(&mut motion);
-        let visit = |groups: &mut [Group<T, L>]| [visit::<T, L, ACT>(groups, &cells, omega)];
+        // SAFETY: the tiles of a round, and the contacts of a shared colour, share no moving body.
+        let visit = |groups: &mut [Group<T, L>]| [unsafe { visit::<T, L, ACT>(groups, &cells, omega) }];
         let mut missed = [0.0];
         let [first, second, shared] = self.parts();
         for tiles in [first, second] {
             let is_little = tiles.iter().map(|groups| groups.len()).sum::<usize>() < LITTLE;
-            missed = add(missed, share(tiles.into_par_iter(), is_little, visit));
+            missed = add(missed, reduce_tasks(tiles.into_par_iter(), is_little, visit));
         }
         for color in shared {
             let is_little = color.len() < LITTLE;
-            missed = add(missed, share(color.par_chunks_mut(TASK), is_little, visit));
+            missed = add(missed, reduce_tasks(color.par_chunks_mut(TASK), is_little, visit));
         }
         self.motion = motion;
         missed[0]
@@ -223,8 +244,8 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         let gamma = Cells::new(gamma);
         let read = |groups: &[Group<T, L>], color: &[u32]| {
             for (group, contacts) in groups.iter().zip(color.chunks(L)) {
-                // Each contact is in one group.
-                contacts.iter().enumerate().for_each(|(l, i)| gamma.set(*i as usize, group.gamma(l)));
+                // SAFETY: each contact is in one group, and each group is one task's.
+                contacts.iter().enumerate().for_each(|(l, i)| unsafe { gamma.set(*i as usize, group.gamma(l)) });
             }
         };
         let [first, second, shared] = self.parts();
@@ -278,7 +299,7 @@ impl<T: Real, const L: usize> Group<T, L> {
         let c = op.contacts;
         let [arm_a, arm_b] = match &c.arms {
             Arms::Along(reach) => reach[i],
-            Arms::Any(_) => unreachable!("balls' arms lie along the normals"),
+            Arms::Any(_) => unreachable!("spheres' arms lie along the normals"),
         };
         self.bodies[l] = c.bodies[i];
         for k in 0..3 {
@@ -316,7 +337,10 @@ impl Grouped<4> for f64 {
 }
 
 /// Visit groups one after the other; returns the sum of `|Δγ/η|²`.
-fn visit<T: Grouped<L>, const L: usize, const ACT: u8>(
+///
+/// # Safety
+/// No other thread touches the motions of the groups' moving bodies.
+unsafe fn visit<T: Grouped<L>, const L: usize, const ACT: u8>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
@@ -329,18 +353,22 @@ fn visit<T: Grouped<L>, const L: usize, const ACT: u8>(
             motion: &Cells<Motion<T>>,
             omega: f64,
         ) -> f64 {
-            visit_lanes::<T, L, ACT, T::Wide>(groups, motion, omega)
+            // SAFETY: the caller's promise.
+            unsafe { visit_lanes::<T, L, ACT, T::Wide>(groups, motion, omega) }
         }
         if crate::lanes::has_wide_lanes() {
-            // SAFETY: the processor has AVX2.
+            // SAFETY: the processor has AVX2; the caller's promise.
             return unsafe { wide::<T, L, ACT>(groups, motion, omega) };
         }
     }
-    visit_lanes::<T, L, ACT, T::Plain>(groups, motion, omega)
+    // SAFETY: the caller's promise.
+    unsafe { visit_lanes::<T, L, ACT, T::Plain>(groups, motion, omega) }
 }
 
+/// # Safety
+/// As for [`visit`].
 #[inline(always)]
-fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
+unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
     groups: &mut [Group<T, L>],
     motion: &Cells<Motion<T>>,
     omega: f64,
@@ -352,7 +380,8 @@ fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
         let (mut rows_a, mut rows_b) = ([[T::default(); 8]; L], [[T::default(); 8]; L]);
         for l in 0..L {
             let [a, b] = g.bodies[l];
-            (rows_a[l], rows_b[l]) = (motion.get(a as usize).row, motion.get(b as usize).row);
+            // SAFETY: the caller's promise, here and below.
+            (rows_a[l], rows_b[l]) = unsafe { (motion.get(a as usize).row, motion.get(b as usize).row) };
         }
         let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = V::columns(&rows_a);
         let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = V::columns(&rows_b);
@@ -365,9 +394,9 @@ fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
         // N_ii = diag(a, b, b); both are 0 in a lane without a contact.
         let a = mass_a + mass_b;
         let b = a + reach_a * lever_a + reach_b * lever_b;
-        let along = a.up_to(zero, zero, one / a);
-        let across = a.up_to(zero, zero, one / b);
-        let d = if ACT == act::KICK {
+        let along = a.select_le(zero, zero, one / a);
+        let across = a.select_le(zero, zero, one / b);
+        let d = if ACT == act::APPLY {
             gamma
         } else {
             let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
@@ -379,9 +408,9 @@ fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
             let friction = V::load(&g.friction);
             let z = if ACT == act::EXACT {
                 // Coulomb's law itself parts into the two directions.
-                let (kept, length) = (zero.up_to(normal, normal, zero), tangent.dot(tangent).sqrt());
+                let (kept, length) = (zero.select_le(normal, normal, zero), tangent.dot(tangent).sqrt());
                 let limit = friction * kept;
-                n.times(kept).plus(tangent.times(length.up_to(limit, one, limit / length)))
+                n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
             } else {
                 let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
                 let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
@@ -405,10 +434,10 @@ fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
             let [a, b] = g.bodies[l];
             // What is held in place may be in several contacts at once: it is never written.
             if g.moves || rows_a[l][3] > T::default() {
-                motion.set(a as usize, Motion { row: rows_a[l] });
+                unsafe { motion.set(a as usize, Motion { row: rows_a[l] }) };
             }
             if g.moves || rows_b[l][3] > T::default() {
-                motion.set(b as usize, Motion { row: rows_b[l] });
+                unsafe { motion.set(b as usize, Motion { row: rows_b[l] }) };
             }
         }
     }

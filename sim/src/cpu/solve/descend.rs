@@ -1,52 +1,21 @@
-//! The inner loop of the descent methods over a piece of blocks: pull the gradient, step, project.
+//! The inner loop of the descent methods over contacts: read the gradient, step, project.
 //!
 //! Plain contacts go four at a time through vector registers where there are any; the sums are made in one order whatever the
 //! machine, so that all machines agree.
 
 use super::bodies::BodyOperator;
-use super::{Cells, Extrapolated, Image, Operator, Twist, share};
-use crate::cpu::{ALONE, add, cut, sweep};
-use crate::lanes::{Kernel, Lanes4, four, four_mut, project, widest};
-use crate::state::Arms;
+use super::cells::Cells;
+use super::operator::any;
+use super::response::Extrapolated;
+use crate::contacts::Arms;
+use crate::lanes::{LaneLoop, Lanes4, four, four_mut, project, widest};
+use crate::rows::{ALONE, add, cut, reduce_tasks, sweep};
+use crate::twist::Twist;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Contacts that go side by side.
 const LANES: usize = 4;
-
-/// For any blocks of any operator.
-pub fn any(
-    op: &(impl Operator + ?Sized),
-    first: usize,
-    next: &mut [DVec3],
-    from: &Extrapolated,
-    step: f64,
-) -> [f64; 2] {
-    let mut sums = [0.0; 2];
-    for (k, z) in next.iter_mut().enumerate() {
-        let i = first + k;
-        let eta = op.eta(i);
-        let y = from.x[i] + (from.x[i] - from.previous[i]) * from.beta;
-        let gradient = op.pull(from.image, i);
-        *z = op.project(i, y - gradient * (step * eta), from.x);
-        sums[0] += (*z - y).length_squared() / eta;
-        sums[1] += gradient.dot(*z - from.x[i]);
-    }
-    sums
-}
-
-/// The image of `next`, of the point extrapolated from it, and the curvature, one after the other.
-pub fn advance(
-    op: &mut (impl Operator + ?Sized),
-    next: &[DVec3],
-    beta: f64,
-    [x, y]: [&Image; 2],
-    [to, to_y]: [&mut Image; 2],
-) -> f64 {
-    op.image(next, to);
-    to_y.extrapolate(to, x, beta);
-    op.curvature(to, y)
-}
 
 /// For contacts with friction alone; what they give to their bodies is added to `sums`. Each tile's is added while its bodies
 /// are at hand.
@@ -67,18 +36,21 @@ pub fn contacts(
         let (own, after) = rest.split_at_mut(lengths.clone().sum());
         rest = after;
         let tiles = cut(own, lengths).into_par_iter().zip(starts).with_max_len(1);
+        // The tiles of a round share no moving body.
         let visit = |(next, first): (&mut [DVec3], &u32)| {
             widest(Piece { op, first: *first as usize, next, from, step, sums: Some(sums) })
         };
-        done = add(done, share(tiles, n <= ALONE, visit));
+        done = add(done, reduce_tasks(tiles, n <= ALONE, visit));
     }
     let first = n - rest.len();
     done = add(done, sweep(rest, |k, next| widest(Piece { op, first: first + k, next, from, step, sums: None })));
-    rest.iter().enumerate().for_each(|(k, z)| op.push(first + k, *z, sums));
+    // SAFETY: no other thread is at work.
+    rest.iter().enumerate().for_each(|(k, z)| unsafe { op.push(first + k, *z, sums) });
     done
 }
 
-/// Some contacts; what they give to their bodies is added to `sums`, if there are any.
+/// Some contacts; what they give to their bodies is added to `sums`, if there are any. No other thread touches the entries of these
+/// contacts' moving bodies meanwhile.
 struct Piece<'a> {
     op: &'a BodyOperator<'a>,
     first: usize,
@@ -88,7 +60,7 @@ struct Piece<'a> {
     sums: Option<&'a Cells<'a, Twist>>,
 }
 
-impl Kernel for Piece<'_> {
+impl LaneLoop for Piece<'_> {
     type Out = [f64; 2];
 
     #[inline(always)]
@@ -101,7 +73,7 @@ impl Kernel for Piece<'_> {
 }
 
 #[inline(always)]
-fn run<V: Lanes4, const BALLS: bool>(Piece { op, first, next, from, step, sums }: Piece) -> [f64; 2] {
+fn run<V: Lanes4, const SPHERES: bool>(Piece { op, first, next, from, step, sums }: Piece) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
     let c = op.contacts;
@@ -111,10 +83,10 @@ fn run<V: Lanes4, const BALLS: bool>(Piece { op, first, next, from, step, sums }
         Arms::Along(reach) => (&[], &reach[range.clone()]),
     };
     let (gap, eta) = (&c.gap[range.clone()], &op.eta[range.clone()]);
-    let offset = op.offset.get(range.clone());
+    let offset = op.offset.column(range.clone());
     let (h, slowest) = (V::splat(op.recovery.step), V::splat(-op.recovery.speed));
     let (x, previous) = (&from.x[range.clone()], &from.previous[range]);
-    let twist = &from.image.twist[..];
+    let twist = &from.response.twist[..];
     let (beta, step_v) = (V::splat(from.beta), V::splat(step));
     let mut done = [V::splat(0.0); 2];
     let whole = n - n % LANES;
@@ -129,10 +101,10 @@ fn run<V: Lanes4, const BALLS: bool>(Piece { op, first, next, from, step, sums }
             Some(offset) => V::load(four(offset, k)),
             None => {
                 let rate = V::load(four(gap, k)) / h;
-                rate.up_to(slowest, slowest, rate)
+                rate.select_le(slowest, slowest, rate)
             }
         };
-        let turned = if BALLS {
+        let turned = if SPHERES {
             let [reach_a, reach_b] = V::load2(four(reach, k));
             normals.cross(wa.times(reach_a).plus(wb.times(reach_b)))
         } else {
@@ -154,22 +126,25 @@ fn run<V: Lanes4, const BALLS: bool>(Piece { op, first, next, from, step, sums }
         V::store3(z, next);
         let d = z.minus(y);
         done = [done[0] + d.dot(d) / eta, done[1] + gradient.dot(z.minus(x))];
+        // SAFETY: what `Piece` says of `sums`, here and below.
         let Some(sums) = sums else { continue };
-        if BALLS {
+        if SPHERES {
             let ([reach_a, reach_b], turn) = (V::load2(four(reach, k)), z.cross(normals));
             let to_a = V::to_twists(z.times(V::splat(-1.0)), turn.times(reach_a));
             let to_b = V::to_twists(z, turn.times(reach_b));
             for l in 0..LANES {
-                op.give(sums, bodies[k + l][0], &to_a[l]);
-                op.give(sums, bodies[k + l][1], &to_b[l]);
+                unsafe {
+                    op.give(sums, bodies[k + l][0], &to_a[l]);
+                    op.give(sums, bodies[k + l][1], &to_b[l]);
+                }
             }
         } else {
-            (0..LANES).for_each(|l| op.push(first + k + l, next[l], sums));
+            (0..LANES).for_each(|l| unsafe { op.push(first + k + l, next[l], sums) });
         }
     }
     let rest = any(op, first + whole, &mut next[whole..], from, step);
     if let Some(sums) = sums {
-        (whole..next.len()).for_each(|k| op.push(first + k, next[k], sums));
+        (whole..next.len()).for_each(|k| unsafe { op.push(first + k, next[k], sums) });
     }
     let (moved, slope) = (done[0].to_array(), done[1].to_array());
     [moved[0] + moved[1] + moved[2] + moved[3] + rest[0], slope[0] + slope[1] + slope[2] + slope[3] + rest[1]]

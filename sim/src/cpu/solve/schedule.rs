@@ -1,15 +1,13 @@
-//! In which order Gauss–Seidel visits blocks, so that those visited at once share no moving body and the result does not hang on
+//! In which order Gauss–Seidel visits blocks, so that those visited at once share no moving body and the result does not depend on
 //! the number of threads.
 //!
-//! Any blocks are coloured: those of a colour share no body. Where contacts lie by tiles ([`crate::state::Tiles`]), each tile is
+//! Any blocks are coloured: those of a colour share no body. Where contacts lie by tiles ([`crate::contacts::Tiles`]), each tile is
 //! one thread's, which finds its bodies in its own cache, and only the few contacts in none are coloured for all threads
 //! together.
 
-use super::bodies::BodyOperator;
-use super::{Cells, share};
-use crate::Contacts;
-use crate::cpu::ALONE;
-use crate::state::Tiles;
+use super::cells::Cells;
+use crate::contacts::Contacts;
+use crate::rows::{ALONE, reduce_tasks};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,19 +23,23 @@ pub struct Colored {
 impl Colored {
     /// Give each block the first colour that its moving bodies do not have yet. `taken` has the colours of each body as bits;
     /// those of the blocks' bodies are clear at first.
-    pub fn fill(&mut self, blocks: Range<u32>, bodies: impl Fn(u32) -> [Option<u32>; 2], taken: &Cells<u64>) {
+    ///
+    /// # Safety
+    /// No other thread touches the entries of the blocks' moving bodies.
+    pub unsafe fn fill(&mut self, blocks: Range<u32>, bodies: impl Fn(u32) -> [Option<u32>; 2], taken: &Cells<u64>) {
         // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
         let mut n_colors = 64;
         let color_of = |block: u32| {
             let own = bodies(block);
             let own = own.iter().flatten().map(|b| *b as usize);
-            let used = own.clone().fold(0, |used, b| used | taken.get(b));
+            // SAFETY: the caller's promise, here and below.
+            let used = own.clone().fold(0, |used, b| used | unsafe { taken.get(b) });
             let first = (!used).trailing_zeros();
             if first == 64 {
                 n_colors += 1;
                 return n_colors - 1;
             }
-            own.for_each(|b| taken.set(b, taken.get(b) | 1 << first));
+            own.for_each(|b| unsafe { taken.set(b, taken.get(b) | 1 << first) });
             first
         };
         let color: Vec<u32> = blocks.clone().map(color_of).collect();
@@ -63,14 +65,13 @@ pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
         return;
     }
     let tile = |first: u32, end: u32| (first as usize..end as usize).for_each(&visit);
-    let Tiles { start, .. } = &contacts.tiles;
     for round in contacts.tiles.rounds() {
-        let [] = share(round.par_windows(2), n <= ALONE, |ends| {
+        let [] = reduce_tasks(round.par_windows(2), n <= ALONE, |ends| {
             tile(ends[0], ends[1]);
             []
         });
     }
-    tile(start[start.len() - 1], n as u32);
+    contacts.tiles.rest().for_each(|contact| visit(contact as usize));
 }
 
 /// A bed's contacts by tiles.
@@ -84,20 +85,21 @@ pub struct Tiled {
 
 impl Tiled {
     /// Colour the contacts tile by tile.
-    pub fn fill(&mut self, op: &BodyOperator) {
-        let Contacts { bodies, tiles, .. } = op.contacts;
-        let moving = |body: u32| (op.masses.inv_mass[body as usize] > 0.0).then_some(body);
+    pub fn fill(&mut self, contacts: &Contacts, inv_mass: &[f64]) {
+        let Contacts { bodies, tiles, .. } = contacts;
+        let moving = |body: u32| (inv_mass[body as usize] > 0.0).then_some(body);
         let bodies = |contact: u32| bodies[contact as usize].map(moving);
-        let mut taken = vec![0; op.masses.inv_mass.len()];
+        let mut taken = vec![0; inv_mass.len()];
         for (tiles, start) in self.rounds.iter_mut().zip(tiles.rounds()) {
             taken.fill(0);
             let taken = Cells::new(&mut taken);
             tiles.resize_with(start.len() - 1, Colored::default);
             let each = tiles.par_iter_mut().zip(start.par_windows(2)).with_max_len(1);
-            each.for_each(|(colored, ends)| colored.fill(ends[0]..ends[1], bodies, &taken));
+            // SAFETY: the tiles of a round share no moving body.
+            each.for_each(|(colored, ends)| unsafe { colored.fill(ends[0]..ends[1], bodies, &taken) });
         }
         taken.fill(0);
-        let rest = tiles.start[tiles.start.len() - 1]..op.contacts.len() as u32;
-        self.shared.fill(rest, bodies, &Cells::new(&mut taken));
+        // SAFETY: no other thread is at work.
+        unsafe { self.shared.fill(tiles.rest(), bodies, &Cells::new(&mut taken)) };
     }
 }

@@ -9,9 +9,10 @@
 //! rather than break the factorisation.
 
 use super::ldl::Ldl;
-use super::{Image, Twist};
-use crate::cpu::contact_solve::Masses;
+use super::response::Response;
+use crate::cpu::masses::Masses;
 use crate::joint::Row;
+use crate::twist::Twist;
 
 /// Compliance of a rigid row, relative to its own diagonal. Redundant rows (two pins a hinge, a closed ring of hinges) share
 /// their load by it; a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
@@ -51,8 +52,7 @@ impl Joints {
         if n == 0 {
             return;
         }
-        if self.pattern.len() != n || self.rows.iter().zip(&self.pattern).any(|(r, p)| r.bodies != *p) || masses.changed
-        {
+        if self.pattern.len() != n || self.rows.iter().zip(&self.pattern).any(|(r, p)| r.bodies != *p) {
             self.analyse(masses);
         }
         self.ldl.clear();
@@ -128,22 +128,32 @@ impl Joints {
         self.slot = all.iter().map(|e| slots[*e as usize]).collect();
     }
 
-    /// Let the joints answer: `image` has velocities that hold the part of the multipliers in `lambda` (none if it is empty),
-    /// and gets all of λ and the velocities with it.
-    pub fn answer(&mut self, masses: &Masses, image: &mut Image) {
+    /// Analyse the rows again at the next step: other bodies move.
+    pub fn forget(&mut self) {
+        self.pattern.clear();
+    }
+
+    /// Begin a response whose velocities hold no part of the multipliers.
+    pub fn begin(&self, response: &mut Response) {
+        response.lambda.clear();
+        response.lambda.resize(self.rows.len(), 0.0);
+    }
+
+    /// Let the joints answer: `response` has velocities that hold the part of the multipliers in `lambda`, and gets all of λ and the
+    /// velocities with it.
+    pub fn answer(&mut self, masses: &Masses, response: &mut Response) {
         if self.rows.is_empty() {
             return;
         }
         self.rhs.clear();
-        image.lambda.resize(self.rows.len(), 0.0);
         for (k, row) in self.rows.iter().enumerate() {
-            let speed = row.speed_in(&image.twist);
-            self.rhs.push(-(speed + self.bias[k] + self.softness[k] * image.lambda[k]));
+            let speed = row.speed_in(&response.twist);
+            self.rhs.push(-(speed + self.bias[k] + self.softness[k] * response.lambda[k]));
         }
         self.ldl.solve(&mut self.rhs);
-        image.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
+        response.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
         for (row, lambda) in self.rows.iter().zip(&self.rhs) {
-            masses.push_row(&mut image.twist, row, *lambda);
+            masses.push_row(&mut response.twist, row, *lambda);
         }
     }
 

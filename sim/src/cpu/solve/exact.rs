@@ -1,49 +1,56 @@
 //! Coulomb's law itself: the gap's rate is fed with the slip μ|v_t| (Cadoux 2009; Acary et al. 2011), and the convex problem is
 //! solved anew until the slip that was fed is the slip that comes out.
 
-use super::*;
+use super::iterates::Iterates;
+use super::operator::Operator;
+use super::response::Response;
+use super::{method, scale};
+use crate::outcome::Outcome;
+use crate::rows::fill_rows;
+use crate::settings::SolverSettings;
+use glam::DVec3;
 
 pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
     gamma: &mut Vec<DVec3>,
-    image: &mut Image,
-    work: &mut Workspace,
+    response: &mut Response,
+    work: &mut Iterates,
 ) -> Outcome {
     const ROUNDS: u32 = 40;
     let mut total = Outcome::default();
-    let most = settings.most_iterations(gamma.len());
-    let share = (most / 4).max(1);
+    let most = settings.max_iterations(gamma.len());
+    let budget = (most / 4).max(1);
     // The slip of the start is the first guess.
     let mut fed = vec![0.0; gamma.len()];
     for round in 0..ROUNDS {
-        let slip = measure(op, image, gamma.len());
+        let slip = measure(op, response, gamma.len());
         let change: f64 = slip.iter().zip(&fed).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
         let settled = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
         if round > 0 && (settled || total.iterations >= most) {
             break;
         }
-        op.feed(&slip);
+        op.feed_slip(&slip);
         fed = slip;
-        op.image(gamma, image);
+        op.response(gamma, response);
         if round == 0 {
-            scale(op, gamma, image, work);
+            scale::scale(op, gamma, response, work);
         }
         let left = most - total.iterations.min(most - 1);
-        let budget = SolverSettings { iterations: Some(share.min(left)), ..settings.clone() };
-        let outcome = super::run(op, &budget, gamma, image, work);
+        let settings = SolverSettings { iterations: Some(budget.min(left)), ..settings.clone() };
+        let outcome = method::run(op, &settings, gamma, response, work);
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
     }
     total
 }
 
-/// μ |v_t| of every block, from the image of γ; what is fed to the gap's rate has no share in it.
-pub fn measure(op: &impl Operator, image: &Image, n_blocks: usize) -> Vec<f64> {
+/// μ |v_t| of every block, from the response of γ; what is fed to the gap's rate is left out.
+pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<f64> {
     let mut slip = vec![0.0; n_blocks];
     fill_rows(&mut slip, |i| {
         let (mu, normal) = op.friction(i);
-        let v = op.pull(image, i);
+        let v = op.gradient(response, i);
         mu * (v - normal * v.dot(normal)).length()
     });
     slip

@@ -1,13 +1,19 @@
 //! Accelerated projected gradient descent (Mazhar, Heyn, Negrut, Tasora 2015): Nesterov's sequence with adaptive restart and
-//! back-tracking on the step length. One product with N an iteration: the image of the extrapolated point is the same
-//! combination of images as the point is of points.
+//! back-tracking on the step length. One product with N an iteration: the response of the extrapolated point is the same
+//! combination of responses as the point is of points.
 //!
 //! The step length t goes on from solve to solve, within bounds. In the metric of η the trace of N is 3 n_blocks, so that
-//! t = 1/(3 n_blocks) is short enough for any move. A move so small that its curvature is lost in the rounding of the images, as
+//! t = 1/(3 n_blocks) is short enough for any move. A move so small that its curvature is lost in the rounding of the responses, as
 //! where contacts carry nothing or the solution is met, says nothing of N: t stays. Moves along which N nearly vanishes do not
 //! lengthen it beyond [`LONGEST`].
 
-use super::*;
+use super::iterates::{Best, Iterates, ROUNDING};
+use super::operator::Operator;
+use super::response::{Extrapolated, Response};
+use crate::outcome::Outcome;
+use crate::rows::sum_rows;
+use crate::settings::SolverSettings;
+use glam::DVec3;
 
 /// The longest step. Directions in which N is so small are those of contacts whose bodies are held by joints.
 const LONGEST: f64 = 1e6;
@@ -16,33 +22,33 @@ pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,
     gamma: &mut Vec<DVec3>,
-    image: &mut Image,
-    work: &mut Workspace,
+    response: &mut Response,
+    work: &mut Iterates,
 ) -> Outcome {
     let mut best = Best::new();
     work.previous.clone_from(gamma);
     work.next.resize(gamma.len(), DVec3::ZERO);
-    work.image_y.copy_from(image);
+    work.response_y.copy_from(response);
     let (mut theta, mut beta) = (1.0f64, 0.0);
     // Velocities are sums of impulses that cancel where bodies rest: both sizes count.
     let [impulses] = sum_rows(gamma.len(), |i| [gamma[i].length_squared() / op.eta(i)]);
-    let rounding = (op.energy(image) + impulses) * (ROUNDING * ROUNDING);
+    let rounding = (op.energy(response) + impulses) * (ROUNDING * ROUNDING);
     let shortest = 1.0 / (3.0 * gamma.len() as f64);
     let is_sound = (shortest..=LONGEST).contains(&work.step_length);
     let mut step = if is_sound { work.step_length } else { 1.0 };
     let mut done = 0;
-    let most = settings.most_iterations(gamma.len());
+    let most = settings.max_iterations(gamma.len());
     while done < most {
         loop {
             done += 1;
-            let from = Extrapolated { x: gamma, previous: &work.previous, beta, image: &work.image_y };
-            let [moved, slope] = op.descend(&mut work.next, &from, step, &mut work.image_next);
+            let from = Extrapolated { x: gamma, previous: &work.previous, beta, response: &work.response_y };
+            let [moved, slope] = op.descend(&mut work.next, &from, step, &mut work.response_next);
             // Restart where the gradient and the move disagree.
             let uphill = slope > 0.0;
             let next_theta = 0.5 * (theta * (theta * theta + 4.0).sqrt() - theta * theta);
             let next_beta = if uphill { 0.0 } else { theta * (1.0 - theta) / (theta * theta + next_theta) };
-            let images = [&mut work.image_next, &mut work.image_y_next];
-            let curvature = op.advance(&work.next, next_beta, [image, &work.image_y], images);
+            let responses = [&mut work.response_next, &mut work.response_y_next];
+            let curvature = op.advance(&work.next, next_beta, [response, &work.response_y], responses);
             let is_known = curvature > rounding;
             // The step is short enough if ½ dᵀNd ≤ |d|²/(2 t) in the metric of η; d is from y.
             if !is_known || curvature * step <= moved * (1.0 + 1e-9) || step <= shortest || done >= most {
@@ -56,14 +62,14 @@ pub fn run(
             }
             step = (0.95 * moved / curvature).min(0.95 * step).max(shortest);
         }
-        // previous ← γ ← next, and their images.
+        // previous ← γ ← next, and their responses.
         std::mem::swap(&mut work.previous, gamma);
         std::mem::swap(gamma, &mut work.next);
-        std::mem::swap(image, &mut work.image_next);
-        std::mem::swap(&mut work.image_y, &mut work.image_y_next);
-        if best.look(op, settings, done, (gamma, image), (&mut work.best, &mut work.image_best)) {
+        std::mem::swap(response, &mut work.response_next);
+        std::mem::swap(&mut work.response_y, &mut work.response_y_next);
+        if best.look(op, settings, done, (gamma, response), (&mut work.best, &mut work.response_best)) {
             break;
         }
     }
-    best.finish(done, gamma, image, work)
+    best.finish(done, gamma, response, work)
 }

@@ -1,8 +1,12 @@
 //! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q`, with (normal, tangent, tangent) a block.
 
-use super::schedule::Colored;
-use super::{Cells, Image, Operator, Twist, project_cone};
-use crate::cpu::{fill_rows, sum_rows};
+use crate::cpu::solve::cells::Cells;
+use crate::cpu::solve::cone::project_cone;
+use crate::cpu::solve::operator::Operator;
+use crate::cpu::solve::response::Response;
+use crate::cpu::solve::schedule::Colored;
+use crate::rows::{fill_rows, sum_rows};
+use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
 /// The operator of a problem.
@@ -61,29 +65,29 @@ impl MatrixOperator {
     }
 }
 
-/// The image of γ has u in `v`, and γ itself in `w`, so that combinations of images know both.
+/// The response of γ has u in `v`, and γ itself in `w`, so that combinations of responses know both.
 impl Operator for MatrixOperator {
     fn n_blocks(&self) -> usize {
         self.q.len()
     }
 
-    fn image(&mut self, gamma: &[DVec3], out: &mut Image) {
+    fn response(&mut self, gamma: &[DVec3], out: &mut Response) {
         out.twist.resize(gamma.len(), Twist::default());
         let this = &*self;
         fill_rows(&mut out.twist, |i| Twist { v: this.velocity(gamma, i), w: gamma[i] });
     }
 
     #[inline]
-    fn pull(&self, image: &Image, i: usize) -> DVec3 {
-        image.twist[i].v + DVec3::new(self.fed[i], 0.0, 0.0)
+    fn gradient(&self, response: &Response, i: usize) -> DVec3 {
+        response.twist[i].v + DVec3::new(self.fed[i], 0.0, 0.0)
     }
 
-    fn curvature(&self, a: &Image, b: &Image) -> f64 {
+    fn curvature(&self, a: &Response, b: &Response) -> f64 {
         sum_rows(self.q.len(), |i| [(a.twist[i].w - b.twist[i].w).dot(a.twist[i].v - b.twist[i].v)])[0]
     }
 
-    fn energy(&self, image: &Image) -> f64 {
-        sum_rows(self.q.len(), |i| [image.twist[i].w.dot(image.twist[i].v).abs()])[0]
+    fn energy(&self, response: &Response) -> f64 {
+        sum_rows(self.q.len(), |i| [response.twist[i].w.dot(response.twist[i].v).abs()])[0]
     }
 
     #[inline]
@@ -91,7 +95,7 @@ impl Operator for MatrixOperator {
         project_cone(y, DVec3::X, self.friction[i])
     }
 
-    fn project_cells(&self, i: usize, y: DVec3, _: &Cells<DVec3>) -> DVec3 {
+    unsafe fn project_in(&self, i: usize, y: DVec3, _: &Cells<DVec3>) -> DVec3 {
         project_cone(y, DVec3::X, self.friction[i])
     }
 
@@ -104,23 +108,27 @@ impl Operator for MatrixOperator {
         self.own[i]
     }
 
-    fn kick(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
+    unsafe fn apply(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
         // W is symmetric: column i is row i, transposed.
         for p in self.row(i) {
             let j = self.column[p] as usize;
-            let t = cells.get(j);
-            cells.set(j, Twist { v: t.v + self.block[p].transpose() * d, w: if i == j { t.w + d } else { t.w } });
+            // SAFETY: the caller's promise; one block at a time is visited.
+            let t = unsafe { cells.get(j) };
+            unsafe {
+                cells.set(j, Twist { v: t.v + self.block[p].transpose() * d, w: if i == j { t.w + d } else { t.w } })
+            };
         }
     }
 
-    fn pull_cells(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {
-        cells.get(i).v + DVec3::new(self.fed[i], 0.0, 0.0)
+    unsafe fn gradient_in(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {
+        // SAFETY: the caller's promise.
+        unsafe { cells.get(i).v + DVec3::new(self.fed[i], 0.0, 0.0) }
     }
 
-    fn settle(&mut self, _: &mut Image) {}
+    fn solve_joints(&mut self, _: &mut Response) {}
 
     fn colors(&self, colored: &mut Colored) {
-        // A kick writes whole columns.
+        // A apply writes whole columns.
         colored.one_by_one(self.q.len() as u32);
     }
 
@@ -128,7 +136,7 @@ impl Operator for MatrixOperator {
         (self.friction[i], DVec3::X)
     }
 
-    fn feed(&mut self, slip: &[f64]) {
+    fn feed_slip(&mut self, slip: &[f64]) {
         self.fed.copy_from_slice(slip);
     }
 }

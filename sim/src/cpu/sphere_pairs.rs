@@ -1,50 +1,50 @@
-//! Candidates of two balls in a model that has balls only, four at a time.
+//! Pairs of spheres in a model that has spheres only, four at a time.
 
-use super::bounds::Ball;
 use super::contact_rows::{Rows, along};
-use crate::lanes::{Kernel, Lane3, Lanes4, four, four_mut};
+use crate::lanes::{Lane3, LaneLoop, Lanes4, four, four_mut};
+use crate::sphere::Sphere;
 use crate::twist::Twist;
 
-/// Four balls.
-struct Balls<V> {
+/// Four spheres.
+struct Spheres<V> {
     centre: Lane3<V>,
     reach: V,
     radius: V,
 }
 
-impl<V: Lanes4> Balls<V> {
-    /// The first (0) or the second (1) balls of four pairs. A ball has the layout of a motion.
+impl<V: Lanes4> Spheres<V> {
+    /// The first (0) or the second (1) spheres of four pairs. A sphere has the layout of a motion.
     #[inline(always)]
-    fn of(balls: &[Ball], pairs: &[[u32; 2]; 4], side: usize) -> Balls<V> {
-        let row = |pair: [u32; 2]| -> &Twist { bytemuck::cast_ref(&balls[pair[side] as usize]) };
+    fn of(spheres: &[Sphere], pairs: &[[u32; 2]; 4], side: usize) -> Spheres<V> {
+        let row = |pair: [u32; 2]| -> &Twist { bytemuck::cast_ref(&spheres[pair[side] as usize]) };
         let [centre, rest] = V::twists([row(pairs[0]), row(pairs[1]), row(pairs[2]), row(pairs[3])]);
-        Balls { centre, reach: rest.x, radius: rest.y }
+        Spheres { centre, reach: rest.x, radius: rest.y }
     }
 }
 
 /// Find which touch: how many, and their places at the beginning of `place`. Nothing foretells which, so that every pair is
 /// written and only those that touch are counted.
 pub struct Find<'a> {
-    /// The candidates.
+    /// The pairs.
     pub pairs: &'a [[u32; 2]],
-    /// The balls (n_shapes).
-    pub balls: &'a [Ball],
+    /// The spheres (n_shapes).
+    pub spheres: &'a [Sphere],
     /// There is room for all.
     pub place: &'a mut [u32],
 }
 
-impl Kernel for Find<'_> {
+impl LaneLoop for Find<'_> {
     type Out = usize;
 
     #[inline(always)]
     fn run<V: Lanes4>(self) -> usize {
-        let Find { pairs, balls, place } = self;
+        let Find { pairs, spheres, place } = self;
         let (fours, rest) = pairs.as_chunks();
         let mut n = 0;
         for (k, pairs) in fours.iter().enumerate() {
-            let (p, q) = (Balls::<V>::of(balls, pairs, 0), Balls::of(balls, pairs, 1));
+            let (p, q) = (Spheres::<V>::of(spheres, pairs, 0), Spheres::of(spheres, pairs, 1));
             let (apart, reach) = (p.centre.minus(q.centre), p.reach + q.reach);
-            let near = apart.dot(apart).at_most(reach * reach);
+            let near = apart.dot(apart).mask_le(reach * reach);
             for l in 0..4 {
                 place[n] = (4 * k + l) as u32;
                 n += (near >> l & 1) as usize;
@@ -52,7 +52,7 @@ impl Kernel for Find<'_> {
         }
         for (k, [s, t]) in rest.iter().enumerate() {
             place[n] = (4 * fours.len() + k) as u32;
-            n += balls[*s as usize].is_near(&balls[*t as usize]) as usize;
+            n += spheres[*s as usize].is_near(&spheres[*t as usize]) as usize;
         }
         n
     }
@@ -60,27 +60,27 @@ impl Kernel for Find<'_> {
 
 /// Write the contacts of those that touch.
 pub struct Write<'a, 'b> {
-    /// The candidates.
+    /// The pairs.
     pub pairs: &'a [[u32; 2]],
     /// Which of them touch.
     pub places: &'a [u32],
-    /// The balls (n_shapes).
-    pub balls: &'a [Ball],
+    /// The spheres (n_shapes).
+    pub spheres: &'a [Sphere],
     /// Where to.
     pub rows: &'a mut Rows<'b, [f64; 2]>,
 }
 
-impl Kernel for Write<'_, '_> {
+impl LaneLoop for Write<'_, '_> {
     type Out = ();
 
     #[inline(always)]
     fn run<V: Lanes4>(self) {
-        let Write { pairs, places, balls, rows } = self;
+        let Write { pairs, places, spheres, rows } = self;
         let (zero, one) = (V::splat(0.0), V::splat(1.0));
         let whole = places.len() - places.len() % 4;
         for k in (0..whole).step_by(4) {
             let pairs = four(places, k).map(|place| pairs[place as usize]);
-            let (p, q) = (Balls::<V>::of(balls, &pairs, 0), Balls::of(balls, &pairs, 1));
+            let (p, q) = (Spheres::<V>::of(spheres, &pairs, 0), Spheres::of(spheres, &pairs, 1));
             let apart = q.centre.minus(p.centre);
             let distance = apart.dot(apart).sqrt();
             let gap = distance - (p.radius + q.radius);
@@ -89,7 +89,7 @@ impl Kernel for Write<'_, '_> {
             let mut out = [1.0; 4];
             for l in 0..4 {
                 let [s, t] = pairs[l];
-                let (p, q) = (&balls[s as usize], &balls[t as usize]);
+                let (p, q) = (&spheres[s as usize], &spheres[t as usize]);
                 let turned = p.body > q.body;
                 rows.bodies[k + l] = if turned { [q.body, p.body] } else { [p.body, q.body] };
                 rows.arms[k + l] = if turned { [reach_q[l], reach_p[l]] } else { [reach_p[l], reach_q[l]] };
@@ -98,16 +98,16 @@ impl Kernel for Write<'_, '_> {
                 out[l] = if turned { -1.0 } else { 1.0 };
             }
             let normal = Lane3 {
-                x: distance.up_to(zero, zero, apart.x / distance),
-                y: distance.up_to(zero, zero, apart.y / distance),
-                z: distance.up_to(zero, one, apart.z / distance),
+                x: distance.select_le(zero, zero, apart.x / distance),
+                y: distance.select_le(zero, zero, apart.y / distance),
+                z: distance.select_le(zero, one, apart.z / distance),
             };
             V::store3(normal.times(V::load(&out)), four_mut(rows.normal, k));
             *four_mut(rows.gap, k) = gap.to_array();
         }
         for (k, place) in places.iter().enumerate().skip(whole) {
             let pair = pairs[*place as usize];
-            rows.put_balls(k, pair, pair.map(|s| balls[s as usize]), along);
+            rows.put_spheres(k, pair, pair.map(|s| spheres[s as usize]), along);
         }
     }
 }
@@ -129,19 +129,19 @@ mod tests {
         c
     }
 
-    /// Four at a time, in registers and in arrays, is what one at a time is, to the bit; also of balls in one place.
+    /// Four at a time, in registers and in arrays, is what one at a time is, to the bit; also of spheres in one place.
     #[test]
     fn four_pairs_are_four_single_ones() {
         let mut random = SplitMix64(6);
-        let mut ball = |body: u32| {
+        let mut sphere = |body: u32| {
             let centre = DVec3::from_array(std::array::from_fn(|_| random.between(-0.2, 0.2)));
             let radius = random.between(0.05, 0.1);
-            Ball { centre, reach: radius + 0.01, radius, body: body * 7 % 31, material: body % 3 }
+            Sphere { centre, reach: radius + 0.01, radius, body: body * 7 % 31, material: body % 3 }
         };
-        let mut balls: Vec<Ball> = (0..31).map(&mut ball).collect();
-        balls[9].centre = balls[4].centre;
+        let mut spheres: Vec<Sphere> = (0..31).map(&mut sphere).collect();
+        spheres[9].centre = spheres[4].centre;
         let pairs: Vec<[u32; 2]> = (0..31).flat_map(|t| (0..t).map(move |s| [s, t])).collect();
-        let near = |[s, t]: &[u32; 2]| balls[*s as usize].is_near(&balls[*t as usize]);
+        let near = |[s, t]: &[u32; 2]| spheres[*s as usize].is_near(&spheres[*t as usize]);
         let touching: Vec<u32> = (0..pairs.len() as u32).filter(|k| near(&pairs[*k as usize])).collect();
         assert!(
             touching.len() > 40 && !touching.len().is_multiple_of(4) && touching.len() < pairs.len() / 2,
@@ -150,21 +150,21 @@ mod tests {
         );
 
         let mut place = vec![0; pairs.len()];
-        let n = widest(Find { pairs: &pairs, balls: &balls, place: &mut place });
+        let n = widest(Find { pairs: &pairs, spheres: &spheres, place: &mut place });
         assert_eq!(place[..n], touching);
-        let n = Find { pairs: &pairs, balls: &balls, place: &mut place }.run::<Plain<f64, 4>>();
+        let n = Find { pairs: &pairs, spheres: &spheres, place: &mut place }.run::<Plain<f64, 4>>();
         assert_eq!(place[..n], touching);
 
         let single = written(n, |rows| {
             for (i, place) in touching.iter().enumerate() {
                 let pair = pairs[*place as usize];
-                rows.put_balls(i, pair, pair.map(|s| balls[s as usize]), along);
+                rows.put_spheres(i, pair, pair.map(|s| spheres[s as usize]), along);
             }
         });
-        let (pairs, places, balls) = (&pairs[..], &touching[..], &balls[..]);
-        let wide = written(n, |rows| widest(Write { pairs, places, balls, rows }));
+        let (pairs, places, spheres) = (&pairs[..], &touching[..], &spheres[..]);
+        let wide = written(n, |rows| widest(Write { pairs, places, spheres, rows }));
         assert_eq!(wide, single);
-        let plain = written(n, |rows| Write { pairs, places, balls, rows }.run::<Plain<f64, 4>>());
+        let plain = written(n, |rows| Write { pairs, places, spheres, rows }.run::<Plain<f64, 4>>());
         assert_eq!(plain, single);
     }
 }

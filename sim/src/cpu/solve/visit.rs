@@ -1,6 +1,9 @@
-//! The inner loop of Gauss–Seidel over blocks of one colour: pull the gradient, solve the block's own problem, kick its bodies.
+//! The inner loop of Gauss–Seidel over blocks of one colour: read the gradient, solve the block's own problem, apply the impulse to
+//! its bodies.
 
-use super::{Cells, Operator, Twist};
+use super::cells::Cells;
+use super::operator::Operator;
+use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
 /// Projected gradient steps on a block's own 3×3 problem at each visit.
@@ -8,21 +11,26 @@ const INNER: usize = 12;
 
 /// Let blocks of one colour each minimise the objective over its own cone, the others held; returns the sum of the squares of
 /// what they were off, `|Δγ/η|²`, m²/s².
-pub fn visit(
+///
+/// # Safety
+/// No other thread touches these blocks, or their moving bodies in the response.
+pub unsafe fn visit(
     op: &(impl Operator + ?Sized),
     blocks: &[u32],
-    image: &Cells<Twist>,
+    response: &Cells<Twist>,
     gamma: &Cells<DVec3>,
     omega: f64,
 ) -> f64 {
     let mut missed = 0.0;
     for &i in blocks {
         let i = i as usize;
-        let (gradient, own, before) = (op.pull_cells(image, i), op.diagonal(i), gamma.get(i));
+        // SAFETY: the caller's promise, here and below.
+        let (gradient, before) = unsafe { (op.gradient_in(response, i), gamma.get(i)) };
+        let own = op.diagonal(i);
         let step = 1.0 / largest(&own);
         let mut z = before;
         for _ in 0..INNER {
-            let next = op.project_cells(i, z - (gradient + own * (z - before)) * step, gamma);
+            let next = unsafe { op.project_in(i, z - (gradient + own * (z - before)) * step, gamma) };
             let moved = (next - z).length_squared();
             z = next;
             if moved <= 1e-24 * z.length_squared() {
@@ -30,8 +38,10 @@ pub fn visit(
             }
         }
         let d = (z - before) * omega;
-        gamma.set(i, before + d);
-        op.kick(image, i, d);
+        unsafe {
+            gamma.set(i, before + d);
+            op.apply(response, i, d);
+        }
         missed += (d / op.eta(i) * op.lever(i)).length_squared();
     }
     missed

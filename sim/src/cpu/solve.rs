@@ -1,0 +1,70 @@
+//! The solver of the CPU back end: cone complementarity problems and the methods that solve them.
+//!
+//! A problem is a symmetric operator N, an offset r and a product of cones: minimise `½ γᵀNγ + rᵀγ` over γ in the cones
+//! (Negrut et al. 2012, §2). A method ([`crate::Method`]) sees N only as an [`Operator`]: `bodies` and `body_operator` apply it
+//! matrix-free to contacts between bodies, with the joints eliminated; `crate::problem` has one of sparse blocks.
+//!
+//! Multipliers are three numbers a block. Those of contacts are vectors of the world, so that no tangent frame is needed.
+
+mod apgd;
+mod barzilai_borwein;
+pub mod bodies;
+mod body_operator;
+pub mod cells;
+pub mod cone;
+mod descend;
+pub mod exact;
+mod gauss_seidel;
+pub mod iterates;
+mod jacobi;
+pub mod joints;
+mod ldl;
+mod method;
+pub mod operator;
+pub mod residual;
+pub mod response;
+mod scale;
+pub mod schedule;
+pub mod sphere_sweeps;
+mod visit;
+
+use crate::outcome::Outcome;
+use crate::rows::CHUNK;
+use crate::settings::{FrictionLaw, SolverSettings};
+use cells::Cells;
+use glam::DVec3;
+use iterates::Iterates;
+use operator::Operator;
+use rayon::prelude::*;
+use response::Response;
+
+/// Solve: γ comes in as the starting point and goes out as the solution, `response` as its response.
+pub fn solve(
+    op: &mut impl Operator,
+    settings: &SolverSettings,
+    gamma: &mut Vec<DVec3>,
+    response: &mut Response,
+    work: &mut Iterates,
+) -> Outcome {
+    if op.n_blocks() == 0 {
+        op.response(gamma, response);
+        return Outcome::default();
+    }
+    if op.has_cones_apart() {
+        let values = Cells::new(gamma);
+        // SAFETY: each index is one task's, and no cone depends on another block's multipliers.
+        let project = |i: usize| unsafe { values.set(i, op.project_in(i, values.get(i), &values)) };
+        (0..op.n_blocks()).into_par_iter().with_min_len(CHUNK).for_each(project);
+    } else {
+        // One after the other: what a rolling block may carry depends on its contact's.
+        (0..gamma.len()).for_each(|i| gamma[i] = op.project(i, gamma[i], gamma));
+    }
+    op.response(gamma, response);
+    match settings.friction {
+        FrictionLaw::Relaxed => {
+            scale::scale(op, gamma, response, work);
+            method::run(op, settings, gamma, response, work)
+        }
+        FrictionLaw::Exact => exact::run(op, settings, gamma, response, work),
+    }
+}

@@ -1,0 +1,40 @@
+//! Columns that several threads change at once.
+
+use std::cell::UnsafeCell;
+
+/// A column whose entries are changed by several threads that never touch the same entry.
+pub struct Cells<'a, T> {
+    entry: &'a [UnsafeCell<T>],
+}
+
+// SAFETY: entries are reached through `get` and `set` alone, whose callers promise that no other thread touches the entry.
+unsafe impl<T: Send> Sync for Cells<'_, T> {}
+
+impl<'a, T: Copy> Cells<'a, T> {
+    /// Cells of a column.
+    pub fn new(column: &'a mut [T]) -> Cells<'a, T> {
+        let entry: *const [T] = column;
+        // SAFETY: UnsafeCell<T> has the layout of T, and the column is borrowed for as long as the cells live.
+        Cells { entry: unsafe { &*(entry as *const [UnsafeCell<T>]) } }
+    }
+
+    /// Read an entry.
+    ///
+    /// # Safety
+    /// No other thread writes the entry meanwhile.
+    #[inline(always)]
+    pub unsafe fn get(&self, i: usize) -> T {
+        // SAFETY: the caller's promise.
+        unsafe { *self.entry[i].get() }
+    }
+
+    /// Write an entry.
+    ///
+    /// # Safety
+    /// No other thread reads or writes the entry meanwhile.
+    #[inline(always)]
+    pub unsafe fn set(&self, i: usize, value: T) {
+        // SAFETY: the caller's promise.
+        unsafe { *self.entry[i].get() = value }
+    }
+}

@@ -1,0 +1,47 @@
+//! Gauss–Seidel: block after block sees what the blocks before it did. Blocks of one colour share no body, so that they run
+//! side by side and the result does not depend on the number of threads. The joints are one block of their own, solved exactly
+//! at the end of each sweep. Contacts between spheres alone have sweeps of their own (`sphere_sweeps`).
+
+use super::cells::Cells;
+use super::iterates::Iterates;
+use super::operator::Operator;
+use super::response::Response;
+use super::visit;
+use crate::outcome::Outcome;
+use crate::rows::{add, reduce_tasks};
+use crate::settings::SolverSettings;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Blocks of a colour that one task visits.
+const TASK: usize = 1024;
+/// Blocks of a colour that are not worth a second thread.
+const LITTLE: usize = 4 * TASK;
+
+pub fn run(
+    op: &mut impl Operator,
+    settings: &SolverSettings,
+    gamma: &mut [DVec3],
+    response: &mut Response,
+    work: &mut Iterates,
+) -> Outcome {
+    op.colors(&mut work.colored);
+    let omega = settings.omega.unwrap_or(1.0);
+    let n = gamma.len();
+    let mut outcome = Outcome::default();
+    for iteration in 1..=settings.max_iterations(n) {
+        let twist = Cells::new(&mut response.twist);
+        let (values, now) = (Cells::new(gamma), &*op);
+        // SAFETY: blocks of a colour share no moving body, each is one task's, and a rolling block, which reads its contact's
+        // multipliers, shares that contact's bodies.
+        let visit = |blocks: &[u32]| [unsafe { visit::visit(now, blocks, &twist, &values, omega) }];
+        let visit_color = |color: &[u32]| reduce_tasks(color.par_chunks(TASK), color.len() <= LITTLE, visit);
+        let [missed] = work.colored.colors().map(visit_color).fold([0.0], add);
+        op.solve_joints(response);
+        outcome = Outcome { iterations: iteration, residual: missed.sqrt() / n as f64 };
+        if outcome.residual <= settings.tolerance {
+            break;
+        }
+    }
+    outcome
+}

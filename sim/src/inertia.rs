@@ -1,0 +1,19 @@
+//! Principal moments of inertia.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// Reciprocal inertia in the world frame, R J̄⁻¹ Rᵀ.
+#[inline]
+pub(crate) fn world_inv_inertia(orientation: DQuat, inv_inertia: DVec3) -> DMat3 {
+    if is_isotropic(inv_inertia) {
+        return DMat3::from_diagonal(inv_inertia);
+    }
+    let r = DMat3::from_quat(orientation);
+    r * DMat3::from_diagonal(inv_inertia) * r.transpose()
+}
+
+/// Whether a body turns alike about all axes.
+#[inline]
+pub(crate) fn is_isotropic(inv_inertia: DVec3) -> bool {
+    inv_inertia.x == inv_inertia.y && inv_inertia.y == inv_inertia.z
+}
