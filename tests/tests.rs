@@ -6,6 +6,7 @@ mod broad_phase;
 mod cli;
 mod corpus;
 mod determinism;
+mod docs;
 mod faults;
 mod friction;
 mod golden;
