@@ -76,6 +76,11 @@ impl Masses {
         }
     }
 
+    /// Whether all bodies turn alike about all axes.
+    pub fn are_isotropic(&self) -> bool {
+        matches!(self.tensors, Tensors::None)
+    }
+
     /// Reciprocal inertia times a vector.
     #[inline(always)]
     pub fn turn(&self, body: usize, angular: DVec3) -> DVec3 {
@@ -85,14 +90,22 @@ impl Masses {
         }
     }
 
-    /// Twice the kinetic energy of a motion, J; 0 for a body that is held in place.
+    /// The change of a body's velocities by an impulse and an angular impulse. `ISOTROPIC` says that all bodies turn alike about all
+    /// axes, so that nothing is asked for each.
     #[inline(always)]
-    pub fn energy(&self, body: usize, t: &Twist) -> f64 {
+    pub fn change<const ISOTROPIC: bool>(&self, body: usize, impulse: &Twist) -> Twist {
+        let w = if ISOTROPIC { impulse.w * self.inv_moment[body] } else { self.turn(body, impulse.w) };
+        Twist { v: impulse.v * self.inv_mass[body], w }
+    }
+
+    /// Twice the kinetic energy of a motion, J; 0 for a body that is held in place. `ISOTROPIC` as for [`Masses::change`].
+    #[inline(always)]
+    pub fn energy<const ISOTROPIC: bool>(&self, body: usize, t: &Twist) -> f64 {
         let inv_mass = self.inv_mass[body];
         if inv_mass == 0.0 {
             return 0.0;
         }
-        let turning = match self.tensor(body) {
+        let turning = match if ISOTROPIC { None } else { self.tensor(body) } {
             None => t.w.length_squared() / self.inv_moment[body],
             Some([_, inertia]) => t.w.dot(*inertia * t.w),
         };

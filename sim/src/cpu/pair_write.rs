@@ -25,7 +25,7 @@ use super::bin_emit::{BinGrid, Bins};
 use super::collide::surface_of;
 use crate::aabb::Aabb;
 use crate::model::Model;
-use crate::rows::{CHUNK, cut, fill_rows};
+use crate::rows::{ALONE, CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::state::State;
 use glam::{DMat3, DVec3, Vec3A, Vec4};
@@ -101,7 +101,11 @@ fn flatten<R: Sync, T: Copy + Default + Send + Sync>(
     start.clear();
     start.extend(rows.iter().map(|row| items(row).len() as u32).chain([0]));
     let n = gpu::scan::exclusive_cpu(start) as usize;
-    out.clear();
+    if n <= ALONE {
+        out.clear();
+        rows.iter().for_each(|row| out.extend_from_slice(items(row)));
+        return;
+    }
     out.resize(n, T::default());
     let parts = cut(out, rows.iter().map(|row| items(row).len()));
     parts.into_par_iter().zip(rows).for_each(|(own, row)| own.copy_from_slice(items(row)));

@@ -298,18 +298,13 @@ impl BodyOperator<'_> {
         limits.for_each(|i| unsafe { self.push(i, gamma[i], sums) });
     }
 
-    /// The velocity of a body that has been given impulses.
-    #[inline(always)]
-    pub fn moved(&self, body: usize, free: &Twist, sum: &Twist) -> Twist {
-        // One that is held in place has been given nothing.
-        Twist { v: free.v + sum.v * self.masses.inv_mass[body], w: free.w + self.masses.turn(body, sum.w) }
-    }
-
     /// Make velocities of what bodies have been given, and let the joints answer.
     pub fn finish(&mut self, out: &mut Response) {
         let this = &*self;
         let [] = sweep(&mut out.twist, |first, rows| {
-            rows.iter_mut().enumerate().for_each(|(k, t)| *t = this.moved(first + k, &this.free(first + k), t));
+            // One that is held in place has been given nothing.
+            let moved = |b: usize, sum: &Twist| this.free(b).plus(&this.masses.change::<false>(b, sum));
+            rows.iter_mut().enumerate().for_each(|(k, t)| *t = moved(first + k, t));
             []
         });
         self.joints.begin(out);

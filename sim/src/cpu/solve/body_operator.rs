@@ -1,6 +1,6 @@
 //! The operator of a step, as the methods see it.
 
-use super::bodies::{Block, BodyOperator, Offset};
+use super::bodies::{Block, BodyOperator, Free, Offset};
 use super::cells::Cells;
 use super::descend;
 use super::operator::{self, Operator};
@@ -27,12 +27,12 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn curvature(&self, a: &Response, b: &Response) -> f64 {
-        let energy = |i: usize| [self.masses.energy(i, &a.twist[i].minus(&b.twist[i]))];
+        let energy = |i: usize| [self.masses.energy::<false>(i, &a.twist[i].minus(&b.twist[i]))];
         sum_rows(self.masses.inv_mass.len(), energy)[0] + self.joints.compliance(&a.lambda, &b.lambda)
     }
 
     fn energy(&self, response: &Response) -> f64 {
-        let [energy] = sum_rows(self.masses.inv_mass.len(), |b| [self.masses.energy(b, &response.twist[b])]);
+        let [energy] = sum_rows(self.masses.inv_mass.len(), |b| [self.masses.energy::<false>(b, &response.twist[b])]);
         energy + self.joints.compliance(&response.lambda, &vec![0.0; response.lambda.len()])
     }
 
@@ -60,20 +60,10 @@ impl Operator for BodyOperator<'_> {
             return self.curvature(to, y);
         }
         // Without joints one pass over the bodies does it all.
-        to_y.twist.resize(to.twist.len(), Twist::default());
-        let this = &*self;
-        let [curvature] = sweep_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
-            let mut sum = 0.0;
-            for (k, (to, to_y)) in to.iter_mut().zip(to_y).enumerate() {
-                let b = first + k;
-                let (new, x, y) = (this.moved(b, &this.free(b), to), &x.twist[b], &y.twist[b]);
-                *to = new;
-                *to_y = new.beyond(x, beta);
-                sum += this.masses.energy(b, &new.minus(y));
-            }
-            [sum]
-        });
-        curvature
+        if self.masses.are_isotropic() {
+            return self.advance_bodies::<true>(beta, [x, y], [to, to_y]);
+        }
+        self.advance_bodies::<false>(beta, [x, y], [to, to_y])
     }
 
     #[inline]
@@ -178,5 +168,31 @@ impl Operator for BodyOperator<'_> {
         for i in 0..self.contacts.len() {
             offset[i] = self.offset_unfed[i] + slip[i];
         }
+    }
+}
+
+impl BodyOperator<'_> {
+    /// [`Operator::advance`] over the bodies, without joints.
+    fn advance_bodies<const ISOTROPIC: bool>(
+        &self,
+        beta: f64,
+        [x, y]: [&Response; 2],
+        [to, to_y]: [&mut Response; 2],
+    ) -> f64 {
+        let Free::Column(free) = self.free else { unreachable!("descent methods have a column of free velocities") };
+        to_y.twist.resize(to.twist.len(), Twist::default());
+        let [curvature] = sweep_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
+            let mut sum = 0.0;
+            for (k, (to, to_y)) in to.iter_mut().zip(to_y).enumerate() {
+                let b = first + k;
+                let (x, y) = (&x.twist[b], &y.twist[b]);
+                let new = free[b].plus(&self.masses.change::<ISOTROPIC>(b, to));
+                *to = new;
+                *to_y = new.beyond(x, beta);
+                sum += self.masses.energy::<ISOTROPIC>(b, &new.minus(y));
+            }
+            [sum]
+        });
+        curvature
     }
 }

@@ -54,7 +54,7 @@ pub fn run(
 ) -> Outcome {
     let Sweeps { tiled, coarse, fine } = work;
     tiled.fill(op.contacts, &op.masses.inv_mass);
-    response.lambda.resize(op.joints.rows.len(), 0.0);
+    op.joints.begin(response);
     let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
     if op.joints.rows.is_empty() {
         coarse.fill(op, tiled, gamma);
