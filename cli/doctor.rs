@@ -1,13 +1,13 @@
-//! `scree doctor`: what of the machine scree can use.
+//! `scree doctor`: processors, memory, graphics adapters and tools of the machine, as far as scree can use them.
 
-use crate::movie;
 use crate::report::Outcome;
+use crate::{machine, movie};
 
-/// The command.
-pub fn command() -> Outcome {
+/// Run `scree doctor`.
+pub fn run() -> Outcome {
     println!("scree {}", env!("CARGO_PKG_VERSION"));
     println!("processors: {}", rayon::current_num_threads());
-    if let Some(kib) = crate::report::status_kib("/proc/meminfo", "MemTotal") {
+    if let Some(kib) = machine::memory_kib() {
         println!("memory: {:.1} GiB", kib as f64 / 1_048_576.0);
     }
     let lanes = |wide: bool| if wide { "AVX2" } else { "plain" };

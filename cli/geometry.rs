@@ -1,4 +1,4 @@
-//! The hulls, meshes and height fields of a model as RIB archives in its run directory, one for each shape name of the frames.
+//! Hulls, meshes and height fields of a model as RIB archives in its run directory, one for each shape name of the frames.
 
 use frame::{Fault, FaultKind, atomic};
 use glam::DVec3;
@@ -7,7 +7,7 @@ use render::ri::{Class, Fail, Param, Ri, Type};
 use sim::{Model, ShapeKind};
 use std::path::Path;
 
-/// Write `geometry/hull_0.rib` and its like.
+/// Write the archives: `geometry/hull_0.rib`, `geometry/mesh_0.rib`, …
 pub fn write_archives(model: &Model, folder: &Path) -> Result<(), Fault> {
     for s in 0..model.n_shapes() {
         let (kind, part) = (model.shape_kind[s], model.shape_part[s] as usize);
@@ -33,12 +33,12 @@ pub fn write_archives(model: &Model, folder: &Path) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A `PointsPolygons` request.
+/// The RIB of a `PointsPolygons` request.
 fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Result<Vec<u8>, Fail> {
-    let numbers = |v: &[DVec3]| v.iter().flat_map(|p| p.as_vec3().to_array()).collect::<Vec<f32>>();
-    let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, numbers(vertices))];
+    let floats = |v: &[DVec3]| v.iter().flat_map(|p| p.as_vec3().to_array()).collect::<Vec<f32>>();
+    let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, floats(vertices))];
     if !normals.is_empty() {
-        params.push(Param::floats("N", Class::Varying, Type::Normal, numbers(normals)));
+        params.push(Param::floats("N", Class::Varying, Type::Normal, floats(normals)));
     }
     let counts = faces.iter().map(|f| f.len() as i32).collect();
     let corners = faces.iter().flatten().map(|v| *v as i32).collect();
@@ -47,7 +47,7 @@ fn polygons(vertices: &[DVec3], faces: &[Vec<u32>], normals: &[DVec3]) -> Result
     Ok(writer.into_inner())
 }
 
-/// The mean normal of the triangles around each vertex, by their areas.
+/// The normal of each vertex: the mean over its triangles, weighted by area.
 fn vertex_normals(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; vertices.len()];
     for t in triangles {

@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 static SHADERS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 static SCENES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/scenes");
 
-/// Files are looked for in `folder` first, then in the working folder, then in the library.
+/// The search path of scenes and shaders: `folder`, the working folder, the library.
 pub fn files(folder: &Path) -> Files {
     let mut built_in = Vec::new();
-    for (room, dir) in [("shaders", &SHADERS), ("scenes", &SCENES)] {
-        collect(room, dir, &mut built_in);
+    for (name, dir) in [("shaders", &SHADERS), ("scenes", &SCENES)] {
+        collect(name, dir, &mut built_in);
     }
     Files { folders: vec![folder.into(), PathBuf::from(".")], built_in }
 }
 
-fn collect(room: &str, dir: &'static Dir<'static>, out: &mut Vec<(&'static str, &'static str)>) {
+fn collect(folder: &str, dir: &'static Dir<'static>, out: &mut Vec<(&'static str, &'static str)>) {
     for file in dir.files() {
         if let Some(text) = file.contents_utf8() {
-            let path = format!("{room}/{}", file.path().to_string_lossy());
+            let path = format!("{folder}/{}", file.path().to_string_lossy());
             // A handful of names for the program's whole life.
             out.push((Box::leak(path.into_boxed_str()), text));
         }
     }
-    dir.dirs().for_each(|d| collect(room, d, out));
+    dir.dirs().for_each(|d| collect(folder, d, out));
 }

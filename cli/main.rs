@@ -1,15 +1,20 @@
 //! The scree command: simulate, render, encode.
 //!
-//! `args` holds the words of the command line, `job` checks and resolves them, and each subcommand has its file.
+//! Every command takes the same way: `args` parses its command line, `job` makes a checked job of that, and the command's own file
+//! does the work of the job. `model_run` is the work that several commands share; the other files are leaves, which know neither
+//! arguments nor jobs.
 
 mod args;
 mod bench;
 mod check;
 mod doctor;
 mod geometry;
+mod image_file;
 mod inspect;
 mod job;
 mod library;
+mod machine;
+mod model_run;
 mod movie;
 mod plot;
 mod progress;
@@ -19,19 +24,23 @@ mod rib;
 mod run;
 mod schema;
 mod shader;
+mod shard_file;
 mod simulate;
 mod solve;
 mod source;
 mod stitch;
-mod sweep;
 
 use args::{Args, Command};
 use clap::Parser;
+use job::{
+    BenchJob, CheckJob, InspectJob, MovieJob, PlotJob, RenderJob, RibJob, RunJob, SchemaJob, ShaderJob, SimulateJob,
+    SolveJob, StitchJob,
+};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    quiet_when_nobody_reads();
-    give_large_blocks_back();
+    exit_when_output_is_closed();
+    return_large_blocks();
     let args = Args::parse();
     if let Some(threads) = args.threads
         && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
@@ -39,23 +48,23 @@ fn main() -> ExitCode {
         eprintln!("error: cannot start {threads} threads: {e}");
         return ExitCode::from(1);
     }
-    let done = match args.command {
-        Command::Run(a) => run::run(&a),
-        Command::Simulate(a) => simulate::command(&a),
-        Command::Render(a) => render::command(&a),
-        Command::Rib(a) => rib::command(&a),
-        Command::Stitch(a) => stitch::command(&a),
-        Command::Movie(a) => movie::command(&a),
-        Command::Check(a) => check::command(&a),
-        Command::Shader(a) => shader::command(&a),
-        Command::Schema(a) => schema::command(&a),
-        Command::Inspect(a) => inspect::command(&a),
-        Command::Plot(a) => plot::command(&a),
-        Command::Solve(a) => solve::command(&a),
-        Command::Bench(a) => bench::command(&a),
-        Command::Doctor => doctor::command(),
+    let outcome = match args.command {
+        Command::Run(args) => RunJob::check(args).and_then(run::run),
+        Command::Simulate(args) => SimulateJob::check(args).and_then(simulate::run),
+        Command::Render(args) => RenderJob::check(args).and_then(render::run),
+        Command::Movie(args) => MovieJob::check(args).and_then(movie::run),
+        Command::Plot(args) => PlotJob::check(args).and_then(plot::run),
+        Command::Inspect(args) => InspectJob::check(args).and_then(inspect::run),
+        Command::Check(args) => CheckJob::check(args).and_then(check::run),
+        Command::Schema(args) => SchemaJob::check(args).and_then(schema::run),
+        Command::Shader(args) => ShaderJob::check(args).and_then(shader::run),
+        Command::Rib(args) => RibJob::check(args).and_then(rib::run),
+        Command::Stitch(args) => StitchJob::check(args).and_then(stitch::run),
+        Command::Solve(args) => SolveJob::check(args).and_then(solve::run),
+        Command::Bench(args) => BenchJob::check(args).and_then(bench::run),
+        Command::Doctor => doctor::run(),
     };
-    match done {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("error: {failure}");
@@ -64,23 +73,23 @@ fn main() -> ExitCode {
     }
 }
 
-/// Have large columns from the system itself, and give them back when they are let go: glibc would otherwise keep ever larger ones
-/// in its heap, whose holes cost a large bed a third of its memory.
-fn give_large_blocks_back() {
+/// Allocate large columns directly from the system, which gets them back when they are freed: glibc would otherwise keep ever
+/// larger ones in its heap, whose holes cost a large bed a third of its memory.
+fn return_large_blocks() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: the option is of glibc, and nobody else allocates yet.
+    // SAFETY: the option is glibc's, and no other thread allocates yet.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 17);
     }
 }
 
-/// Whoever reads our output may stop early, as `head` does: that is an end and no fault.
-fn quiet_when_nobody_reads() {
-    let otherwise = std::panic::take_hook();
+/// Exit without a message when standard output is closed, as `head` closes it.
+fn exit_when_output_is_closed() {
+    let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
         if info.payload_as_str().is_some_and(|m| m.contains("Broken pipe")) {
             std::process::exit(0);
         }
-        otherwise(info);
+        default_hook(info);
     }));
 }

@@ -1,48 +1,48 @@
-//! Progress: a bar on a terminal, a plain line now and then elsewhere; both on standard error.
+//! Progress on standard error: a bar on a terminal, elsewhere a line every ten seconds.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Progress of one thing that takes a while.
+/// Progress of a task.
 pub struct Progress {
-    what: String,
+    task: String,
     total: u64,
     bar: Option<ProgressBar>,
     started: Instant,
-    said: Mutex<Instant>,
+    last_line: Mutex<Instant>,
 }
 
-/// How often a plain line is printed.
-const EVERY: Duration = Duration::from_secs(10);
+/// Time between two lines.
+const INTERVAL: Duration = Duration::from_secs(10);
 
 impl Progress {
-    /// Start: `what` is done `total` times.
-    pub fn start(what: &str, total: u64) -> Progress {
+    /// Start the progress of a task of `total` steps.
+    pub fn start(task: &str, total: u64) -> Progress {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{msg:>12} [{bar:32}] {pos}/{len}  {elapsed} elapsed, {eta} left");
             ProgressBar::new(total)
                 .with_style(style.unwrap_or(ProgressStyle::default_bar()).progress_chars("=> "))
-                .with_message(what.to_string())
+                .with_message(task.to_string())
         });
         if bar.is_none() {
-            eprintln!("{what}: {total} to do");
+            eprintln!("{task}: {total} to do");
         }
-        Progress { what: what.into(), total, bar, started: Instant::now(), said: Mutex::new(Instant::now()) }
+        Progress { task: task.into(), total, bar, started: Instant::now(), last_line: Mutex::new(Instant::now()) }
     }
 
-    /// So many are done.
+    /// Show that `done` steps are done.
     pub fn at(&self, done: u64) {
         match &self.bar {
             Some(bar) => bar.set_position(done),
             None => {
-                let mut said = self.said.lock().unwrap_or_else(|e| e.into_inner());
-                if said.elapsed() >= EVERY {
-                    *said = Instant::now();
+                let mut last_line = self.last_line.lock().unwrap_or_else(|e| e.into_inner());
+                if last_line.elapsed() >= INTERVAL {
+                    *last_line = Instant::now();
                     eprintln!(
                         "{}: {done} of {} after {:.0} s",
-                        self.what,
+                        self.task,
                         self.total,
                         self.started.elapsed().as_secs_f64()
                     );
@@ -51,12 +51,12 @@ impl Progress {
         }
     }
 
-    /// All done.
+    /// Show that all steps are done.
     pub fn finish(&self) {
         let seconds = self.started.elapsed().as_secs_f64();
         match &self.bar {
             Some(bar) => bar.finish(),
-            None => eprintln!("{}: done in {seconds:.1} s", self.what),
+            None => eprintln!("{}: done in {seconds:.1} s", self.task),
         }
     }
 }

@@ -1,214 +1,180 @@
-//! `scree render`: frames → pictures.
+//! `scree render`: frames or a RIB scene → images.
 
-use crate::args::RenderArgs;
-use crate::job::Pictures;
-use crate::library;
+use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene, Statistics};
+use crate::machine::peak_bytes;
 use crate::progress::Progress;
-use crate::report::{Exit, Failure, Outcome, peak_bytes};
-use crate::{source, stitch};
+use crate::report::{Exit, Failure, Outcome};
+use crate::{image_file, model_run, shard_file};
 use bind::emit;
-use frame::FaultKind;
 use render::film::bucket::Shard;
 use render::film::display;
+use render::ri::files::Files;
 use render::ri::reader;
 use render::{Context, RenderResult};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// The command.
-pub fn command(args: &RenderArgs) -> Outcome {
-    if is_scene(&args.input) {
-        return scene(args);
+/// Run `scree render`.
+pub fn run(job: RenderJob) -> Outcome {
+    match job {
+        RenderJob::Scene(job) => scene(&job),
+        RenderJob::Frames(job) => frames(*job),
     }
-    let (checked, data, home) = source::open(&args.input)?;
-    let folder = args.output.clone().unwrap_or_else(|| home.join("images"));
-    let pictures = Pictures::resolve(checked, data, folder, &args.pictures)?;
-    pictures_of(&pictures, args.bucket, args.pictures.missing, args.telling())?;
-    println!("{}", pictures.folder.display());
-    pictures.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
-    missing_frames(&pictures)
 }
 
-/// Whether an input is RIB: by its name, `-` for the standard input.
-pub fn is_scene(input: &Path) -> bool {
-    let name = input.to_string_lossy();
-    name == "-" || [".rib", ".rib.gz", ".ribz"].iter().any(|e| name.ends_with(e))
+fn frames(job: RenderFrames) -> Outcome {
+    let (binding, source) = model_run::provide(job.frames)?;
+    let image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
+    images(&image_job, job.shard, job.statistics)?;
+    println!("{}", image_job.folder.display());
+    image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
+    missing_frames(&image_job)
 }
 
-/// Draw the frames of a job, or a share of each; with `missing`, only those whose picture or part is not there.
-pub fn pictures_of(pictures: &Pictures, share: Option<Shard>, missing: bool, telling: Telling) -> Outcome {
-    let size = pictures.checked.output.resolution;
-    let there =
-        |picture: &Path| is_picture(picture, size) || share.is_some_and(|share| stitch::is_part(picture, share, size));
-    let wanted = |f: &&u64| !(missing && there(&pictures.image(**f)));
-    let frames: Vec<u64> = pictures.frames.iter().filter(wanted).copied().collect();
+/// Render the images of a job, or a shard of each.
+pub fn images(job: &ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome {
+    let size = job.binding.output.resolution;
+    let exists = |image: &Path| {
+        image_file::is_complete(image, size) || shard.is_some_and(|s| shard_file::is_complete(image, s, size))
+    };
+    let wanted = |f: &&u64| !(job.missing && exists(&job.image(**f)));
+    let frames: Vec<u64> = job.frames.iter().filter(wanted).copied().collect();
     let progress = Progress::start("rendering", frames.len() as u64);
-    for (done, number) in frames.iter().enumerate() {
-        let finished = picture(pictures, *number, share)?;
-        let image = pictures.image(*number);
-        tell(&finished, *number, &share.map_or(image.clone(), |share| stitch::part_of(&image, share)), telling)?;
+    for (done, frame) in frames.iter().enumerate() {
+        let result = image(job, *frame, shard)?;
+        report_statistics(&result, *frame, &written(&job.image(*frame), shard), statistics)?;
         progress.at(done as u64 + 1);
     }
     progress.finish();
-    pictures.passes.iter().try_for_each(|pass| pictures_of(pass, share, missing, telling))
+    job.passes.iter().try_for_each(|pass| images(pass, shard, statistics))
 }
 
-/// Draw a frame and write its picture.
-fn picture(pictures: &Pictures, number: u64, share: Option<Shard>) -> Outcome<RenderResult> {
-    let table = pictures.source.read(number)?;
-    pictures.checked.check_columns(&table)?;
-    let mut context = context(&pictures.files)?;
-    context.shard = share;
-    context.about = vec![("frame".into(), number.to_string()), ("time".into(), table.time.to_string())];
-    context.about.extend(pictures.source.run_hash().map(|hash| ("run".into(), hash.into())));
-    let image = pictures.image(number);
-    emit::frame(&pictures.checked, &table, &image.to_string_lossy(), &pictures.files, &mut context)?;
-    write_all(context, Path::new("."))?
-        .pop()
-        .ok_or_else(|| Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no picture"))
+/// Render a frame and write its image.
+fn image(job: &ImageJob, frame: u64, shard: Option<Shard>) -> Outcome<RenderResult> {
+    let table = job.source.read(frame)?;
+    job.binding.check_columns(&table)?;
+    let mut context = context(&job.files)?;
+    context.shard = shard;
+    context.about = vec![("frame".into(), frame.to_string()), ("time".into(), table.time.to_string())];
+    context.about.extend(job.source.run_hash().map(|hash| ("run".into(), hash.into())));
+    emit::frame(&job.binding, &table, &job.image(frame).to_string_lossy(), &job.files, &mut context)?;
+    let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
+    write(context, Path::new("."))?.pop().ok_or_else(no_world)
 }
 
-fn context(files: &render::ri::files::Files) -> Outcome<Context> {
+fn context(files: &Files) -> Outcome<Context> {
     Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))
 }
 
-/// Draw a RIB file; its pictures go where its `Display` calls say, from `-o` or the working folder.
-fn scene(args: &RenderArgs) -> Outcome {
-    if args.pictures.frames.is_some() || args.pictures.missing {
-        return Err(Failure::new(
-            Exit::Usage,
-            "a RIB scene has no frames to choose: --frames and --missing are for data",
-        ));
-    }
-    let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
-    let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
-    let mut context = context(&files)?;
-    context.shard = args.bucket;
-    let progress = std::sync::Arc::new(Progress::start("rendering", 100));
+/// Render a RIB scene; its images go where its `Display` requests say, from the job's folder.
+fn scene(job: &RenderScene) -> Outcome {
+    let mut context = context(&job.files)?;
+    context.shard = job.shard;
+    let progress = Arc::new(Progress::start("rendering", 100));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
-    let (res, samples) = (args.pictures.res, args.pictures.samples);
-    if res.is_some() || samples.is_some() {
-        return Err(Failure::new(
-            Exit::Usage,
-            "--res and --samples are for data: a RIB scene has its own Format and PixelSamples",
-        ));
-    }
-    reader::read(&args.input, &rib, &files, &mut context, &mut |_, _| Ok(()))?;
-    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("."));
-    let finished = write_all(context, &folder)?;
+    reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, _| Ok(()))?;
+    let results = write(context, &job.folder)?;
     progress.finish();
-    if finished.is_empty() {
-        return Err(Failure::new(
-            Exit::Input,
-            format!("{}: the scene has no WorldBegin and WorldEnd: there is no picture", args.input.display()),
-        ));
+    if results.is_empty() {
+        let message = "the scene has no WorldBegin and WorldEnd: there is no image";
+        return Err(Failure::new(Exit::Input, format!("{}: {message}", job.path.display())));
     }
-    for f in &finished {
-        let mut first = None;
-        for (name, _) in display::files(&f.options.displays) {
-            let picture = folder.join(name);
-            let written = args.bucket.map_or(picture.clone(), |share| stitch::part_of(&picture, share));
-            println!("{}", written.display());
-            first.get_or_insert(written);
-        }
-        if let Some(written) = first {
-            tell(f, f.frame as u64, &written, args.telling())?;
+    for result in &results {
+        let files = display::files(&result.options.displays);
+        let files: Vec<PathBuf> = files.iter().map(|(name, _)| written(&job.folder.join(name), job.shard)).collect();
+        files.iter().for_each(|file| println!("{}", file.display()));
+        if let Some(first) = files.first() {
+            report_statistics(result, result.frame as u64, first, job.statistics)?;
         }
     }
     Ok(())
 }
 
-/// Write every finished picture to its displays, and say what was odd.
-fn write_all(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
-    let mut finished = std::mem::take(&mut context.results);
+/// The file that is written of an image: its own, or that of a shard.
+fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
+    shard.map_or_else(|| image.into(), |shard| shard_file::path_of(image, shard))
+}
+
+/// Write the images of a context to their displays, and print its warnings.
+fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
+    let mut results = std::mem::take(&mut context.results);
     for warning in context.warnings() {
         eprintln!("warning: {warning}");
     }
-    for f in &mut finished {
-        for warning in &f.warnings {
+    for result in &mut results {
+        for warning in &result.warnings {
             eprintln!("warning: {warning}");
         }
-        if f.options.displays.is_empty() && !f.options.unsupported_display {
+        if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
-            f.options.displays.push(render::Display { name, kind, mode, half: false });
+            result.options.displays.push(render::Display { name, kind, mode, half: false });
         }
-        for (name, displays) in display::files(&f.options.displays) {
-            if let Some(share) = f.options.shard {
-                stitch::write_part(f, &displays, &folder.join(name), share)?;
+        for (name, displays) in display::files(&result.options.displays) {
+            if let Some(shard) = result.options.shard {
+                shard_file::write(result, &displays, &folder.join(name), shard)?;
                 continue;
             }
-            let bytes = f.image.encode(&displays, &f.options.encoding());
+            let bytes = result.image.encode(&displays, &result.options.encoding());
             let bytes = bytes.map_err(|m| Failure::new(Exit::Input, format!("{name}: {m}")))?;
             frame::atomic::write(&folder.join(name), &bytes)?;
         }
     }
-    Ok(finished)
+    Ok(results)
 }
 
-/// Whether a picture is there, whole and of the right size.
-pub fn is_picture(path: &Path, [w, h]: [u32; 2]) -> bool {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("png") => crate::movie::read_png(path).is_ok_and(|p| (p.width, p.height) == (w, h)),
-        _ => render::film::image::decode_size(path).is_some_and(|size| size == (w, h)),
+/// Report the render statistics of an image: printed, and in a file beside the image.
+fn report_statistics(result: &RenderResult, frame: u64, image: &Path, statistics: Statistics) -> Outcome {
+    if statistics.print {
+        print_statistics(result, frame);
     }
-}
-
-/// Say what a picture took, as far as that is wanted: to the user, and as a file beside the picture.
-fn tell(f: &RenderResult, number: u64, picture: &Path, telling: Telling) -> Outcome {
-    let s = &f.stats;
-    if telling.aloud {
-        let t = &s.seconds;
-        eprintln!(
-            "frame {number}: {} primitives, {} splits, {} grids ({} hidden), {} points shaded, {} micropolygons, {} samples tried; \
-             hierarchy {:.2} s, bounds {:.2}, dicing {:.2}, sampling {:.2}, shading {:.2}, filtering {:.2}; {} MB at most",
-            s.items,
-            s.splits,
-            s.grids,
-            s.grids_hidden,
-            s.shaded_points,
-            s.micropolygons,
-            s.samples,
-            t.hierarchy,
-            t.bound,
-            t.dice,
-            t.sample,
-            t.shade,
-            t.filter,
-            peak_bytes() / 1_000_000
-        );
-    }
-    if telling.as_file {
+    if statistics.write {
+        let options = &result.options;
         let all = serde_json::json!({
-            "frame": number, "about": f.options.about.iter().cloned().collect::<BTreeMap<_, _>>(),
-            "resolution": [f.image.width, f.image.height], "stats": s, "peak_bytes": peak_bytes(), "warnings": f.warnings,
+            "frame": frame, "about": options.about.iter().cloned().collect::<BTreeMap<_, _>>(),
+            "resolution": [result.image.width, result.image.height], "stats": result.stats,
+            "peak_bytes": peak_bytes(), "warnings": result.warnings,
         });
-        let name = picture.file_name().unwrap_or_default().to_string_lossy();
+        let name = image.file_name().unwrap_or_default().to_string_lossy();
         let text = serde_json::to_vec_pretty(&all).map_err(|e| Failure::new(Exit::Fault, e.to_string()))?;
-        frame::atomic::write(&picture.with_file_name(format!("{name}.stats.json")), &text)?;
+        frame::atomic::write(&image.with_file_name(format!("{name}.stats.json")), &text)?;
     }
     Ok(())
 }
 
-/// How what pictures take is told.
-#[derive(Clone, Copy, Default)]
-pub struct Telling {
-    /// To the user.
-    pub aloud: bool,
-    /// As a file beside each picture.
-    pub as_file: bool,
+fn print_statistics(result: &RenderResult, frame: u64) {
+    let (s, t) = (&result.stats, &result.stats.seconds);
+    eprintln!(
+        "frame {frame}: {} primitives, {} splits, {} grids ({} hidden), {} points shaded, {} micropolygons, {} samples tested; \
+         hierarchy {:.2} s, bounds {:.2}, dicing {:.2}, sampling {:.2}, shading {:.2}, filtering {:.2}; peak memory {} MB",
+        s.items,
+        s.splits,
+        s.grids,
+        s.grids_hidden,
+        s.shaded_points,
+        s.micropolygons,
+        s.samples,
+        t.hierarchy,
+        t.bound,
+        t.dice,
+        t.sample,
+        t.shade,
+        t.filter,
+        peak_bytes() / 1_000_000
+    );
 }
 
-/// A run that was interrupted has fewer frames than it should: what is there was drawn, what is missing is said.
-pub fn missing_frames(pictures: &Pictures) -> Outcome {
-    let absent = pictures.source.missing();
-    match (absent.first(), absent.last()) {
+/// Fail if frames are missing, as they are of an interrupted run; the others are rendered.
+pub fn missing_frames(job: &ImageJob) -> Outcome {
+    let missing = job.source.missing();
+    match (missing.first(), missing.last()) {
         (Some(first), Some(last)) => Err(Failure::new(
             Exit::Partial,
             format!(
-                "the simulation was interrupted: {} of {} frames are missing ({first} to {last}); the others were drawn",
-                absent.len(),
-                absent.len() + pictures.source.numbers().len()
+                "the simulation was interrupted: {} of {} frames are missing ({first} to {last}); the others were rendered",
+                missing.len(),
+                missing.len() + job.source.numbers().len()
             ),
         )),
         _ => Ok(()),

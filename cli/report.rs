@@ -1,4 +1,4 @@
-//! What went wrong, as the user reads it, and the exit code that says it to a script.
+//! Failures of commands: the message that the user reads, and the exit code that a script reads.
 
 use bind::emit::EmitError;
 use frame::{Fault, FaultKind};
@@ -6,18 +6,18 @@ use render::ri::reader::RibError;
 use render::sl::Diagnostic;
 use std::fmt;
 
-/// Exit codes that mean something.
+/// Exit codes of failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// A fault of the program or the machine.
+    /// Fault of the program or of the machine.
     Fault = 1,
-    /// The command line.
+    /// Wrong command line.
     Usage = 2,
-    /// A bad input file.
+    /// Bad input file.
     Input = 3,
-    /// Bad data.
+    /// Bad or missing data.
     Data = 4,
-    /// Partly done.
+    /// Work partly done.
     Partial = 5,
 }
 
@@ -26,15 +26,15 @@ pub enum Exit {
 pub struct Failure {
     /// The exit code.
     pub exit: Exit,
-    /// What the user reads.
+    /// The message.
     pub message: String,
 }
 
-/// What commands answer.
+/// The result of a command, or of a part of it.
 pub type Outcome<T = ()> = Result<T, Failure>;
 
 impl Failure {
-    /// A failure.
+    /// Make a failure.
     pub fn new(exit: Exit, message: impl Into<String>) -> Failure {
         Failure { exit, message: message.into() }
     }
@@ -87,15 +87,4 @@ impl From<EmitError> for Failure {
             EmitError::Rib(error) => error.into(),
         }
     }
-}
-
-/// The most memory that this process has held (Linux; 0 elsewhere).
-pub fn peak_bytes() -> u64 {
-    status_kib("/proc/self/status", "VmHWM").unwrap_or(0) * 1024
-}
-
-/// A value in KiB of a file in /proc.
-pub fn status_kib(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    text.lines().find(|l| l.starts_with(key))?.split_whitespace().nth(1)?.parse().ok()
 }

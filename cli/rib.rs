@@ -1,33 +1,34 @@
-//! `scree rib`: a frame as RIB, standard calls only.
+//! `scree rib`: a frame as RIB, standard requests only.
 
-use crate::args::RibArgs;
+use crate::job::RibJob;
 use crate::library;
+use crate::model_run;
 use crate::report::{Exit, Failure, Outcome};
-use crate::source;
 use bind::emit;
+use frame::list;
 use render::ri::writer::Writer;
 use std::io::Write;
 
-/// The command.
-pub fn command(args: &RibArgs) -> Outcome {
-    let (checked, data, _) = source::open(&args.input)?;
-    let existing = data.numbers();
-    if !existing.contains(&args.frame) {
-        let message = format!("--frame {}: the data has {}", args.frame, bind::frames::describe(&existing));
+/// Run `scree rib`.
+pub fn run(job: RibJob) -> Outcome {
+    let (binding, source) = model_run::provide(job.frames)?;
+    let existing = source.numbers();
+    if !existing.contains(&job.frame) {
+        let message = format!("--frame {}: the data has {}", job.frame, list::describe(&existing));
         return Err(Failure::new(Exit::Usage, message));
     }
-    let table = data.read(args.frame)?;
-    checked.check_columns(&table)?;
-    let files = checked.files(library::files(&checked.folder()));
+    let table = source.read(job.frame)?;
+    binding.check_columns(&table)?;
+    let files = binding.files(library::files(&binding.folder()));
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
-    emit::frame(&checked, &table, &format!("{:06}.png", args.frame), &files, &mut writer)?;
+    emit::frame(&binding, &table, &format!("{:06}.png", job.frame), &files, &mut writer)?;
     let bytes = writer.into_inner();
-    match &args.output {
+    match &job.output {
         Some(path) => Ok(frame::atomic::write(path, &bytes)?),
         None => match std::io::stdout().lock().write_all(&bytes) {
-            // Whoever reads has had enough.
+            // A reader may stop early, as `head` does.
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-            done => done.map_err(|e| Failure::new(Exit::Fault, format!("standard output: {e}"))),
+            written => written.map_err(|e| Failure::new(Exit::Fault, format!("standard output: {e}"))),
         },
     }
 }

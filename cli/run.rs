@@ -1,44 +1,30 @@
-//! `scree run`: the whole way, from a model or a metadata file to a movie.
+//! `scree run`: from a model or a metadata file to a movie.
 
-use crate::args::RunArgs;
-use crate::job::{self, Pictures, Yaml};
+use crate::job::{ImageJob, Origin, RunJob, Statistics};
 use crate::report::Outcome;
-use crate::{movie, render, simulate, source};
+use crate::{model_run, movie, render};
 use std::path::{Path, PathBuf};
 
-/// The command.
-pub fn run(args: &RunArgs) -> Outcome {
-    let home = args.output.clone().unwrap_or_else(|| job::default_output(&args.input));
-    let mut is_simulated = true;
-    let (checked, data) = match job::kind_of(&args.input)? {
-        Yaml::Model => {
-            source::ensure_run(&args.input, &home, args.fresh)?;
-            job::metadata_of_run(&home)?
-        }
-        Yaml::Metadata => {
-            let checked = bind::read(&args.input)?;
-            // Everything that can be checked before hours of work is checked first.
-            job::check_library(&checked, &checked.files(crate::library::files(&checked.folder())))?;
-            is_simulated = checked.data.is_none();
-            let data = source::data_of(&checked, &home, args.fresh)?;
-            (checked, data)
-        }
-    };
-    let pictures = Pictures::resolve(checked, data, home.join("images"), &args.pictures)?;
-    render::pictures_of(&pictures, None, args.pictures.missing, render::Telling::default())?;
-    println!("images: {} in {}", pictures.frames.len(), pictures.folder.display());
-    encode(&pictures, &home.join(job::stem(&args.input)))?;
-    render::missing_frames(&pictures)?;
-    if is_simulated { simulate::warned(&home) } else { Ok(()) }
+/// Run `scree run`.
+pub fn run(job: RunJob) -> Outcome {
+    let home = job.frames.home.clone();
+    let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
+    let (binding, source) = model_run::provide(job.frames)?;
+    let images = ImageJob::resolve(binding, source, job.images, &job.options)?;
+    render::images(&images, None, Statistics::default())?;
+    println!("images: {} in {}", images.frames.len(), images.folder.display());
+    encode(&images, &job.movie)?;
+    render::missing_frames(&images)?;
+    if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }
 }
 
-fn encode(pictures: &Pictures, goal: &Path) -> Outcome {
-    let images: Vec<PathBuf> = pictures.frames.iter().map(|f| pictures.image(*f)).collect();
-    if images.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
-        eprintln!("movies are made of PNG pictures; these are EXR: no movie");
+fn encode(images: &ImageJob, output: &Path) -> Outcome {
+    let files: Vec<PathBuf> = images.frames.iter().map(|f| images.image(*f)).collect();
+    if files.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
+        eprintln!("movies are made of PNG images, and these are EXR: no movie is written");
         return Ok(());
     }
-    let movie = movie::encode(&images, goal, pictures.checked.frame_rate)?;
+    let movie = movie::encode(&files, output, images.binding.frame_rate)?;
     println!("movie: {}", movie.display());
     Ok(())
 }

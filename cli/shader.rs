@@ -1,64 +1,36 @@
-//! `scree shader`: check a shader and say what it is: its kind, its parameters with their types and defaults, and its IR.
+//! `scree shader`: the kind of a shader and its parameters with their types and defaults, or its intermediate representation.
 
-use crate::args::ShaderArgs;
-use crate::library;
-use crate::report::{Exit, Failure, Outcome};
-use frame::FaultKind;
-use render::ri::files::Files;
+use crate::job::{ShaderFile, ShaderJob};
+use crate::report::{Failure, Outcome};
 use render::sl::ir::{Kind, Program};
 use render::sl::machine::{Answer, BoundShader, Lights};
-use std::path::Path;
 use std::sync::Arc;
 
-/// The command.
-pub fn command(args: &ShaderArgs) -> Outcome {
-    let mut worst = None;
-    for path in &args.files {
-        match compile(path) {
-            Ok(program) => print(program, args.ir),
+/// Run `scree shader`.
+pub fn run(job: ShaderJob) -> Outcome {
+    let mut last_exit = None;
+    for shader in job.shaders {
+        match shader.and_then(|shader| compile(&shader)) {
+            Ok(program) if job.ir => print!("{program}"),
+            Ok(program) => print(program),
             Err(failure) => {
                 eprintln!("error: {failure}");
-                worst = Some(failure.exit);
+                last_exit = Some(failure.exit);
             }
         }
     }
-    match worst {
+    match last_exit {
         None => Ok(()),
-        Some(exit) => Err(Failure::new(exit, "not every shader is sound")),
+        Some(exit) => Err(Failure::new(exit, "not every shader compiles")),
     }
 }
 
-/// Compile a file, or a shader of the library by its name.
-fn compile(path: &Path) -> Outcome<Program> {
-    if path.is_file() {
-        return compile_file(path);
-    }
-    let files = library::files(path.parent().unwrap_or(Path::new(".")));
-    let mut name = path.to_string_lossy().into_owned();
-    if !name.ends_with(".sl") {
-        name += ".sl";
-    }
-    let rooms = ["surface", "displacement", "light", "volume", "imager"].map(|k| format!("shaders/{k}"));
-    let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
-    let (path, text) = files.read(&name, &rooms).map_err(|m| Failure::new(Exit::Input, format!("shader {m}")))?;
-    compile_text(&path, &text, &files)
+/// Compile a shader.
+pub fn compile(shader: &ShaderFile) -> Outcome<Program> {
+    Ok(render::sl::compile_with(&shader.path, &shader.text, &|name, from| shader.files.include(name, from))?)
 }
 
-/// Compile a file.
-pub fn compile_file(path: &Path) -> Outcome<Program> {
-    let text = frame::read_text(FaultKind::Input, path)?;
-    compile_text(path, &text, &library::files(path.parent().unwrap_or(Path::new("."))))
-}
-
-fn compile_text(path: &Path, text: &str, files: &Files) -> Outcome<Program> {
-    Ok(render::sl::compile_with(path, text, &|name, from| files.include(name, from))?)
-}
-
-fn print(program: Program, ir: bool) {
-    if ir {
-        print!("{program}");
-        return;
-    }
+fn print(program: Program) {
     println!("{} \"{}\"", program.kind.name(), program.name);
     let bound = BoundShader::new(Arc::new(program), vec![], vec![], &Lights(vec![]));
     for p in &bound.program.params {
@@ -68,7 +40,7 @@ fn print(program: Program, ir: bool) {
         let value = match bound.parameter(&p.name) {
             Some(Answer::Text(text)) => format!("{text:?}"),
             Some(Answer::Numbers(v)) => {
-                let each: Vec<String> = v.chunks(p.kind.width()).map(show).collect();
+                let each: Vec<String> = v.chunks(p.kind.width()).map(tuple).collect();
                 if p.array.is_some() { format!("{{{}}}", each.join(", ")) } else { each.concat() }
             }
             None => String::new(),
@@ -78,7 +50,8 @@ fn print(program: Program, ir: bool) {
     }
 }
 
-fn show(v: &[f32]) -> String {
+/// The text of a value: a float, or the components of a point, color or matrix in brackets.
+fn tuple(v: &[f32]) -> String {
     let list: Vec<String> = v.iter().map(f32::to_string).collect();
     if v.len() == 1 { list.concat() } else { format!("[{}]", list.join(" ")) }
 }

@@ -1,118 +1,70 @@
-//! `scree simulate`: a model → a run directory, from the start or from its last checkpoint.
+//! `scree simulate`: a model → a run directory, or one for each combination of a model with a `sweep`.
 
-use crate::args::{Backend, SimulateArgs};
-use crate::progress::Progress;
+use crate::job::{ModelRun, Plan, SimulateJob, Sweep, SweepJob};
+use crate::model_run;
 use crate::report::{Exit, Failure, Outcome};
-use crate::{geometry, job, sweep};
-use bind::metadata::Data;
-use frame::run::{FrameFormat, RunReader, RunWriter, WarningEntry};
-use frame::{Fault, Frame};
-use sim::Simulation;
-use sim::model_file::{self, ModelFile, Resolved};
-use sim::run::{self, Observer, RunError, Span};
-use sim::watch::Warning;
+use frame::atomic;
+use sim::run;
 use std::path::Path;
 
-/// The command.
-pub fn command(args: &SimulateArgs) -> Outcome {
-    if args.backend == Backend::Gpu {
-        return Err(Failure::new(
-            Exit::Usage,
-            "--backend gpu: the simulation has no GPU back end yet; use cpu or auto",
-        ));
+/// Run `scree simulate`.
+pub fn run(job: SimulateJob) -> Outcome {
+    match job {
+        SimulateJob::Run(job) => {
+            let folder = job.folder.clone();
+            model_run::simulate(*job)?;
+            println!("{}", folder.display());
+            model_run::check_warnings(&folder)
+        }
+        SimulateJob::Sweep(SweepJob::Runs(job)) => sweep(job),
+        SimulateJob::Sweep(SweepJob::Plan(job)) => plan(&job),
     }
-    if let Some(until) = args.until
-        && !(until > 0.0 && until.is_finite())
-    {
-        return Err(Failure::new(Exit::Usage, format!("--until {until}: expected a time above 0")));
-    }
-    let (mut file, doc) = model_file::load(&args.model, &args.set)?;
-    if args.csv {
-        file.format = FrameFormat::Csv;
-    }
-    let folder = args.output.clone().unwrap_or_else(|| job::default_output(&args.model));
-    if !file.sweep.is_empty() {
-        return sweep::command(args, &file, &folder);
-    }
-    if args.plan || args.sweep_index.is_some() {
-        return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
-    }
-    let resolved = file.resolve(&doc)?;
-    simulate(&file, resolved, &folder, &Span { until: args.until, resume: args.resume })?;
-    println!("{}", folder.display());
-    warned(&folder)
 }
 
-/// Run the model into `folder`, and show how it goes.
-pub fn simulate(file: &ModelFile, resolved: Resolved, folder: &Path, span: &Span) -> Outcome {
-    for warning in &resolved.warnings {
-        eprintln!("warning: {warning}");
+/// Simulate the combinations of a sweep.
+fn sweep(job: Sweep) -> Outcome {
+    let mut warnings = vec![];
+    for case in job.runs {
+        let folder = case.folder;
+        if job.span.until.is_none() && run::is_done(&case.file, &folder) {
+            eprintln!("sweep {}: {} is finished already", case.index, folder.display());
+        } else {
+            eprintln!("sweep {} of {}: {}", case.index, job.n_combinations, case.name);
+            let resolved = case.file.resolve(&case.doc)?;
+            let span = job.span;
+            model_run::simulate(ModelRun { file: case.file, resolved, folder: folder.clone(), span })?;
+            println!("{}", folder.display());
+        }
+        warnings.extend(model_run::check_warnings(&folder).err());
     }
-    run::simulate(file, resolved, folder, span, &mut Screen::default()).map_err(|e| match e {
-        RunError::Fault(fault) => fault.into(),
-        RunError::Diverged(why) => Failure::new(Exit::Data, why),
-    })
+    match warnings.first() {
+        None => Ok(()),
+        Some(first) => {
+            Err(Failure::new(Exit::Partial, format!("{} runs have warnings; the first: {first}", warnings.len())))
+        }
+    }
 }
 
-/// Whether the run in a folder went wrong on its way: its numbers are there, and not to be trusted.
-pub fn warned(folder: &Path) -> Outcome {
-    let warnings = RunReader::open(folder)?.index.warnings;
-    if warnings.is_empty() {
-        return Ok(());
+/// Print the combinations, and write a job array that simulates them.
+fn plan(job: &Plan) -> Outcome {
+    let Plan { combinations, model, folder } = job;
+    println!("index,run,{}", combinations[0].set.iter().map(|(p, _)| p.as_str()).collect::<Vec<_>>().join(","));
+    for (i, combination) in combinations.iter().enumerate() {
+        let values: Vec<&str> = combination.set.iter().map(|(_, v)| v.as_str()).collect();
+        println!("{i},{},{}", folder.join(&combination.name).display(), values.join(","));
     }
-    let count = |w: &WarningEntry| format!("{} in {} steps, first at {:.6} s", w.kind, w.steps, w.first_time);
-    let counts: Vec<String> = warnings.iter().map(count).collect();
-    let message = format!(
-        "the run came to its end with warnings: {} (see {}); try a shorter step or more iterations",
-        counts.join("; "),
-        folder.join("run.json").display()
+    let quote = |p: &Path| format!("'{}'", p.display().to_string().replace('\'', "'\\''"));
+    let model = std::path::absolute(model).unwrap_or_else(|_| model.clone());
+    let out = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+    let script = format!(
+        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
+        combinations.len() - 1,
+        out.join("sweep_%a.log").display(),
+        quote(&model),
+        quote(&out),
     );
-    Err(Failure::new(Exit::Partial, message))
-}
-
-/// Shows a run's progress, and writes what pictures of it need: shapes as RIB archives and a metadata file.
-#[derive(Default)]
-struct Screen {
-    progress: Option<Progress>,
-}
-
-impl Observer for Screen {
-    fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &RunWriter) -> Result<(), Fault> {
-        geometry::write_archives(&sim.model, writer.folder())?;
-        metadata_for(&[first]).iter().try_for_each(|text| writer.write_file(METADATA, text))
-    }
-
-    fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
-        eprintln!("resume: from {} at {time:.4} s, {there} of {expected} frames are there", checkpoint.display());
-    }
-
-    fn start(&mut self, expected: u64) {
-        self.progress = Some(Progress::start("simulating", expected));
-    }
-
-    fn frame(&mut self, done: u64) {
-        self.progress.iter().for_each(|p| p.at(done));
-    }
-
-    fn warn(&mut self, warning: &Warning) {
-        eprintln!("warning: {warning}; more of this kind ({}) are counted", warning.kind.name());
-    }
-
-    /// Look again at what there is to draw: bodies may have appeared, and moved out of the image. A file that somebody has changed
-    /// meanwhile stays.
-    fn end(&mut self, first: &Frame, last: &Frame, writer: &RunWriter) -> Result<(), Fault> {
-        self.progress.iter().for_each(Progress::finish);
-        let ours = std::fs::read_to_string(writer.folder().join(METADATA)).ok() == metadata_for(&[first]);
-        let text = metadata_for(&[first, last]).filter(|_| ours);
-        text.iter().try_for_each(|text| writer.write_file(METADATA, text))
-    }
-}
-
-const METADATA: &str = "metadata.yaml";
-
-/// What to draw for every class, beside the run, so that `scree render RUN` just works.
-fn metadata_for(frames: &[&Frame]) -> Option<String> {
-    let data = Data { run: Some(".".into()), ..Data::default() };
-    let metadata = bind::suggest::metadata(data, frames).ok()?;
-    Some(bind::suggest::to_yaml(&metadata, frames[0]))
+    let path = folder.join("sweep.sbatch");
+    atomic::write(&path, script.as_bytes())?;
+    eprintln!("job array: sbatch {}", path.display());
+    Ok(())
 }

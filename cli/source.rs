@@ -1,72 +1,86 @@
-//! Where a command's frames come from: a run directory, a metadata file's data, or the run of its model, simulated at need.
+//! Input files of several commands: the kind of a file, a run directory with its metadata, and what a metadata file needs of the
+//! library.
 
-use crate::job::{self, Yaml};
+use crate::library;
 use crate::report::{Exit, Failure, Outcome};
-use crate::simulate;
-use bind::Binding;
+use bind::binding::{Binding, Camera, Data, Place};
 use bind::data::{Source, Store};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind};
-use sim::model_file;
-use sim::run::{self, Span};
-use std::path::{Path, PathBuf};
+use render::Context;
+use std::collections::BTreeMap;
+use std::path::Path;
 
-/// Simulate a model into `folder`, unless the finished run of just this model is there.
-pub fn ensure_run(model: &Path, folder: &Path, fresh: bool) -> Outcome {
-    let (file, resolved) = model_file::read(model)?;
-    if !file.sweep.is_empty() {
+/// Kinds of YAML file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Yaml {
+    /// A model.
+    Model,
+    /// A metadata file.
+    Metadata,
+}
+
+/// The kind of a YAML file, told by its keys.
+pub fn kind_of(path: &Path) -> Outcome<Yaml> {
+    let (keys, doc): (BTreeMap<String, serde::de::IgnoredAny>, _) = frame::yaml::read(path)?;
+    let has = |names: &[&str]| names.iter().any(|n| keys.contains_key(*n));
+    if has(&["objects", "model", "data", "scene", bind::chronorender::ROOT]) {
+        Ok(Yaml::Metadata)
+    } else if has(&["bodies", "fills", "assemblies", "terrains", "base", "stages", "materials", "gravity", "step"]) {
+        Ok(Yaml::Model)
+    } else {
         let message =
-            format!("{} has a `sweep`: simulate it with `scree simulate`, then render its runs", model.display());
-        return Err(Failure::new(Exit::Usage, message));
+            "is neither a model (expected `bodies`, `fills`, `materials`) nor a metadata file (expected `objects`)";
+        Err(doc.fault("", message).into())
     }
-    if !fresh && run::is_done(&file, folder) {
-        eprintln!("simulation: {} holds the run of this model already", folder.display());
-        return Ok(());
-    }
-    simulate::simulate(&file, resolved, folder, &Span::default())
 }
 
-/// The data of a metadata file: what it names, or the run of its model, simulated if it is not there.
-pub fn data_of(checked: &Binding, home: &Path, fresh: bool) -> Outcome<Source> {
-    match (&checked.data, &checked.model) {
-        (Some(_), _) => Ok(checked.open_data()?),
-        (None, Some(model)) => {
-            let path = checked.folder().join(model);
-            if !path.is_file() {
-                return Err(checked.doc.fault("model", format!("the model {} does not exist", path.display())).into());
+/// Whether an input is a RIB scene by its name, `-` being standard input.
+pub fn is_scene(input: &Path) -> bool {
+    let name = input.to_string_lossy();
+    name == "-" || [".rib", ".rib.gz", ".ribz"].iter().any(|e| name.ends_with(e))
+}
+
+/// The metadata of a run directory, bound to the run's own data.
+pub fn metadata_of_run(folder: &Path) -> Outcome<(Binding, Source)> {
+    let run = RunReader::open(folder)?;
+    let path = folder.join("metadata.yaml");
+    if !path.is_file() {
+        let hint = format!("write one with `scree inspect {} --write {}`", folder.display(), path.display());
+        return Err(Fault::whole(FaultKind::Data, &path, "is missing: it says what to render").hint(hint).into());
+    }
+    let mut binding = bind::read(&path)?;
+    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive: vec![], select: None });
+    Ok((binding, Store::Run(run).into()))
+}
+
+/// Check that scene, camera and lights of a binding exist, and that its shaders exist, compile and have the parameters given.
+pub fn check_library(binding: &Binding) -> Outcome {
+    let files = binding.files(library::files(&binding.folder()));
+    let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    let camera = match &binding.camera {
+        // A moving camera has a file for each frame, which is looked for when the frame is rendered.
+        Some(Camera::File(file)) if !file.contains("{frame") => Some(file),
+        _ => None,
+    };
+    for (key, name) in [("scene", Some(&binding.scene)), ("lights", binding.lights.as_ref()), ("camera.file", camera)] {
+        if let Some(name) = name {
+            files.read(name, &["scenes"]).map_err(|e| binding.doc.fault(key, e))?;
+        }
+    }
+    for (i, object) in binding.objects.iter().enumerate() {
+        for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
+            let Some(shader) = shader else { continue };
+            let key = format!("objects.{i}.{kind}");
+            let known = context
+                .shader_parameters(&shader.name, kind)
+                .map_err(|f| binding.doc.fault(&format!("{key}.name"), f.message))?;
+            let names: Vec<&str> = known.iter().map(String::as_str).collect();
+            if let Some(name) = shader.params.iter().map(|p| &p.decl.name).find(|p| !names.contains(&p.as_str())) {
+                let noun = format!("parameter of `{}`", shader.name);
+                return Err(binding.doc.unknown(&format!("{key}.{name}"), &noun, name, &names).into());
             }
-            ensure_run(&path, home, fresh)?;
-            Ok(Store::Run(RunReader::open(home)?).into())
-        }
-        (None, None) => {
-            Err(checked.doc.fault("data", "has neither `data` nor `model`: there is nothing to draw").into())
         }
     }
-}
-
-/// Open what `scree render` and `scree rib` are given: a run directory or a metadata file; and where its results go.
-pub fn open(input: &Path) -> Outcome<(Binding, Source, PathBuf)> {
-    if !input.exists() {
-        return Err(Fault::whole(FaultKind::Input, input, "does not exist").into());
-    }
-    if input.is_dir() {
-        if !RunReader::is_run(input) {
-            let fault = Fault::whole(FaultKind::Data, input, "is not a run directory: it has no run.json");
-            return Err(fault.into());
-        }
-        let (checked, source) = job::metadata_of_run(input)?;
-        return Ok((checked, source, input.into()));
-    }
-    let home = job::default_output(input);
-    match job::kind_of(input)? {
-        Yaml::Model => Err(Failure::new(
-            Exit::Usage,
-            format!("{} is a model: simulate it first, or give it to `scree run`", input.display()),
-        )),
-        Yaml::Metadata => {
-            let checked = bind::read(input)?;
-            let source = data_of(&checked, &home, false)?;
-            Ok((checked, source, home))
-        }
-    }
+    Ok(())
 }

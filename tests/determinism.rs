@@ -145,7 +145,7 @@ WorldEnd
 }
 
 #[test]
-fn shares_are_stitched_to_the_picture_of_one_run() {
+fn shards_are_stitched_to_the_image_of_one_render() {
     let work = scratch();
     let at = |name: &str| work.path().join(name);
     let text = |name: &str| at(name).to_str().unwrap().to_string();
@@ -160,28 +160,28 @@ WorldEnd
 ";
     std::fs::write(at("t.rib"), scene).unwrap();
     scree(&["render", &text("t.rib"), "-o", &text("whole")]).ok();
-    // More shares than buckets, too: the last ones have none.
+    // More shards than buckets, too: the last ones have none.
     for parts in [1, 2, 3, 16, 80] {
         let folder = text(&format!("in{parts}"));
         for part in (1..=parts).rev() {
-            let share = format!("{part}/{parts}");
-            scree(&["render", &text("t.rib"), "--bucket", &share, "--threads", "2", "-o", &folder]).ok();
+            let shard = format!("{part}/{parts}");
+            scree(&["render", &text("t.rib"), "--bucket", &shard, "--threads", "2", "-o", &folder]).ok();
         }
         scree(&["stitch", &folder]).ok();
         assert!(bytes(Path::new(&folder)) == bytes(&at("whole")), "{parts} parts");
     }
-    // What is missing or torn is said, and no picture is made.
+    // Missing and truncated shards are reported, and no image is written.
     let folder = text("broken");
     for part in [1, 3] {
         scree(&["render", &text("t.rib"), "--bucket", &format!("{part}/3"), "-o", &folder]).ok();
     }
     let said = scree(&["stitch", &folder]).fails(5);
-    assert!(said.contains("a.png: part 2 of 3") && !at("broken/a.png").exists(), "{said}");
+    assert!(said.contains("a.png: shard 2 of 3") && !at("broken/a.png").exists(), "{said}");
     scree(&["render", &text("t.rib"), "--bucket", "2/3", "-o", &folder]).ok();
-    let torn = at("broken/a.png.part-2-of-3");
-    let whole = std::fs::read(&torn).unwrap();
-    std::fs::write(&torn, &whole[..whole.len() - 7]).unwrap();
+    let truncated = at("broken/a.png.part-2-of-3");
+    let whole = std::fs::read(&truncated).unwrap();
+    std::fs::write(&truncated, &whole[..whole.len() - 7]).unwrap();
     let said = scree(&["stitch", &folder]).fails(4);
-    assert!(said.contains("torn") && !at("broken/a.png").exists(), "{said}");
+    assert!(said.contains("truncated") && !at("broken/a.png").exists(), "{said}");
     scree(&["render", &text("t.rib"), "--bucket", "4/3"]).fails(2);
 }

@@ -322,3 +322,27 @@ bodies:
     let force = sim.model.joints[0].frame_a.orientation * sim.state.joints[0].force;
     close(force.z, -506.0 * 9.81, 1e-3, "the first pin carries all");
 }
+
+#[test]
+fn a_joint_carries_the_same_whatever_the_method() {
+    // A sphere pinned in mid-air, and one that rests on the ground: the contact's impulses are found by every method.
+    let sphere = 2600.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.1f64.powi(3);
+    for method in sim::Method::ALL {
+        let mut sim = simulation(&format!(
+            "step: 1e-3
+solver: {{method: {}}}
+materials: {{stone: {{density: 2600, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: stone, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: low, material: stone, sphere: {{radius: 0.1}}, position: [0, 0, 0.1]}}
+  - {{name: pinned, material: stone, sphere: {{radius: 0.1}}, position: [0.5, 0, 0.5]}}
+joints:
+  - {{name: pin, kind: spherical, a: world, b: pinned, position: [0.5, 0, 0.5]}}
+",
+            method.name()
+        ));
+        run(&mut sim, 0.05);
+        let force = sim.state.joints[0].force.length();
+        close(force, sphere * 9.81, 1e-6, method.name());
+    }
+}

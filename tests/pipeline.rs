@@ -26,14 +26,14 @@ fn from_a_model_to_pictures_in_one_command() {
     assert!(said.contains("images: 4"), "{said}");
     let movie = said.lines().find_map(|l| l.strip_prefix("movie: ")).expect("a movie or its fallback");
     assert!(std::fs::metadata(movie).unwrap().len() > 500);
-    // A missing or torn picture makes no movie.
+    // A missing or truncated image makes no movie.
     let images = home.join("images");
     let last = images.join("000002.png");
     let whole = std::fs::read(&last).unwrap();
     std::fs::write(&last, &whole[..whole.len() / 2]).unwrap();
     assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("000002.png"));
     std::fs::remove_file(&last).unwrap();
-    assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("1 pictures are missing between 0 and 3: 2"));
+    assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("1 image is missing between 0 and 3: 2"));
     std::fs::write(&last, &whole).unwrap();
     for frame in 0..4 {
         let picture = image::open(home.join(format!("images/{frame:06}.png"))).unwrap();

@@ -4,6 +4,7 @@ mod analytic;
 mod blur;
 mod broad_phase;
 mod cli;
+mod command_line;
 mod corpus;
 mod determinism;
 mod docs;

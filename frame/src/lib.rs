@@ -10,6 +10,7 @@ pub mod atomic;
 mod column;
 pub mod csv;
 mod fault;
+pub mod list;
 pub mod run;
 pub mod sequence;
 pub mod series;

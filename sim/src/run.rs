@@ -81,13 +81,14 @@ pub fn simulate(
     let duration = resolved.model.duration;
     let until = span.until.unwrap_or(duration).min(duration);
     let expected_frames = resolved.model.n_frames(until);
+    let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
     let index = Index {
         format_version: FORMAT_VERSION,
         program: format!("scree {}", env!("CARGO_PKG_VERSION")),
         model_hash: model_hash(file),
-        seed: resolved.model.seed,
-        step_size: resolved.model.step,
-        backend: "cpu".into(),
+        seed: sim.model.seed,
+        step_size: sim.model.step,
+        backend: sim.backend().into(),
         adapter: "cpu".into(),
         units: "SI: m, kg, s, rad".into(),
         expected_frames,
@@ -96,7 +97,6 @@ pub fn simulate(
         warnings: vec![],
         frames: vec![],
     };
-    let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
     let mut run = match span.resume.then(|| checkpoint::latest(folder)).transpose()?.flatten() {
         Some(path) => Run::resume(file, &resolved, folder, index, sim, &path, observer)?,
         None => Run::start(file, &resolved, folder, index, sim, observer)?,

@@ -12,7 +12,6 @@ pub mod data;
 pub mod emit;
 pub mod expr;
 pub mod file;
-pub mod frames;
 pub mod metadata;
 pub mod suggest;
 

@@ -1,0 +1,108 @@
+//! Arguments of `scree bench`.
+
+use super::simulate::{Backend, Friction, Method};
+use super::value::{Resolution, index, number, positive, resolution, whole};
+use clap::{Args, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `scree bench`.
+#[derive(Args, Debug)]
+pub struct BenchArgs {
+    #[command(subcommand)]
+    pub bench: BenchCommand,
+}
+
+/// The benchmarks.
+#[derive(Subcommand, Debug)]
+pub enum BenchCommand {
+    /// Simulate spheres that settle in a box.
+    Sim(BenchSimArgs),
+    /// Render a bed of spheres with shadows, 16 samples per pixel.
+    Render(BenchRenderArgs),
+}
+
+const SIM_EXAMPLES: &str = "\
+Example:
+  scree bench sim --n 1000 --method apgd --iterations 50 --json";
+
+/// Arguments of `scree bench sim`.
+#[derive(Args, Debug)]
+#[command(after_help = SIM_EXAMPLES)]
+pub struct BenchSimArgs {
+    /// Kind of spheres.
+    #[arg(long, default_value = "s", ignore_case = true)]
+    pub workload: Workload,
+    /// Number of spheres.
+    #[arg(long, default_value_t = 8000, value_name = "N", value_parser = whole::<usize>(1..=u64::MAX))]
+    pub n: usize,
+    /// Back end to compute with.
+    #[arg(long, default_value = "cpu")]
+    pub backend: Backend,
+    /// Number of steps [default: those of one simulated second].
+    #[arg(long, value_name = "N", value_parser = index::<u64>())]
+    pub steps: Option<u64>,
+    /// Step size, s.
+    #[arg(long, default_value = "1.5e-3", value_name = "SECONDS", value_parser = positive)]
+    pub step: f64,
+    /// Solver iterations in each step.
+    #[arg(long, default_value_t = 24, value_name = "N", value_parser = index::<u32>())]
+    pub iterations: u32,
+    /// Solver.
+    #[arg(long, default_value = "gauss_seidel")]
+    pub method: Method,
+    /// Law of friction [default: exact for gauss_seidel, which solves it
+    /// contact by contact; relaxed for the other solvers].
+    #[arg(long)]
+    pub friction: Option<Friction>,
+    /// Maximum speed at which overlapping bodies are pushed apart, m/s.
+    #[arg(long, default_value = "0.03", value_name = "SPEED", value_parser = number::<f64>)]
+    pub recovery_speed: f64,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+const RENDER_EXAMPLES: &str = "\
+Example:
+  scree bench render --n 10000 --motion --f-stop 4 --json";
+
+/// Arguments of `scree bench render`.
+#[derive(Args, Debug)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub struct BenchRenderArgs {
+    /// Number of spheres.
+    #[arg(long, default_value_t = 84_000, value_name = "N", value_parser = index::<usize>())]
+    pub n: usize,
+    /// Back end to compute with.
+    #[arg(long, default_value = "cpu")]
+    pub backend: Backend,
+    /// Move the spheres while the shutter is open, by about a third of their
+    /// radius.
+    #[arg(long)]
+    pub motion: bool,
+    /// f-stop of the lens, as 4, focused on the middle of the image
+    /// [default: a pinhole, all in focus].
+    #[arg(long, value_name = "F", value_parser = number::<f32>)]
+    pub f_stop: Option<f32>,
+    /// Shading rate: area of a micropolygon, pixels.
+    #[arg(long, default_value = "1", value_name = "AREA", value_parser = number::<f32>)]
+    pub shading_rate: f32,
+    /// Width and height, pixels.
+    #[arg(long, value_name = "WxH", value_parser = resolution, default_value = "1280x720")]
+    pub res: Resolution,
+    /// Write the image to this file (PNG).
+    #[arg(long, value_name = "FILE")]
+    pub image: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Workloads of spheres.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub enum Workload {
+    /// Spheres of radius 0.075 m.
+    S,
+    /// Spheres of radius 0.025 to 0.036 m, as in the bed of the anchor model.
+    A,
+}

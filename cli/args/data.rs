@@ -1,0 +1,52 @@
+//! Arguments of the commands that look at data: `inspect` and `plot`.
+
+use super::value::{Interval, index, interval};
+use clap::Args;
+use std::path::PathBuf;
+
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  scree inspect runs/pour --frame 12
+  scree inspect 'p_*.csv' --write p.yaml";
+
+/// Arguments of `scree inspect`.
+#[derive(Args, Debug)]
+#[command(after_help = INSPECT_EXAMPLES)]
+pub struct InspectArgs {
+    /// Run directory, CSV file, or pattern of CSV files, as 'p_*.csv'.
+    #[arg(value_name = "DATA")]
+    pub data: PathBuf,
+    /// Metadata file to write for the data, ready for `scree render`.
+    #[arg(long, value_name = "FILE")]
+    pub write: Option<PathBuf>,
+    /// Frame to inspect [default: the first].
+    #[arg(short, long, value_name = "FRAME", value_parser = index::<u64>())]
+    pub frame: Option<u64>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+const PLOT_EXAMPLES: &str = "\
+Example:
+  scree plot runs/pendulums 'hinge.*' --times 0.5-2";
+
+/// Arguments of `scree plot`.
+#[derive(Args, Debug)]
+#[command(after_help = PLOT_EXAMPLES)]
+pub struct PlotArgs {
+    /// Run directory.
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Columns of probes.csv or report.csv, as hinge.fx; a name without its
+    /// last part, as hinge, stands for hinge.*, and `*` for any characters
+    /// [default: all columns].
+    #[arg(value_name = "COLUMN")]
+    pub columns: Vec<String>,
+    /// Folder of the plots [default: plots/ in the run directory].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Interval of time to plot, s, as 0.5-2 [default: the whole run].
+    #[arg(long, value_name = "FROM-TO", value_parser = interval)]
+    pub times: Option<Interval>,
+}

@@ -1,0 +1,120 @@
+//! Arguments of the commands that make images and movies: `render`, `movie`, `rib` and `stitch`.
+
+use super::value::{Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
+use clap::Args;
+use frame::list::FrameList;
+use std::path::PathBuf;
+
+/// Arguments of every command that renders frames.
+#[derive(Args, Debug)]
+pub struct ImageArgs {
+    /// Frames to render, joined by commas: 3, 0-99, 0-99x5 (every fifth),
+    /// 120x5 (every fifth from 120 on) [default: as the metadata says, or all].
+    #[arg(short, long, value_name = "LIST")]
+    pub frames: Option<FrameList>,
+    /// Width and height, pixels, as 1280x720 [default: as the metadata says].
+    #[arg(long, value_name = "WxH", value_parser = resolution)]
+    pub res: Option<Resolution>,
+    /// Samples along each side of a pixel, 1 to 64; 4 makes 16 per pixel
+    /// [default: as the metadata says].
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=64))]
+    pub samples: Option<u32>,
+    /// Render only frames whose image is missing, truncated or of another
+    /// size.
+    #[arg(long)]
+    pub missing: bool,
+}
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  scree render runs/pour -f 0-99x5
+  scree render p.yaml --res 640x360 --samples 2 -o images
+  scree render scene.rib -o images
+  scree render scene.rib -o images --bucket 2/8";
+
+/// Arguments of `scree render`.
+#[derive(Args, Debug)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub struct RenderArgs {
+    /// Run directory, metadata file (.yaml) or RIB scene (.rib, .rib.gz, .ribz;
+    /// - reads a scene from standard input).
+    #[arg(value_name = "INPUT")]
+    pub input: PathBuf,
+    /// Folder of the images [default: images/ in the run directory;
+    /// runs/NAME/images for NAME.yaml; the working folder for a RIB scene].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub image: ImageArgs,
+    /// Render only the buckets of shard I of N into a shard file, as 2/8 for
+    /// the second of eight; `scree stitch` joins the shards.
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub bucket: Option<ShardArg>,
+    /// Print render statistics of every image: primitives, micropolygons,
+    /// samples, seconds, memory.
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Write the render statistics of every image beside it, as
+    /// 000012.png.stats.json.
+    #[arg(long)]
+    pub stats: bool,
+}
+
+const MOVIE_EXAMPLES: &str = "\
+The movie is H.264 (MP4) by ffmpeg, or an animated PNG if ffmpeg is not on PATH.
+
+Example:
+  scree movie runs/pour/images -o pour.mp4 --frame-rate 30";
+
+/// Arguments of `scree movie`.
+#[derive(Args, Debug)]
+#[command(after_help = MOVIE_EXAMPLES)]
+pub struct MovieArgs {
+    /// Folder of images (PNG); the last number in a file's name is its frame.
+    #[arg(value_name = "DIR")]
+    pub images: PathBuf,
+    /// Movie file; its ending becomes that of the format, .mp4 or .apng
+    /// [default: movie.mp4 beside the folder].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Frames per second, above 0 and at most 1000.
+    #[arg(long, default_value = "24", value_name = "FPS", value_parser = frame_rate)]
+    pub frame_rate: f64,
+}
+
+const RIB_EXAMPLES: &str = "\
+Example:
+  scree rib runs/pour -f 24 -o pour_24.rib";
+
+/// Arguments of `scree rib`.
+#[derive(Args, Debug)]
+#[command(after_help = RIB_EXAMPLES)]
+pub struct RibArgs {
+    /// Run directory or metadata file (YAML).
+    #[arg(value_name = "INPUT")]
+    pub input: PathBuf,
+    /// Frame to print.
+    #[arg(short, long, value_name = "FRAME", value_parser = index::<u64>())]
+    pub frame: u64,
+    /// File to write [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+const STITCH_EXAMPLES: &str = "\
+Example, for two tasks:
+  scree render scene.rib -o parts --bucket 1/2
+  scree render scene.rib -o parts --bucket 2/2
+  scree stitch parts";
+
+/// Arguments of `scree stitch`.
+#[derive(Args, Debug)]
+#[command(after_help = STITCH_EXAMPLES)]
+pub struct StitchArgs {
+    /// Folder of the shard files; the images are written there too.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Keep the shard files.
+    #[arg(long)]
+    pub keep: bool,
+}

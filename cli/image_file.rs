@@ -1,0 +1,36 @@
+//! Image files: reading PNGs whole, and whether the file of an image is complete.
+
+use frame::{Fault, FaultKind};
+use std::path::Path;
+
+/// A decoded PNG.
+pub struct Png {
+    /// Width, pixels.
+    pub width: u32,
+    /// Height, pixels.
+    pub height: u32,
+    /// Channels.
+    pub color: png::ColorType,
+    /// Bits per channel.
+    pub depth: png::BitDepth,
+    /// Rows of pixels from the top.
+    pub data: Vec<u8>,
+}
+
+/// Read a PNG whole; a truncated one is a fault.
+pub fn read_png(path: &Path) -> Result<Png, Fault> {
+    let truncated = |e: png::DecodingError| Fault::whole(FaultKind::Data, path, format!("is not a complete PNG: {e}"));
+    let file = std::fs::File::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(truncated)?;
+    let mut data = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let info = reader.next_frame(&mut data).map_err(truncated)?;
+    Ok(Png { width: info.width, height: info.height, color: info.color_type, depth: info.bit_depth, data })
+}
+
+/// Whether the file of an image exists, is complete and has this width and height.
+pub fn is_complete(path: &Path, [width, height]: [u32; 2]) -> bool {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("png") => read_png(path).is_ok_and(|p| (p.width, p.height) == (width, height)),
+        _ => render::film::image::decode_size(path).is_some_and(|size| size == (width, height)),
+    }
+}

@@ -1,0 +1,95 @@
+//! Images to render of frames that exist: which frames, at which resolution, to which files.
+
+use crate::args::ImageArgs;
+use crate::library;
+use crate::report::{Exit, Failure, Outcome};
+use crate::source;
+use bind::binding::{Binding, ImageFormat};
+use bind::data::Source;
+use frame::list::FrameList;
+use render::ri::files::Files;
+use std::path::PathBuf;
+
+/// Choices of the command line for the images of a job.
+#[derive(Clone, Debug)]
+pub struct ImageOptions {
+    /// Frames; those of the metadata if not given.
+    pub frames: Option<FrameList>,
+    /// Width and height, pixels; those of the metadata if not given.
+    pub resolution: Option<[u32; 2]>,
+    /// Samples along each side of a pixel; those of the metadata if not given.
+    pub samples: Option<u32>,
+    /// Whether only frames without an image are rendered.
+    pub missing: bool,
+}
+
+impl From<ImageArgs> for ImageOptions {
+    fn from(args: ImageArgs) -> ImageOptions {
+        let ImageArgs { frames, res, samples, missing } = args;
+        ImageOptions { frames, resolution: res, samples, missing }
+    }
+}
+
+/// Images to render.
+pub struct ImageJob {
+    /// The metadata, with the choices of the command line.
+    pub binding: Binding,
+    /// The data.
+    pub source: Source,
+    /// The search path of scenes and shaders.
+    pub files: Files,
+    /// The frames, in order.
+    pub frames: Vec<u64>,
+    /// The folder of the images.
+    pub folder: PathBuf,
+    /// Whether only frames without an image are rendered.
+    pub missing: bool,
+    /// Other images of the same frames, in folders of their own.
+    pub passes: Vec<ImageJob>,
+}
+
+impl ImageJob {
+    /// Resolve metadata, its data and the choices of the command line.
+    pub fn resolve(mut binding: Binding, source: Source, folder: PathBuf, options: &ImageOptions) -> Outcome<ImageJob> {
+        let output = &mut binding.output;
+        if let Some(resolution) = options.resolution {
+            output.resolution = resolution;
+        }
+        if let Some(n) = options.samples {
+            output.samples = [n; 2];
+        }
+        let frames = frames(&binding, &source, options)?;
+        let files = binding.files(library::files(&binding.folder()));
+        binding.check_columns(&source.read(frames[0])?)?;
+        source::check_library(&binding)?;
+        let passes = std::mem::take(&mut binding.passes).into_iter();
+        let passes = passes.map(|(name, pass)| ImageJob::resolve(pass, source.clone(), folder.join(name), options));
+        let passes = passes.collect::<Outcome<_>>()?;
+        Ok(ImageJob { binding, source, files, frames, folder, missing: options.missing, passes })
+    }
+
+    /// The file of a frame's image.
+    pub fn image(&self, frame: u64) -> PathBuf {
+        let ending = match self.binding.output.format {
+            ImageFormat::Png => "png",
+            ImageFormat::Exr => "exr",
+        };
+        self.folder.join(format!("{frame:06}.{ending}"))
+    }
+}
+
+/// The frames that the command line selects, or the metadata, or all.
+fn frames(binding: &Binding, source: &Source, options: &ImageOptions) -> Outcome<Vec<u64>> {
+    let existing = source.numbers();
+    if existing.is_empty() {
+        return Err(Failure::new(Exit::Data, "the data has no frames yet"));
+    }
+    match (&options.frames, &binding.output.frames) {
+        (Some(list), _) => list.select(&existing).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}"))),
+        (None, Some(list)) => {
+            let selected = list.parse::<FrameList>().and_then(|list| list.select(&existing));
+            Ok(selected.map_err(|m| binding.doc.fault("output.frames", m))?)
+        }
+        (None, None) => Ok(existing),
+    }
+}

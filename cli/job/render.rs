@@ -1,0 +1,96 @@
+//! The job of `scree render`.
+
+use super::frames::FramesJob;
+use super::images::ImageOptions;
+use crate::args::{RenderArgs, ShardArg};
+use crate::library;
+use crate::report::{Exit, Failure, Outcome};
+use crate::source;
+use frame::FaultKind;
+use render::film::bucket::Shard;
+use render::ri::files::Files;
+use std::path::{Path, PathBuf};
+
+/// What to render.
+pub enum RenderJob {
+    /// A RIB scene.
+    Scene(RenderScene),
+    /// Frames of data.
+    Frames(Box<RenderFrames>),
+}
+
+/// A RIB scene to render.
+pub struct RenderScene {
+    /// The scene's file.
+    pub path: PathBuf,
+    /// Its text.
+    pub rib: Vec<u8>,
+    /// The search path of scenes and shaders.
+    pub files: Files,
+    /// The folder that the names of its displays start from.
+    pub folder: PathBuf,
+    /// The shard to render; whole images if not given.
+    pub shard: Option<Shard>,
+    /// The statistics wanted.
+    pub statistics: Statistics,
+}
+
+/// Frames to render.
+pub struct RenderFrames {
+    /// The frames.
+    pub frames: FramesJob,
+    /// The folder of the images.
+    pub folder: PathBuf,
+    /// Choices of the command line.
+    pub options: ImageOptions,
+    /// The shard to render; whole images if not given.
+    pub shard: Option<Shard>,
+    /// The statistics wanted.
+    pub statistics: Statistics,
+}
+
+/// Where the render statistics of every image go.
+#[derive(Clone, Copy, Default)]
+pub struct Statistics {
+    /// Whether they are printed.
+    pub print: bool,
+    /// Whether they are written beside the image.
+    pub write: bool,
+}
+
+impl RenderJob {
+    /// Check the arguments.
+    pub fn check(args: RenderArgs) -> Outcome<RenderJob> {
+        if source::is_scene(&args.input) {
+            return Ok(RenderJob::Scene(scene(args)?));
+        }
+        let frames = FramesJob::open(&args.input)?;
+        let statistics = Statistics { print: args.verbose, write: args.stats };
+        let folder = args.output.unwrap_or_else(|| frames.home.join("images"));
+        let shard = args.bucket.map(Shard::from);
+        let options = args.image.into();
+        Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics })))
+    }
+}
+
+fn scene(args: RenderArgs) -> Outcome<RenderScene> {
+    if args.image.frames.is_some() || args.image.missing {
+        let message = "--frames and --missing are for data: a RIB scene has no frames to choose from";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    if args.image.res.is_some() || args.image.samples.is_some() {
+        let message = "--res and --samples are for data: a RIB scene has its own Format and PixelSamples";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
+    let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
+    let statistics = Statistics { print: args.verbose, write: args.stats };
+    let folder = args.output.unwrap_or_else(|| PathBuf::from("."));
+    Ok(RenderScene { path: args.input, rib, files, folder, shard: args.bucket.map(Shard::from), statistics })
+}
+
+impl From<ShardArg> for Shard {
+    fn from(shard: ShardArg) -> Shard {
+        Shard { part: shard.index, parts: shard.n_shards }
+    }
+}

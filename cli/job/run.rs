@@ -1,0 +1,30 @@
+//! The job of `scree run`.
+
+use super::frames::FramesJob;
+use super::images::ImageOptions;
+use super::output::{default_folder, stem};
+use crate::args::RunArgs;
+use crate::report::Outcome;
+use std::path::PathBuf;
+
+/// A movie to make from a model or a metadata file.
+pub struct RunJob {
+    /// The frames.
+    pub frames: FramesJob,
+    /// Choices of the command line for the images.
+    pub options: ImageOptions,
+    /// The folder of the images.
+    pub images: PathBuf,
+    /// The movie's path without its ending.
+    pub movie: PathBuf,
+}
+
+impl RunJob {
+    /// Check the arguments.
+    pub fn check(args: RunArgs) -> Outcome<RunJob> {
+        let home = args.output.unwrap_or_else(|| default_folder(&args.input));
+        let (images, movie) = (home.join("images"), home.join(stem(&args.input)));
+        let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
+        Ok(RunJob { frames, options: args.image.into(), images, movie })
+    }
+}

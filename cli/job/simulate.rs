@@ -1,0 +1,60 @@
+//! The job of `scree simulate`.
+
+use super::output::default_folder;
+use super::sweep::SweepJob;
+use crate::args::{Backend, SimulateArgs};
+use crate::report::{Exit, Failure, Outcome};
+use frame::run::FrameFormat;
+use sim::model_file::{self, ModelFile, Resolved};
+use sim::run::Span;
+use std::path::PathBuf;
+
+/// What to simulate.
+pub enum SimulateJob {
+    /// A model.
+    Run(Box<ModelRun>),
+    /// A model with a sweep.
+    Sweep(SweepJob),
+}
+
+/// A run of a model to simulate.
+pub struct ModelRun {
+    /// The model as it is written.
+    pub file: ModelFile,
+    /// The model ready to run.
+    pub resolved: Resolved,
+    /// The run directory.
+    pub folder: PathBuf,
+    /// The span of time to simulate.
+    pub span: Span,
+}
+
+impl SimulateJob {
+    /// Check the arguments: read the model with its values replaced.
+    pub fn check(args: SimulateArgs) -> Outcome<SimulateJob> {
+        cpu_only(args.backend)?;
+        let set: Vec<(String, String)> = args.set.iter().map(|a| (a.path.clone(), a.value.clone())).collect();
+        let (mut file, doc) = model_file::load(&args.model, &set)?;
+        if args.csv {
+            file.format = FrameFormat::Csv;
+        }
+        let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.model));
+        if !file.sweep.is_empty() {
+            return Ok(SimulateJob::Sweep(SweepJob::check(args, &file, set, folder)?));
+        }
+        if args.plan || args.sweep_index.is_some() {
+            return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
+        }
+        let resolved = file.resolve(&doc)?;
+        let span = Span { until: args.until, resume: args.resume };
+        Ok(SimulateJob::Run(Box::new(ModelRun { file, resolved, folder, span })))
+    }
+}
+
+/// Refuse the back end that is not built yet.
+pub(super) fn cpu_only(backend: Backend) -> Outcome {
+    match backend {
+        Backend::Auto | Backend::Cpu => Ok(()),
+        Backend::Gpu => Err(Failure::new(Exit::Usage, "--backend gpu: there is no GPU back end yet; use cpu or auto")),
+    }
+}

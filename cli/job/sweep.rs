@@ -1,0 +1,134 @@
+//! The combinations of a model with a `sweep`: a grid of values, one run for each.
+
+use crate::args::SimulateArgs;
+use crate::report::{Exit, Failure, Outcome};
+use frame::run::FrameFormat;
+use frame::yaml::Document;
+use sim::model_file::{self, ModelFile};
+use sim::run::Span;
+use std::path::{Path, PathBuf};
+
+/// What to do with the combinations of a model.
+pub enum SweepJob {
+    /// Simulate them, or one of them.
+    Runs(Sweep),
+    /// List them for a job array.
+    Plan(Plan),
+}
+
+/// Combinations to simulate, one after the other.
+pub struct Sweep {
+    /// The runs.
+    pub runs: Vec<SweepRun>,
+    /// The number of combinations of the sweep, chosen or not.
+    pub n_combinations: usize,
+    /// The span of time to simulate.
+    pub span: Span,
+}
+
+/// A run of a combination.
+pub struct SweepRun {
+    /// The combination's index, from 0.
+    pub index: usize,
+    /// The combination's name.
+    pub name: String,
+    /// The model with the combination's values.
+    pub file: ModelFile,
+    /// The places of its keys.
+    pub doc: Document,
+    /// The run directory.
+    pub folder: PathBuf,
+}
+
+/// Combinations to list for a job array.
+pub struct Plan {
+    /// The combinations.
+    pub combinations: Vec<Combination>,
+    /// The model.
+    pub model: PathBuf,
+    /// The folder of the runs.
+    pub folder: PathBuf,
+}
+
+/// A combination of values.
+pub struct Combination {
+    /// The name, which its run directory has.
+    pub name: String,
+    /// The keys' paths with their values.
+    pub set: Vec<(String, String)>,
+}
+
+impl SweepJob {
+    /// Check the arguments for a model with a sweep, in which the values of `set` are replaced.
+    pub fn check(
+        args: SimulateArgs,
+        file: &ModelFile,
+        set: Vec<(String, String)>,
+        folder: PathBuf,
+    ) -> Outcome<SweepJob> {
+        let combinations = combinations(file)?;
+        if args.plan {
+            return Ok(SweepJob::Plan(Plan { combinations, model: args.model, folder }));
+        }
+        let n = combinations.len();
+        if let Some(i) = args.sweep_index.filter(|i| *i >= n) {
+            let message = format!("--sweep-index {i}: the sweep has combinations 0 to {}", n - 1);
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        let is_chosen = |i: usize| args.sweep_index.is_none_or(|only| only == i);
+        let chosen = combinations.into_iter().enumerate().filter(|(i, _)| is_chosen(*i));
+        let runs = chosen.map(|(index, combination)| {
+            let (mut file, doc) = load(&args.model, &[&set[..], &combination.set].concat())?;
+            if args.csv {
+                file.format = FrameFormat::Csv;
+            }
+            let folder = folder.join(&combination.name);
+            Ok(SweepRun { index, name: combination.name, file, doc, folder })
+        });
+        let runs = runs.collect::<Outcome<_>>()?;
+        let span = Span { until: args.until, resume: args.resume };
+        Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
+    }
+}
+
+/// Load the model of a combination, which has no sweep itself.
+fn load(model: &Path, set: &[(String, String)]) -> Outcome<(ModelFile, Document)> {
+    let (mut file, doc) = model_file::load(model, set)?;
+    file.sweep.clear();
+    Ok((file, doc))
+}
+
+/// All combinations of a sweep, the last key changing fastest.
+fn combinations(file: &ModelFile) -> Outcome<Vec<Combination>> {
+    let mut all = vec![Combination { name: String::new(), set: vec![] }];
+    for (path, values) in &file.sweep {
+        if values.is_empty() {
+            return Err(Failure::new(Exit::Input, format!("sweep.{path} has no values")));
+        }
+        let mut next = vec![];
+        for combination in &all {
+            for value in values {
+                let text = serde_json::to_string(value).map_err(|e| Failure::new(Exit::Input, e.to_string()))?;
+                next.push(combination.with(path, text));
+            }
+        }
+        all = next;
+    }
+    Ok(all)
+}
+
+impl Combination {
+    /// This combination with one more value.
+    fn with(&self, path: &str, value: String) -> Combination {
+        let key = path.rsplit('.').next().unwrap_or(path);
+        let word: String = value
+            .chars()
+            .map(|c| if c == ',' { '_' } else { c })
+            .filter(|c| c.is_alphanumeric() || matches!(c, '.' | '-' | '+' | '_'))
+            .collect();
+        let joint = if self.name.is_empty() { "" } else { "_" };
+        let mut set = self.set.clone();
+        set.push((path.into(), value));
+        Combination { name: format!("{}{joint}{key}={word}", self.name), set }
+    }
+}

@@ -1,0 +1,105 @@
+//! Frame lists: `3`, `0-99`, `0-99x5` (every fifth), `120x5` (every fifth from 120 on), joined by commas.
+
+use std::collections::HashSet;
+use std::str::FromStr;
+
+/// A frame list as it is written; which of its frames exist is found by [`FrameList::select`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameList {
+    text: String,
+    ranges: Vec<Range>,
+}
+
+/// A range of frames: every `step`-th from `first` to `last`, or to the last frame of the data.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Range {
+    text: String,
+    first: u64,
+    last: Option<u64>,
+    step: u64,
+}
+
+impl FromStr for FrameList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<FrameList, String> {
+        let ranges = text.split(',').map(range).collect::<Result<_, String>>()?;
+        Ok(FrameList { text: text.into(), ranges })
+    }
+}
+
+fn range(text: &str) -> Result<Range, String> {
+    let text = text.trim();
+    let frame = |s: &str| {
+        s.trim()
+            .parse::<u64>()
+            .map_err(|_| format!("`{text}` is not a list of frames: expected 3, 0-99, 0-99x5 or 120x5"))
+    };
+    let (bounds, step) = match text.split_once('x') {
+        Some((bounds, step)) => (bounds, Some(frame(step)?)),
+        None => (text, None),
+    };
+    if step == Some(0) {
+        return Err(format!("`{text}` has a step of 0"));
+    }
+    let (first, last) = match bounds.split_once('-') {
+        Some((first, last)) => (frame(first)?, Some(frame(last)?)),
+        None if step.is_some() => (frame(bounds)?, None),
+        None => (frame(bounds)?, Some(frame(bounds)?)),
+    };
+    if last.is_some_and(|last| last < first) {
+        return Err(format!("`{text}` runs backwards"));
+    }
+    Ok(Range { text: text.into(), first, last, step: step.unwrap_or(1) })
+}
+
+impl FrameList {
+    /// The frames of the list that exist, in the list's order and once each; `Err` is what is wrong with the list.
+    pub fn select(&self, existing: &[u64]) -> Result<Vec<u64>, String> {
+        let mut out: Vec<u64> = Vec::new();
+        for Range { text, first, last, step } in &self.ranges {
+            if *last == Some(*first) && !existing.contains(first) {
+                return Err(format!("`{text}`: there is no frame {first}; the data has {}", describe(existing)));
+            }
+            // Only frames that exist are visited, so that a range of astronomic length costs nothing.
+            let within = |f: u64| f >= *first && last.is_none_or(|last| f <= last) && (f - first).is_multiple_of(*step);
+            out.extend(existing.iter().copied().filter(|f| within(*f)));
+        }
+        if out.is_empty() {
+            return Err(format!("`{}` selects no frame that exists; the data has {}", self.text, describe(existing)));
+        }
+        let mut seen = HashSet::new();
+        out.retain(|f| seen.insert(*f));
+        Ok(out)
+    }
+}
+
+/// A short description of the frames that exist.
+pub fn describe(frames: &[u64]) -> String {
+    match (frames.first(), frames.last()) {
+        (Some(a), Some(b)) if a == b => format!("frame {a}"),
+        (Some(a), Some(b)) => format!("{} frames from {a} to {b}", frames.len()),
+        _ => "no frames".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_select_existing_frames_in_their_order() {
+        let all: Vec<u64> = (0..20).collect();
+        let select = |list: &str| list.parse::<FrameList>().and_then(|l| l.select(&all));
+        assert_eq!(select("2,4,10-12").unwrap(), [2, 4, 10, 11, 12]);
+        assert_eq!(select("0-9x4").unwrap(), [0, 4, 8]);
+        assert_eq!(select("12x5,3").unwrap(), [12, 17, 3]);
+        assert_eq!(select("0-99999999999").unwrap().len(), 20);
+        for bad in ["", "a", "5-2", "9-2x3", "3x0", "1-x"] {
+            assert!(bad.parse::<FrameList>().is_err(), "{bad}");
+        }
+        for absent in ["30", "25-30", "30x2"] {
+            assert!(select(absent).is_err(), "{absent}");
+        }
+    }
+}
