@@ -24,6 +24,7 @@ mod properties;
 mod rays;
 mod sheets;
 mod solver;
+mod stages;
 mod terrain;
 mod tidy;
 mod waiting;

@@ -2,8 +2,8 @@
 
 use crate::args::{self, SolveArgs};
 use crate::report::Outcome;
+use sim::problem::MatrixOperator;
 use sim::problem::{self, Law};
-use sim::solve::matrix::MatrixOperator;
 use sim::{FrictionLaw, Method};
 use std::path::PathBuf;
 

@@ -159,10 +159,10 @@ macro_rules! columns {
 columns! {
     /// Positions of the centres of mass, world.
     Position "position": DVec3, Length::Bodies, Values::Watched, "m",
-        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve];
+        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve, Integrate];
     /// Orientations of the principal frames.
     Orientation "orientation": DQuat, Length::Bodies, Values::Watched, "",
-        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve];
+        [Integrate] => [Bounds, PairWrite, ContactWrite, Force, JointWrite, ContactSolve, Integrate];
     /// Velocities, world.
     Velocity "velocity": DVec3, Length::Bodies, Values::Watched, "m/s",
         [Integrate] => [Bounds, Force, ContactSolve];
