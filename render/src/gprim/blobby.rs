@@ -177,8 +177,8 @@ impl Field {
         *values.last().expect("a field has nodes")
     }
 
-    /// The surface as patches; `varying` are values of the leaves, which blend as their fields do.
-    pub fn patches(&self, varying: &[(String, usize, Vec<f32>)]) -> Vec<Patch> {
+    /// The surface as patches; `varying` are widths and values of the leaves, which blend as their fields do.
+    pub fn patches(&self, varying: &[(usize, Vec<f32>)]) -> Vec<Patch> {
         let mut scratch = Vec::new();
         let lattice = Lattice::over(self);
         let [nx, ny, nz] = lattice.n;
@@ -243,17 +243,11 @@ impl Field {
     }
 
     /// A quadrilateral of the net, curved by its normals.
-    fn patch(
-        &self,
-        quad: [usize; 4],
-        points: &[Vec3],
-        normals: &[Vec3],
-        varying: &[(String, usize, Vec<f32>)],
-    ) -> Patch {
+    fn patch(&self, quad: [usize; 4], points: &[Vec3], normals: &[Vec3], varying: &[(usize, Vec<f32>)]) -> Patch {
         let mut patch = Patch::bilinear(quad.map(|i| points[i]));
         patch.flat = false;
-        patch.varying.push(("N".into(), quad.iter().flat_map(|i| normals[*i].to_array()).collect()));
-        for (name, width, values) in varying {
+        patch.normals = Some(Box::new(quad.map(|i| normals[i])));
+        for (width, values) in varying {
             let mut corners = Vec::with_capacity(4 * width);
             for i in quad {
                 let share: Vec<f32> =
@@ -264,7 +258,7 @@ impl Field {
                     corners.push(if whole > 0.0 { sum / whole } else { values[c] });
                 }
             }
-            patch.varying.push((name.clone(), corners));
+            patch.varying.push(corners);
         }
         patch
     }

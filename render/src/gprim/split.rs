@@ -116,7 +116,7 @@ pub fn dice_waiting(
     sink: &mut impl Sink,
 ) {
     let patches = match subject.view.shape {
-        Shape::Patches(patches) => patches,
+        Shape::Patches(patches, _) => patches,
         Shape::Sphere => whole_sphere(),
     };
     let k = waiting.patch as usize;
