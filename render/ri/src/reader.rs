@@ -178,6 +178,9 @@ impl<'a> Reader<'a> {
     ) -> Result<(), Box<RibError>> {
         self.arguments.request = place;
         let start = self.arguments.lexer.mark();
+        if let Ok(request) = request {
+            self.arguments.note(request);
+        }
         let done = match request {
             Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
             Ok(Request::ArchiveBegin) => self.inline_archive(place),
