@@ -41,7 +41,7 @@ pub(crate) struct Arguments<'a> {
 
 /// Numbers that stand in a row, as the argument that takes them.
 pub(crate) trait InRow {
-    /// How many numbers it takes.
+    /// Count of numbers that it takes.
     const WIDTH: usize;
     /// Take it from the front of the numbers.
     fn take(row: &mut &[f32]) -> Self;

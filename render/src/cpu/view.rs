@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// How deep rays are followed if no option says: single ones, and those that are many from one point.
 const MAX_DEPTH: [u32; 2] = [4, 1];
 
-/// Translucent surfaces that a ray passes before it is held up.
+/// Translucent surfaces that a ray passes before it is stopped.
 const MAX_LAYERS: usize = 64;
 
 /// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.

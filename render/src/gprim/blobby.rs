@@ -250,11 +250,11 @@ impl Field {
         for (width, values) in varying {
             let mut corners = Vec::with_capacity(4 * width);
             for i in quad {
-                let share: Vec<f32> =
+                let weights: Vec<f32> =
                     self.leaves.iter().map(|l| self.leaf(&self.nodes[*l], points[i]).max(0.0)).collect();
-                let whole: f32 = share.iter().sum();
+                let whole: f32 = weights.iter().sum();
                 for c in 0..*width {
-                    let sum: f32 = share.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
+                    let sum: f32 = weights.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
                     corners.push(if whole > 0.0 { sum / whole } else { values[c] });
                 }
             }

@@ -10,7 +10,7 @@ use sl::machine::{BoundShader, VariableSlots};
 pub struct Attached {
     /// Names by slots.
     names: Vec<String>,
-    /// Of these, how many are the same all over; they come first.
+    /// Count of those that are the same all over, which come first.
     pub n_uniform: usize,
     /// For the surface shader.
     pub surface: VariableSlots,
