@@ -1,7 +1,43 @@
-//! The house in order: who may use whom, and a head on every file.
+//! The house in order: who may use whom, a head on every file, no circle of files, and neither files nor functions too long.
 
-use std::collections::BTreeMap;
+mod functions;
+mod imports;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// The crates and the root file of each; the tests are one of their own.
+const CRATES: [(&str, &str); 9] = [
+    ("frame", "frame/src/lib.rs"),
+    ("gpu", "gpu/src/lib.rs"),
+    ("ri", "render/ri/src/lib.rs"),
+    ("sl", "render/sl/src/lib.rs"),
+    ("bind", "render/bind/src/lib.rs"),
+    ("render", "render/src/lib.rs"),
+    ("sim", "sim/src/lib.rs"),
+    ("scree", "cli/main.rs"),
+    ("tests", "tests/tests.rs"),
+];
+
+const IN_WORK: [&str; 2] = ["sim", "scree"];
+
+/// The most lines of a file.
+const MAX_FILE: usize = 600;
+
+/// The most lines of a function without a reason.
+const MAX_FUNCTION: usize = 80;
+
+/// Longer functions, by file and name, and why they are.
+const LONG_FUNCTIONS: [(&str, &str, &str); 8] = [
+    ("cli/bench.rs", "draw_bed", "one scene, call by call, as the peers' scenes have it"),
+    ("render/sl/src/back/machine/run.rs", "op", "an arm for each operation of the IR"),
+    ("render/sl/src/front/lower/form.rs", "form", "a rule for each function whose arguments no row describes"),
+    ("render/sl/src/ir/validate.rs", "op", "an arm for each operation of the IR"),
+    ("render/sl/src/ir/walk.rs", "reads", "an arm for each operation of the IR"),
+    ("sim/src/assembly/tracked_vehicle.rs", "track", "one track, part by part: shoes, pins, wheels, axles"),
+    ("sim/src/model_file/resolve/base.rs", "base", "copies a model column by column, over one table of new ids"),
+    ("sim/src/model_file/resolve/bodies.rs", "body", "the checks of a body's keys, in the order of the file format"),
+];
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -71,6 +107,59 @@ fn every_file_says_what_it_is() {
             _ => head.starts_with("# ") && head.len() > 10,
         };
         assert!(sound, "{} does not begin by saying what it is", path.display());
+    }
+}
+
+/// The text of every Rust file of the tree, by its path from the root.
+fn sources() -> imports::Sources {
+    let mut all = Vec::new();
+    files(&root(), &["rs"], &mut all);
+    let relative = |path: &Path| path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+    all.iter().map(|path| (relative(path), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let sources = sources();
+    let mut wrong = String::new();
+    for (name, root) in CRATES {
+        let imports = imports::imports(&sources, root);
+        assert!(imports.len() > 5, "{name}: only {} imports were found", imports.len());
+        if IN_WORK.contains(&name) {
+            continue;
+        }
+        for circle in imports::circles(&imports) {
+            wrong += &format!("{name}, {} files:\n{}", circle.len(), imports::show(&circle, &imports));
+        }
+    }
+    assert!(wrong.is_empty(), "files that import each other in a circle:\n{wrong}");
+}
+
+#[test]
+fn no_file_is_too_long() {
+    for (path, text) in sources() {
+        let n = text.lines().count();
+        assert!(n <= MAX_FILE, "{path} has {n} lines, more than {MAX_FILE}: split it by what it describes");
+    }
+}
+
+#[test]
+fn long_functions_have_a_reason() {
+    let mut long = BTreeSet::new();
+    for (path, text) in sources() {
+        for function in functions::functions(&text).into_iter().filter(|f| f.length > MAX_FUNCTION) {
+            let functions::Function { name, line, length } = &function;
+            assert!(
+                LONG_FUNCTIONS.iter().any(|(file, known, _)| *file == path && known == name),
+                "{path}:{line}: `{name}` has {length} lines: cut it, or give its reason in LONG_FUNCTIONS"
+            );
+            long.insert((path.clone(), function.name));
+        }
+    }
+    for (file, name, reason) in LONG_FUNCTIONS {
+        assert!(reason.len() > 20, "{file}: `{name}` has no reason");
+        let known = long.contains(&(file.to_string(), name.to_string()));
+        assert!(known, "{file}: `{name}` is not long, or not there: take it out of LONG_FUNCTIONS");
     }
 }
 

@@ -54,24 +54,24 @@ pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
 
 /// Decode the bytes of an Arrow IPC file that came from `path`.
 pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> {
-    let torn = |e: &dyn std::fmt::Display| {
+    let damaged = |e: &dyn std::fmt::Display| {
         Fault::whole(FaultKind::Data, path, format!("is not a whole Arrow IPC file: {e}"))
             .hint("the file is cut off or damaged: simulate again with --resume, or remove it")
     };
-    let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| torn(&e))?;
+    let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| damaged(&e))?;
     let schema = reader.schema();
     let mut frame = Frame::new(number, 0.0);
     for word in schema.metadata().get("scree").map_or("", String::as_str).split(' ') {
         match word.split_once('=') {
-            Some(("frame", n)) => frame.number = n.parse().map_err(|e| torn(&e))?,
-            Some(("time", t)) => frame.time = t.parse().map_err(|e| torn(&e))?,
+            Some(("frame", n)) => frame.number = n.parse().map_err(|e| damaged(&e))?,
+            Some(("time", t)) => frame.time = t.parse().map_err(|e| damaged(&e))?,
             _ => {}
         }
     }
     for field in schema.fields() {
         let unit = field.metadata().get("unit").cloned().unwrap_or_default();
         let empty = empty_column(field.data_type()).ok_or_else(|| {
-            torn(&format!(
+            damaged(&format!(
                 "column `{}` has type {}, which is not a number or a dictionary of words",
                 field.name(),
                 field.data_type()
@@ -80,9 +80,10 @@ pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> 
         frame.columns.push((Field::new(field.name(), unit), empty));
     }
     for batch in reader {
-        let batch = batch.map_err(|e| torn(&e))?;
+        let batch = batch.map_err(|e| damaged(&e))?;
         for (i, (field, column)) in frame.columns.iter_mut().enumerate() {
-            append(column, batch.column(i)).ok_or_else(|| torn(&format!("column `{}` cannot be read", field.name)))?;
+            append(column, batch.column(i))
+                .ok_or_else(|| damaged(&format!("column `{}` cannot be read", field.name)))?;
         }
     }
     Ok(frame)

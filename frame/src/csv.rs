@@ -18,7 +18,7 @@ pub struct Layout {
     /// The columns' names, which go before those of a header.
     pub names: Option<Vec<String>>,
     /// Cells that every row has at least; numbers that are missing after them are 0. Without it, rows have all their cells.
-    pub least: Option<usize>,
+    pub min_cells: Option<usize>,
 }
 
 /// Read a CSV file as the frame of a number.
@@ -51,8 +51,8 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         None if header => first_cells.iter().map(|(_, c)| c.to_string()).collect(),
         None => (1..=first_cells.len()).map(|i| format!("c{i}")).collect(),
     };
-    let least = layout.least.unwrap_or(names.len());
-    if !(least..=names.len()).contains(&first_cells.len()) {
+    let min_cells = layout.min_cells.unwrap_or(names.len());
+    if !(min_cells..=names.len()).contains(&first_cells.len()) {
         let message = format!("has {} columns, but {} are named", first_cells.len(), names.len());
         return Err(fault(first_line, 1, message));
     }
@@ -61,7 +61,7 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
     let mut last = None;
     for (line, row) in lines {
         let found = split(row, delimiter);
-        if !(least..=fields.len()).contains(&found.len()) {
+        if !(min_cells..=fields.len()).contains(&found.len()) {
             let at = found.last().map_or(1, |(at, _)| at + 1);
             let message = format!("row has {} cells, expected {} ({})", found.len(), fields.len(), names.join(", "));
             return Err(

@@ -1,7 +1,7 @@
 //! Tables of one instant, the run directory, and the readers and writers of both.
 //!
 //! A [`Frame`] is a list of named, typed, unit-carrying columns of equal length. Simulations write frames into a
-//! [`run`] directory; pictures, previews and plots read them back, or read a [`sequence`] of somebody else's files.
+//! [`run`] directory; images, previews and plots read them back, or read a [`sequence`] of somebody else's files.
 //! Everything that is written is written whole and then renamed ([`atomic`]), but for [`series`] that grow; everything that is read answers bad
 //! input with a [`Fault`] that names file, line and column.
 

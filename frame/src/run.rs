@@ -1,4 +1,4 @@
-//! The run directory: where a simulation and its pictures meet.
+//! The run directory: where a simulation and its images meet.
 //!
 //! ```text
 //! run.json              what was run and which frames are there, rewritten whole after every frame
@@ -7,7 +7,7 @@
 //! report.csv            per step: contacts, iterations, residual, worst penetration, milliseconds by stage
 //! metadata.yaml         what to draw for every class
 //! ```
-//! A frame's identity is its number in `run.json`, never its place in a listing.
+//! A frame is identified by its number in `run.json`, never its place in a listing.
 
 use crate::{Fault, FaultKind, Frame, arrow, atomic, csv};
 use serde::{Deserialize, Serialize};
@@ -252,7 +252,7 @@ impl RunReader {
         self.by_number.keys().copied().collect()
     }
 
-    /// Read a frame, checked against its hash: a torn or swapped file is a fault, never a picture.
+    /// Read a frame, checked against its hash: a truncated or swapped file is a fault, never an image.
     pub fn read_frame(&self, number: u64) -> Result<Frame, Fault> {
         let Some(&i) = self.by_number.get(&number) else {
             let path = self.folder.join("run.json");

@@ -11,7 +11,7 @@ fn bits(max_key: u32) -> u32 {
 
 /// The CPU twin: sorts in place; `max_key` bounds the keys and so the number of passes.
 pub fn sort_cpu(keys: &mut [u32], values: &mut [u32], max_key: u32) {
-    /// Bits of a key that a pass may look at: so many counters stay in the cache.
+    /// Bits of a key that a pass may sort by: their counters stay in the cache.
     const DIGIT: u32 = 16;
     let bits = bits(max_key);
     let n_passes = bits.div_ceil(DIGIT);
@@ -34,7 +34,7 @@ pub fn sort_cpu(keys: &mut [u32], values: &mut [u32], max_key: u32) {
 }
 
 /// Put items into buckets, in order: those of bucket b become `out[start[b]..start[b + 1]]`. Each thread goes through all items
-/// for a range of buckets, so that the result does not hang on how many there are.
+/// for a range of buckets, so that the result does not depend on their count.
 pub fn distribute_cpu<T: Copy + Default + Send, I: ExactSizeIterator<Item = (u32, T)>>(
     n_buckets: usize,
     items: impl Fn() -> I + Sync,

@@ -56,7 +56,7 @@ criterion_main!(language);
 
 fn rib(bench: &mut Criterion) {
     let mut group = bench.benchmark_group("rib");
-    let mut balls = String::from("WorldBegin\n");
+    let mut spheres = String::from("WorldBegin\n");
     let mut state = 1u32;
     let mut random = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -64,11 +64,11 @@ fn rib(bench: &mut Criterion) {
     };
     for _ in 0..200_000 {
         let [a, b, c, d] = [0; 4].map(|_| random());
-        balls += &format!(
+        spheres += &format!(
             "AttributeBegin\n  Color [{a:.3} {b:.3} {c:.3}]\n  Translate {d:.5} {a:.5} {b:.5}\n  Sphere 0.05 -0.05 0.05 360\nAttributeEnd\n"
         );
     }
-    balls += "WorldEnd\n";
+    spheres += "WorldEnd\n";
     let mut mesh = String::from("WorldBegin\nPointsPolygons [");
     let n = 500_000;
     (0..n).for_each(|_| mesh += "3 ");
@@ -77,7 +77,7 @@ fn rib(bench: &mut Criterion) {
     mesh += "] \"P\" [";
     (0..3 * n / 2).for_each(|_| mesh += &format!("{:.6} ", random()));
     mesh += "]\nWorldEnd\n";
-    for (name, ascii) in [("balls", &balls), ("mesh", &mesh)] {
+    for (name, ascii) in [("spheres", &spheres), ("mesh", &mesh)] {
         let mut writer = Writer::binary(Vec::new()).expect("a vector takes all");
         read(ascii.as_bytes(), &mut writer);
         let binary = writer.into_inner();

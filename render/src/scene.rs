@@ -1,6 +1,7 @@
 //! The scene: primitives by sources, their attributes, the options of the image, the camera, motion and lights.
 
 pub mod area;
+pub mod attached;
 pub mod attributes;
 pub mod camera;
 pub mod emitters;
@@ -11,4 +12,5 @@ pub mod patch;
 pub mod shape;
 pub mod source;
 pub mod trim;
+pub mod variables;
 pub mod world;

@@ -101,7 +101,7 @@ fn check_overrides(binding: &Binding, scene: &str) -> Result<(), Fault> {
     if !scene.contains("#scree override Display") {
         return Err(binding
             .doc
-            .fault("scene", "the scene has no `#scree override Display`: its picture would go elsewhere"));
+            .fault("scene", "the scene has no `#scree override Display`: its image would go elsewhere"));
     }
     if binding.camera.is_some() && !scene.contains("#scree inject camera") {
         return Err(binding

@@ -5,7 +5,9 @@
 use crate::conditions::Conditions;
 use crate::lexer::{Lexer, Token};
 use crate::params::{Declarations, Param, Params, Type, Values};
+use crate::requests::Request;
 use crate::ri::Fail;
+use crate::standing::Standing;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -16,6 +18,8 @@ pub(crate) struct Known {
     pub(crate) declarations: Declarations,
     /// The frame, and options that conditions ask for.
     pub(crate) conditions: Conditions,
+    /// Where the stream is.
+    standing: Standing,
     /// What has been warned of.
     warned: HashSet<String>,
 }
@@ -37,7 +41,7 @@ pub(crate) struct Arguments<'a> {
 
 /// Numbers that stand in a row, as the argument that takes them.
 pub(crate) trait InRow {
-    /// How many numbers it takes.
+    /// Count of numbers that it takes.
     const WIDTH: usize;
     /// Take it from the front of the numbers.
     fn take(row: &mut &[f32]) -> Self;
@@ -82,6 +86,12 @@ impl<'a> Arguments<'a> {
             let (line, column) = self.request;
             self.warnings.push(format!("{}:{line}:{column}: {message}", self.path.display()));
         }
+    }
+
+    /// Note the request under way, which is warned of where it is misplaced.
+    pub(crate) fn note(&mut self, request: Request) {
+        let place = || format!("{}:{}:{}", self.path.display(), self.request.0, self.request.1);
+        self.known.standing.note(request, place, &mut self.warnings);
     }
 
     /// The token that was looked at and left in place.

@@ -19,6 +19,7 @@ mod programs;
 pub mod reader;
 pub mod requests;
 mod ri;
+mod standing;
 mod table;
 pub mod writer;
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Maximum length of an answer, bytes.
-const MOST: usize = 4 << 30;
+const MAX_ANSWER: usize = 4 << 30;
 
 struct Running {
     child: Child,
@@ -66,7 +66,7 @@ fn start(program: &str) -> Result<Running, String> {
                         return;
                     }
                 }
-                Ok(byte) if answer.len() < MOST => answer.push(byte),
+                Ok(byte) if answer.len() < MAX_ANSWER => answer.push(byte),
                 Ok(_) => {
                     let _ = send.send(Err("answers without end".into()));
                     return;

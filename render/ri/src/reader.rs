@@ -76,14 +76,14 @@ pub fn read(
 /// A gzip file unpacked; anything else as it is.
 fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     /// A packed file that grows beyond this is not a scene.
-    const MOST: u64 = 16 << 30;
+    const MAX_UNPACKED: u64 = 16 << 30;
     if !rib.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(rib));
     }
     let mut out = Vec::new();
-    let n = flate2::read::MultiGzDecoder::new(rib).take(MOST).read_to_end(&mut out);
+    let n = flate2::read::MultiGzDecoder::new(rib).take(MAX_UNPACKED).read_to_end(&mut out);
     match n {
-        Ok(n) if (n as u64) < MOST => Ok(Cow::Owned(out)),
+        Ok(n) if (n as u64) < MAX_UNPACKED => Ok(Cow::Owned(out)),
         Ok(_) => Err("the packed file is too large".into()),
         Err(e) => Err(format!("the packed file cannot be read: {e}")),
     }
@@ -178,6 +178,9 @@ impl<'a> Reader<'a> {
     ) -> Result<(), Box<RibError>> {
         self.arguments.request = place;
         let start = self.arguments.lexer.mark();
+        if let Ok(request) = request {
+            self.arguments.note(request);
+        }
         let done = match request {
             Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
             Ok(Request::ArchiveBegin) => self.inline_archive(place),

@@ -6,7 +6,8 @@
 //! Name [where] => method(kind "what" (argument: type, …) kind (argument: type) …);
 //! ```
 //! *where* is `options` (before WorldBegin), `world` (between WorldBegin and WorldEnd) or `any`, and `opens` or `closes` if the
-//! request begins or ends a block. A *kind* says how an argument stands in the stream and is written back:
+//! request begins or ends a block; `standing.rs` warns of what stands elsewhere. A *kind* says how an argument stands in the stream
+//! and is written back:
 //!
 //! | kind | in the stream |
 //! |---|---|

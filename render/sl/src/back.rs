@@ -4,3 +4,4 @@ mod bound;
 pub mod machine;
 mod points;
 mod scene;
+mod slots;

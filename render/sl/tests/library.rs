@@ -1,7 +1,7 @@
 //! The shader library compiles, and shaders compute what they say.
 
 use sl::Global;
-use sl::machine::{BoundShader, Machine, Points, Scene, Segment};
+use sl::machine::{BoundShader, Machine, Points, Scene, Segment, VariableSlots};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -272,4 +272,27 @@ fn faults_have_their_places() {
     assert_eq!(fault("surface t() { Ci = P; }").2, "expected color, found point");
     assert!(fault("surface t() { if (1) { Ci = 1; ").2.contains("end of the file"));
     assert_eq!(fault("  \n").2, "is empty, expected a shader");
+}
+
+#[test]
+fn primitive_variables_go_before_parameters() {
+    let shader = bind(
+        "surface s(float a = 0.1; float b = 0.2; string c = \"c\"; float d[2] = {3, 4}) { Ci = color(a, b, d[1]); }",
+    );
+    // Of two variables of a name the first counts; what no parameter is named as is passed over, as are numbers for texts.
+    let names = ["other", "b", "c", "d", "b"].map(String::from);
+    let slots = VariableSlots::of(&shader.program, &names);
+    let mut points = Points::new(2, 1, 1.0);
+    points.set(Global::Ci, vec![0.0; 3]);
+    let mut run = |values: &[&[f32]]| {
+        points.clear_variables();
+        values.iter().for_each(|v| points.next_variable().extend_from_slice(v));
+        Machine::new().run_with(&shader, &slots, &mut points, &Nothing(vec![]));
+        points.get(Global::Ci).unwrap().to_vec()
+    };
+    let all: [&[f32]; 5] = [&[9.0], &[0.5, 0.6], &[7.0], &[5.0, 6.0], &[8.0]];
+    assert_eq!(run(&all), [0.1, 0.1, 0.5, 0.6, 6.0, 6.0]);
+    // A slot without values leaves the parameter its own; nothing of the last points is left.
+    assert_eq!(run(&all[..1]), [0.1, 0.2, 4.0]);
+    assert_eq!(VariableSlots::of(&shader.program, &names[..1]), VariableSlots::default());
 }

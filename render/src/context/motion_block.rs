@@ -1,6 +1,7 @@
 //! Open motion blocks: what their calls are kept as until `MotionEnd` (RISpec 6.3).
 
 use crate::scene::patch::Patch;
+use crate::scene::variables::VariableNames;
 use glam::Mat4;
 use ri::Instances;
 
@@ -22,6 +23,6 @@ pub enum Moving {
     Concat(Mat4),
     /// One in its place.
     Set(Mat4),
-    Patches(Vec<Patch>),
+    Patches(Vec<Patch>, VariableNames),
     Spheres(Instances, Vec<(String, Vec<f32>)>),
 }

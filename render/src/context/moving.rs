@@ -4,6 +4,7 @@ use crate::context::motion_block::{MotionBlock, Moving};
 use crate::context::state::Context;
 use crate::scene::motion;
 use crate::scene::patch::Patch;
+use crate::scene::variables::VariableNames;
 use glam::Mat4;
 use ri::{Fail, Instances, RiResult};
 
@@ -36,7 +37,7 @@ impl Context {
         let (mut patches, mut spheres) = (vec![], vec![]);
         for call in calls {
             match call {
-                Moving::Patches(p) => patches.push(p),
+                Moving::Patches(p, names) => patches.push((p, names)),
                 Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
                 Moving::Concat(_) | Moving::Set(_) => {}
             }
@@ -62,22 +63,25 @@ impl Context {
     }
 
     /// The patches of a motion block: the same primitive at its times.
-    fn moving_patches(&mut self, times: &[f32], mut calls: Vec<Vec<Patch>>) -> RiResult {
-        let mut first = calls.remove(0);
-        if calls.iter().any(|later| later.len() != first.len()) {
+    fn moving_patches(&mut self, times: &[f32], mut calls: Vec<(Vec<Patch>, VariableNames)>) -> RiResult {
+        let (mut first, names) = calls.remove(0);
+        if calls.iter().any(|(later, _)| later.len() != first.len()) {
             self.scene.warn(CUT_DIFFERENTLY.into());
             calls.clear();
         }
         if calls.is_empty() {
-            return self.add_patches(first);
+            return self.add_patches(first, names);
         }
         for (k, patch) in first.iter_mut().enumerate() {
-            let keys: Vec<_> =
-                times.iter().copied().zip(std::iter::once(patch.p).chain(calls.iter().map(|c| c[k].p))).collect();
+            let keys: Vec<_> = times
+                .iter()
+                .copied()
+                .zip(std::iter::once(patch.p).chain(calls.iter().map(|(later, _)| later[k].p)))
+                .collect();
             (patch.p, patch.moves) = motion::in_shutter(&keys, self.options.shutter);
             patch.flat &= patch.moves.is_empty();
         }
-        self.add_patches(first)
+        self.add_patches(first, names)
     }
 
     /// The spheres of a motion block, with the variables of each call: those of the first hold.

@@ -11,12 +11,17 @@ use crate::gprim::quadric::{self, Profile};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
-    attach_variables, corner_columns, corner_variables, patch_variables, positions, set_varying, uniform_numbers,
+    attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
+    set_varying, uniform_numbers,
 };
+use crate::scene::attached::Attached;
 use crate::scene::patch::Patch;
-use crate::scene::source::SourceShape;
-use glam::{Vec3, Vec4};
-use ri::{Fail, InstanceShape, Instances, Knots, Params, RiResult, Tags, Values};
+use crate::scene::shape::Shape;
+use crate::scene::source::{SourceShape, instance_variables};
+use crate::scene::variables::VariableNames;
+use glam::{Mat4, Vec3, Vec4};
+use ri::{Fail, InstanceShape, Instances, Knots, Param, Params, RiResult, Tags, Values};
+use std::sync::Arc;
 
 impl Context {
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {
@@ -25,7 +30,7 @@ impl Context {
             return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
         }
         let patches = polygon_patches(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
-        self.add_patches(patches)
+        self.add_patches(patches, names_of(&params))
     }
 
     pub(super) fn draw_general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
@@ -55,7 +60,7 @@ impl Context {
             }
             patches.extend(polygon_patches(&loops, &params, face, first)?);
         }
-        self.add_patches(patches)
+        self.add_patches(patches, names_of(&params))
     }
 
     pub(super) fn draw_points_polygons(
@@ -82,7 +87,7 @@ impl Context {
             patches.extend(polygon_patches(&[corners], &params, face, first)?);
             first += n;
         }
-        self.add_patches(patches)
+        self.add_patches(patches, names_of(&params))
     }
 
     pub(super) fn draw_patch(&mut self, kind: &str, params: Params) -> RiResult {
@@ -97,7 +102,7 @@ impl Context {
             other => return Err(Fail::new(format!("unknown patch type `{other}`, expected bilinear or bicubic"))),
         };
         patch_variables(&mut patch, &params, [0, 1, 2, 3], [0, 1, 2, 3], 0)?;
-        self.add_patches(vec![patch])
+        self.add_patches(vec![patch], names_of(&params))
     }
 
     pub(super) fn draw_patch_mesh(
@@ -126,7 +131,7 @@ impl Context {
             patch_variables(&mut patch, &params, corners, [4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3], face)?;
             patches.push(patch);
         }
-        self.add_patches(patches)
+        self.add_patches(patches, names_of(&params))
     }
 
     pub(super) fn draw_nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
@@ -140,7 +145,7 @@ impl Context {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
             patch.st = patch.uv.map(|[s, t]| [unit(s, u.range), unit(t, v.range)]);
         }
-        let mut others = Params::new();
+        let (mut others, mut names) = (Params::new(), VariableNames::default());
         for param in params {
             let (width, values) = (param.decl.width(), param.numbers());
             let own = !param.decl.class.is_whole()
@@ -162,9 +167,12 @@ impl Context {
                 };
                 set_varying(patch, &param.decl.name, all.concat());
             }
+            note_varying(&mut names, &param.decl.name);
         }
-        attach_variables(&mut patches, &others)?;
-        self.add_patches(patches)
+        let VariableNames { uniform, varying } = attach_variables(&mut patches, &others)?;
+        names.uniform = uniform;
+        names.varying.extend(varying);
+        self.add_patches(patches, names)
     }
 
     pub(super) fn draw_points(&mut self, params: Params) -> RiResult {
@@ -189,7 +197,7 @@ impl Context {
                     let message = format!("`{}` has {} values for {n} points", p.decl.name, v.len() / w);
                     return Err(Fail::new(message));
                 }
-                Ok(ri::Param { decl: p.decl.clone(), values: Values::Floats(all) })
+                Ok(Param { decl: p.decl.clone(), values: Values::Floats(all) })
             })
             .collect::<Result<_, _>>()?;
         if n == 0 {
@@ -225,13 +233,15 @@ impl Context {
         let eye = to_eye.transform_point3(Vec3::ZERO);
         let along = to_eye.transform_vector3(Vec3::Z);
         let perspective = self.options.fov.is_some();
+        let is_own = |p: &&Param| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth");
+        let own: Params = params.iter().filter(is_own).cloned().collect();
         let (mut at, mut value) = (0, 0);
         let mut patches = Vec::new();
         for (face, n) in n_vertices.iter().enumerate() {
-            let own = points.get(at..at + (*n).max(0) as usize);
-            let own = own.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
-            at += own.len();
-            let curve = curve(own, cubic, periodic, &self.bases.1, self.steps[1])?;
+            let vertices = points.get(at..at + (*n).max(0) as usize);
+            let vertices = vertices.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
+            at += vertices.len();
+            let curve = curve(vertices, cubic, periodic, &self.bases.1, self.steps[1])?;
             let count = curve.segments.len() as f32;
             for (k, (control, ends)) in curve.segments.iter().enumerate() {
                 let width = ends.map(|e| match &widths {
@@ -251,18 +261,13 @@ impl Context {
                 };
                 let range = [k as f32 / count, (k + 1) as f32 / count];
                 let mut patch = ribbon(control, width, range, facing);
-                let own: Params = params
-                    .iter()
-                    .filter(|p| !matches!(p.decl.name.as_str(), "N" | "width" | "constantwidth"))
-                    .cloned()
-                    .collect();
                 let [a, b] = ends.map(|e| value + e);
                 patch_variables(&mut patch, &own, [a, a, b, b], [a, a, b, b], face)?;
                 patches.push(patch);
             }
             value += curve.n_varying;
         }
-        self.add_patches(patches)
+        self.add_patches(patches, names_of(&own))
     }
 
     pub(super) fn draw_subdivision_mesh(
@@ -287,15 +292,17 @@ impl Context {
             3001..=30000 => 2,
             _ => 1,
         };
+        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
+        let mut names = names_of(&whole);
+        columns.iter().for_each(|(name, _)| note_varying(&mut names, name));
         let mut patches = Vec::new();
         for part in mesh.patches(levels) {
             let mut patch = part.patch;
             corner_variables(&mut patch, &columns, &part.values, width);
-            let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
             patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
             patches.push(patch);
         }
-        self.add_patches(patches)
+        self.add_patches(patches, names)
     }
 
     pub(super) fn draw_geometry(&mut self, name: &str, params: Params) -> RiResult {
@@ -305,8 +312,8 @@ impl Context {
         }
         let mut patches = teapot();
         let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-        attach_variables(&mut patches, &whole)?;
-        self.add_patches(patches)
+        let names = attach_variables(&mut patches, &whole)?;
+        self.add_patches(patches, names)
     }
 
     pub(super) fn draw_sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
@@ -341,8 +348,8 @@ impl Context {
             return Err(Fail::new("the quadric's numbers make no surface"));
         }
         let mut patches = quadric::revolve(&profile, sweep.clamp(-360.0, 360.0));
-        attach_variables(&mut patches, &params)?;
-        self.add_patches(patches)
+        let names = attach_variables(&mut patches, &params)?;
+        self.add_patches(patches, names)
     }
 
     /// One instance of an object.
@@ -361,30 +368,58 @@ impl Context {
     /// A blobby.
     pub(super) fn draw_blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, params: Params) -> RiResult {
         let field = Field::new(leaves.max(0) as usize, &codes, &floats)?;
-        let mut varying = Vec::new();
+        let (mut varying, mut names) = (Vec::new(), Vec::new());
         for param in params.iter().filter(|p| !p.decl.class.is_whole() && !p.numbers().is_empty()) {
             let width = param.decl.width();
             if param.numbers().len() != width * leaves as usize {
                 return Err(Fail::new(format!("`{}` needs a value for each of {leaves} leaves", param.decl.name)));
             }
-            varying.push((param.decl.name.clone(), width, param.numbers().to_vec()));
+            // The field gives the normals.
+            if param.decl.name != "N" {
+                varying.push((width, param.numbers().to_vec()));
+                names.push(param.decl.name.clone());
+            }
         }
         let mut patches = field.patches(&varying);
         let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-        attach_variables(&mut patches, &whole)?;
-        self.add_patches(patches)
+        let VariableNames { uniform, .. } = attach_variables(&mut patches, &whole)?;
+        self.add_patches(patches, VariableNames { uniform, varying: names })
     }
 
     /// Instances by columns.
     pub(super) fn draw_instances(&mut self, instances: Instances) -> RiResult {
-        let shape = match &instances.shape {
-            InstanceShape::Sphere => SourceShape::Spheres(instances),
+        let own: Vec<String> = instance_variables(&instances).map(|p| p.decl.name.clone()).collect();
+        match &instances.shape {
+            InstanceShape::Sphere => {
+                let attached = vec![Arc::new(Attached::new(&self.attributes, own, &VariableNames::default()))];
+                self.push(SourceShape::Spheres(instances), vec![], attached)
+            }
             InstanceShape::Object(handle) => {
                 let parts =
                     self.objects.get(handle).cloned().ok_or(Fail::new(format!("there is no object `{handle}`")))?;
-                SourceShape::Objects(instances, parts)
+                let attached = self.attach_parts(&own, &parts);
+                self.push(SourceShape::Objects(instances, parts), vec![], attached)
             }
-        };
-        self.push(shape, vec![])
+        }
+    }
+
+    /// The variables of the parts of an object, attached to the current shaders; the patches of one primitive share theirs.
+    fn attach_parts(&self, own: &[String], parts: &[(Shape, Mat4)]) -> Vec<Arc<Attached>> {
+        let none = Arc::new(VariableNames::default());
+        let mut last: Option<(&Arc<VariableNames>, Arc<Attached>)> = None;
+        let mut all = Vec::with_capacity(parts.len());
+        for (shape, _) in parts {
+            let names = match shape {
+                Shape::Sphere => &none,
+                Shape::Patches(_, names) => names,
+            };
+            let attached = match last.take() {
+                Some((before, attached)) if Arc::ptr_eq(before, names) => attached,
+                _ => Arc::new(Attached::new(&self.attributes, own.to_vec(), names)),
+            };
+            all.push(attached.clone());
+            last = Some((names, attached));
+        }
+        all
     }
 }

@@ -3,13 +3,15 @@
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
 use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
+use crate::scene::attached::Attached;
 use crate::scene::attributes::Attributes;
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
 use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
-use crate::scene::source::{Source, SourceShape};
+use crate::scene::source::{Source, SourceShape, instance_variables};
 use crate::scene::trim::Trim;
+use crate::scene::variables::VariableNames;
 use crate::scene::world::Scene;
 use crate::texture;
 use glam::Mat4;
@@ -119,15 +121,22 @@ impl Context {
         Ok(())
     }
 
-    /// Add patches, each a primitive of its own, so that each can be found hidden by itself.
-    pub(super) fn add_patches(&mut self, patches: Vec<Patch>) -> RiResult {
+    /// Add patches with variables of these names, each a primitive of its own, so that each can be found hidden by itself.
+    pub(super) fn add_patches(&mut self, patches: Vec<Patch>, names: VariableNames) -> RiResult {
+        let counts = (names.uniform.len(), names.varying.len());
+        assert!(
+            patches.iter().all(|p| (p.uniform.len(), p.varying.len()) == counts),
+            "patches without some of {names:?}"
+        );
         if let Some(block) = &mut self.motion {
-            block.calls.push(Moving::Patches(patches));
+            block.calls.push(Moving::Patches(patches, names));
             return Ok(());
         }
         if patches.iter().any(|p| p.p.iter().any(|p| !p.is_finite())) {
             return Err(Fail::new("the primitive has a point that is not a finite number"));
         }
+        let attached = Arc::new(Attached::new(&self.attributes, vec![], &names));
+        let names = Arc::new(names);
         let corners = self.attributes.texture_corners;
         for mut patch in patches {
             patch.trim.clone_from(&self.trim);
@@ -138,7 +147,7 @@ impl Context {
                 };
                 patch.st = patch.uv.map(|uv| [at(0, uv), at(1, uv)]);
             }
-            self.add(Shape::Patches(Arc::new(vec![patch])), vec![])?;
+            self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())?;
         }
         Ok(())
     }
@@ -149,29 +158,37 @@ impl Context {
             block.calls.push(Moving::Spheres(instances, uniform));
             return Ok(());
         }
+        let of_instances = instance_variables(&instances).map(|p| &p.decl.name);
+        let own = uniform.iter().map(|(name, _)| name).chain(of_instances).cloned().collect();
+        let attached = Arc::new(Attached::new(&self.attributes, own, &VariableNames::default()));
         if self.open_object.is_none() {
-            return self.push(SourceShape::Spheres(instances), uniform);
+            return self.push(SourceShape::Spheres(instances), uniform, vec![attached]);
         }
         let outer = self.transform;
         for i in 0..instances.len() {
             self.transform = outer * instances.matrix(i);
-            self.add(Shape::Sphere, uniform.clone())?;
+            self.add(Shape::Sphere, uniform.clone(), attached.clone())?;
         }
         self.transform = outer;
         Ok(())
     }
 
     /// Add a primitive, to the scene or to the object that is open.
-    pub(super) fn add(&mut self, shape: Shape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
+    fn add(&mut self, shape: Shape, uniform: Vec<(String, Vec<f32>)>, attached: Arc<Attached>) -> RiResult {
         if let Some((_, parts, base)) = &mut self.open_object {
             parts.push((shape, base.inverse() * self.transform));
             return Ok(());
         }
-        self.push(SourceShape::One(shape), uniform)
+        self.push(SourceShape::One(shape), uniform, vec![attached])
     }
 
     /// Add a source of primitives to the scene.
-    pub(super) fn push(&mut self, shape: SourceShape, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
+    pub(super) fn push(
+        &mut self,
+        shape: SourceShape,
+        uniform: Vec<(String, Vec<f32>)>,
+        attached: Vec<Arc<Attached>>,
+    ) -> RiResult {
         self.in_world("a primitive")?;
         if self.attributes.level <= 0.0 {
             return Ok(());
@@ -207,7 +224,7 @@ impl Context {
             let closing = later.into_iter().filter_map(|keys| keys.last().map(|(_, p)| *p)).collect::<Vec<_>>();
             columns.moved = (closing.len() == columns.position.len()).then_some(([0.0, 1.0], closing));
         }
-        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform });
+        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform, attached });
         Ok(())
     }
 }

@@ -104,7 +104,7 @@ impl Sink for Grids<'_> {
     /// Displace, project, shade and sample a grid.
     fn take(&mut self, grid: &mut Grid) {
         let Subject { item, view, instants, camera, .. } = self.subject;
-        let n_uniform = displace(self.frame, &self.subject, grid, &mut self.shading.machine);
+        displace(self.frame, &self.subject, grid, &mut self.shading.machine);
         let Some(bound) = self.raster.project(camera, instants, grid) else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {
@@ -113,7 +113,7 @@ impl Sink for Grids<'_> {
         }
         let surface = Surface { item, view, reach: grid.reach, z: bound.z };
         // What is surely opaque is shaded when the bucket knows which of its points are visible.
-        let later = view.attributes.stays_opaque() && !grid.points.inputs.iter().any(|(name, _)| name == "Os");
+        let later = view.attributes.stays_opaque() && view.attached.opacity.is_none();
         if !later {
             shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
         }
@@ -122,7 +122,7 @@ impl Sink for Grids<'_> {
             return;
         }
         let shaded = if later { None } else { Some(&mut *self.shading) };
-        self.deferred.push(self.frame, &surface, (&mut grid.points, n_uniform), self.raster, shaded);
+        self.deferred.push(self.frame, &surface, &mut grid.points, self.raster, shaded);
         if self.deferred.is_full() {
             self.deferred.flush(self.frame, self.samples, self.shading, self.stats);
         }

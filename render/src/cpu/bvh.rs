@@ -107,7 +107,7 @@ impl Bvh {
                 };
                 self.occluders.push((item, occluder));
             }
-            Shape::Patches(patches) => {
+            Shape::Patches(patches, _) => {
                 for patch in patches.iter() {
                     let facets = facets_of(patch, to_world).map(|[a, b, c]| (a, b - a, c - a));
                     let sound = facets.filter(|(_, ab, ac)| ab.cross(*ac).length_squared() > 0.0);

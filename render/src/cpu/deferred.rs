@@ -31,8 +31,6 @@ struct DeferredGrid {
     /// How far it may be displaced, and its least depth.
     reach: f32,
     z: f32,
-    /// Of its primitive variables, how many are the same all over.
-    n_uniform: usize,
     /// How far its points move on the raster, if a display takes that.
     motion: Vec<[f32; 2]>,
     /// What displays take besides colour, if it is shaded.
@@ -79,13 +77,13 @@ impl Deferred {
         self.grids.len()
     }
 
-    /// Defer a grid with visible points, in exchange for other memory; the first `n_uniform` of its primitive variables are the same
-    /// all over. `shaded` has what displays take of its points, if it is shaded.
+    /// Defer a grid with visible points, in exchange for other memory. `shaded` has what displays take of its points, if it is
+    /// shaded.
     pub fn push(
         &mut self,
         frame: &Frame<'_>,
         surface: &Surface<'_>,
-        (points, n_uniform): (&mut Points, usize),
+        points: &mut Points,
         raster: &Raster,
         shaded: Option<&mut Shading>,
     ) {
@@ -99,7 +97,7 @@ impl Deferred {
         let is_shaded = shaded.is_some();
         let outputs = shaded.map_or(vec![], |shading| std::mem::take(&mut shading.outputs));
         self.layouts.push(Layout { first, nu: points.nu, smooth, matte });
-        self.grids.push(DeferredGrid { motion, outputs, item, n_uniform, points, shaded: is_shaded, reach, z });
+        self.grids.push(DeferredGrid { motion, outputs, item, points, shaded: is_shaded, reach, z });
     }
 
     /// Whether it should be flushed before more is pushed.
@@ -142,7 +140,7 @@ impl Deferred {
             let whole = grid.shaded || view.attributes.reads_neighbours();
             if !grid.shaded {
                 if !whole {
-                    gather(&grid.points, grid.n_uniform, few, gathered);
+                    gather(&grid.points, view.attached.n_uniform, few, gathered);
                 }
                 let points = if whole { &mut grid.points } else { &mut *gathered };
                 let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
@@ -199,11 +197,9 @@ fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
             of(values, goal);
         }
     }
-    out.inputs.clear();
-    out.inputs.extend_from_slice(&points.inputs[..n_uniform]);
-    for (name, values) in &points.inputs[n_uniform..] {
-        let mut goal = Vec::new();
-        of(values, &mut goal);
-        out.inputs.push((name.clone(), goal));
+    out.clear_variables();
+    for (slot, values) in points.variables().iter().enumerate() {
+        let goal = out.next_variable();
+        if slot < n_uniform { goal.extend_from_slice(values) } else { of(values, goal) }
     }
 }

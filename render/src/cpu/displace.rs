@@ -1,24 +1,22 @@
 //! Displacement of a grid, by its item's displacement shader.
 
 use crate::cpu::frame::Frame;
-use crate::cpu::globals::{fill_incident, spread, uniform_inputs};
+use crate::cpu::globals::{fill_incident, spread};
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
 use sl::Global;
 use sl::machine::{Machine, Points};
 
-/// Displace a grid, drop its apron and put its edges where those of its neighbours are. Of its primitive variables, how many are
-/// the same all over; they come first.
-pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) -> usize {
+/// Displace a grid, drop its apron and put its edges where those of its neighbours are.
+pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
     let Subject { item, view, camera, .. } = *subject;
     let points = &mut grid.points;
-    uniform_inputs(points, view);
     if let Some(displacement) = &view.attributes.displacement {
         let mut scene = View::new(frame.scene, &frame.bvh, item, view, [0.0; 2]);
         scene.shader_to_world = view.attributes.displacement_space;
         fill_incident(points, camera);
         let before = points.get(Global::P).unwrap_or(&[]).to_vec();
-        machine.run(displacement, points, &scene);
+        machine.run_with(displacement, &view.attached.displacement, points, &scene);
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
         let n = points.n();
@@ -32,15 +30,11 @@ pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machi
     if grid.apron {
         strip_apron(points);
     }
-    points.inputs.append(&mut grid.uniform);
-    let n_uniform = points.inputs.len();
-    points.inputs.append(&mut grid.varying);
     if grid.keep != [u32::MAX; 4] {
         let (nu, nv) = (points.nu, points.nv);
         let p = points.get_mut(Global::P).into_iter();
         p.chain(&mut grid.deformed).for_each(|p| snap_edges(p, nu, nv, grid.keep));
     }
-    n_uniform
 }
 
 /// Drop the ring of points around the grid.

@@ -24,7 +24,7 @@ pub struct Frame<'a> {
     pub filter: [Filter; 2],
     /// What displays take besides colour.
     pub aovs: Vec<Aov>,
-    /// How many numbers these are.
+    /// Count of the numbers of a sample that these are.
     pub depth: usize,
     /// The id of the first item of each source, from 1.
     pub first_ids: Vec<usize>,

@@ -1,27 +1,24 @@
-//! Global variables that shaders start with, and the primitive variables of an item.
+//! Global variables that shaders start with.
 
 use crate::scene::camera::Camera;
-use crate::scene::source::{ItemView, instance_inputs};
+use crate::scene::source::ItemView;
 use glam::Vec3;
 use sl::Global;
 use sl::machine::Points;
 
-/// The variables of a primitive that are the same all over, for whichever of its shaders runs.
-pub fn uniform_inputs(points: &mut Points, view: &ItemView<'_>) {
-    let own = view.instance.into_iter().flat_map(|(columns, i)| instance_inputs(columns, i));
-    points.inputs.clear();
-    points.inputs.extend(view.source.uniform.iter().cloned().chain(own));
-}
-
 /// What a surface shader starts with besides where it is: colours, and Ng and E if it asks for them.
 pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
     let a = view.attributes;
-    let varies = |name: &str| points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
-    let (cs, os) = (varies("Cs").unwrap_or(view.color.to_vec()), varies("Os").unwrap_or(a.opacity.to_vec()));
-    points.refill(Global::Cs).extend_from_slice(&cs);
-    points.refill(Global::Os).extend_from_slice(&os);
+    let slots = view.attached;
+    let own = [
+        (Global::Cs, slots.color, view.color),
+        (Global::Os, slots.opacity, a.opacity),
+        (Global::Oi, slots.opacity, a.opacity),
+    ];
+    for (global, slot, of_all) in own {
+        points.refill_from(global, slot, &of_all);
+    }
     points.refill(Global::Ci).extend_from_slice(&[0.0; 3]);
-    points.refill(Global::Oi).extend_from_slice(&os);
     if a.surface.program.global(Global::Ng).is_some() {
         let normal = points.get(Global::N).unwrap_or(&[]).to_vec();
         points.refill(Global::Ng).extend(normal);

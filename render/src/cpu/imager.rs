@@ -37,7 +37,6 @@ pub fn run(
 ) {
     let n = pixels.len();
     (points.nu, points.nv, points.orientation) = (width, n / width, 1.0);
-    points.inputs.clear();
     let place = |k: usize| [(x + k % width) as f32 + 0.5, (y + k / width) as f32 + 0.5, 0.0];
     points.refill(Global::P).extend((0..3).flat_map(|c| (0..n).map(move |k| place(k)[c])));
     points.refill(Global::Ci).extend((0..3).flat_map(|c| pixels.iter().map(move |p| p[c])));

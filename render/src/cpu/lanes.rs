@@ -1,11 +1,11 @@
 //! SIMD lanes: eight numbers at once, for loops over samples: AVX2 where the processor has it, plain arrays elsewhere. Both give the same bits.
 //!
-//! A kernel is a function generic over [`Lanes`], `#[inline(always)]` down to here and without closures, which would be compiled
+//! A lanes loop is a function generic over [`Lanes`], `#[inline(always)]` down to here and without closures, which would be compiled
 //! for plain processors; [`with_lanes!`] calls it for the processor at hand.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// How many numbers.
+/// Numbers of a register.
 pub const LANES: usize = 8;
 
 /// Eight numbers, or eight answers: all bits set where something holds.
@@ -184,7 +184,7 @@ mod wide {
     use std::arch::x86_64::*;
     use std::ops::{Add, Div, Mul, Sub};
 
-    /// Lanes as a vector register of AVX2. `with_lanes!` alone makes kernels of it, where the processor has that: this is what
+    /// Lanes as a vector register of AVX2. `with_lanes!` alone makes loops over it, where the processor has that: this is what
     /// makes every `unsafe` below sound. Loads and stores go through slices of the right length.
     #[derive(Clone, Copy)]
     pub struct Wide(__m256);
@@ -300,23 +300,23 @@ pub fn has_wide_lanes() -> bool {
     false
 }
 
-/// Define a method that runs a kernel, generic over [`Lanes`] and `#[inline(always)]`, with the processor's widest.
+/// Define a method that runs a lanes loop, generic over [`Lanes`] and `#[inline(always)]`, with the processor's widest.
 macro_rules! with_lanes {
-    ($(#[$doc:meta])* $vis:vis fn $name:ident = $kernel:ident ($($arg:ident: $ty:ty),*) -> $out:ty) => {
+    ($(#[$doc:meta])* $vis:vis fn $name:ident = $lanes_loop:ident ($($arg:ident: $ty:ty),*) -> $out:ty) => {
         $(#[$doc])*
         $vis fn $name(&mut self, $($arg: $ty),*) -> $out {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2")]
                 unsafe fn wide(own: &mut Samples, $($arg: $ty),*) -> $out {
-                    own.$kernel::<$crate::cpu::lanes::Wide>($($arg),*)
+                    own.$lanes_loop::<$crate::cpu::lanes::Wide>($($arg),*)
                 }
                 if $crate::cpu::lanes::has_wide_lanes() {
                     // SAFETY: the processor has AVX2.
                     return unsafe { wide(self, $($arg),*) };
                 }
             }
-            self.$kernel::<$crate::cpu::lanes::Plain>($($arg),*)
+            self.$lanes_loop::<$crate::cpu::lanes::Plain>($($arg),*)
         }
     };
 }
@@ -327,7 +327,7 @@ pub(crate) use with_lanes;
 mod tests {
     use super::*;
 
-    /// What a kernel might do with numbers that are awkward: the bits of every step.
+    /// What a lanes loop might do with numbers that are awkward: the bits of every step.
     #[inline(always)]
     fn mixed<L: Lanes>(a: &[f32], b: &[f32]) -> Vec<u32> {
         let (x, y) = (L::load(a, 0), L::load(b, 0));

@@ -1,11 +1,11 @@
 //! Ids of micropolygons in a bucket, as samples keep them.
 
-/// One triangle of a micropolygon of a grid of the bucket: the grid's number, the number of its first point, and which of the
+/// One triangle of a micropolygon of a grid of the bucket: the grid's index, the index of its first point, and which of the
 /// two triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Micropolygon(u32);
 
-/// Bits of a point's number.
+/// Bits of a point's index.
 pub const POINT_BITS: u32 = 11;
 
 impl Micropolygon {

@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Buckets of a batch: so many that what is held beside the image itself stays small.
+/// Buckets of a batch: few enough that what is in memory beside the image itself stays small.
 const BATCH: usize = 1024;
 
 /// Render an image; `progress` is called with the buckets done and in all.
@@ -53,8 +53,8 @@ pub fn render(
             rendered
         };
         let rendered: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(render).collect();
-        for (bucket, (pixels, took)) in batch.iter().zip(rendered) {
-            stats = stats.add(took);
+        for (bucket, (pixels, own)) in batch.iter().zip(rendered) {
+            stats = stats.add(own);
             for row in 0..bucket.height {
                 let (at, from) = ((bucket.y + row) * options.width + bucket.x, row * bucket.width);
                 image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);

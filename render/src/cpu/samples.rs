@@ -95,8 +95,8 @@ pub struct Samples {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) strata: [usize; 2],
-    /// In images of motion without a lens, a pixel's samples are held together by their times: so many, with those that make
-    /// the last cell whole. 0 elsewhere.
+    /// Samples of a pixel, with those that make its last cell whole, in images of motion without a lens, where they lie together by
+    /// their times; 0 elsewhere.
     pub(crate) padded: usize,
     /// Cells along x and y.
     pub(crate) columns: usize,

@@ -41,11 +41,11 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     let mut scene = View::new(frame.scene, &frame.bvh, item, view, [bias, bias + 2.0 * reach]);
     fill_incident(points, &frame.camera);
     surface_globals(points, view, frame.camera.eye);
-    shading.machine.run(&a.surface, points, &scene);
+    shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     note_outputs(frame, item, view, points, shading);
     if let Some(atmosphere) = &a.atmosphere {
         scene.shader_to_world = a.atmosphere_space;
-        shading.machine.run(atmosphere, points, &scene);
+        shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
     }
     stats.shaded_points += points.n() as u64;
     stats.seconds.shade += begun.elapsed().as_secs_f64();
@@ -64,7 +64,7 @@ fn note_outputs(frame: &Frame<'_>, item: Item, view: &ItemView<'_>, points: &Poi
     let id = [(frame.first_ids[item.source as usize] + item.index as usize) as f32];
     for (first, aov) in placed(&frame.aovs) {
         let (width, name) = (aov.width(), aov.name.as_str());
-        let variable = || points.inputs.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_slice());
+        let variable = || points.variable(view.attached.slot(name)?);
         let values = match name {
             "z" | "motion" => None,
             "id" => Some(&id[..]),

@@ -5,10 +5,10 @@
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::cpu::bvh::Bvh;
-use crate::cpu::globals::{surface_globals, uniform_inputs};
+use crate::cpu::globals::surface_globals;
 use crate::scene::attributes::Attributes;
 use crate::scene::facets::place_on;
-use crate::scene::patch::bilinear;
+use crate::scene::patch::{Patch, bilinear};
 use crate::scene::shape::{Shape, sphere_uv};
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// How deep rays are followed if no option says: single ones, and those that are many from one point.
 const MAX_DEPTH: [u32; 2] = [4, 1];
 
-/// Translucent surfaces that a ray passes before it is held up.
+/// Translucent surfaces that a ray passes before it is stopped.
 const MAX_LAYERS: usize = 64;
 
 /// Surfaces whose shaders are asked for their opacity one from within another: their lights' rays may meet others.
@@ -86,8 +86,10 @@ impl<'a> View<'a> {
         let met = meet(&view, from + dir * distance, from, dir);
         (points.nu, points.nv) = (1, 1);
         points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
-        uniform_inputs(&mut points, &view);
-        points.inputs.extend(met.inputs);
+        view.fill_variables(&mut points);
+        if let Some((patch, [u, v])) = met.on {
+            fill_variables(&mut points, patch, u, v);
+        }
         let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
         let way = (dir * distance).to_array();
         let values: [(Global, &[f32]); 7] = [
@@ -104,7 +106,7 @@ impl<'a> View<'a> {
         }
         surface_globals(&mut points, &view, from);
         let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, &view, self.bias) };
-        machine.run(&a.surface, &mut points, &scene);
+        machine.run_with(&a.surface, &view.attached.surface, &mut points, &scene);
         let three = |global| points.get(global).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
         let answer = (three(Global::Ci), three(Global::Oi));
         SPARE.with(|s| s.borrow_mut().push((machine, points)));
@@ -192,7 +194,7 @@ impl<'a> View<'a> {
 
 /// The normal of an item that is flat all over, world space.
 fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
-    let Shape::Patches(patches) = view.shape else { return None };
+    let Shape::Patches(patches, _) = view.shape else { return None };
     let [patch] = patches.as_slice() else { return None };
     let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
     patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
@@ -204,50 +206,52 @@ fn nearly_none(open: [f32; 3]) -> bool {
 }
 
 /// A surface where a ray meets it, world space.
-struct Met {
+struct Met<'a> {
     place: Vec3,
     normal: Vec3,
     uv: [f32; 2],
     st: [f32; 2],
-    inputs: Vec<(String, Vec<f32>)>,
+    /// The patch that was met, and where in its parameters.
+    on: Option<(&'a Patch, [f32; 2])>,
 }
 
-fn meet(view: &ItemView<'_>, place: Vec3, from: Vec3, dir: Vec3) -> Met {
+/// Fill the next slots of the variables of one point: those of a patch.
+fn fill_variables(points: &mut Points, patch: &Patch, u: f32, v: f32) {
+    for values in &patch.uniform {
+        points.next_variable().extend_from_slice(values);
+    }
+    for values in &patch.varying {
+        let width = values.len() / 4;
+        let corners = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
+        points.next_variable().extend((0..width).map(|c| bilinear(corners(c), u, v)));
+    }
+}
+
+fn meet<'a>(view: &ItemView<'a>, place: Vec3, from: Vec3, dir: Vec3) -> Met<'a> {
     let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
     match view.shape {
         Shape::Sphere => {
             let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
             let uv = sphere_uv(d);
-            Met { place, normal: (normals * d).normalize_or_zero(), uv, st: uv, inputs: vec![] }
+            Met { place, normal: (normals * d).normalize_or_zero(), uv, st: uv, on: None }
         }
-        Shape::Patches(patches) => {
+        Shape::Patches(patches, _) => {
             let inverse = view.to_world.inverse();
             let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
             let at = inverse.transform_point3(place);
             let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
-                return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], inputs: vec![] };
+                return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], on: None };
             };
-            let corner =
-                |values: &[f32], width: usize, c: usize| bilinear([0, 1, 2, 3].map(|k| values[k * width + c]), u, v);
             let of = |corners: [[f32; 2]; 4], axis: usize| bilinear(corners.map(|c| c[axis]), u, v);
-            let mut normal = patch.normal(u, v);
-            let mut inputs = patch.uniform.clone();
-            for (name, values) in &patch.varying {
-                let width = values.len() / 4;
-                let value: Vec<f32> = (0..width).map(|c| corner(values, width, c)).collect();
-                match value[..] {
-                    [x, y, z] if name == "N" => normal = Vec3::new(x, y, z),
-                    _ => inputs.push((name.clone(), value)),
-                }
-            }
+            let normal = patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v));
             let normal = (normals * normal).normalize_or_zero();
             Met {
                 place,
                 normal,
                 uv: [of(patch.uv, 0), of(patch.uv, 1)],
                 st: [of(patch.st, 0), of(patch.st, 1)],
-                inputs,
+                on: Some((patch, [u, v])),
             }
         }
     }

@@ -168,7 +168,7 @@ pub fn place_of(aovs: &[Aov], name: &str) -> Option<usize> {
     placed(aovs).find(|(_, aov)| aov.name == name).map(|(first, _)| first)
 }
 
-/// How many numbers some values have.
+/// Count of the numbers of some values.
 pub fn depth(aovs: &[Aov]) -> usize {
     aovs.iter().map(Aov::width).sum()
 }

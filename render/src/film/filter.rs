@@ -111,7 +111,7 @@ impl Filter {
         self.kind == FilterKind::Box && self.half == 0.5
     }
 
-    /// How many pixels beyond its own a pixel takes samples from.
+    /// Count of pixels beyond its own that a pixel takes samples from.
     pub fn margin(&self) -> usize {
         (self.half - 0.5).max(0.0).ceil() as usize
     }

@@ -177,124 +177,144 @@ impl Field {
         *values.last().expect("a field has nodes")
     }
 
-    /// The surface as patches; `varying` are values of the leaves, which blend as their fields do.
-    ///
-    /// It is long because its passes, over values, cells and edges, share the lattice and its indices.
-    pub fn patches(&self, varying: &[(String, usize, Vec<f32>)]) -> Vec<Patch> {
+    /// The surface as patches; `varying` are widths and values of the leaves, which blend as their fields do.
+    pub fn patches(&self, varying: &[(usize, Vec<f32>)]) -> Vec<Patch> {
         let mut scratch = Vec::new();
-        let size = (self.max - self.min).max_element() / CELLS;
-        let origin = self.min - size;
-        let n = ((self.max - self.min) / size).ceil().as_uvec3() + 3;
-        let [nx, ny, nz] = [n.x as usize, n.y as usize, n.z as usize];
-        let place = |i: usize, j: usize, k: usize| origin + Vec3::new(i as f32, j as f32, k as f32) * size;
-        let index = |i: usize, j: usize, k: usize| (k * ny + j) * nx + i;
+        let lattice = Lattice::over(self);
+        let [nx, ny, nz] = lattice.n;
         let mut value = vec![0.0; nx * ny * nz];
-        for k in 0..nz {
-            for j in 0..ny {
-                for i in 0..nx {
-                    value[index(i, j, k)] = self.at(place(i, j, k), &mut scratch) - LEVEL;
-                }
-            }
+        for [i, j, k] in cells([0; 3], lattice.n) {
+            value[lattice.index(i, j, k)] = self.at(lattice.place(i, j, k), &mut scratch) - LEVEL;
         }
-        let slope = |p: Vec3, scratch: &mut Vec<f32>| {
-            let d = 0.2 * size;
-            let mut along = |axis: Vec3| self.at(p + axis * d, scratch) - self.at(p - axis * d, scratch);
-            Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * d)
-        };
         // A point in each cell that is crossed.
         let mut cell = vec![u32::MAX; nx * ny * nz];
         let (mut points, mut normals): (Vec<Vec3>, Vec<Vec3>) = (vec![], vec![]);
-        for k in 0..nz - 1 {
-            for j in 0..ny - 1 {
-                for i in 0..nx - 1 {
-                    let corner = |c: usize| (i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
-                    let at = |c: usize| {
-                        let (i, j, k) = corner(c);
-                        value[index(i, j, k)]
-                    };
-                    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-                    for a in 0..8usize {
-                        for b in [a | 1, a | 2, a | 4].into_iter().filter(|b| *b != a) {
-                            let (x, y) = (at(a), at(b));
-                            if (x > 0.0) != (y > 0.0) {
-                                let place = |c: usize| {
-                                    let (i, j, k) = corner(c);
-                                    place(i, j, k)
-                                };
-                                sum += place(a).lerp(place(b), x / (x - y));
-                                count += 1.0;
-                            }
-                        }
-                    }
-                    if count > 0.0 {
-                        let mut p = sum / count;
-                        for _ in 0..3 {
-                            let g = slope(p, &mut scratch);
-                            if g.length_squared() > 1e-12 {
-                                let step = g * ((LEVEL - self.at(p, &mut scratch)) / g.length_squared());
-                                p += step.clamp_length_max(0.5 * size);
-                            }
-                        }
-                        cell[index(i, j, k)] = points.len() as u32;
-                        points.push(p);
-                        normals.push(-slope(p, &mut scratch).normalize_or_zero());
-                    }
-                }
+        for [i, j, k] in cells([0; 3], lattice.n.map(|n| n - 1)) {
+            if let Some(p) = lattice.crossing([i, j, k], &value) {
+                let (p, slope) = self.drawn_to_surface(p, lattice.size, &mut scratch);
+                cell[lattice.index(i, j, k)] = points.len() as u32;
+                points.push(p);
+                normals.push(-slope.normalize_or_zero());
             }
         }
+        let index = |i: usize, j: usize, k: usize| lattice.index(i, j, k);
         let mut patches = Vec::new();
-        for k in 1..nz - 1 {
-            for j in 1..ny - 1 {
-                for i in 1..nx - 1 {
-                    let here = value[index(i, j, k)] > 0.0;
-                    // The four cells around each of the three edges that start here.
-                    for (there, around) in [
-                        (index(i + 1, j, k), [(i, j - 1, k - 1), (i, j, k - 1), (i, j - 1, k), (i, j, k)]),
-                        (index(i, j + 1, k), [(i - 1, j, k - 1), (i - 1, j, k), (i, j, k - 1), (i, j, k)]),
-                        (index(i, j, k + 1), [(i - 1, j - 1, k), (i, j - 1, k), (i - 1, j, k), (i, j, k)]),
-                    ] {
-                        if (value[there] > 0.0) == here {
-                            continue;
-                        }
-                        let mut quad = around.map(|(i, j, k)| cell[index(i, j, k)] as usize);
-                        if quad.contains(&(u32::MAX as usize)) {
-                            continue;
-                        }
-                        if !here {
-                            quad.swap(1, 2);
-                        }
-                        patches.push(self.patch(quad, &points, &normals, varying));
-                    }
+        for [i, j, k] in cells([1; 3], lattice.n.map(|n| n - 1)) {
+            let here = value[index(i, j, k)] > 0.0;
+            // The four cells around each of the three edges that start here.
+            for (there, around) in [
+                (index(i + 1, j, k), [(i, j - 1, k - 1), (i, j, k - 1), (i, j - 1, k), (i, j, k)]),
+                (index(i, j + 1, k), [(i - 1, j, k - 1), (i - 1, j, k), (i, j, k - 1), (i, j, k)]),
+                (index(i, j, k + 1), [(i - 1, j - 1, k), (i, j - 1, k), (i - 1, j, k), (i, j, k)]),
+            ] {
+                if (value[there] > 0.0) == here {
+                    continue;
                 }
+                let mut quad = around.map(|(i, j, k)| cell[index(i, j, k)] as usize);
+                if quad.contains(&(u32::MAX as usize)) {
+                    continue;
+                }
+                if !here {
+                    quad.swap(1, 2);
+                }
+                patches.push(self.patch(quad, &points, &normals, varying));
             }
         }
         patches
     }
 
+    /// The field's slope, by differences over a part of a cell.
+    fn slope(&self, p: Vec3, size: f32, scratch: &mut Vec<f32>) -> Vec3 {
+        let d = 0.2 * size;
+        let mut along = |axis: Vec3| self.at(p + axis * d, scratch) - self.at(p - axis * d, scratch);
+        Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * d)
+    }
+
+    /// A point moved along the field's slope to the surface, and the slope there.
+    fn drawn_to_surface(&self, mut p: Vec3, size: f32, scratch: &mut Vec<f32>) -> (Vec3, Vec3) {
+        for _ in 0..3 {
+            let g = self.slope(p, size, scratch);
+            if g.length_squared() > 1e-12 {
+                let step = g * ((LEVEL - self.at(p, scratch)) / g.length_squared());
+                p += step.clamp_length_max(0.5 * size);
+            }
+        }
+        (p, self.slope(p, size, scratch))
+    }
+
     /// A quadrilateral of the net, curved by its normals.
-    fn patch(
-        &self,
-        quad: [usize; 4],
-        points: &[Vec3],
-        normals: &[Vec3],
-        varying: &[(String, usize, Vec<f32>)],
-    ) -> Patch {
+    fn patch(&self, quad: [usize; 4], points: &[Vec3], normals: &[Vec3], varying: &[(usize, Vec<f32>)]) -> Patch {
         let mut patch = Patch::bilinear(quad.map(|i| points[i]));
         patch.flat = false;
-        patch.varying.push(("N".into(), quad.iter().flat_map(|i| normals[*i].to_array()).collect()));
-        for (name, width, values) in varying {
+        patch.normals = Some(Box::new(quad.map(|i| normals[i])));
+        for (width, values) in varying {
             let mut corners = Vec::with_capacity(4 * width);
             for i in quad {
-                let share: Vec<f32> =
+                let weights: Vec<f32> =
                     self.leaves.iter().map(|l| self.leaf(&self.nodes[*l], points[i]).max(0.0)).collect();
-                let whole: f32 = share.iter().sum();
+                let whole: f32 = weights.iter().sum();
                 for c in 0..*width {
-                    let sum: f32 = share.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
+                    let sum: f32 = weights.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
                     corners.push(if whole > 0.0 { sum / whole } else { values[c] });
                 }
             }
-            patch.varying.push((name.clone(), corners));
+            patch.varying.push(corners);
         }
         patch
     }
+}
+
+/// The points over a field's bound at which it is evaluated.
+struct Lattice {
+    origin: Vec3,
+    /// Side of a cell.
+    size: f32,
+    /// Points along each axis.
+    n: [usize; 3],
+}
+
+impl Lattice {
+    fn over(field: &Field) -> Lattice {
+        let size = (field.max - field.min).max_element() / CELLS;
+        let n = ((field.max - field.min) / size).ceil().as_uvec3() + 3;
+        Lattice { origin: field.min - size, size, n: n.to_array().map(|n| n as usize) }
+    }
+
+    fn place(&self, i: usize, j: usize, k: usize) -> Vec3 {
+        self.origin + Vec3::new(i as f32, j as f32, k as f32) * self.size
+    }
+
+    fn index(&self, i: usize, j: usize, k: usize) -> usize {
+        (k * self.n[1] + j) * self.n[0] + i
+    }
+
+    /// The mean of where the surface crosses a cell's edges, if it does.
+    fn crossing(&self, [i, j, k]: [usize; 3], value: &[f32]) -> Option<Vec3> {
+        let corner = |c: usize| (i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+        let at = |c: usize| {
+            let (i, j, k) = corner(c);
+            value[self.index(i, j, k)]
+        };
+        let place = |c: usize| {
+            let (i, j, k) = corner(c);
+            self.place(i, j, k)
+        };
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for a in 0..8usize {
+            for b in [a | 1, a | 2, a | 4].into_iter().filter(|b| *b != a) {
+                let (x, y) = (at(a), at(b));
+                if (x > 0.0) != (y > 0.0) {
+                    sum += place(a).lerp(place(b), x / (x - y));
+                    count += 1.0;
+                }
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+}
+
+/// Indices from `lo` to before `hi` along each axis, the first axis fastest.
+fn cells(lo: [usize; 3], hi: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let along = move |axis: usize| lo[axis]..hi[axis];
+    along(2).flat_map(move |k| along(1).flat_map(move |j| along(0).map(move |i| [i, j, k])))
 }

@@ -32,7 +32,7 @@ fn camera_box(m: Mat4, view: &ItemView<'_>) -> (Vec3, Vec3) {
             let (center, half) = (m.w_axis.truncate(), Vec3::new(row(0), row(1), row(2)));
             (center - half, center + half)
         }
-        Shape::Patches(patches) => patches
+        Shape::Patches(patches, _) => patches
             .iter()
             .flat_map(|patch| patch.p.iter().chain(patch.moves.iter().flat_map(|(_, p)| p)))
             .map(|p| m.transform_point3(*p))

@@ -20,7 +20,7 @@ impl Dicer {
     pub fn dice(&mut self, subject: &Subject<'_>, sink: &mut impl Sink) {
         match subject.view.shape {
             Shape::Sphere => sphere::dice(subject, &mut self.sphere, &mut self.queue, &mut self.grid, sink),
-            Shape::Patches(patches) => split::dice_all(subject, patches, &mut self.queue, &mut self.grid, sink),
+            Shape::Patches(patches, _) => split::dice_all(subject, patches, &mut self.queue, &mut self.grid, sink),
         }
     }
 

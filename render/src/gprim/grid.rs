@@ -48,12 +48,9 @@ pub trait Sink {
 /// A grid: points in rows, in world space, as a dicer leaves it.
 #[derive(Default)]
 pub struct Grid {
-    /// P, N, and u, v, s, t where these are wanted.
+    /// P, N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view, varying ones without the
+    /// apron.
     pub points: Points,
-    /// Variables that are the same all over, besides those of the item.
-    pub uniform: Vec<(String, Vec<f32>)>,
-    /// Varying variables, without the apron.
-    pub varying: Vec<(String, Vec<f32>)>,
     /// How far each point is from where it was first, world space, at each moment of the item but the first: x of all, y of all,
     /// z of all. Empty if it keeps its form.
     pub deformed: Vec<Vec<f32>>,

@@ -5,6 +5,7 @@ use crate::scene::motion::later;
 use crate::scene::patch::{Patch, bernstein, bernstein_slope, bilinear, point_of};
 use glam::Vec3;
 use sl::Global;
+use sl::machine::Points;
 
 /// A piece of a patch, in its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +28,6 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
     };
     let (us, vs) = (lines(piece.u, nu), lines(piece.v, nv));
     let normals = glam::Mat3::from_mat4(view.to_world).inverse().transpose();
-    // Normals that the scene gives go before the patch's own.
-    let given = patch.varying.iter().find(|(name, v)| name == "N" && v.len() == 12).map(|(_, v)| v.as_slice());
     let mirrored = view.to_world.determinant() < 0.0;
     let sign = if view.attributes.reversed { -1.0 } else { 1.0 };
     let points = &mut grid.points;
@@ -42,7 +41,7 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
     let along: Vec<([f32; 4], [f32; 4])> = us.iter().map(|u| (bernstein(*u), bernstein_slope(*u))).collect();
     let mix = |c: &[Vec3; 4], w: &[f32; 4]| c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3];
     // What is flat has one normal, but for the tips of triangles.
-    let even = (patch.flat && given.is_none()).then(|| normals * patch.normal(0.5, 0.5));
+    let even = (patch.flat && patch.normals.is_none()).then(|| normals * patch.normal(0.5, 0.5));
     let even = even.map(|m| m.normalize_or_zero() * sign);
     for (j, v) in vs.iter().enumerate() {
         // The row as a curve along u, and its slope along v.
@@ -53,8 +52,9 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
             let k = j * us.len() + i;
             let q = view.to_world.transform_point3(mix(&row, bu));
             let m = even.unwrap_or_else(|| {
-                let own = given
-                    .map_or_else(|| patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v), |n| normal_at(n, *u, *v));
+                let own = patch
+                    .given_normal(*u, *v)
+                    .unwrap_or_else(|| patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v));
                 (normals * own).normalize_or_zero() * sign
             });
             (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
@@ -77,9 +77,11 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
         }
     }
     trim(patch, piece, [nu, nv], &mut grid.trimmed);
-    vary(patch, [&us, &vs], ring as usize, &mut grid.varying);
-    grid.uniform.clear();
-    grid.uniform.extend(patch.uniform.iter().cloned());
+    view.fill_variables(&mut grid.points);
+    for values in &patch.uniform {
+        grid.points.next_variable().extend_from_slice(values);
+    }
+    vary(patch, [&us, &vs], ring as usize, &mut grid.points);
 }
 
 /// Find the micropolygons of a grid that are cut away.
@@ -99,20 +101,16 @@ fn trim(patch: &Patch, piece: Piece, [nu, nv]: [usize; 2], trimmed: &mut Vec<boo
 }
 
 /// Give the points of a grid, without the apron, the patch's varying variables.
-fn vary(patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize, varying: &mut Vec<(String, Vec<f32>)>) {
-    varying.clear();
-    for (name, values) in patch.varying.iter().filter(|(name, _)| name != "N") {
+fn vary(patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize, points: &mut Points) {
+    // The apron is dropped from globals alone: variables are made without it.
+    let (us, vs) = (&us[ring..us.len() - ring], &vs[ring..vs.len() - ring]);
+    for values in &patch.varying {
         let width = values.len() / 4;
-        let corner = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
-        // The apron is dropped from globals alone: variables are made without it.
-        let inner = |x: &[f32]| x[ring..x.len() - ring].to_vec();
-        let (us, vs) = (inner(us), inner(vs));
-        let all = (0..width).flat_map(|c| {
-            vs.iter()
-                .flat_map(|v| us.iter().map(|u| bilinear(corner(c), *u, *v)).collect::<Vec<_>>())
-                .collect::<Vec<_>>()
-        });
-        varying.push((name.clone(), all.collect()));
+        let out = points.next_variable();
+        for c in 0..width {
+            let corners = [0, 1, 2, 3].map(|k| values[k * width + c]);
+            out.extend(vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corners, *u, *v))));
+        }
     }
 }
 
@@ -133,9 +131,4 @@ fn deform(subject: &Subject<'_>, patch: &Patch, [us, vs]: [&[f32]; 2], ring: usi
         }
         deformed.push(all);
     }
-}
-
-/// The normal between those of the corners.
-fn normal_at(corners: &[f32], u: f32, v: f32) -> Vec3 {
-    Vec3::from_array([0, 1, 2].map(|c| bilinear([0, 1, 2, 3].map(|k| corners[3 * k + c]), u, v)))
 }

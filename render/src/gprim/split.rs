@@ -84,6 +84,20 @@ impl Queue {
         self.waiting.peek().filter(|w| next.is_none_or(|(z, item)| w.before(*z, *item)))?;
         self.waiting.pop()
     }
+
+    /// Split a piece of patch `k` of an item, whose control points are `p` in camera space, into halves that wait.
+    fn split(&mut self, (item, k): (Item, usize), p: &[Vec3; 16], piece: Piece, reach: f32, along_u: bool) {
+        let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
+        let (depth, whole) = (piece.depth + 1, [0.0, 1.0]);
+        for half in 0..2 {
+            let part = |r: [f32; 2], divided: bool| if divided { halves(r)[half] } else { r };
+            let [u, v] = [(whole, along_u), (whole, !along_u)].map(|(r, divided)| part(r, divided));
+            let z = hull(&sub_patch(p, Piece { u, v, depth })).0.z - reach;
+            let piece = Piece { u: part(piece.u, along_u), v: part(piece.v, !along_u), depth };
+            self.waiting.push(Waiting { z, item, patch: k as u32, piece });
+        }
+        self.splits += 1;
+    }
 }
 
 /// Dice the patches of an item; what is too large is split and waits in the queue.
@@ -102,7 +116,7 @@ pub fn dice_waiting(
     sink: &mut impl Sink,
 ) {
     let patches = match subject.view.shape {
-        Shape::Patches(patches) => patches,
+        Shape::Patches(patches, _) => patches,
         Shape::Sphere => whole_sphere(),
     };
     let k = waiting.patch as usize;
@@ -110,8 +124,6 @@ pub fn dice_waiting(
 }
 
 /// Dice a piece of patch `k` of an item, or split it.
-///
-/// It is long because every measure of the piece decides in turn whether it is dropped, split or diced, and how finely.
 fn dice_or_split(
     subject: &Subject<'_>,
     (k, patch): (usize, &Patch),
@@ -127,8 +139,6 @@ fn dice_or_split(
     let to_camera = camera.to_camera * view.to_world;
     let own = sub_patch(&patch.p, piece);
     let p = own.map(|p| to_camera.transform_point3(p));
-    let hull =
-        |p: &[Vec3; 16]| p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     let (min, max) = hull(&p);
     // What is wholly behind the near plane as the shutter opens is not seen, wherever it moves.
     if !min.is_finite() || !max.is_finite() || max.z + reach < camera.near {
@@ -148,91 +158,114 @@ fn dice_or_split(
     if !shows {
         return;
     }
-    let split = |along_u: bool, queue: &mut Queue| {
-        let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
-        let (depth, whole) = (piece.depth + 1, [0.0, 1.0]);
-        for half in 0..2 {
-            let part = |r: [f32; 2], divided: bool| if divided { halves(r)[half] } else { r };
-            let [u, v] = [(whole, along_u), (whole, !along_u)].map(|(r, divided)| part(r, divided));
-            let z = hull(&sub_patch(&p, Piece { u, v, depth })).0.z - reach;
-            let piece = Piece { u: part(piece.u, along_u), v: part(piece.v, !along_u), depth };
-            queue.waiting.push(Waiting { z, item: subject.item, patch: k as u32, piece });
-        }
-    };
-    let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
-    let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
     let last = instants[1..].last().map(&moved);
-    let crosses = camera.perspective && min.z <= camera.near;
-    if crosses {
+    if camera.perspective && min.z <= camera.near {
         // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
         // than half a pixel there.
+        let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
+        let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
         if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
-            split(u >= v, queue);
-            queue.splits += 1;
+            queue.split((subject.item, k), &p, piece, reach, u >= v);
         }
         return;
     }
-    let step = view.attributes.shading_rate.sqrt();
-    // Nearer than it may be displaced, its size on the raster says nothing.
-    let ahead = p.map(|p| Vec3::new(p.x, p.y, p.z.max(reach)));
-    let raster = ahead.map(|p| camera.project(p).extend(0.0));
-    // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
-    // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
-    let blur = |k: usize| {
-        let shift = last.map_or(0.0, |last| camera.shift(ahead[k], last[k]));
-        shift + 2.0 * camera.confusion(p[k].z).abs()
-    };
-    let blurred = last.is_some() || camera.has_lens();
-    let pixels = |a: usize, stride: usize| {
-        let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
-        let fine = path(&leg.map(|k| raster[k])) / step;
-        if !blurred {
-            return fine;
-        }
-        // A bent edge keeps its shape however much it is blurred.
-        let coarser = coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min));
-        (fine / coarser).max(fine.min(4.0))
-    };
-    let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
-    let rows = [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1)));
-    let columns = [0, 1, 2, 3].map(|i| rate(pixels(i, 4)));
-    // An edge that is not blurred is halved where it is long, as far as that goes, so that neighbours find the same points on it
-    // however they are split.
-    let halved = |a: usize, stride: usize| {
-        let mut points = 1 | 1 << TILE;
-        let curve = [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| ahead[k]);
-        let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
-        halve(curve, 0, TILE, &length, &mut points).then_some(points)
-    };
-    let edges = [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) });
-    let own = |edge: usize, rate: usize| match edges[edge] {
-        Some(points) => segments(points),
-        None if blurred => rate,
-        None => rate.max(2 * TILE),
-    };
-    let most = |a: usize, inner: [usize; 2], b: usize| a.max(inner[0]).max(inner[1]).max(b);
-    let nu = most(own(0, rows[0]), [rows[1], rows[2]], own(1, rows[3]));
-    let nv = most(own(2, columns[0]), [columns[1], columns[2]], own(3, columns[3]));
+    let fineness = Fineness::of(subject, &p, last.as_ref(), reach);
+    let [nu, nv] = fineness.segments();
     let uneven = camera.perspective && max.z > 2.0 * min.z;
     let deep = piece.depth >= DEEPEST;
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
-        queue.splits += 1;
-        return split(nu >= nv, queue);
+        return queue.split((subject.item, k), &p, piece, reach, nu >= nv);
     }
-    let (nu, nv) = (nu.min(TILE), nv.min(TILE));
+    let size = [nu.min(TILE), nv.min(TILE)];
     grid.apron = view.attributes.displacement.is_some();
-    dice(subject, patch, piece, [nu, nv], grid);
-    let kept = |n: usize, edge: usize, rate: usize| {
-        let every = (n / rate.min(n)).max(1);
-        let is_kept =
-            |k: usize| edges[edge].map_or(k.is_multiple_of(every), |points| points >> (k * TILE / n) & 1 == 1);
-        (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
-    };
-    grid.keep = [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])];
+    dice(subject, patch, piece, size, grid);
+    grid.keep = fineness.kept(size);
     grid.reach = reach;
     sink.take(grid);
+}
+
+/// How finely a piece is diced: what each row and column of its control points asks for, and each edge.
+struct Fineness {
+    /// Segments that the rows of control points ask for.
+    rows: [usize; 4],
+    /// Segments that the columns ask for.
+    columns: [usize; 4],
+    /// Points of the edges at the first row, last row, first column, last column, where these are found by halving.
+    edges: [Option<u32>; 4],
+    /// Whether the piece may be blurred, by motion or by the lens.
+    blurred: bool,
+}
+
+impl Fineness {
+    /// Measure a piece of control points `p` in camera space; `last` are those as the shutter closes, if they move.
+    fn of(subject: &Subject<'_>, p: &[Vec3; 16], last: Option<&[Vec3; 16]>, reach: f32) -> Fineness {
+        let Subject { view, camera, .. } = *subject;
+        let step = view.attributes.shading_rate.sqrt();
+        // Nearer than it may be displaced, its size on the raster says nothing.
+        let ahead = p.map(|p| Vec3::new(p.x, p.y, p.z.max(reach)));
+        let raster = ahead.map(|p| camera.project(p).extend(0.0));
+        // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
+        // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
+        let blur = |k: usize| {
+            let shift = last.map_or(0.0, |last| camera.shift(ahead[k], last[k]));
+            shift + 2.0 * camera.confusion(p[k].z).abs()
+        };
+        let blurred = last.is_some() || camera.has_lens();
+        let pixels = |a: usize, stride: usize| {
+            let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
+            let fine = path(&leg.map(|k| raster[k])) / step;
+            if !blurred {
+                return fine;
+            }
+            // A bent edge keeps its shape however much it is blurred.
+            let coarser = coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min));
+            (fine / coarser).max(fine.min(4.0))
+        };
+        let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
+        // An edge that is not blurred is halved where it is long, as far as that goes, so that neighbours find the same points on
+        // it however they are split.
+        let halved = |a: usize, stride: usize| {
+            let mut points = 1 | 1 << TILE;
+            let curve = [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| ahead[k]);
+            let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
+            halve(curve, 0, TILE, &length, &mut points).then_some(points)
+        };
+        Fineness {
+            rows: [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1))),
+            columns: [0, 1, 2, 3].map(|i| rate(pixels(i, 4))),
+            edges: [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) }),
+            blurred,
+        }
+    }
+
+    /// Segments that the piece needs in each direction, which may be more than a grid has.
+    fn segments(&self) -> [usize; 2] {
+        let own = |edge: usize, rate: usize| match self.edges[edge] {
+            Some(points) => segments(points),
+            None if self.blurred => rate,
+            None => rate.max(2 * TILE),
+        };
+        let most = |a: usize, inner: [usize; 2], b: usize| a.max(inner[0]).max(inner[1]).max(b);
+        let (rows, columns) = (self.rows, self.columns);
+        [
+            most(own(0, rows[0]), [rows[1], rows[2]], own(1, rows[3])),
+            most(own(2, columns[0]), [columns[1], columns[2]], own(3, columns[3])),
+        ]
+    }
+
+    /// The points that are kept of each edge of a grid of this size ([`Grid::keep`]).
+    fn kept(&self, [nu, nv]: [usize; 2]) -> [u32; 4] {
+        let kept = |n: usize, edge: usize, rate: usize| {
+            let every = (n / rate.min(n)).max(1);
+            let is_kept =
+                |k: usize| self.edges[edge].map_or(k.is_multiple_of(every), |points| points >> (k * TILE / n) & 1 == 1);
+            (0..=n).filter(|k| is_kept(*k)).fold(0u32, |bits, k| bits | 1 << k)
+        };
+        let (rows, columns) = (self.rows, self.columns);
+        [kept(nu, 0, rows[0]), kept(nu, 1, rows[3]), kept(nv, 2, columns[0]), kept(nv, 3, columns[3])]
+    }
 }
 
 /// How much wider micropolygons may be that are blurred over so many pixels.
@@ -262,6 +295,11 @@ fn halve(curve: [Vec3; 4], lo: usize, hi: usize, length: &impl Fn(&[Vec3; 4]) ->
     let (abc, bcd) = (0.5 * (ab + bc), 0.5 * (bc + cd));
     let m = 0.5 * (abc + bcd);
     halve([a, ab, abc, m], lo, middle, length, points) && halve([m, bcd, cd, d], middle, hi, length, points)
+}
+
+/// The box of control points.
+fn hull(p: &[Vec3; 16]) -> (Vec3, Vec3) {
+    p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
 }
 
 /// Length of a control polygon's leg.

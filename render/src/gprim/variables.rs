@@ -1,8 +1,9 @@
 //! Primitive variables: read from parameter lists and attached to patches.
 
 use crate::scene::patch::Patch;
+use crate::scene::variables::VariableNames;
 use glam::Vec3;
-use ri::{Class, Fail, Params, RiResult, Values};
+use ri::{Class, Fail, Param, Params, RiResult, Values};
 
 /// The points of "P".
 pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
@@ -11,6 +12,37 @@ pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
     match points.iter().position(|p| !p.is_finite()) {
         Some(i) => Err(Fail::new(format!("vertex {i} of \"P\" is not a finite number"))),
         None => Ok(points),
+    }
+}
+
+/// Whether a varying variable is a part of the patch itself, and none for shaders to find.
+fn is_of_patch(name: &str) -> bool {
+    matches!(name, "s" | "t" | "st" | "N")
+}
+
+/// Parameters that [`patch_variables`] attaches.
+fn attachable<'a>(params: impl IntoIterator<Item = &'a Param>) -> impl Iterator<Item = &'a Param> {
+    let has_values = |p: &&Param| !p.numbers().is_empty();
+    params.into_iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "Np" | "Pw" | "Pz")).filter(has_values)
+}
+
+/// The names of the variables that [`patch_variables`] attaches.
+pub fn names_of<'a>(params: impl IntoIterator<Item = &'a Param>) -> VariableNames {
+    let mut names = VariableNames::default();
+    for param in attachable(params) {
+        if param.decl.class.is_whole() {
+            names.uniform.push(param.decl.name.clone());
+        } else {
+            note_varying(&mut names, &param.decl.name);
+        }
+    }
+    names
+}
+
+/// Add the name of a variable that [`set_varying`] attaches.
+pub fn note_varying(names: &mut VariableNames, name: &str) {
+    if !is_of_patch(name) {
+        names.varying.push(name.into());
     }
 }
 
@@ -23,21 +55,20 @@ pub fn patch_variables(
     corner: [usize; 4],
     face: usize,
 ) -> RiResult {
-    for param in params.iter().filter(|p| !matches!(p.decl.name.as_str(), "P" | "Np" | "Pw" | "Pz")) {
+    for param in attachable(params) {
         let width = param.decl.width();
         let v = param.numbers();
         let value = |i: usize| {
             v.get(i * width..(i + 1) * width).ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))
         };
         let corners = match param.decl.class {
-            _ if v.is_empty() => continue,
             Class::Constant => {
-                patch.uniform.push((param.decl.name.clone(), value(0)?.to_vec()));
+                patch.uniform.push(value(0)?.to_vec());
                 continue;
             }
             Class::Uniform => {
                 let own = value(if v.len() > width { face } else { 0 })?;
-                patch.uniform.push((param.decl.name.clone(), own.to_vec()));
+                patch.uniform.push(own.to_vec());
                 continue;
             }
             Class::FaceVarying => corner,
@@ -52,18 +83,23 @@ pub fn patch_variables(
     Ok(())
 }
 
-/// Set values at the corners of a patch.
+/// Set values at the corners of a patch; of two normals the first counts, and those that are no triples are dropped.
 pub fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
     match name {
         "s" => (0..4).for_each(|k| patch.st[k][0] = all[k]),
         "t" => (0..4).for_each(|k| patch.st[k][1] = all[k]),
         "st" => (0..4).for_each(|k| patch.st[k] = [all[2 * k], all[2 * k + 1]]),
-        name => patch.varying.push((name.into(), all)),
+        "N" => {
+            if let ([a, b, c, d], []) = all.as_chunks::<3>() {
+                patch.normals.get_or_insert_with(|| Box::new([*a, *b, *c, *d].map(Vec3::from)));
+            }
+        }
+        _ => patch.varying.push(all),
     }
 }
 
-/// Give the patches of one primitive with four corners its variables: varying ones are bilinear over all of it.
-pub fn attach_variables(patches: &mut [Patch], params: &Params) -> RiResult {
+/// Give the patches of one primitive with four corners its variables: varying ones are bilinear over all of it. Gives their names.
+pub fn attach_variables(patches: &mut [Patch], params: &Params) -> Result<VariableNames, Fail> {
     let (min, max) =
         patches.iter().flat_map(|p| p.uv).fold(([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]), |(a, b), uv| {
             ([a[0].min(uv[0]), a[1].min(uv[1])], [b[0].max(uv[0]), b[1].max(uv[1])])
@@ -72,6 +108,7 @@ pub fn attach_variables(patches: &mut [Patch], params: &Params) -> RiResult {
     for patch in patches.iter_mut() {
         patch_variables(patch, &whole, [0; 4], [0; 4], 0)?;
     }
+    let mut names = names_of(&whole);
     let four = params.iter().filter(|p| !p.decl.class.is_whole() && !matches!(p.decl.name.as_str(), "P" | "Pw"));
     for param in four {
         let (width, v) = (param.decl.width(), param.numbers());
@@ -92,8 +129,9 @@ pub fn attach_variables(patches: &mut [Patch], params: &Params) -> RiResult {
             }
             set_varying(patch, &param.decl.name, all);
         }
+        note_varying(&mut names, &param.decl.name);
     }
-    Ok(())
+    Ok(names)
 }
 
 /// Values at the corners of the faces of a mesh, all variables in a row: names and widths, the values, numbers a corner.

@@ -42,7 +42,7 @@ impl Area {
                     4.0 * std::f32::consts::PI * mean.powf(1.0 / p),
                 );
             }
-            Shape::Patches(patches) => {
+            Shape::Patches(patches, _) => {
                 let turned = reversed != (to_world.determinant() < 0.0);
                 for [a, b, c] in patches.iter().flat_map(|patch| facets_of(patch, to_world)) {
                     let (ab, ac) = if turned { (c - a, b - a) } else { (b - a, c - a) };

@@ -37,7 +37,7 @@ pub struct Attributes {
     pub light_list: Arc<Vec<Arc<BoundShader>>>,
     /// Of each of them, which point of an area light it is; empty where none is.
     pub emitters: Arc<Vec<Emitter>>,
-    /// The area light that primitives become, by its number.
+    /// The area light that primitives become, by its index.
     pub area_light: Option<usize>,
     /// Points that area lights are lit from.
     pub light_samples: usize,

@@ -80,7 +80,7 @@ pub fn instants(camera: &Camera, view: &ItemView<'_>, out: &mut Vec<Instant>) {
     out.clear();
     out.push(Instant { time: 0.0, to_camera: camera.to_camera, eye: seen_from(camera.to_world) });
     let deformed = match view.shape {
-        Shape::Patches(patches) => patches.first().map_or(&[][..], |p| p.moves.as_slice()),
+        Shape::Patches(patches, _) => patches.first().map_or(&[][..], |p| p.moves.as_slice()),
         Shape::Sphere => &[],
     };
     let own = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;

@@ -13,10 +13,12 @@ pub struct Patch {
     pub uv: [[f32; 2]; 4],
     /// s and t at the corners.
     pub st: [[f32; 2]; 4],
-    /// Varying variables: name and values at the four corners, `width` each.
-    pub varying: Vec<(String, Vec<f32>)>,
+    /// Varying variables: values at the four corners, `width` each. Names are the shape's.
+    pub varying: Vec<Vec<f32>>,
     /// Variables that are the same all over.
-    pub uniform: Vec<(String, Vec<f32>)>,
+    pub uniform: Vec<Vec<f32>>,
+    /// Normals that the scene gives at the corners, which go before the patch's own.
+    pub normals: Option<Box<[Vec3; 4]>>,
     /// Flat, so that it cannot shadow itself.
     pub flat: bool,
     /// What of it is cut away.
@@ -36,13 +38,28 @@ impl Patch {
         let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize_or_zero();
         let flat = (c[3] - c[0]).dot(normal).abs() <= 1e-5 * (c[3] - c[0]).length();
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat, trim: None, moves: vec![] }
+        Patch { flat, ..Patch::of(p, corners) }
     }
 
     /// A bicubic patch over a range of parameters, which are its texture coordinates too.
     pub fn smooth(p: [Vec3; 16], u: [f32; 2], v: [f32; 2]) -> Patch {
         let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
-        Patch { p, uv: corners, st: corners, varying: vec![], uniform: vec![], flat: false, trim: None, moves: vec![] }
+        Patch::of(p, corners)
+    }
+
+    /// A patch without variables, whose parameters are its texture coordinates too.
+    fn of(p: [Vec3; 16], corners: [[f32; 2]; 4]) -> Patch {
+        Patch {
+            p,
+            uv: corners,
+            st: corners,
+            varying: vec![],
+            uniform: vec![],
+            normals: None,
+            flat: false,
+            trim: None,
+            moves: vec![],
+        }
     }
 
     /// The point at (u, v).
@@ -57,6 +74,12 @@ impl Patch {
             (0..4).map(|j| (0..4).map(|i| self.p[4 * j + i] * x[i]).sum::<Vec3>() * y[j]).sum()
         };
         (sum(du, bv), sum(bu, dv))
+    }
+
+    /// The normal that the scene gives at (u, v), between those of the corners.
+    pub fn given_normal(&self, u: f32, v: f32) -> Option<Vec3> {
+        let corners = self.normals.as_deref()?;
+        Some(Vec3::from_array([0, 1, 2].map(|c| bilinear(corners.map(|n| n[c]), u, v))))
     }
 
     /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.

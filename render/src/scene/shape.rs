@@ -1,6 +1,7 @@
 //! Shapes: what a primitive is in its object space.
 
 use crate::scene::patch::Patch;
+use crate::scene::variables::VariableNames;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -9,8 +10,8 @@ use std::sync::Arc;
 pub enum Shape {
     /// A whole sphere of radius 1; its size is in the transformation.
     Sphere,
-    /// Bicubic patches.
-    Patches(Arc<Vec<Patch>>),
+    /// Bicubic patches, and the names of their variables.
+    Patches(Arc<Vec<Patch>>, Arc<VariableNames>),
 }
 
 /// u and v of the specification's sphere in a direction of object space: u around, v from the south pole up (RISpec 5.2).

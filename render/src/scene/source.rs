@@ -1,9 +1,11 @@
 //! Sources of primitives, held by reference, and the items that they have: an item is one primitive of a source.
 
+use crate::scene::attached::Attached;
 use crate::scene::attributes::Attributes;
 use crate::scene::shape::Shape;
 use glam::{Mat4, Quat, Vec3};
 use ri::{Instances, Param, Values};
+use sl::machine::Points;
 use std::sync::Arc;
 
 /// What a source repeats.
@@ -28,6 +30,8 @@ pub struct Source {
     pub attributes: Arc<Attributes>,
     /// Uniform primitive variables.
     pub uniform: Vec<(String, Vec<f32>)>,
+    /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
+    pub attached: Vec<Arc<Attached>>,
 }
 
 /// Source and index within it.
@@ -53,6 +57,8 @@ pub struct ItemView<'a> {
     pub color: [f32; 3],
     /// The source, for its uniform variables.
     pub source: &'a Source,
+    /// The slots of its variables.
+    pub attached: &'a Attached,
     /// The instance.
     pub instance: Option<(&'a Instances, usize)>,
     /// How far an instance moves in its source while the shutter is open.
@@ -84,11 +90,23 @@ pub(crate) fn instance_color(columns: &Instances, i: usize) -> Option<[f32; 3]> 
     param.numbers().get(3 * i..3 * i + 3).map(|c| [c[0], c[1], c[2]])
 }
 
-/// The uniform numbers of an instance's primitive variables other than colour.
-pub(crate) fn instance_inputs(columns: &Instances, i: usize) -> impl Iterator<Item = (String, Vec<f32>)> + '_ {
-    let wanted = |p: &&Param| p.decl.name != "Cs" && matches!(p.values, Values::Floats(_));
-    columns.params.iter().filter(wanted).map(move |p| {
-        let width = p.decl.width();
-        (p.decl.name.clone(), p.numbers()[i * width..(i + 1) * width].to_vec())
-    })
+/// The primitive variables that instances have besides their colour: those of numbers.
+pub(crate) fn instance_variables(columns: &Instances) -> impl Iterator<Item = &Param> {
+    columns.params.iter().filter(|p| p.decl.name != "Cs" && matches!(p.values, Values::Floats(_)))
+}
+
+impl ItemView<'_> {
+    /// Fill the first slots of the variables of points: those of the source and the instance.
+    pub fn fill_variables(&self, points: &mut Points) {
+        points.clear_variables();
+        for (_, values) in &self.source.uniform {
+            points.next_variable().extend_from_slice(values);
+        }
+        if let Some((columns, i)) = self.instance {
+            for param in instance_variables(columns) {
+                let width = param.decl.width();
+                points.next_variable().extend_from_slice(&param.numbers()[i * width..(i + 1) * width]);
+            }
+        }
+    }
 }

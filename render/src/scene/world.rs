@@ -50,7 +50,7 @@ impl Scene {
     /// Whether anything moves while the shutter is open.
     pub fn moves(&self, camera: &Camera) -> bool {
         let deforms = |shape: &Shape| match shape {
-            Shape::Patches(patches) => patches.iter().any(|p| !p.moves.is_empty()),
+            Shape::Patches(patches, _) => patches.iter().any(|p| !p.moves.is_empty()),
             Shape::Sphere => false,
         };
         !camera.moves.is_empty()
@@ -82,15 +82,18 @@ impl Scene {
         let source = &self.sources[item.source as usize];
         let i = item.index as usize;
         let attributes = &*source.attributes;
+        let part = match &source.shape {
+            SourceShape::Objects(_, parts) => i % parts.len(),
+            SourceShape::One(_) | SourceShape::Spheres(_) => 0,
+        };
         let (shape, place, object, instance) = match &source.shape {
             SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
             SourceShape::Spheres(columns) => {
                 (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i)))
             }
             SourceShape::Objects(columns, parts) => {
-                let (k, part) = (i / parts.len(), &parts[i % parts.len()]);
-                let place = columns.matrix(k) * part.1;
-                (&part.0, place, columns.matrix(k), Some((columns, k)))
+                let (k, (shape, own)) = (i / parts.len(), &parts[part]);
+                (shape, columns.matrix(k) * *own, columns.matrix(k), Some((columns, k)))
             }
         };
         let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
@@ -100,7 +103,8 @@ impl Scene {
             Some(Vec3::from(to[i]) - Vec3::from(columns.position[i]))
         });
         let shift = shift.unwrap_or(Vec3::ZERO);
-        ItemView { shape, to_world, object_to_world, attributes, color, source, instance, shift }
+        let attached = &*source.attached[part];
+        ItemView { shape, to_world, object_to_world, attributes, color, source, attached, instance, shift }
     }
 
     /// The place of an item for shadows and bounds alone: shape and its matrix to world.

@@ -11,8 +11,8 @@ const TILE: usize = 32;
 /// What textures may take in memory if no option says, bytes.
 pub const MEMORY: usize = 1 << 30;
 
-/// The least that is kept of textures in files, bytes.
-const LEAST: usize = 1 << 20;
+/// The minimum that is kept of textures in files, bytes.
+const MIN_BYTES: usize = 1 << 20;
 
 /// Texels in rows: those of images of whole bytes stay such, encoded for screens (IEC 61966-2-1) but for the coverage.
 pub enum Texels {
@@ -154,7 +154,7 @@ impl Levels {
         }
     }
 
-    /// How many there are.
+    /// Count of levels.
     pub fn len(&self) -> usize {
         match self {
             Levels::Resident(levels) => levels.len(),
@@ -238,7 +238,7 @@ impl Pages {
     }
 }
 
-/// A tile by its texture and number there.
+/// A tile by its texture and its index there.
 type Name = (u64, usize);
 
 /// Tiles that were used last, of all textures that are in files.
@@ -253,7 +253,7 @@ struct Kept {
     /// In the order in which they came.
     order: VecDeque<Name>,
     bytes: usize,
-    most: usize,
+    max_bytes: usize,
 }
 
 thread_local! {
@@ -262,9 +262,9 @@ thread_local! {
 }
 
 impl Cache {
-    /// Keep at most so many bytes.
-    pub fn limit(&self, most: usize) {
-        self.kept.lock().unwrap_or_else(|e| e.into_inner()).most = most.max(LEAST);
+    /// Keep at most `max_bytes`.
+    pub fn limit(&self, max_bytes: usize) {
+        self.kept.lock().unwrap_or_else(|e| e.into_inner()).max_bytes = max_bytes.max(MIN_BYTES);
     }
 
     fn get(&self, name: Name, read: impl FnOnce() -> Texels) -> Arc<Texels> {
@@ -297,14 +297,14 @@ impl Cache {
 }
 
 impl Kept {
-    /// Keep a tile, and let go of those that came first and were not used since.
+    /// Keep a tile, and evict those that came first and were not used since.
     fn keep(&mut self, name: Name, tile: &Arc<Texels>) {
         if self.tiles.insert(name, (tile.clone(), false)).is_some() {
             return;
         }
         self.order.push_back(name);
         self.bytes += tile.bytes();
-        while self.bytes > self.most {
+        while self.bytes > self.max_bytes {
             let Some(first) = self.order.pop_front() else { break };
             let Some((old, used)) = self.tiles.get_mut(&first) else { continue };
             if std::mem::take(used) && first != name {
@@ -340,7 +340,7 @@ mod tests {
                 assert_eq!(paged.size(level), (w, h));
                 let (i, j) = (noise(k) as usize % w, noise(k + 77) as usize % h);
                 assert_eq!(paged.at(level, i, j), resident.at(level, i, j), "{level} {i} {j}");
-                assert!(cache.kept.lock().unwrap().bytes <= LEAST);
+                assert!(cache.kept.lock().unwrap().bytes <= MIN_BYTES);
             }
             assert_eq!(paged.at(9, 0, 0), resident.at(9, 0, 0));
         }

@@ -14,7 +14,7 @@ pub(super) struct Table {
     pub(super) header: Option<bool>,
     pub(super) columns: Option<Vec<String>>,
     /// Cells that every row has at least.
-    pub(super) least: Option<usize>,
+    pub(super) min_cells: Option<usize>,
     /// Columns and the formulas that they are computed by.
     pub(super) derive: Vec<(String, String)>,
     pub(super) select: Option<String>,
@@ -28,7 +28,7 @@ impl Table {
 
     /// The files' layout.
     pub(super) fn layout(&self, delimiter: Option<u8>) -> Layout {
-        Layout { delimiter, header: self.header, names: self.columns.clone(), least: self.least }
+        Layout { delimiter, header: self.header, names: self.columns.clone(), min_cells: self.min_cells }
     }
 
     /// The file of the first frame.
@@ -42,7 +42,7 @@ impl Table {
         let line = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
         let cells: Vec<&str> = line.split(self.delimiter.unwrap_or(',')).map(str::trim).collect();
         let shapes = ["sphere", "cube", "box", "ellipsoid", "cylinder", "cone", "obj"];
-        cells.len() >= EXPORTED_LEAST && shapes.contains(&cells[9])
+        cells.len() >= MIN_EXPORTED && shapes.contains(&cells[9])
     }
 }
 
@@ -50,8 +50,8 @@ impl Table {
 const EXPORTED: [&str; 13] =
     ["group", "id", "pos_x", "pos_y", "pos_z", "quat_w", "quat_x", "quat_y", "quat_z", "type", "ep1", "ep2", "ep3"];
 
-/// As many cells its rows have at least.
-const EXPORTED_LEAST: usize = 11;
+/// The minimum of cells of its rows.
+const MIN_EXPORTED: usize = 11;
 
 /// The data of a simulation.
 pub(super) fn table(job: &Job<'_>, key: &str, simulation: &Map, places: &Places) -> Result<Table, Fault> {
@@ -84,13 +84,13 @@ pub(super) fn table(job: &Job<'_>, key: &str, simulation: &Map, places: &Places)
         delimiter,
         header: header.or((!columns.is_empty()).then_some(false)),
         columns: (!columns.is_empty()).then_some(columns),
-        least: None,
+        min_cells: None,
         derive: vec![],
         select: None,
     };
     if table.columns.is_none() && table.looks_exported() {
         table.columns = Some(EXPORTED.map(String::from).to_vec());
-        (table.header, table.least) = (Some(false), Some(EXPORTED_LEAST));
+        (table.header, table.min_cells) = (Some(false), Some(MIN_EXPORTED));
     }
     processes(job, &process.0, process.1.as_ref(), &mut table)?;
     Ok(table)

@@ -29,7 +29,7 @@ pub(super) fn scene(job: &Job<'_>, parts: &Parts, places: &Places) -> Result<(St
         let element = element(job, key, value)?;
         if element.get("moving_camera").is_some_and(|v| text(v) == "true") {
             if camera.is_some() {
-                return Err(job.doc.fault(key, "is a second camera that moves: a picture has one"));
+                return Err(job.doc.fault(key, "is a second camera that moves: an image has one"));
             }
             camera = Some(moving_camera(job, key, &element, places)?);
             scene += "#scree inject camera\n";

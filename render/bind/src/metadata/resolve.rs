@@ -56,7 +56,7 @@ fn resolve_data(data: types::Data, delimiter: Option<u8>, doc: &Document) -> Res
     let place = match (data.run, data.csv) {
         (Some(folder), None) => Some(Place::Run(folder)),
         (None, Some(pattern)) => {
-            let layout = Layout { delimiter, header: data.header, names: data.columns, least: data.least_cells };
+            let layout = Layout { delimiter, header: data.header, names: data.columns, min_cells: data.least_cells };
             Some(Place::Csv { pattern, layout, rename: data.rename })
         }
         _ => None,
@@ -71,7 +71,7 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
         return Err(doc.fault("camera", "needs `eye` and `look_at`, a `view`, or a `file`"));
     }
     if c.view.is_some() && c.orthographic.is_none() {
-        return Err(doc.fault("camera.view", "needs `orthographic`: how many metres the picture shows"));
+        return Err(doc.fault("camera.view", "needs `orthographic`: metres across the shorter side of the image"));
     }
     if c.view.is_some() && c.eye.is_some() {
         return Err(doc.fault("camera.view", "stands instead of `eye`, not beside it"));

@@ -18,4 +18,5 @@ mod text;
 pub use super::bound::{Answer, BoundShader};
 pub use super::points::Points;
 pub use super::scene::{Emitter, Lights, MapQuery, Ray, Scene, Segment};
+pub use super::slots::VariableSlots;
 pub use state::Machine;

@@ -15,8 +15,10 @@ pub struct Points {
     globals: [Vec<f32>; Global::COUNT],
     /// The slots that have values, a bit each.
     given: u32,
-    /// Primitive variables, which go before parameters of the same name.
-    pub inputs: Vec<(String, Vec<f32>)>,
+    /// Primitive variables by their slots: values, or one a point, a triple as three runs. Slots from `n_variables` on have no
+    /// values and keep their memory.
+    variables: Vec<Vec<f32>>,
+    n_variables: usize,
 }
 
 impl Points {
@@ -56,6 +58,39 @@ impl Points {
         let buffer = &mut self.globals[global.slot()];
         buffer.clear();
         buffer
+    }
+
+    /// Take all primitive variables away.
+    pub fn clear_variables(&mut self) {
+        self.n_variables = 0;
+    }
+
+    /// The buffer, emptied, of the primitive variable in the next slot.
+    pub fn next_variable(&mut self) -> &mut Vec<f32> {
+        if self.n_variables == self.variables.len() {
+            self.variables.push(Vec::new());
+        }
+        let buffer = &mut self.variables[self.n_variables];
+        self.n_variables += 1;
+        buffer.clear();
+        buffer
+    }
+
+    /// The values of the primitive variable in a slot.
+    pub fn variable(&self, slot: usize) -> Option<&[f32]> {
+        self.variables[..self.n_variables].get(slot).map(Vec::as_slice)
+    }
+
+    /// The values of all primitive variables, slot by slot.
+    pub fn variables(&self) -> &[Vec<f32>] {
+        &self.variables[..self.n_variables]
+    }
+
+    /// Give a global the values of the primitive variable in a slot, or others where there is none.
+    pub fn refill_from(&mut self, global: Global, slot: Option<usize>, others: &[f32]) {
+        let mut buffer = std::mem::take(self.refill(global));
+        buffer.extend_from_slice(slot.and_then(|slot| self.variable(slot)).unwrap_or(others));
+        *self.refill(global) = buffer;
     }
 
     /// Give a global values.

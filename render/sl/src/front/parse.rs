@@ -242,7 +242,6 @@ impl Parser<'_> {
         })
     }
 
-    /// Long, because it has an arm for each keyword.
     fn statement_kind(&mut self, at: usize) -> Result<StmtKind, Error> {
         let word = match self.peek().clone() {
             Tok::Op("{") => return Ok(StmtKind::Block(self.block()?)),
@@ -297,22 +296,7 @@ impl Parser<'_> {
             }
             "extern" => {
                 self.take();
-                if !self.eat_name("uniform") {
-                    self.eat_name("varying");
-                }
-                self.name("a type")?;
-                let mut names = Vec::new();
-                loop {
-                    let at = self.place();
-                    names.push((self.name("a variable's name")?, at));
-                    if self.eat("[") && !self.eat("]") {
-                        self.array_length()?;
-                    }
-                    if !self.eat(",") {
-                        break;
-                    }
-                }
-                StmtKind::Extern(names)
+                StmtKind::Extern(self.externs()?)
             }
             "gather" => {
                 self.take();
@@ -330,6 +314,25 @@ impl Parser<'_> {
         };
         self.expect(";")?;
         Ok(kind)
+    }
+
+    /// The type and the names of `extern`, with the place of each name.
+    fn externs(&mut self) -> Result<Vec<(String, usize)>, Error> {
+        if !self.eat_name("uniform") {
+            self.eat_name("varying");
+        }
+        self.name("a type")?;
+        let mut names = Vec::new();
+        loop {
+            let at = self.place();
+            names.push((self.name("a variable's name")?, at));
+            if self.eat("[") && !self.eat("]") {
+                self.array_length()?;
+            }
+            if !self.eat(",") {
+                return Ok(names);
+            }
+        }
     }
 
     /// An assignment or a call.

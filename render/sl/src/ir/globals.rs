@@ -2,7 +2,7 @@
 
 use super::types::Kind;
 
-/// A global variable; its number is its slot in the points of a grid.
+/// A global variable; its index is its slot in the points of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Global {
     /// Position.
@@ -78,7 +78,7 @@ const TABLE: [(Global, &str, Kind); Global::COUNT] = [
 ];
 
 impl Global {
-    /// How many there are.
+    /// Count of globals.
     pub const COUNT: usize = 22;
 
     /// Its slot.

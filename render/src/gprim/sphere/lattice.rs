@@ -71,8 +71,7 @@ pub fn fill(
     *points.refill(Global::N) = normal;
     grid.deformed.clear();
     grid.trimmed.clear();
-    grid.uniform.clear();
-    grid.varying.clear();
+    view.fill_variables(points);
     if subject.needs_parameters() {
         let of = |(d, _): &(Vec3, Vec3)| sphere_uv(sphere.to_object * *d);
         for (axis, globals) in [[Global::U, Global::S], [Global::V, Global::T]].into_iter().enumerate() {

@@ -3,6 +3,7 @@
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
+use super::super::slots::VariableSlots;
 use super::state::Machine;
 use crate::ir::{Operand, Program};
 use std::sync::Arc;
@@ -22,7 +23,7 @@ impl BoundShader {
         for (_, reg) in &bound.program.globals {
             machine.regs[reg.index()] = vec![0.0; reg.width()];
         }
-        machine.defaults(&bound, &points, scene);
+        machine.defaults(&bound, &VariableSlots::default(), &points, scene);
         let program = bound.program.clone();
         let unset: Vec<bool> = (0..program.params.len()).map(|slot| bound.value(slot).is_none()).collect();
         for (slot, param) in program.params.iter().enumerate().filter(|(slot, _)| unset[*slot]) {

@@ -3,6 +3,7 @@
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
+use super::super::slots::VariableSlots;
 use super::state::{Lit, Machine, Receiver};
 use crate::ir::*;
 use crate::shadeop::runs::{at, dot, run_of, triple};
@@ -116,7 +117,7 @@ impl Machine {
         }
         machine.receiver =
             Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
-        machine.run_where(light, &mut points, scene, self.mask.clone());
+        machine.run_where(light, &VariableSlots::default(), &mut points, scene, self.mask.clone());
         let mut take = |global| points.get_mut(global).map(std::mem::take).unwrap_or_default();
         let (l, mut cl) = (take(Global::L), take(Global::Cl));
         if let Some(emitter) = emitter {
@@ -154,7 +155,7 @@ impl Machine {
             let mut points = Points::new(self.nu, n / self.nu.max(1), self.orientation);
             points.set(Global::Cl, vec![0.0; 3]);
             machine.receiver = None;
-            machine.run_where(light, &mut points, scene, None);
+            machine.run_where(light, &VariableSlots::default(), &mut points, scene, None);
             let cl = points.get(Global::Cl).unwrap_or(&[0.0; 3]);
             for c in 0..3 {
                 let run = run_of(cl, 3, c, n);

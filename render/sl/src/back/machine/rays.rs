@@ -8,7 +8,7 @@ use crate::shadeop::direction::{in_cone, in_hemisphere};
 use crate::shadeop::runs::{at, dot, put, triple};
 
 /// Rays that are asked about at once, but for those of one point.
-const MOST_RAYS: usize = 1 << 14;
+const MAX_RAYS: usize = 1 << 14;
 
 impl Machine {
     /// A function that asks the scene.
@@ -74,7 +74,7 @@ impl Machine {
             return;
         }
         let (mut rays, mut distances, mut colors) = (Vec::new(), Vec::new(), Vec::new());
-        for points in self.active().chunks((MOST_RAYS / samples).max(1)) {
+        for points in self.active().chunks((MAX_RAYS / samples).max(1)) {
             rays.clear();
             for k in points {
                 let (from, about) = (triple(p, *k, n), unit(triple(way, *k, n)));

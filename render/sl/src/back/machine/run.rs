@@ -3,6 +3,7 @@
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
+use super::super::slots::VariableSlots;
 use super::state::{LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::convert;
@@ -13,13 +14,19 @@ use crate::shadeop::spline;
 impl Machine {
     /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
     pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
-        self.run_where(shader, points, scene, None);
+        self.run_with(shader, &VariableSlots::default(), points, scene);
+    }
+
+    /// Run a shader over points whose primitive variables go before its parameters.
+    pub fn run_with(&mut self, shader: &BoundShader, slots: &VariableSlots, points: &mut Points, scene: &dyn Scene) {
+        self.run_where(shader, slots, points, scene, None);
     }
 
     /// Run a shader over the points of a mask.
     pub(super) fn run_where(
         &mut self,
         shader: &BoundShader,
+        slots: &VariableSlots,
         points: &mut Points,
         scene: &dyn Scene,
         mask: Option<Vec<bool>>,
@@ -34,7 +41,7 @@ impl Machine {
                 None => reg.resize(width, 0.0),
             }
         }
-        self.defaults(shader, points, scene);
+        self.defaults(shader, slots, points, scene);
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
@@ -75,7 +82,7 @@ impl Machine {
     }
 
     /// Parameters: a primitive variable, else what was given, else the default.
-    pub(super) fn defaults(&mut self, shader: &BoundShader, points: &Points, scene: &dyn Scene) {
+    pub(super) fn defaults(&mut self, shader: &BoundShader, slots: &VariableSlots, points: &Points, scene: &dyn Scene) {
         let program = &*shader.program;
         for (slot, param) in program.params.iter().enumerate() {
             let own = shader.value(slot);
@@ -90,8 +97,8 @@ impl Machine {
                     continue;
                 }
             };
-            let given = points.inputs.iter().find(|(n, _)| *n == param.name).map(|(_, v)| v);
-            let own = own.and_then(|own| if let Answer::Numbers(v) = own { Some(v) } else { None });
+            let given = slots.of_parameter(slot).and_then(|k| points.variable(k));
+            let own = own.and_then(|own| if let Answer::Numbers(v) = own { Some(v.as_slice()) } else { None });
             match given.or(own) {
                 Some(values) => {
                     let len = param.array.unwrap_or(1) as usize;

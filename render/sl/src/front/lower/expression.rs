@@ -104,7 +104,7 @@ impl<'a> Lower<'a> {
         self.temp(at, ty, value.varying, |r| Op::Transform(how, r.reg(), value.reg(), from.text(), to.text()))
     }
 
-    /// A binary operator. Long, because it has an arm for each operator and the types that it takes.
+    /// A binary operator.
     pub(super) fn arithmetic(&mut self, at: usize, op: &str, a: Value, b: Value) -> Result<Value, Error> {
         let varying = a.varying || b.varying;
         let refuse = |what: &str| error(at, format!("`{op}` {what}, found {} and {}", a.ty.name(), b.ty.name()));
@@ -129,23 +129,7 @@ impl<'a> Lower<'a> {
             if a.ty.is_triple() || b.ty.is_triple() {
                 return refuse("does not mix a matrix with a triple (see transform)");
             }
-            let (a, b) = (self.convert(at, a, Ty::Matrix)?, self.convert(at, b, Ty::Matrix)?);
-            let f = match op {
-                "*" => Builtin::MATRIX_MULTIPLY,
-                "/" => Builtin::MATRIX_DIVIDE,
-                "==" | "!=" => Builtin::MATRIX_EQUAL,
-                "+" | "-" => {
-                    let f = if op == "+" { Binary::Add } else { Binary::Sub };
-                    return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()));
-                }
-                _ => return refuse("does not take matrices"),
-            };
-            let ty = if f == Builtin::MATRIX_EQUAL { Ty::Float } else { Ty::Matrix };
-            let result = self.temp(at, ty, varying, |r| Op::Call(f, r.reg(), vec![a.reg(), b.reg()]))?;
-            if op == "!=" {
-                return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r.reg(), result.reg()));
-            }
-            return Ok(result);
+            return self.of_matrices(at, op, a, b);
         }
         let both_triples = a.ty.is_triple() && b.ty.is_triple();
         match op {
@@ -197,6 +181,29 @@ impl<'a> Lower<'a> {
                 self.temp(at, Ty::Float, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()))
             }
         }
+    }
+
+    /// A binary operator of two matrices, or of a matrix and a number.
+    fn of_matrices(&mut self, at: usize, op: &str, a: Value, b: Value) -> Result<Value, Error> {
+        let varying = a.varying || b.varying;
+        let found = [a, b].map(|v| v.ty.name());
+        let (a, b) = (self.convert(at, a, Ty::Matrix)?, self.convert(at, b, Ty::Matrix)?);
+        let f = match op {
+            "*" => Builtin::MATRIX_MULTIPLY,
+            "/" => Builtin::MATRIX_DIVIDE,
+            "==" | "!=" => Builtin::MATRIX_EQUAL,
+            "+" | "-" => {
+                let f = if op == "+" { Binary::Add } else { Binary::Sub };
+                return self.temp(at, Ty::Matrix, varying, |r| Op::Binary(f, r.reg(), a.reg(), b.reg()));
+            }
+            _ => return error(at, format!("`{op}` does not take matrices, found {} and {}", found[0], found[1])),
+        };
+        let ty = if f == Builtin::MATRIX_EQUAL { Ty::Float } else { Ty::Matrix };
+        let result = self.temp(at, ty, varying, |r| Op::Call(f, r.reg(), vec![a.reg(), b.reg()]))?;
+        if op == "!=" {
+            return self.temp(at, Ty::Float, varying, |r| Op::Unary(Unary::Not, r.reg(), result.reg()));
+        }
+        Ok(result)
     }
 
     /// A number-by-number function of two values, as wide as the wider.
