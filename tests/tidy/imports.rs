@@ -210,7 +210,7 @@ impl Crate<'_> {
                 match target {
                     Target::Module(m) => {
                         let found = self.lookup(m, name, on_the_way);
-                        // What a macro makes is not seen here: the path says where it is.
+                        // All that a macro makes is not seen here: the path says where it is.
                         if found.is_empty() && (depth > 0 || anchored) {
                             next.push(Target::File(self.modules[m].file.clone()));
                         }
@@ -292,7 +292,7 @@ impl Reader<'_> {
         self.module.aliases.entry(new).or_default().push(path);
     }
 
-    /// The paths among the tokens of a macro, which may hold anything.
+    /// The paths among the tokens of a macro, which may hold anything, and the types that it defines.
     fn tokens(&mut self, tokens: TokenStream) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
         let colon = |t: Option<&TokenTree>| matches!(t, Some(TokenTree::Punct(p)) if p.as_char() == ':');
@@ -302,6 +302,12 @@ impl Reader<'_> {
             match token {
                 TokenTree::Group(group) => self.tokens(group.stream()),
                 TokenTree::Ident(first) => {
+                    // What a macro defines under a name that is written there.
+                    if let Some(TokenTree::Ident(name)) = tokens.get(at)
+                        && ["struct", "enum", "trait"].iter().any(|kind| first == kind)
+                    {
+                        self.module.items.insert(name.to_string());
+                    }
                     let mut path = vec![first.to_string()];
                     while colon(tokens.get(at)) && colon(tokens.get(at + 1)) {
                         let Some(TokenTree::Ident(next)) = tokens.get(at + 2) else { break };
@@ -506,6 +512,20 @@ mod tests {
             ("c.rs", "pub fn f() {}"),
         ]);
         assert_eq!(found, ["a > c", "b > a"]);
+    }
+
+    #[test]
+    fn types_that_macros_make_are_where_they_are_named() {
+        let found = edges(&[
+            ("lib.rs", "mod a; mod b; mod c; pub use b::*;"),
+            (
+                "a.rs",
+                "macro_rules! with { ($(#[$m:meta])* pub struct $n:ident { }) => { pub struct $n {} } } pub(crate) use with;",
+            ),
+            ("b.rs", "crate::a::with! { pub struct Made { } }"),
+            ("c.rs", "use crate::Made;"),
+        ]);
+        assert_eq!(found, ["b > a", "c > b", "lib > b"]);
     }
 
     #[test]

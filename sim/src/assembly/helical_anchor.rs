@@ -1,7 +1,7 @@
 //! The anchor of the paper's sections 5.3 and 5.4: a ball as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
 //! along a vertical line about which it may turn.
 
-use super::{Parts, Wrong, body, joint, part, positive};
+use super::parts::{Parts, Wrong, body, joint, part, positive};
 use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, LoadFile, ShapeFile, SphereFile};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 //! The paper drops a ring of shoes on the wheels and tightens it with the idler. Here the ring is laid along the belt around
 //! the wheels, and the idler is moved until the last shoe meets the first: the track is tight and free of force at the start.
 
-use super::{Parts, Wrong, body, joint, part, positive};
+use super::parts::{Parts, Wrong, body, joint, part, positive};
 use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, MotorFile, RotateFile, ShapeFile, SpringFile};
 use serde::{Deserialize, Serialize};
