@@ -1,4 +1,5 @@
-//! Assemblies: parametric machines that expand to the bodies, joints, springs and loads of a model file.
+//! Machines that are built from a few dimensions: parametric builders that write the bodies, joints, springs and loads that an
+//! engineer would have to write by hand.
 
 mod helical_anchor;
 mod tracked_vehicle;
@@ -9,7 +10,7 @@ pub use tracked_vehicle::TrackedVehicle;
 use crate::joint::JointKind;
 use crate::model_file::{BodyFile, JointFile, LoadFile, PartFile, RotateFile, ShapeFile, SpringFile};
 
-/// The parts of an assembly, in the types of a model file.
+/// What a builder makes, as it would stand in a model file.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     /// Bodies.
@@ -24,10 +25,10 @@ pub struct Parts {
     pub pass_through: Vec<[String; 2]>,
 }
 
-/// The error of a dimension: its key and the message.
-pub type DimensionError = (&'static str, String);
+/// What is wrong with a dimension: its key and why.
+pub type Wrong = (&'static str, String);
 
-/// A body without shapes, at a position.
+/// A body without shapes at a place.
 fn body(name: String, class: &str, material: &str, position: [f64; 3], mass: f64) -> BodyFile {
     let mut body = BodyFile::named(&name);
     (body.class, body.material) = (Some(class.into()), Some(material.into()));
@@ -35,7 +36,7 @@ fn body(name: String, class: &str, material: &str, position: [f64; 3], mass: f64
     body
 }
 
-/// One shape of a body, at a position and orientation in the body's frame.
+/// A shape of a body.
 fn part(shape: ShapeFile, position: [f64; 3], rotate: Option<([f64; 3], f64)>) -> PartFile {
     let mut part: PartFile = serde_yaml::from_str("{}").expect("all of a part's keys have defaults");
     part.set_shape(shape);
@@ -44,15 +45,15 @@ fn part(shape: ShapeFile, position: [f64; 3], rotate: Option<([f64; 3], f64)>) -
     part
 }
 
-/// A joint between bodies A and B, at a position and with an axis in the world.
+/// A joint of a kind.
 fn joint(name: String, kind: JointKind, [a, b]: [&str; 2], position: [f64; 3], axis: [f64; 3]) -> JointFile {
     let mut joint = JointFile::named(&name, kind, a, b);
     (joint.position, joint.axis) = (position, axis);
     joint
 }
 
-/// Check that dimensions are finite and above zero.
-fn positive(values: &[(&'static str, f64)]) -> Result<(), DimensionError> {
+/// Refuse dimensions that are not above zero.
+fn positive(values: &[(&'static str, f64)]) -> Result<(), Wrong> {
     match values.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
         Some((key, x)) => Err((key, format!("is {x}, expected a number above 0"))),
         None => Ok(()),

@@ -42,7 +42,7 @@ pub struct Cpu {
     spheres: Vec<Sphere>,
     /// Whether `pairs` are those of the state's fat AABBs.
     has_pairs: bool,
-    /// Whether they were at the start of the step and every shape is still inside its fat AABB, so that the pairs are valid.
+    /// Whether `pairs` are valid in this step: every shape is still inside its fat AABB.
     pairs_hold: bool,
     bins: Bins,
     pairs: Pairs,

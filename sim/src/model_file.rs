@@ -25,7 +25,7 @@ pub fn read(path: &Path) -> Result<(ModelFile, Resolved), Fault> {
 /// Read a model file with values of `--set` in place of its own: `solver.iterations=80`, `bodies.block.mass=3`.
 ///
 /// # Errors
-/// As [`read`], and a path of `--set` that leads to no key.
+/// The faults of [`read`], and a path of `--set` that leads to no key.
 pub fn read_with(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Resolved), Fault> {
     let (file, doc) = load(path, set)?;
     let resolved = file.resolve(&doc)?;
@@ -35,7 +35,7 @@ pub fn read_with(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Re
 /// Read a model file, with values of `--set` in place of its own, without resolving it.
 ///
 /// # Errors
-/// As [`read_with`], of what can be found without resolving.
+/// The faults of [`read_with`] that are found without resolving.
 pub fn load(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Document), Fault> {
     let (mut file, mut doc): (ModelFile, Document) = if set.is_empty() {
         frame::yaml::read(path)?
@@ -58,7 +58,7 @@ pub fn load(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Documen
 pub struct Resolved {
     /// The model.
     pub model: Model,
-    /// Its initial state.
+    /// The initial state.
     pub state: State,
     /// The quantities of `probes.csv`.
     pub probes: Probes,

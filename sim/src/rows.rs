@@ -66,7 +66,7 @@ pub fn reduce_chunks<T: Send, const K: usize>(
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// As [`reduce_chunks`], on two columns of one length.
+/// Run `f(first row, rows, rows)` on the chunks of two columns of one length, as [`reduce_chunks`].
 pub fn reduce_chunks_of_two<T: Send, U: Send, const K: usize>(
     a: &mut [T],
     b: &mut [U],

@@ -188,7 +188,8 @@ impl<'a> Run<'a> {
             return Err(fault.hint("simulate without --resume to start again, or restore the model"));
         }
         if state.position.len() != sim.model.n_bodies() {
-            return Err(Fault::whole(FaultKind::Data, path, "has bodies that the model has not, or lacks some"));
+            let counts = format!("has {} bodies, expected the model's {}", state.position.len(), sim.model.n_bodies());
+            return Err(Fault::whole(FaultKind::Data, path, counts));
         }
         let (h, time, expected) = (sim.model.step, state.time, index.expected_frames);
         let is_before = |n: &u64| *n as f64 / sim.model.frame_rate - 0.5 * h <= time;

@@ -29,7 +29,7 @@ impl Sphere {
         Sphere { centre: state.shape_pose(model, s).position, ..Sphere::centred(model, state, s, margin) }
     }
 
-    /// The same of a sphere about its body's centre of mass.
+    /// The sphere of shape `s`, which is about its body's centre of mass.
     #[inline(always)]
     pub fn centred(model: &Model, state: &State, s: usize, margin: f32) -> Sphere {
         let (body, radius) = (model.shape_body[s], model.shape_size[s].x);

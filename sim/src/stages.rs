@@ -243,7 +243,7 @@ columns! {
 }
 
 impl Column {
-    /// Its entry of the table.
+    /// Entry of the column in the table.
     pub fn spec(self) -> &'static Spec {
         &COLUMNS[self as usize]
     }

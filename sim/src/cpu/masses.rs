@@ -20,7 +20,7 @@ pub struct Masses {
 /// The inertia tensors of bodies with anisotropic inertia.
 #[derive(Default)]
 enum InertiaTensors {
-    /// No such bodies.
+    /// No bodies with anisotropic inertia.
     #[default]
     None,
     /// Slots of the bodies ([`ISOTROPIC`] for isotropic inertia; n_bodies), and R J̄⁻¹ Rᵀ and its inverse by slot (n_tensors).

@@ -6,8 +6,8 @@
 //! inout  rolling_impulse  [n_contacts]  N m s, world, where the plan has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 //!
-//! While the candidate pairs are those of the last step, contacts of sphere pairs have the same order in both steps, and are matched
-//! in one pass along both. The others, and all after a run of the broad phase, are matched by their keys.
+//! While the candidate pairs are those of the last step, contacts of sphere pairs have the same order in both steps, and one pass
+//! along both matches them. The others, and all after a run of the broad phase, are matched by their keys.
 
 use crate::contacts::{Contacts, NO_SPHERE_PAIR};
 use crate::plan::StepPlan;

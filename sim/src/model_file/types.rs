@@ -201,19 +201,19 @@ pub struct MaterialFile {
 pub struct PairFile {
     /// Names of the two materials.
     pub materials: [String; 2],
-    /// As for a material.
+    /// Coefficient of friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
-    /// As for a material.
+    /// Coefficient of restitution, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution: Option<f64>,
-    /// As for a material.
+    /// Cohesion: maximum tensile force of a contact, N.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<f64>,
-    /// As for a material.
+    /// Rolling friction, m: maximum rolling torque over normal force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
-    /// As for a material.
+    /// Spinning friction, m: maximum torque about the normal over normal force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spinning: Option<f64>,
 }

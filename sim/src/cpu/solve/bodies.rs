@@ -46,7 +46,7 @@ impl Falling<'_> {
 pub enum Free<'a> {
     /// A column (n_bodies).
     Column(&'a [Twist]),
-    /// Those under gravity alone, evaluated where they are read.
+    /// Velocities under gravity alone, evaluated where they are read.
     Falling(Falling<'a>),
 }
 

@@ -39,7 +39,7 @@ impl Best {
     /// Iterations between checks of the residual, with a tolerance and without one.
     const CHECK_INTERVAL: [u32; 2] = [10, 25];
 
-    /// No iterate yet.
+    /// A best iterate that is not found yet.
     pub fn new() -> Best {
         Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: true }
     }

@@ -32,7 +32,7 @@ pub trait Operator: Sync {
     }
     /// Project block i onto its cone; `gamma` has the multipliers that the cone's width may depend on.
     fn project(&self, block: usize, value: DVec3, gamma: &[DVec3]) -> DVec3;
-    /// The same, with the multipliers in cells.
+    /// Project block i onto its cone, with the multipliers in cells.
     ///
     /// # Safety
     /// No other thread writes the multipliers of the block, or those that its cone's width depends on.

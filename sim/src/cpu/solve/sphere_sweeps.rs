@@ -317,10 +317,10 @@ impl<T: Real, const L: usize> Group<T, L> {
 
 /// Lanes of as many contacts as a group has.
 pub trait Grouped<const L: usize>: Real {
-    /// In registers.
+    /// Lanes in registers.
     #[cfg(target_arch = "x86_64")]
     type Wide: Lanes<Self, L>;
-    /// In arrays.
+    /// Lanes in arrays.
     type Plain: Lanes<Self, L>;
 }
 

@@ -22,7 +22,7 @@ impl Builder<'_> {
                 not_negative(doc, &format!("{key}.deviation"), n.deviation)?;
                 positive(doc, &format!("{key}.least"), n.least)?;
                 if !(n.least <= n.mean && n.mean <= n.greatest && n.greatest.is_finite()) {
-                    return Err(doc.fault(&key, "expected least ≤ mean ≤ greatest"));
+                    return Err(doc.fault(&key, "expected `least` ≤ `mean` ≤ `greatest`"));
                 }
                 Ok(Radii::Normal(n.clone()))
             }
@@ -148,7 +148,9 @@ impl Builder<'_> {
         if let Some(b) = &t.boulders {
             positive(doc, &at("boulders.radius"), b.radius[0])?;
             if !(b.radius[1] >= b.radius[0] && b.radius[1].is_finite()) {
-                return Err(doc.fault(&at("boulders.radius"), "expected the smaller radius first"));
+                let message =
+                    format!("runs from {} to {}, expected the smaller radius first", b.radius[0], b.radius[1]);
+                return Err(doc.fault(&at("boulders.radius"), message));
             }
             let (material, density) = match &b.material {
                 Some(name) => self.material(&at("boulders.material"), name)?,

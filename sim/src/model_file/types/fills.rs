@@ -27,7 +27,7 @@ pub enum RadiusFile {
     Uniform([f64; 2]),
     /// Truncated normal.
     Normal(NormalFile),
-    /// From a sieve curve.
+    /// Distribution of a sieve curve.
     Sieve(SieveFile),
 }
 
