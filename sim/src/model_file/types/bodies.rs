@@ -148,7 +148,7 @@ with_shape! {
         /// Centre of mass in the body's frame, m; from the shapes if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub center: Option<[f64; 3]>,
-        /// Time at which it appears, s; the begin of its stage if not given.
+        /// Time at which it appears, s; the start of its stage if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub appears: Option<f64>,
         /// Time until which it is held in place, s.

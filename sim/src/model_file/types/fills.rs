@@ -85,7 +85,7 @@ pub struct FillFile {
     /// Velocity at the start, m/s, world.
     #[serde(default)]
     pub velocity: [f64; 3],
-    /// Time at which they appear, s; the begin of their stage if not given.
+    /// Time at which they appear, s; the start of their stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub appears: Option<f64>,
 }
@@ -126,7 +126,7 @@ pub struct TerrainFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DitchFile {
-    /// Begin (x, y), m.
+    /// Start (x, y), m.
     pub from: [f64; 2],
     /// End (x, y), m.
     pub to: [f64; 2],

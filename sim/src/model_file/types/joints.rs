@@ -41,7 +41,7 @@ pub struct JointFile {
     /// Whether its two bodies collide.
     #[serde(default)]
     pub collide: bool,
-    /// Time from which it acts, s; the begin of its stage if not given.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// Time until which it acts, s; for ever if not given.
@@ -98,7 +98,7 @@ pub struct SpringFile {
     /// Additional force, N, or torque, N m, over time; positive pulls B towards A.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preload: Option<FunctionFile>,
-    /// Time from which it acts, s; the begin of its stage if not given.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// Time until which it acts, s; for ever if not given.
@@ -126,7 +126,7 @@ pub struct LoadFile {
     /// Point of application of a force, in the body's frame, m; the centre of mass if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
-    /// Time from which it acts, s; the begin of its stage if not given.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// Time until which it acts, s; for ever if not given.
@@ -198,9 +198,9 @@ pub struct StepFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RampFile {
-    /// Times of begin and end, s.
+    /// Times of start and end, s.
     pub times: [f64; 2],
-    /// Values at begin and end; constant outside.
+    /// Values at start and end; constant outside.
     pub values: [f64; 2],
 }
 
