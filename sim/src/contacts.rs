@@ -11,7 +11,7 @@ pub struct Contacts {
     pub bodies: Vec<[u32; 2]>,
     /// Identity of a contact from step to step: the shapes of A and B, and the feature id.
     pub key: Vec<[u32; 3]>,
-    /// Index of the contact's sphere pair within its tile, or [`NO_SPHERE_PAIR`]; contacts of sphere pairs come first in a tile.
+    /// Index of the contact's sphere pair within its tile, `u32::MAX` for other contacts; those of sphere pairs come first in a tile.
     #[serde(skip)]
     pub pair: Vec<u32>,
     /// Unit normal, out of A, world.
