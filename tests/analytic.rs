@@ -1,4 +1,4 @@
-//! Dynamics against answers known on paper (the table of numbers in the project's physics notes).
+//! Dynamics against answers known on paper.
 
 use glam::DVec3;
 use sim::{Simulation, model_file::ModelFile};
@@ -30,7 +30,7 @@ solver: {{friction: {friction}, method: {method}, iterations: 2000, tolerance: 1
 materials: {{m: {{density: 1, friction: 0.1}}}}
 bodies:
   - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
-  - {{name: ball, material: m, mass: 1, sphere: {{radius: 1}}, position: [0, 0, 1], velocity: [{speed}, 0, 0]}}
+  - {{name: sphere, material: m, mass: 1, sphere: {{radius: 1}}, position: [0, 0, 1], velocity: [{speed}, 0, 0]}}
 "
     ))
 }
@@ -65,14 +65,14 @@ fn sliding_turns_to_rolling() {
         let mut rolls_at = None;
         while sim.state.time < 1.0 {
             sim.step();
-            // The body frame turns with the ball: compare the spin in the world's.
+            // The body frame turns with the sphere: compare the spin in the world's.
             let spin = (sim.state.orientation[1] * sim.state.angular_velocity[1]).y;
             if rolls_at.is_none() && (sim.state.velocity[1].x - spin).abs() < 1e-3 {
                 rolls_at = Some((sim.state.time, sim.state.position[1].x));
             }
         }
-        let (time, place) = rolls_at.expect("the ball comes to roll");
-        // The relaxed law holds the ball up at first, so that its friction starts a few steps late.
+        let (time, place) = rolls_at.expect("the sphere comes to roll");
+        // The relaxed law holds the sphere up at first, so that its friction starts a few steps late.
         close(sim.state.velocity[1].x, 1.428571, 1e-3, "rolling speed");
         close(time, 0.58250, 1e-2, "time");
         close(place, 0.99856, 1e-2, "place");
@@ -152,7 +152,7 @@ bodies:
 }
 
 #[test]
-fn a_heavy_ball_on_a_light_stack_converges() {
+fn a_heavy_sphere_on_a_light_stack_converges() {
     let first_step = |method: &str, iterations: u32| {
         let mut yaml = format!(
             "step: 1e-3
@@ -205,14 +205,14 @@ bodies:
 }
 
 #[test]
-fn a_ball_rolls_down_a_slope() {
+fn a_sphere_rolls_down_a_slope() {
     let angle = 10f64.to_radians();
     let mut sim = simulation(&format!(
         "step: 1e-3
 materials: {{m: {{density: 1000, friction: 0.6}}}}
 bodies:
   - {{name: slope, material: m, plane: {{normal: [{}, 0, {}]}}}}
-  - {{name: ball, material: m, sphere: {{radius: 0.1}}, position: [{}, 0, {}]}}
+  - {{name: sphere, material: m, sphere: {{radius: 0.1}}, position: [{}, 0, {}]}}
 ",
         angle.sin(),
         angle.cos(),
@@ -251,8 +251,8 @@ bodies:
     run(&mut sim, 2.0);
     for b in 1..=21 {
         let p = sim.state.position[b];
-        assert!(p.truncate().length() < 1e-5, "ball {b} has drifted to {p}");
-        assert!((p.z - (0.1 + 0.2 * (b - 1) as f64)).abs() < 1e-6, "ball {b} has sunk to {p}");
+        assert!(p.truncate().length() < 1e-5, "sphere {b} has drifted to {p}");
+        assert!((p.z - (0.1 + 0.2 * (b - 1) as f64)).abs() < 1e-6, "sphere {b} has sunk to {p}");
     }
 }
 
@@ -309,19 +309,19 @@ bodies:
 
 #[test]
 fn restitution_rolling_friction_and_cohesion_have_their_effect() {
-    let ball = |material: &str, more: &str| {
+    let sphere = |material: &str, more: &str| {
         simulation(&format!(
             "step: 1e-4
 solver: {{friction: exact, iterations: 100, tolerance: 1e-10}}
 materials: {{m: {{density: 1000, friction: 0.5, {material}}}}}
 bodies:
   - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
-  - {{name: ball, material: m, mass: 1, sphere: {{radius: 0.1}}, {more}}}
+  - {{name: sphere, material: m, mass: 1, sphere: {{radius: 0.1}}, {more}}}
 "
         ))
     };
     // Let fall from 0.2 m, half the speed comes back: a quarter of the height.
-    let mut sim = ball("restitution: 0.5", "position: [0, 0, 0.3]");
+    let mut sim = sphere("restitution: 0.5", "position: [0, 0, 0.3]");
     let mut highest = 0.0f64;
     let (mut bounced, mut falling) = (false, false);
     while sim.state.time < 0.6 {
@@ -333,8 +333,8 @@ bodies:
         }
     }
     close(highest, 0.05, 0.02, "height of the bounce");
-    // A rolling ball is braked by the torque ρ m g: a = ρ g/r · 1/(1 + 2/5).
-    let mut sim = ball("rolling: 2e-3", "position: [0, 0, 0.1], velocity: [1, 0, 0], angular_velocity: [0, 10, 0]");
+    // A rolling sphere is braked by the torque ρ m g: a = ρ g/r · 1/(1 + 2/5).
+    let mut sim = sphere("rolling: 2e-3", "position: [0, 0, 0.1], velocity: [1, 0, 0], angular_velocity: [0, 10, 0]");
     run(&mut sim, 1.0);
     close(1.0 - sim.state.velocity[1].x, 2e-3 * 9.81 / 0.1 / 1.4, 0.02, "braking");
     // A force of 15 N holds 1 kg under a ceiling; 5 N does not.
@@ -344,7 +344,7 @@ bodies:
 materials: {{m: {{density: 1000, friction: 0.5, cohesion: {cohesion}}}}}
 bodies:
   - {{name: ceiling, material: m, plane: {{normal: [0, 0, -1]}}}}
-  - {{name: ball, material: m, mass: 1, sphere: {{radius: 0.1}}, position: [0, 0, -0.1]}}
+  - {{name: sphere, material: m, mass: 1, sphere: {{radius: 0.1}}, position: [0, 0, -0.1]}}
 "
         ));
         run(&mut sim, 0.3);

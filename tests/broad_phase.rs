@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use sim::{Model, Pose, ShapeKind, Simulation, SplitMix64, State};
 use std::collections::BTreeSet;
 
-/// Sizes from the least to the greatest, evenly by their logarithms.
+/// Sizes from the smallest to the largest, evenly by their logarithms.
 fn size(random: &mut SplitMix64, range: [f64; 2]) -> f64 {
     range[0] * (range[1] / range[0]).powf(random.uniform())
 }
@@ -34,7 +34,7 @@ fn cloud(seed: u64, n: usize, boxes: u32, range: [f64; 2], extent: f64) -> Simul
     }
     let mut sim = simulation(&yaml);
     for b in 0..n {
-        let mut vector = |most: f64| DVec3::from([0; 3].map(|_| random.between(-most, most)));
+        let mut vector = |max: f64| DVec3::from([0; 3].map(|_| random.between(-max, max)));
         sim.state.position[b] = vector(0.5 * extent);
         if b % 7 != 0 {
             (sim.state.velocity[b], sim.state.angular_velocity[b]) = (vector(2.0), vector(3.0));
@@ -46,7 +46,7 @@ fn cloud(seed: u64, n: usize, boxes: u32, range: [f64; 2], extent: f64) -> Simul
     sim
 }
 
-/// A shape as brute force sees it.
+/// A shape for brute force.
 #[derive(Clone, Copy)]
 struct Solid {
     kind: ShapeKind,
@@ -54,7 +54,7 @@ struct Solid {
     size: DVec3,
 }
 
-/// By how much two shapes overlap, m; negative where they are apart, by at least as much.
+/// Overlap of two shapes, m; negative where they are separate, and then a lower bound of minus their distance.
 fn depth(a: &Solid, b: &Solid) -> f64 {
     match (a.kind, b.kind) {
         (ShapeKind::Sphere, ShapeKind::Sphere) => a.size.x + b.size.x - (a.place.position - b.place.position).length(),
@@ -70,7 +70,7 @@ fn depth(a: &Solid, b: &Solid) -> f64 {
     }
 }
 
-/// The least overlap of two boxes along the fifteen axes that can part them.
+/// The minimum overlap of two boxes along the fifteen axes that can separate them.
 fn boxes_depth(a: &Solid, b: &Solid) -> f64 {
     let [p, q] = [a, b].map(|s| DMat3::from_quat(s.place.orientation));
     let away = b.place.position - a.place.position;
@@ -96,8 +96,8 @@ fn brute(model: &Model, state: &State) -> Vec<([u32; 2], f64, f64)> {
         for s in (0..t).filter(|s| moves(*s) || moves(t)) {
             let away = (solids[s].place.position - solids[t].place.position).length();
             if away < radius[s] + radius[t] {
-                let least = solids[s].size.min_element().min(solids[t].size.min_element());
-                found.push(([s as u32, t as u32], depth(&solids[s], &solids[t]), least));
+                let min = solids[s].size.min_element().min(solids[t].size.min_element());
+                found.push(([s as u32, t as u32], depth(&solids[s], &solids[t]), min));
             }
         }
     }
@@ -112,12 +112,12 @@ fn ordered([s, t]: [u32; 2]) -> [u32; 2] {
 /// Hold pairs that were found to those of brute force; returns how many overlap.
 fn held(found: &BTreeSet<[u32; 2]>, all: &[([u32; 2], f64, f64)], only: bool, what: &str) -> usize {
     let mut n = 0;
-    for (pair, depth, least) in all {
+    for (pair, depth, min) in all {
         // What hardly touches is the narrow phase's to judge.
-        if *depth > 1e-6 * least {
+        if *depth > 1e-6 * min {
             n += 1;
             assert!(found.contains(pair), "{what}: shapes {pair:?} overlap by {depth:.3e} m and are not found");
-        } else if *depth < -1e-6 * least && only {
+        } else if *depth < -1e-6 * min && only {
             assert!(!found.contains(pair), "{what}: shapes {pair:?} are {:.3e} m apart and are found", -depth);
         }
     }
@@ -131,7 +131,7 @@ fn held(found: &BTreeSet<[u32; 2]>, all: &[([u32; 2], f64, f64)], only: bool, wh
 #[test]
 fn overlaps_are_those_of_brute_force() {
     let mut total = 0;
-    // Spheres alone and with boxes; sizes alike, and mixed 1:100 in a box as large as some thirty of the greatest.
+    // Spheres alone and with boxes; sizes alike, and mixed 1:100 in a box as large as some thirty of the largest.
     let mixes = [(0, [0.05, 0.05], 1.0), (0, [0.01, 1.0], 6.0), (3, [0.01, 1.0], 6.0), (10, [0.02, 0.2], 1.2)];
     for (mix, (boxes, range, extent)) in mixes.into_iter().enumerate() {
         for seed in 0..12 {

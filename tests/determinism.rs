@@ -17,7 +17,7 @@ fn bytes(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn simulation_and_pictures_do_not_depend_on_threads() {
+fn simulation_and_images_do_not_depend_on_threads() {
     let work = scratch();
     let mut frames = Vec::new();
     let mut images = Vec::new();
@@ -31,7 +31,7 @@ fn simulation_and_pictures_do_not_depend_on_threads() {
     }
     assert_eq!(frames[0].len(), 8);
     assert!(frames[1] == frames[0] && frames[2] == frames[0], "the frame files differ");
-    assert!(images[1] == images[0] && images[2] == images[0], "the pictures differ");
+    assert!(images[1] == images[0] && images[2] == images[0], "the images differ");
 }
 
 /// A bed of many tiles, by threads of different number and with a stop at a checkpoint on the way: the same bits; and no two
@@ -102,22 +102,22 @@ fn a_run_goes_on_from_a_checkpoint_bit_for_bit() {
 }
 
 #[test]
-fn pictures_do_not_depend_on_the_bucket() {
-    buckets_make_no_difference("", "");
+fn images_do_not_depend_on_the_bucket_size() {
+    holds_for_all_bucket_sizes("", "");
 }
 
 #[test]
-fn blurred_pictures_do_not_depend_on_the_bucket() {
-    buckets_make_no_difference(
+fn blurred_images_do_not_depend_on_the_bucket_size() {
+    holds_for_all_bucket_sizes(
         "Shutter 0 1 DepthOfField 2 0.5 5",
         "MotionBegin [0 0.3 1] Translate 0 0 0 Translate 0.2 0 0 Translate 0.3 0.2 0 MotionEnd",
     );
 }
 
 /// Draw with buckets of several sizes and numbers of threads: the same bits.
-fn buckets_make_no_difference(options: &str, moves: &str) {
+fn holds_for_all_bucket_sizes(options: &str, moves: &str) {
     let work = scratch();
-    let mut pictures = Vec::new();
+    let mut images = Vec::new();
     for (size, threads) in [(8, "1"), (16, "2"), (37, "3"), (64, "7"), (200, "2")] {
         let scene = format!(
             "Option \"limits\" \"uniform integer bucketsize\" [{size}]
@@ -139,9 +139,9 @@ WorldEnd
         std::fs::write(&path, scene).unwrap();
         let out = work.path().to_str().unwrap();
         scree(&["render", path.to_str().unwrap(), "--threads", threads, "-o", out]).ok();
-        pictures.push(std::fs::read(work.path().join(format!("p{size}.png"))).unwrap());
+        images.push(std::fs::read(work.path().join(format!("p{size}.png"))).unwrap());
     }
-    assert!(pictures.iter().all(|p| *p == pictures[0]));
+    assert!(images.iter().all(|p| *p == images[0]));
 }
 
 #[test]

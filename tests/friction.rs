@@ -50,7 +50,7 @@ struct Body {
     velocity: DVec3,
 }
 
-/// A pile of balls and blocks on the ground: a block stands on four contacts, so that its impulses are not one answer.
+/// A pile of spheres and blocks on the ground: a block stands on four contacts, so that its impulses are not one answer.
 fn pile(seed: u64) -> Problem {
     let mut random = SplitMix64(seed);
     let mut bodies: Vec<Body> = vec![];
@@ -77,8 +77,8 @@ fn pile(seed: u64) -> Problem {
             contacts.push((Some(a), b, 0.5 * (bodies[a].at + bodies[b].at), away.normalize()));
         }
     }
-    // How fast the point of a body moves by an impulse at another: v + ω × arm with v = j/m and ω = (arm × j)/J.
-    let answer = |body: usize, to: DVec3, at: DVec3, impulse: DVec3| {
+    // Velocity of a point of a body by an impulse at another point: v + ω × arm with v = j/m and ω = (arm × j)/J.
+    let response = |body: usize, to: DVec3, at: DVec3, impulse: DVec3| {
         let Body { at: centre, inv_mass, inv_inertia, .. } = bodies[body];
         impulse * inv_mass + ((at - centre).cross(impulse) * inv_inertia).cross(to - centre)
     };
@@ -97,7 +97,7 @@ fn pile(seed: u64) -> Problem {
                     && a == b
                 {
                     for c in 0..3 {
-                        *block.col_mut(c) += own * answer(a, to.2, from.2, frame(from.3).col(c)) * sign * other;
+                        *block.col_mut(c) += own * response(a, to.2, from.2, frame(from.3).col(c)) * sign * other;
                     }
                 }
             }
@@ -139,9 +139,9 @@ impl Problem {
         text + &lines(&self.mu)
     }
 
-    /// By how much impulses miss the law, at each contact: u = W r + q (+ μ|u_t| along the normal), r is the projection of r − u on
-    /// the cone. As a part of |q|.
-    fn miss(&self, r: &[DVec3], exact: bool) -> f64 {
+    /// Error of impulses, over |q|: at each contact u = W r + q (+ μ|u_t| along the normal), and r is the projection of r − u on the
+    /// cone.
+    fn error(&self, r: &[DVec3], exact: bool) -> f64 {
         let mut sum = 0.0;
         for (i, row) in self.w.iter().enumerate() {
             let mut u = self.q[i] + row.iter().zip(r).map(|(w, r)| *w * *r).sum::<DVec3>();
@@ -183,9 +183,13 @@ fn piles_of_our_own_are_solved_by_both_laws() {
                 problem::solve(&mut read, &law(friction, None, 1e-6))
             });
             for solution in &solutions {
-                let miss = problem.miss(&solution.gamma, friction == FrictionLaw::Exact);
+                let error = problem.error(&solution.gamma, friction == FrictionLaw::Exact);
                 assert!(solution.error <= 1e-6, "pile {seed}, {friction:?}: {}", solution.error);
-                assert!((miss - solution.error).abs() < 1e-3 * miss + 1e-12, "{miss}, said to be {}", solution.error);
+                assert!(
+                    (error - solution.error).abs() < 1e-3 * error + 1e-12,
+                    "{error}, but the solution says {}",
+                    solution.error
+                );
             }
             // Both layouts are one problem.
             assert_eq!(solutions[0].gamma, solutions[1].gamma, "pile {seed}");

@@ -24,7 +24,7 @@ joints:
     ))
 }
 
-/// What is compared of the pendulum, and by how much it may be off, root mean square: place, velocity, orientation (w, x, y, z),
+/// Compared quantities of the pendulum, and the tolerances of their root mean square errors: place, velocity, orientation (w, x, y, z),
 /// force and torque of the joint on the world.
 const COMPARED: [(&str, f64); 5] = [("Pos", 1e-3), ("Vel", 1e-2), ("Quat", 1e-3), ("Rforce", 2e-2), ("Rtorque", 1e-2)];
 
@@ -56,7 +56,7 @@ fn follows(rows: &[(f64, [Vec<f64>; 5])]) {
         violation += j.violation.powi(2) / rows.len() as f64;
     }
     for ((name, tolerance), sums) in COMPARED.iter().zip(sums) {
-        let off = sums.iter().fold(0.0, |most: f64, sum| most.max(sum.sqrt()));
+        let off = sums.iter().fold(0.0, |max: f64, sum| max.max(sum.sqrt()));
         assert!(off < *tolerance, "{name}: {off} RMS");
     }
     assert!(violation.sqrt() < 1e-5, "constraint: {} RMS", violation.sqrt());
@@ -203,7 +203,7 @@ fn joints_carry_weight_and_let_go_what_they_leave_free() {
 
 #[test]
 fn motors_springs_and_limits_do_what_they_say() {
-    // A speed of 3 rad/s about z, whatever it takes.
+    // A speed of 3 rad/s about z.
     let mut sim = on_joint("kind: revolute, motor: {speed: {ramp: {times: [0, 0.2], values: [0, 3]}}}", "");
     run(&mut sim, 1.0);
     close(sim.state.joints[0].rate, 3.0, 1e-6, "speed");

@@ -46,7 +46,7 @@ fn runs_have_the_same_bits_in_plain_lanes() {
     if !both_are_there() {
         return;
     }
-    // Balls, whose pairs are found and whose impulses are swept in lanes of their own; by every method, and the exact law.
+    // Spheres, which have lane loops of their own for pairs and for sweeps; by every method, and the exact law.
     for set in [
         &["solver.method=apgd"][..],
         &["solver.method=jacobi"],

@@ -1,4 +1,4 @@
-//! What displays take besides colour, what files say of themselves, and what pictures took.
+//! Channels besides colour, metadata of image files, and render statistics.
 
 use crate::cli::{scratch, scree};
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, Text, read};
@@ -61,7 +61,7 @@ fn render(scene: &str) -> Layers {
     Layers::read(&work.path().join("a.exr"))
 }
 
-/// Looking along z from −5, ±1 across the picture.
+/// Looking along z from −5, ±1 across the image.
 const VIEW: &str =
     "Format 80 80 1 PixelSamples 4 4 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
 
@@ -171,7 +171,7 @@ fn files_have_the_floats_and_the_names_that_are_asked_for() {
 }
 
 #[test]
-fn shares_with_layers_are_stitched_and_statistics_add_up() {
+fn shards_with_layers_are_stitched_and_statistics_add_up() {
     let work = scratch();
     let at = |name: &str| work.path().join(name);
     let text = |name: &str| at(name).to_str().unwrap().to_string();
@@ -203,25 +203,25 @@ fn shares_with_layers_are_stitched_and_statistics_add_up() {
 }
 
 #[test]
-fn pictures_of_data_say_what_they_are_of() {
+fn images_of_data_have_their_frame_and_time() {
     let work = scratch();
     let at = |name: &str| work.path().join(name);
     std::fs::write(at("p_0007.csv"), "x;y;z;radius;vx\n0;0;0.5;0.5;2\n1.5;0;0.5;0.5;0\n").unwrap();
     let metadata = "data: {csv: 'p_*.csv'}
 objects:
-  - {name: balls, position: [x, y, z], geometry: {sphere: {radius: radius}}}
+  - {name: spheres, position: [x, y, z], geometry: {sphere: {radius: radius}}}
 camera: {eye: [0, -6, 3], look_at: [0.5, 0, 0.5]}
 output: {resolution: [64, 48], samples: [2, 2], format: exr, bits: 16, channels: [z, id, N]}
 ";
     std::fs::write(at("m.yaml"), metadata).unwrap();
     let said = scree(&["render", at("m.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]);
     said.ok();
-    let picture = std::fs::read_dir(at("out")).unwrap().next().unwrap().unwrap().path();
-    let layers = Layers::read(&picture);
+    let image = std::fs::read_dir(at("out")).unwrap().next().unwrap().unwrap().path();
+    let layers = Layers::read(&image);
     assert_eq!(layers.channels.keys().collect::<Vec<_>>(), ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "id"]);
     assert_eq!(layers.half, ["A", "B", "G", "R"]);
     assert_eq!((layers.about["frame"].as_str(), layers.about["time"].as_str()), ("7", "0"));
-    // Numbers stay whole: the two balls and what else the scene has.
+    // Numbers stay whole: the two spheres and what else the scene has.
     assert!(layers.channels["id"].iter().all(|id| id.fract() == 0.0));
     let ids: std::collections::BTreeSet<u32> = layers.channels["id"].iter().map(|id| *id as u32).collect();
     assert!(ids.len() >= 3, "{ids:?}");

@@ -94,7 +94,7 @@ fn a_half_plane_covers_half_through_every_filter() {
 }
 
 #[test]
-fn a_crop_window_is_cut_from_the_whole_picture() {
+fn a_crop_window_is_cut_from_the_whole_image() {
     let world = "Surface \"constant\" Color 1 .5 .25 Sphere .9 -.9 .9 360";
     let whole = render(ORTHO, world);
     // 80 pixels: 0.21 and 0.6 start at pixels 17 and 48, 0.5 and 0.99 at 40 and 80.
@@ -165,7 +165,7 @@ fn a_one_sided_polygon_is_seen_from_its_outside_only() {
 }
 
 #[test]
-fn a_ball_casts_its_shadow_the_right_way() {
+fn a_sphere_casts_its_shadow_the_right_way() {
     // Light travels along +x +z: the shadow of a ball before a wall lies to the right of it.
     let p = render(
         ORTHO,

@@ -1,4 +1,4 @@
-//! The whole way on a small model: run directory, RIB, pictures.
+//! The whole way on a small model: run directory, RIB, images.
 
 use crate::cli::{scratch, scree};
 use crate::golden;
@@ -16,7 +16,7 @@ fills:
 ";
 
 #[test]
-fn from_a_model_to_pictures_in_one_command() {
+fn from_a_model_to_images_in_one_command() {
     let work = scratch();
     let model = work.path().join("stones.yaml");
     std::fs::write(&model, MODEL).unwrap();

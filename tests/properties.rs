@@ -8,12 +8,12 @@ use gpu::scan::exclusive_cpu;
 use proptest::prelude::*;
 use std::path::Path;
 
-/// So many cases; nothing is written down of those that fail: they are printed.
+/// Configuration of `n` cases; failures are printed, not stored.
 fn cases(n: u32) -> ProptestConfig {
     ProptestConfig { cases: n, failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// Hold compressed rows to what they are of: starts rise from 0 to the number of items, and a row has its items in their order.
+/// Check compressed rows: starts ascend from 0 to the number of items, and a row has its items in their order.
 fn rows_hold(n_rows: usize, start: &[u32], out: &[u32], row_of: &[u32]) -> Result<(), TestCaseError> {
     prop_assert_eq!(start.len(), n_rows + 1);
     prop_assert_eq!((start[0], start[n_rows] as usize, out.len()), (0, row_of.len(), row_of.len()));
@@ -104,7 +104,7 @@ proptest! {
         let bucket = |i: u32| (i ^ salt).wrapping_mul(0x9e37_79b9) % n_buckets as u32;
         let row_of: Vec<u32> = (0..n as u32).map(bucket).collect();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        // What the columns had before does not matter.
+        // Earlier content of the columns has no effect.
         let (mut start, mut out) = (vec![7; 3], vec![9; 5]);
         pool.install(|| distribute_cpu(n_buckets, || row_of.iter().enumerate().map(|(i, row)| (*row, i as u32)), &mut start, &mut out));
         rows_hold(n_buckets, &start, &out, &row_of)?;
@@ -154,7 +154,7 @@ proptest! {
     #![proptest_config(cases(12))]
 
     #[test]
-    fn the_columns_of_a_step_have_their_form(seed in any::<u32>(), balls in any::<bool>(), rolling in any::<bool>()) {
+    fn the_columns_of_a_step_have_their_form(seed in any::<u32>(), spheres in any::<bool>(), rolling in any::<bool>()) {
         let shapes = [
             "sphere: {radius: 0.1}", "box: {size: [0.2, 0.15, 0.1]}", "cylinder: {radius: 0.08, length: 0.2}",
             "capsule: {radius: 0.06, length: 0.15}", "cone: {radius: 0.1, length: 0.2}", "ellipsoid: {radii: [0.12, 0.08, 0.06]}",
@@ -164,17 +164,17 @@ proptest! {
             "step: 2e-3\nsolver: {{iterations: 20}}\nmaterials: {{m: {{density: 1000, friction: 0.5{rolls}}}}}\nbodies:\n  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}\n"
         );
         for i in 0..60u32 {
-            let kind = if balls { 0 } else { (seed.wrapping_add(i) % 6) as usize };
+            let kind = if spheres { 0 } else { (seed.wrapping_add(i) % 6) as usize };
             let shift = (seed.wrapping_mul(i + 1) >> 20) as f64 / 4096.0 * 0.04;
             let at = [(i % 5) as f64 * 0.26 + shift, (i / 5 % 4) as f64 * 0.26 - shift, 0.13 + (i / 20) as f64 * 0.26];
             yaml += &format!("  - {{name: b{i}, material: m, {}, position: {at:?}, velocity: [0, 0, -1]}}\n", shapes[kind]);
         }
         let mut sim = simulation(&yaml);
-        let mut most = 0;
+        let mut max = 0;
         for _ in 0..60 {
             let report = sim.step();
             let (c, n) = (&sim.state.contacts, sim.state.contacts.len());
-            most = most.max(n);
+            max = max.max(n);
             prop_assert_eq!(report.contacts, n);
             prop_assert_eq!([c.key.len(), c.normal.len(), c.gap.len(), c.law.len(), c.impulse.len()], [n; 5]);
             prop_assert_eq!(c.rolling_impulse.len(), if rolling { n } else { 0 });
@@ -199,6 +199,6 @@ proptest! {
             }
             prop_assert!(sim.state.position.iter().all(|p| p.is_finite()));
         }
-        prop_assert!(most > 20, "{} contacts", most);
+        prop_assert!(max > 20, "{} contacts", max);
     }
 }

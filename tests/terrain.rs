@@ -38,7 +38,7 @@ fn heights_are_within_the_amplitude_flat_in_the_middle_and_repeatable() {
     assert_eq!(all.len(), 65 * 49);
     let middle = sim.state.position[sim.model.body_names["hills"] as usize];
     assert!((middle - DVec3::new(1.0, -2.0, 0.5)).length() < 1e-12);
-    let corner = all.iter().fold(DVec3::ZERO, |most, p| most.max(p.abs()));
+    let corner = all.iter().fold(DVec3::ZERO, |max, p| max.max(p.abs()));
     assert!((corner.truncate() - DVec2::new(8.0, 6.0)).length() < 1e-9 && corner.z <= 0.6 + 1e-12, "{corner}");
     let (flat, rest): (Vec<DVec3>, Vec<DVec3>) = all.iter().partition(|p| p.truncate().length() <= 2.0);
     assert!(flat.len() > 150 && flat.iter().all(|p| p.z.abs() < 1e-12));
@@ -103,30 +103,31 @@ fn boulders_lie_apart_on_the_ground_and_off_the_flat() {
 }
 
 #[test]
-fn a_ball_rests_on_the_flat_and_in_a_ditch() {
-    let flat = terrain(3, HILLS, "bodies: [{name: ball, material: m, sphere: {radius: 0.3}, position: [1, -2, 0.81]}]");
-    // On the axis of a ditch in flat ground, whose sides rise by the ball's own curve only farther up.
+fn a_sphere_rests_on_the_flat_and_in_a_ditch() {
+    let flat =
+        terrain(3, HILLS, "bodies: [{name: sphere, material: m, sphere: {radius: 0.3}, position: [1, -2, 0.81]}]");
+    // On the axis of a ditch in flat ground, whose sides rise by the sphere's own curve only farther up.
     let ditch = terrain(
         3,
         "size: [8, 8], spacing: 0.1, ditches: [{from: [-3, 0], to: [3, 0], width: 3, depth: 0.5}]",
-        "bodies: [{name: ball, material: m, sphere: {radius: 0.2}, position: [0.5, 0, -0.29]}]",
+        "bodies: [{name: sphere, material: m, sphere: {radius: 0.2}, position: [0.5, 0, -0.29]}]",
     );
     for (mut sim, height) in [(flat, 0.8), (ditch, -0.3)] {
         run(&mut sim, 1.0);
-        let ball = sim.model.body_names["ball"] as usize;
-        let (p, v) = (sim.state.position[ball], sim.state.velocity[ball]);
+        let sphere = sim.model.body_names["sphere"] as usize;
+        let (p, v) = (sim.state.position[sphere], sim.state.velocity[sphere]);
         assert!((p.z - height).abs() < 2e-3 && v.length() < 1e-3, "{p} {v}");
     }
 }
 
 #[test]
-fn balls_that_fall_on_hills_stay_above_them() {
-    let mut balls = String::from("bodies:\n");
+fn spheres_that_fall_on_hills_stay_above_them() {
+    let mut spheres = String::from("bodies:\n");
     for i in 0..40 {
         let (x, y) = ((i % 8) as f64 * 1.6 - 4.6, (i / 8) as f64 * 1.7 - 5.4);
-        balls += &format!("  - {{name: b{i}, material: m, sphere: {{radius: 0.15}}, position: [{x}, {y}, 1.7]}}\n");
+        spheres += &format!("  - {{name: b{i}, material: m, sphere: {{radius: 0.15}}, position: [{x}, {y}, 1.7]}}\n");
     }
-    let mut sim = terrain(3, &format!("{HILLS}, {DITCH}, {BOULDERS}"), &balls);
+    let mut sim = terrain(3, &format!("{HILLS}, {DITCH}, {BOULDERS}"), &spheres);
     let ground = points(&sim);
     let middle = sim.state.position[sim.model.body_names["hills"] as usize];
     run(&mut sim, 1.5);
@@ -140,8 +141,8 @@ fn balls_that_fall_on_hills_stay_above_them() {
         // Not below the lowest point of the grid's square about it.
         let near = ground.iter().filter(|g| (g.x - p.x).abs() <= 0.25 && (g.y - p.y).abs() <= 0.25);
         let lowest = near.map(|g| g.z).fold(f64::INFINITY, f64::min);
-        assert!(p.z > lowest + 0.1, "ball {i} is at {p}, the ground at {lowest}");
+        assert!(p.z > lowest + 0.1, "sphere {i} is at {p}, the ground at {lowest}");
         touch += (p.z < lowest + 0.6) as usize;
     }
-    assert!(on >= 35 && touch >= 30, "{on} balls are on the terrain, {touch} near the ground");
+    assert!(on >= 35 && touch >= 30, "{on} spheres are on the terrain, {touch} near the ground");
 }

@@ -1,5 +1,5 @@
-//! Contacts that carry nothing for a while: what falls, drifts or is thrown from side to side meets what comes as if it had not
-//! waited, by every method and law.
+//! Contacts without impulses for many steps: bodies that fall, drift or bounce respond to the next load as if there had been no wait, by
+//! every method and law.
 
 use crate::analytic::simulation;
 use crate::cli::scratch;
@@ -40,7 +40,7 @@ bodies:
     ))
 }
 
-/// A state as it is, but for what the solver remembers.
+/// A state without the solver's data of earlier steps.
 fn forgetful(state: &State) -> State {
     State { contacts: Default::default(), fat_aabb: None, step_length: 0.0, ..state.clone() }
 }
@@ -58,14 +58,14 @@ fn a_stack_lands_as_if_it_had_not_fallen_for_long() {
                 let landing = (0.4 / step) as usize;
                 let mut whole = falling_stack(method, law, shape, step, height);
                 let (model, start) = (whole.model.clone(), whole.state.clone());
-                let mut late = None;
+                let mut resumed = None;
                 one.install(|| {
                     advance(&mut whole, fall - 10, &what);
-                    late = Some(Simulation::new(model.clone(), forgetful(&whole.state)));
+                    resumed = Some(Simulation::new(model.clone(), forgetful(&whole.state)));
                     advance(&mut whole, landing, &what);
                 });
-                let mut late = late.unwrap();
-                one.install(|| advance(&mut late, landing, &what));
+                let mut resumed = resumed.unwrap();
+                one.install(|| advance(&mut resumed, landing, &what));
                 for b in 1..3 {
                     let place = whole.state.position[b];
                     let expected = if b == 1 { 0.1 } else { 0.3 };
@@ -73,9 +73,9 @@ fn a_stack_lands_as_if_it_had_not_fallen_for_long() {
                     assert!(place.truncate().length() < 1e-3, "{what}: body {b} lies at {place}");
                     assert!(whole.state.velocity[b].length() < 1e-3, "{what}: {}", whole.state.velocity[b]);
                     assert!(
-                        place.distance(late.state.position[b]) < 1e-5,
+                        place.distance(resumed.state.position[b]) < 1e-5,
                         "{what}: {place}, else {}",
-                        late.state.position[b]
+                        resumed.state.position[b]
                     );
                 }
                 // By other threads, and over a checkpoint in the fall: the same bits.
@@ -118,20 +118,20 @@ bodies:
                 let off = sim.state.velocity[b] - glam::DVec3::X * 0.5;
                 assert!(off.length() < 1e-6, "{what}: {}", sim.state.velocity[b]);
             }
-            let apart = sim.state.position[1] - sim.state.position[0];
-            assert!((apart.x - 0.2).abs() < 1e-4, "{what}: {apart}");
+            let distance = sim.state.position[1] - sim.state.position[0];
+            assert!((distance.x - 0.2).abs() < 1e-4, "{what}: {distance}");
             assert!(iterations < 100_000, "{what}: {iterations} iterations");
         }
     });
 }
 
-/// Balls in a row with gaps, without friction: what the first one brings goes through all of them, and nothing is added to it.
+/// Spheres in a row with gaps, without friction: the momentum of the first one goes through all of them, and energy does not grow.
 #[test]
 fn a_cradle_keeps_its_energy() {
     for_all(|method, law| {
         for (restitution, gravity) in [(0.0, 0.0), (0.9, -9.81), (1.0, 0.0), (1.0, -9.81)] {
             let what = format!("{method}, {law}, {restitution}, {gravity}");
-            let balls: String = (0..6)
+            let spheres: String = (0..6)
                 .map(|i| {
                     let speed = if i == 0 { 1 } else { 0 };
                     let x = i as f64 * 0.101;
@@ -145,7 +145,7 @@ solver: {{method: {method}, friction: {law}, tolerance: 1e-6}}
 materials: {{m: {{density: 7800, friction: 0, restitution: {restitution}}}}}
 bodies:
   - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
-{balls}"
+{spheres}"
             ));
             let momentum = |sim: &Simulation| sim.state.velocity.iter().map(|v| v.x).sum::<f64>();
             advance(&mut sim, 1_000, &what);
@@ -161,9 +161,9 @@ bodies:
     });
 }
 
-/// A ball between two walls, thrown from one to the other: contacts open and close, and its speed stays.
+/// A sphere between two walls, thrown from one to the other: contacts open and close, and its speed stays.
 #[test]
-fn a_ball_goes_on_between_two_walls() {
+fn a_sphere_bounces_between_two_walls() {
     for_all(|method, law| {
         let what = format!("{method}, {law}");
         let mut sim = simulation(&format!(
@@ -173,7 +173,7 @@ materials: {{m: {{density: 1000, friction: 0.3, restitution: 1}}}}
 bodies:
   - {{name: left, material: m, plane: {{normal: [1, 0, 0]}}, position: [-0.2, 0, 0]}}
   - {{name: right, material: m, plane: {{normal: [-1, 0, 0]}}, position: [0.2, 0, 0]}}
-  - {{name: ball, material: m, sphere: {{radius: 0.1}}, velocity: [3, 0, 0]}}
+  - {{name: sphere, material: m, sphere: {{radius: 0.1}}, velocity: [3, 0, 0]}}
 "
         ));
         let (mut turns, mut before) = (0, 3.0);

@@ -1,4 +1,4 @@
-//! Warm start: a step begins with the impulses of the last, contact by contact, and so needs less.
+//! Warm start: a step starts from the impulses of the last, contact by contact, and needs fewer iterations.
 
 use crate::analytic::simulation;
 use glam::DVec3;
@@ -7,7 +7,7 @@ use sim::{Method, Model, Simulation, SolverSettings, State};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Impulses by what their contacts are known by.
+/// Impulses by the identity of their contacts.
 fn impulses(sim: &Simulation) -> BTreeMap<[u32; 3], DVec3> {
     sim.state.contacts.key.iter().copied().zip(sim.state.contacts.impulse.iter().copied()).collect()
 }
@@ -41,7 +41,8 @@ bodies:
     [("spheres", spheres), ("blocks", blocks)]
 }
 
-/// One step more, after which the list of candidates holds or is made again: contacts are found along it, or by their keys.
+/// Take one more step, after which the candidate pairs hold or the broad phase runs again: contacts are matched along the pairs, or by
+/// their keys.
 fn make_ready(sim: &mut Simulation, again: bool) {
     sim.step();
     if again {
@@ -50,7 +51,7 @@ fn make_ready(sim: &mut Simulation, again: bool) {
 }
 
 #[test]
-fn a_settled_pile_needs_fewer_iterations_from_the_last_impulses() {
+fn a_pile_at_rest_needs_fewer_iterations_from_the_last_impulses() {
     for (name, sim) in piles() {
         // Over some steps: a single one of a pile at rest takes few or many as its residual happens to stand.
         let next = |warm: bool| {

@@ -1,4 +1,4 @@
-//! Nothing goes wrong silently: residuals, joints and energies out of bounds are said, counted, and in the exit code.
+//! Nothing goes wrong silently: residuals, joints and energies out of bounds are reported, counted, and in the exit code.
 
 use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
@@ -27,7 +27,7 @@ bodies:
 ";
 
 #[test]
-fn a_solver_that_has_not_converged_is_said_and_counted() {
+fn a_solver_that_has_not_converged_is_reported_and_counted() {
     let work = scratch();
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     let model = at("overloaded.yaml");
@@ -53,9 +53,9 @@ fn a_run_that_shall_stop_keeps_its_last_checkpoint() {
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     let model = at("later.yaml");
     // The load comes when the first checkpoint is written.
-    let late = OVERLOADED.replace("position: [0, 0, 0.5]}", "position: [0, 0, 0.5], appears: 0.12}");
-    let late = late.replace("iterations: 2", "iterations: 60, omega: 0.2");
-    std::fs::write(&model, format!("# A load.\non_divergence: stop\n{late}")).unwrap();
+    let delayed = OVERLOADED.replace("position: [0, 0, 0.5]}", "position: [0, 0, 0.5], appears: 0.12}");
+    let delayed = delayed.replace("iterations: 2", "iterations: 60, omega: 0.2");
+    std::fs::write(&model, format!("# A load.\non_divergence: stop\n{delayed}")).unwrap();
     let said = scree(&["simulate", &model, "-o", &at("run")]).fails(4);
     assert!(said.contains(".state are kept") && said.contains("error: step 1"), "{said}");
     let last = sim::checkpoint::latest(Path::new(&at("run"))).unwrap().unwrap();
@@ -68,16 +68,16 @@ fn a_run_that_shall_stop_keeps_its_last_checkpoint() {
 }
 
 #[test]
-fn a_joint_that_is_torn_is_said() {
-    let torn = "materials: {m: {density: 1000, friction: 0.5}}
+fn a_violated_joint_is_reported() {
+    let violated = "materials: {m: {density: 1000, friction: 0.5}}
 bodies:
   - {name: a, material: m, box: {size: [0.2, 0.2, 0.2]}}
   - {name: b, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0], angular_velocity: [0, 900, 0]}
 joints:
   - {name: pin, kind: spherical, a: a, b: b, position: [0.5, 0, 0]}
 ";
-    assert!(kinds(torn, 3).contains(&WarningKind::Joint));
-    // A length that changes as it shall is no violation.
+    assert!(kinds(violated, 3).contains(&WarningKind::Joint));
+    // A prescribed change of length is no violation.
     let actuator = "gravity: [0, 0, 0]
 materials: {m: {density: 1000, friction: 0.5}}
 bodies:
@@ -90,8 +90,8 @@ joints:
 }
 
 #[test]
-fn energy_out_of_nothing_is_said() {
-    // Two balls half in each other are pushed apart at 5 m/s.
+fn energy_growth_without_a_cause_is_reported() {
+    // Two spheres that overlap by half are separated at 5 m/s.
     let overlap = "gravity: [0, 0, 0]
 solver: {recovery_speed: 5}
 materials: {m: {density: 1000, friction: 0.5}}
@@ -121,7 +121,7 @@ bodies:
 }
 
 #[test]
-fn swings_and_bounces_are_no_alarm() {
+fn swings_and_bounces_give_no_warning() {
     let pendulum = |length: f64, radius: f64, step: f64| {
         format!(
             "step: {step}
@@ -137,15 +137,15 @@ joints:
         assert_eq!(kinds(&pendulum(length, radius, step), 3_000), [], "{length} m, {radius} m, {step} s");
     }
     for (restitution, step) in [(1.0, 1e-3), (0.9, 1e-2)] {
-        let ball = format!(
+        let sphere = format!(
             "step: {step}
 materials: {{m: {{density: 2000, friction: 0.5, restitution: {restitution}}}}}
 bodies:
   - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
-  - {{name: ball, material: m, sphere: {{radius: 0.01}}, position: [0, 0, 1.01]}}
+  - {{name: sphere, material: m, sphere: {{radius: 0.01}}, position: [0, 0, 1.01]}}
 "
         );
-        assert_eq!(kinds(&ball, 3_000), [], "restitution {restitution}, {step} s");
+        assert_eq!(kinds(&sphere, 3_000), [], "restitution {restitution}, {step} s");
     }
 }
 
@@ -163,7 +163,7 @@ springs:
 ";
     let mut sim = simulation(model);
     (0..5).for_each(|_| assert!(sim.step().warnings.is_empty()));
-    // Two spheres come to stand in each other.
+    // Two spheres are made to overlap.
     sim.state.position[1].x = 0.1;
     let warnings = sim.step().warnings;
     assert_eq!(warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [WarningKind::Energy]);
@@ -171,10 +171,10 @@ springs:
 
 #[test]
 fn what_is_not_finite_stops_a_run() {
-    let ball =
+    let sphere =
         "materials: {m: {density: 1000, friction: 0.5}}\nbodies:\n  - {name: a, material: m, sphere: {radius: 0.1}}\n";
     for (speed, said) in [(f64::NAN, "not finite"), (f64::INFINITY, "not finite"), (2e5, "m/s")] {
-        let mut sim = simulation(ball);
+        let mut sim = simulation(sphere);
         assert!(sim.step().broken.is_none());
         sim.state.velocity[0].y = speed;
         let broken = sim.step().broken.unwrap();

@@ -44,7 +44,7 @@ fn line(points: &[[f64; 2]]) -> [f64; 2] {
     [slope, (y - slope * x) / n]
 }
 
-/// How fast overlaps are pushed apart in a bed that is to be calm, m/s: all its layers do so at once.
+/// Recovery speed of the bed, m/s: low, since the recoveries of all its layers add up.
 const CALM: f64 = 0.005;
 
 /// A bed of grains 2.4 mm wide and some 11 cm deep in a box, settled once.
@@ -71,7 +71,7 @@ fills:
     (sim.model, sim.state)
 }
 
-/// The bed, so many times as large, come to rest with the steps that a ball is let fall by.
+/// The bed scaled by a factor and come to rest, with the step size of the impact.
 fn scaled((model, state): &(Model, State), by: f64) -> (Model, State) {
     let (mut model, mut state) = (model.clone(), state.clone());
     state.contacts = Default::default();
@@ -89,9 +89,9 @@ fn scaled((model, state): &(Model, State), by: f64) -> (Model, State) {
     (sim.model, sim.state)
 }
 
-/// Depth of the crater of a ball of density ρ_b, diameter D, let fall so that it stops H below where it started:
-/// d = 0.14/μ (ρ_b/ρ_g)^½ D^⅔ H^⅓. Uehara's grains are too small for a ball to feel their size; ours are not, so that the bed
-/// is as many times as large as the ball, which is always 10.6 grains wide.
+/// Depth of the crater of a sphere of density ρ_b, diameter D, dropped so that it stops H below its start:
+/// d = 0.14/μ (ρ_b/ρ_g)^½ D^⅔ H^⅓. Uehara's grains are small against the sphere; these are not, so that the bed is
+/// scaled with the sphere, which is always 10.6 grains wide.
 fn crater() {
     const USUAL: f64 = 0.0254;
     let all = [[1000.0, 2000.0, 4000.0], [0.019, USUAL, 0.033], [0.05, 0.15, 0.4]];
@@ -108,7 +108,7 @@ fn crater() {
                 if off.iter().filter(|x| **x).count() == 2 {
                     continue;
                 }
-                let depth = drop_ball(&model, &state, top, density, diameter, height);
+                let depth = drop_sphere(&model, &state, top, density, diameter, height);
                 rows.push([density.ln(), f64::ln(diameter), (height + depth).ln(), depth.ln()]);
                 text += &format!("{density},{diameter},{:.4},{depth:.5}\n", height + depth);
                 eprintln!("{density} {diameter} {:.4} {depth:.5}", height + depth);
@@ -124,7 +124,7 @@ fn crater() {
 fn surface(model: &Model, state: &State) -> f64 {
     const N: usize = 9;
     let mut top = [[0.0f64; N]; N];
-    let side = state.position.iter().fold(0.0f64, |most, p| most.max(p.x));
+    let side = state.position.iter().fold(0.0f64, |max, p| max.max(p.x));
     for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
         let p = state.position[model.shape_body[s] as usize];
         let cell = |x: f64| ((0.5 * (x / side + 1.0) * N as f64) as usize).min(N - 1);
@@ -134,7 +134,7 @@ fn surface(model: &Model, state: &State) -> f64 {
     top.iter().flatten().sum::<f64>() / (N * N) as f64
 }
 
-fn drop_ball(model: &Model, state: &State, top: f64, density: f64, diameter: f64, height: f64) -> f64 {
+fn drop_sphere(model: &Model, state: &State, top: f64, density: f64, diameter: f64, height: f64) -> f64 {
     let (mut model, mut state) = (model.clone(), state.clone());
     let r = 0.5 * diameter;
     let mass = density * 4.0 / 3.0 * std::f64::consts::PI * r * r * r;
@@ -157,12 +157,12 @@ fn drop_ball(model: &Model, state: &State, top: f64, density: f64, diameter: f64
     (state.steps, state.time) = (0, 0.0);
     state.fat_aabb = None;
     let mut sim = Simulation::new(model, state);
-    let ball = sim.model.n_bodies() - 1;
+    let sphere = sim.model.n_bodies() - 1;
     let mut lowest = f64::INFINITY;
     // Until it has come to rest.
-    while sim.state.time < 0.2 && sim.state.velocity[ball].z < -2e-3 {
+    while sim.state.time < 0.2 && sim.state.velocity[sphere].z < -2e-3 {
         sim.step();
-        lowest = lowest.min(sim.state.position[ball].z - r);
+        lowest = lowest.min(sim.state.position[sphere].z - r);
     }
     top - lowest
 }
@@ -255,13 +255,13 @@ bodies:
 
 /// Angles of heaps, the mean of four.
 fn repose() {
-    let mut text = String::from("friction,angle [degrees],least,greatest,height [m],radius [m]\n");
+    let mut text = String::from("friction,angle [degrees],min [degrees],max [degrees],height [m],radius [m]\n");
     for friction in [0.1, 0.2, 0.35, 0.5] {
         let heaps: Vec<[f64; 3]> = [5, 6, 7, 8].into_par_iter().map(|seed| heap(friction, seed)).collect();
         let mean = |k: usize| heaps.iter().map(|heap| heap[k]).sum::<f64>() / heaps.len() as f64;
-        let least = heaps.iter().fold(f64::INFINITY, |least, heap| least.min(heap[0]));
-        let greatest = heaps.iter().fold(0.0, |most: f64, heap| most.max(heap[0]));
-        text += &format!("{friction},{:.2},{least:.2},{greatest:.2},{:.3},{:.3}\n", mean(0), mean(1), mean(2));
+        let min = heaps.iter().fold(f64::INFINITY, |min, heap| min.min(heap[0]));
+        let max = heaps.iter().fold(0.0, |max: f64, heap| max.max(heap[0]));
+        text += &format!("{friction},{:.2},{min:.2},{max:.2},{:.3},{:.3}\n", mean(0), mean(1), mean(2));
     }
     write("repose", &text);
 }

@@ -1,36 +1,36 @@
-//! Axis-aligned boxes.
+//! Axis-aligned bounding boxes (AABBs).
 
 use glam::{DVec3, Vec3A};
 
-/// An axis-aligned box, m, world, rounded outwards to single precision: four numbers are compared at once.
+/// An axis-aligned bounding box, m, world frame, rounded outwards to single precision so that its coordinates are compared at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Aabb {
-    /// Least corner.
+    /// Minimum corner, m.
     pub min: Vec3A,
-    /// Greatest corner.
+    /// Maximum corner, m.
     pub max: Vec3A,
 }
 
 impl Aabb {
-    /// The box about a centre.
+    /// The box about a centre with the given half lengths, m.
     #[inline]
     pub fn about(centre: DVec3, half: DVec3) -> Aabb {
-        /// More than the rounding of a number to single precision.
+        /// A bound of the relative rounding error of single precision.
         const ROUNDING: f32 = 1.2e-7;
         let (min, max) = ((centre - half).as_vec3a(), (centre + half).as_vec3a());
         Aabb { min: min - min.abs() * ROUNDING, max: max + max.abs() * ROUNDING }
     }
 
-    /// A box that overlaps none.
+    /// The empty box, which overlaps no other.
     pub const EMPTY: Aabb = Aabb { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-    /// Whether another box is inside; an empty one always is.
+    /// Whether another box lies inside; the empty box always does.
     #[inline]
-    pub fn holds(&self, other: &Aabb) -> bool {
+    pub fn contains(&self, other: &Aabb) -> bool {
         (self.min.cmple(other.min) & other.max.cmple(self.max)).all()
     }
 
-    /// Whether two boxes share a point.
+    /// Whether two boxes overlap or touch.
     #[inline]
     pub fn overlaps(&self, other: &Aabb) -> bool {
         (self.min.cmple(other.max) & other.min.cmple(self.max)).all()

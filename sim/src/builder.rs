@@ -9,8 +9,8 @@ use crate::model_file::{
 use frame::Fault;
 use frame::yaml::Document;
 
-/// A model on its way: a [`ModelFile`] that is filled by calls. Everything that a file can say can be said here, through the
-/// fields of what the calls return and of [`ModelBuilder::file`].
+/// Builder of a model in code: a [`ModelFile`] that is filled by calls. Every key of a model file is a field of the values that the
+/// calls return, or of [`ModelBuilder::file`].
 ///
 /// ```
 /// use sim::{ModelBuilder, joint::JointKind, model_file::ShapeFile};
@@ -28,21 +28,21 @@ use frame::yaml::Document;
 ///     let report = sim.step();
 ///     assert!(report.residual < 1e-6);
 /// }
-/// // Columns: one row a body.
+/// // Columns have one row per body.
 /// let bob = sim.model.body_names["bob"] as usize;
 /// assert!(sim.state.position[bob].z < 1.2);
-/// // What the hinge carries, N, in its own frame.
+/// // The reaction force of the hinge, N, in its frame.
 /// assert!(sim.state.joints[0].force.length() > 0.0);
 /// # Ok::<(), frame::Fault>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct ModelBuilder {
-    /// The model as a file would say it.
+    /// The model, in the types of a model file.
     pub file: ModelFile,
 }
 
 impl ModelBuilder {
-    /// An empty model with the defaults of a file.
+    /// An empty model with the defaults of a model file.
     pub fn new(name: &str) -> ModelBuilder {
         let mut file: ModelFile = serde_yaml::from_str("{}").expect("all keys of a model have defaults");
         file.name = name.into();
@@ -74,7 +74,7 @@ impl ModelBuilder {
     /// Check the model and make it ready to run.
     ///
     /// # Errors
-    /// What a file with this content would be refused for.
+    /// The faults of a model file with this content.
     #[allow(clippy::field_reassign_with_default, reason = "a document's other fields are its own")]
     pub fn simulation(&self) -> Result<Simulation, Fault> {
         let mut doc = Document::default();
@@ -85,7 +85,7 @@ impl ModelBuilder {
 }
 
 impl ShapeFile {
-    /// A ball.
+    /// A sphere by its radius, m.
     pub fn sphere(radius: f64) -> ShapeFile {
         ShapeFile { sphere: Some(SphereFile { radius }), ..ShapeFile::default() }
     }
@@ -100,17 +100,17 @@ impl ShapeFile {
         ShapeFile { block: Some(BoxFile { size }), ..ShapeFile::default() }
     }
 
-    /// A cylinder about local z.
+    /// A cylinder about local z by its radius and length, m.
     pub fn cylinder(radius: f64, length: f64) -> ShapeFile {
         ShapeFile { cylinder: Some(CylinderFile { radius, length }), ..ShapeFile::default() }
     }
 
-    /// A cylinder about local z with half balls on its ends.
+    /// A capsule: a cylinder about local z by its radius and length, m, with hemispheres on its ends.
     pub fn capsule(radius: f64, length: f64) -> ShapeFile {
         ShapeFile { capsule: Some(CylinderFile { radius, length }), ..ShapeFile::default() }
     }
 
-    /// A half space below the plane through the body's position.
+    /// A half space below the plane through the body's position, by its normal.
     pub fn plane(normal: [f64; 3]) -> ShapeFile {
         ShapeFile { plane: Some(PlaneFile { normal }), ..ShapeFile::default() }
     }

@@ -1,4 +1,4 @@
-//! Checkpoints: a state to the last bit, from which a run goes on as if it had never stopped.
+//! Checkpoints: the state bit for bit, from which a run resumes as if it had never stopped.
 //!
 //! A file has a line `scree checkpoint 5`, the blake3 hash of what follows, and the state with the model's hash, encoded by
 //! postcard. It is written whole and then renamed.
@@ -9,17 +9,20 @@ use std::path::{Path, PathBuf};
 
 const HEAD: &[u8] = b"scree checkpoint 5\n";
 
-/// The folder of a run's checkpoints.
+/// Folder of a run's checkpoints.
 pub fn folder(run: &Path) -> PathBuf {
     run.join("checkpoints")
 }
 
-/// The name of the checkpoint after so many steps.
+/// File name of the checkpoint after a number of steps.
 pub fn file_name(steps: u64) -> String {
     format!("{steps:09}.state")
 }
 
-/// Write a checkpoint.
+/// Write a checkpoint: a state and the hash of its model.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> {
     let body = postcard::to_stdvec(&(model_hash, state)).expect("a state is plain data");
     let mut bytes = HEAD.to_vec();
@@ -29,6 +32,9 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 }
 
 /// Read a checkpoint: the state and the hash of its model.
+///
+/// # Errors
+/// A file that cannot be read, is no checkpoint or one of another version, is truncated, or differs from its hash.
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
@@ -40,23 +46,26 @@ pub fn read(path: &Path) -> Result<(State, String), Fault> {
                 Fault::whole(
                     FaultKind::Data,
                     path,
-                    format!("is a checkpoint of version {version}, this program reads 4"),
+                    format!("is a checkpoint of version {version}, this program reads version 5"),
                 )
-                .hint("simulate again from the start, or go on with the program that wrote it")
+                .hint("simulate again from the start, or resume with the program that wrote it")
             }
-            None => broken("it does not begin as one"),
+            None => broken("it lacks the first line `scree checkpoint`"),
         }
     })?;
-    let (hash, body) = rest.split_at_checked(32).ok_or_else(|| broken("it is cut off"))?;
+    let (hash, body) = rest.split_at_checked(32).ok_or_else(|| broken("it is truncated"))?;
     if blake3::hash(body).as_bytes() != hash {
-        return Err(broken("its hash differs from its content; it is cut off or was changed"));
+        return Err(broken("its hash differs from its content: it is truncated or was changed"));
     }
     let (model_hash, state): (String, State) =
         postcard::from_bytes(body).map_err(|e| broken(&format!("it cannot be decoded: {e}")))?;
     Ok((state, model_hash))
 }
 
-/// The latest checkpoint of a run, by its steps.
+/// Path of the latest checkpoint of a run, by its steps; none if it has none.
+///
+/// # Errors
+/// A folder that cannot be read.
 pub fn latest(run: &Path) -> Result<Option<PathBuf>, Fault> {
     let folder = folder(run);
     if !folder.is_dir() {

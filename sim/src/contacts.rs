@@ -1,51 +1,51 @@
-//! Contacts as columns, by tiles.
+//! The contacts of a step as columns, ordered by tiles.
 
 use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Contacts as columns (n_contacts each). Body A is the one with the lower index.
+/// The contacts of a step as columns (n_contacts each). Body A is the one with the lower id.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Contacts {
-    /// Bodies A and B.
+    /// Ids of bodies A and B.
     pub bodies: Vec<[u32; 2]>,
-    /// Shapes of A and B and the feature where they touch: what a contact is known by from step to step.
+    /// Identity of a contact from step to step: the shapes of A and B, and the feature id.
     pub key: Vec<[u32; 3]>,
-    /// The pair of spheres, in its tile, that the contact is of, or [`NOT_OF_SPHERES`]; those of spheres come first in a tile.
+    /// Index of the contact's sphere pair within its tile, `u32::MAX` for other contacts; those of sphere pairs come first in a tile.
     #[serde(skip)]
     pub pair: Vec<u32>,
     /// Unit normal, out of A, world.
     pub normal: Vec<DVec3>,
-    /// From the bodies' centres to the contact point.
+    /// Contact arms, from the centres of mass of A and B to the contact point.
     pub arms: Arms,
     /// Gap Φ, m; negative where the bodies overlap.
     pub gap: Vec<f64>,
-    /// Which of the model's laws holds.
+    /// Index into the model's `laws`.
     pub law: Vec<u32>,
     /// Impulse on B, N s, world: A_p γ.
     pub impulse: Vec<DVec3>,
-    /// Rolling and spinning impulse on B, N m s, world (none where no material has rolling or spinning friction).
+    /// Rolling and spinning impulse on B, N m s, world (empty where no material has rolling or spinning friction).
     pub rolling_impulse: Vec<DVec3>,
-    /// How they lie by tiles.
+    /// Ranges of the contacts of each tile.
     #[serde(skip)]
     pub tiles: Tiles,
 }
 
-/// The pair of a contact that is not between two spheres.
-pub const NOT_OF_SPHERES: u32 = u32::MAX;
+/// The entry of `pair` for a contact that is not between two spheres.
+pub const NO_SPHERE_PAIR: u32 = u32::MAX;
 
-/// Contacts lie tile by tile: the tiles of a round share no moving body. The second round has what the first cuts, and the last
-/// row has the contacts in no tile.
+/// The partition of the contacts into tiles that are solved in parallel: the tiles of one round have no moving body in common. The
+/// second round has the contacts between tiles of the first; the contacts in no tile come last.
 #[derive(Clone, Debug, Default)]
 pub struct Tiles {
-    /// First contact of each tile and of those in none, and their end (n_tiles + 2; empty before the first step).
+    /// First contact of each tile and of the contacts in no tile, and the end (n_tiles + 2; empty before the first step).
     pub start: Vec<u32>,
-    /// Tiles of the first round.
+    /// Number of tiles of the first round.
     pub n_first: usize,
 }
 
 impl Tiles {
-    /// Where the tiles of each round begin, and after the last where it ends.
+    /// The starts of the tiles of each round, and the end of its last tile.
     pub fn rounds(&self) -> [&[u32]; 2] {
         match self.start.len() {
             0 => [&[], &[]],
@@ -53,7 +53,7 @@ impl Tiles {
         }
     }
 
-    /// The contacts in no tile.
+    /// The range of the contacts in no tile.
     pub fn rest(&self) -> Range<u32> {
         match self.start[..] {
             [.., first, end] => first..end,
@@ -62,12 +62,13 @@ impl Tiles {
     }
 }
 
-/// From the centres of A and B to the contact point, m, world (n_contacts). Of a body that is held in place nobody asks it.
+/// Contact arms: from the centres of mass of A and B to the contact point, m, world (n_contacts). Those of bodies that are held in
+/// place are not used.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Arms {
-    /// Of any bodies.
+    /// Vectors, for any shapes.
     Any(Vec<[DVec3; 2]>),
-    /// Of spheres about their own centres: along the normal, the lengths alone; zero for a body that is held in place.
+    /// Lengths along the normal, for spheres about their bodies' centres of mass; zero for a body that is held in place.
     Along(Vec<[f64; 2]>),
 }
 
@@ -78,7 +79,7 @@ impl Default for Arms {
 }
 
 impl Contacts {
-    /// The arms of a contact, m, world.
+    /// The arms of a contact on A and B, m, world.
     #[inline]
     pub fn arms(&self, i: usize) -> [DVec3; 2] {
         match &self.arms {
@@ -92,12 +93,12 @@ impl Contacts {
         self.bodies.len()
     }
 
-    /// Whether nothing touches.
+    /// Whether there are no contacts.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// Greatest overlap, m; zero where nothing overlaps.
+    /// Maximum penetration, m; zero where nothing overlaps.
     pub fn worst_penetration(&self) -> f64 {
         self.gap.iter().fold(0.0, |worst: f64, gap| worst.max(-gap))
     }
@@ -108,7 +109,7 @@ impl Contacts {
         DVec3::new(self.impulse[i].dot(self.normal[i]), self.impulse[i].dot(u), self.impulse[i].dot(w))
     }
 
-    /// The velocity of B against A at a contact, m/s, world, for the velocities of the bodies.
+    /// The velocity of B relative to A at a contact, m/s, world; `of` has the velocities of the bodies.
     pub fn velocity(&self, i: usize, of: impl Fn(usize) -> Twist) -> DVec3 {
         let [a, b] = self.bodies[i].map(|b| of(b as usize));
         let [arm_a, arm_b] = self.arms(i);
@@ -116,7 +117,7 @@ impl Contacts {
     }
 }
 
-/// The contact frame A_p = [n u w]: two tangents to a unit normal (Duff et al. 2017), smooth but for n_z = 0.
+/// Tangents u and w of the contact frame A_p = [n u w] of a unit normal (Duff et al. 2017), discontinuous at n_z = 0 alone.
 #[inline]
 pub fn tangents(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1f64.copysign(n.z);

@@ -1,7 +1,7 @@
-//! The CPU back end: one file a stage, over the columns of the model and the state. [`crate::stages`] has their order.
+//! The CPU back end: one file per stage, over the columns of the model and the state. [`crate::stages`] has their order.
 //!
-//! Every stage that runs in parallel cuts its rows into chunks of fixed length, so that results are the same bits for any
-//! number of threads.
+//! Every stage that runs in parallel splits its rows into chunks of fixed length, so that results have the same bits for any number
+//! of threads.
 
 mod bin_emit;
 mod bin_start;
@@ -34,7 +34,7 @@ use pair_write::Pairs;
 use solve::joints::Joints;
 use solve::response::Response;
 
-/// The CPU back end, with the columns that its stages hand to each other beside those of the state.
+/// The CPU back end, with the columns between its stages that are not in the state.
 #[derive(Default)]
 pub struct Cpu {
     masses: Masses,
@@ -42,7 +42,7 @@ pub struct Cpu {
     spheres: Vec<Sphere>,
     /// Whether `pairs` are those of the state's fat AABBs.
     has_pairs: bool,
-    /// Whether they were when the step began, and still are.
+    /// Whether `pairs` are valid in this step: every shape is still inside its fat AABB.
     pairs_hold: bool,
     bins: Bins,
     pairs: Pairs,
@@ -64,7 +64,7 @@ impl Backend for Cpu {
 
     fn prepare(&mut self, model: &Model, state: &State, _plan: &StepPlan) {
         self.masses.prepare(model, state);
-        self.joints.forget();
+        self.joints.invalidate();
     }
 
     fn run(&mut self, stage: Stage, model: &Model, plan: &StepPlan, state: &mut State) -> bool {
@@ -77,7 +77,7 @@ impl Backend for Cpu {
             Stage::PairWrite => {
                 pair_write::run(model, state, &self.bins, &mut self.pairs);
                 self.has_pairs = true;
-                // Pairs are looked for now and then; meanwhile the solver has the bins' memory.
+                // The broad phase does not run in every step; in between the solver uses the bins' memory.
                 self.bins = Bins::default();
             }
             Stage::ContactWrite => self.contact_write(model, plan, state),
@@ -144,7 +144,7 @@ impl Cpu {
         state.fat_aabb = fat_aabb;
         self.pairs_hold = self.has_pairs && !has_left;
         if !self.pairs_hold {
-            self.solver.forget();
+            self.solver.release();
         }
     }
 

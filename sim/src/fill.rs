@@ -1,8 +1,8 @@
-//! Seeded, repeatable fills of a region with spheres.
+//! Packings of spheres in a region, repeatable by their seed.
 
 use glam::DVec3;
 
-/// The splitmix64 generator: the same numbers from the same seed everywhere.
+/// The splitmix64 pseudo-random generator: the same sequence for a seed on every machine.
 pub struct SplitMix64(pub u64);
 
 impl SplitMix64 {
@@ -16,12 +16,12 @@ impl SplitMix64 {
         (z >> 11) as f64 * 2f64.powi(-53)
     }
 
-    /// A number between two others.
+    /// The next number, uniform in [lo, hi).
     pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.uniform()
     }
 
-    /// A rotation, uniform among all.
+    /// A random rotation, uniform over SO(3).
     pub fn rotation(&mut self) -> glam::DQuat {
         let (u, v, w) =
             (self.uniform(), self.between(0.0, std::f64::consts::TAU), self.between(0.0, std::f64::consts::TAU));
@@ -30,32 +30,32 @@ impl SplitMix64 {
     }
 }
 
-/// A region: a box, or the upright cylinder of a radius about its middle.
+/// A region to fill: a box, or the part of it within a vertical cylinder about its middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
-    /// Least corner, m.
+    /// Minimum corner, m.
     pub min: DVec3,
-    /// Greatest corner, m.
+    /// Maximum corner, m.
     pub max: DVec3,
     /// Radius of the cylinder, m.
     pub within: Option<f64>,
 }
 
 impl Region {
-    /// Whether a sphere fits in at a place.
-    fn holds(&self, p: DVec3, radius: f64) -> bool {
+    /// Whether a sphere at a position lies inside the region.
+    fn contains(&self, p: DVec3, radius: f64) -> bool {
         let inside = (p - radius).cmpge(self.min - 1e-12).all() && (p + radius).cmple(self.max + 1e-12).all();
         let middle = 0.5 * (self.min + self.max);
         inside && self.within.is_none_or(|r| (p - middle).truncate().length() + radius <= r + 1e-12)
     }
 }
 
-/// How many spheres there are to be.
+/// The number of spheres of a fill.
 #[derive(Clone, Copy, Debug)]
 pub enum Count {
-    /// So many; `Err` of a fill is the number that fits.
+    /// A given number; a fill with fewer sites returns `Err` with the number that fits.
     Exactly(usize),
-    /// As many as fit.
+    /// The number that fits.
     AllThatFit,
 }
 
@@ -69,48 +69,49 @@ impl Count {
     }
 }
 
-/// More sites than this are not laid out.
-const MOST: f64 = 5e7;
+/// Limit of the number of sites.
+const MAX_SITES: f64 = 5e7;
 
-/// Places for spheres of at most `radius`: a cubic lattice from the bottom up, each site moved at random within what keeps the
-/// spheres apart.
+/// Centres of spheres of at most `radius`, m: a cubic lattice from the bottom up with a random jitter of each site, too small for
+/// spheres to overlap.
 pub fn lattice(region: &Region, radius: f64, count: Count, random: &mut SplitMix64) -> Result<Vec<DVec3>, usize> {
     const SLACK: f64 = 0.1;
     let cell = 2.0 * radius * (1.0 + SLACK);
     let extent = region.max - region.min;
     let n = (extent / cell + 1e-9).floor().max(DVec3::ZERO);
     let free = extent - n * cell;
-    let most = match count {
-        Count::Exactly(most) => most,
+    let max = match count {
+        Count::Exactly(max) => max,
         Count::AllThatFit => usize::MAX,
     };
     let (nx, ny, nz) = (n.x as u64, n.y as u64, n.z as u64);
     let mut sites = vec![];
     let jitter = radius * SLACK;
-    let all = if n.element_product() > MOST { MOST as u64 } else { nx * ny * nz };
+    let all = if n.element_product() > MAX_SITES { MAX_SITES as u64 } else { nx * ny * nz };
     for i in 0..all {
-        if sites.len() >= most {
+        if sites.len() >= max {
             break;
         }
         let site = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / (nx * ny)) as f64);
         let centre = region.min + DVec3::new(free.x, free.y, 0.0) * 0.5 + (site + 0.5) * cell;
         let mut shift = || random.between(-jitter, jitter);
         let shift = DVec3::new(shift(), shift(), shift());
-        if region.within.is_none() || region.holds(centre, radius + jitter) {
+        if region.within.is_none() || region.contains(centre, radius + jitter) {
             sites.push(centre + shift);
         }
     }
-    if sites.len() < most && matches!(count, Count::Exactly(_)) { Err(sites.len()) } else { Ok(sites) }
+    if sites.len() < max && matches!(count, Count::Exactly(_)) { Err(sites.len()) } else { Ok(sites) }
 }
 
-/// Places in hexagonal layers, ABAB, from the bottom up: the closest packing of equal spheres, a hair apart.
+/// Centres of spheres in hexagonal layers, ABAB, from the bottom up, m: the densest packing of equal spheres, with gaps of a
+/// millionth of their diameter.
 pub fn hexagonal(region: &Region, radius: f64, count: Count) -> Result<Vec<DVec3>, usize> {
     let d = 2.0 * radius * (1.0 + 1e-6);
     let (row, layer) = (d * 0.75f64.sqrt(), d * (2.0f64 / 3.0).sqrt());
     let extent = region.max - region.min;
     let n = DVec3::new(extent.x / d, extent.y / row, extent.z / layer).floor() + 1.0;
     let mut sites = vec![];
-    if n.element_product() > MOST {
+    if n.element_product() > MAX_SITES {
         return Err(0);
     }
     for k in 0..n.z as u64 {
@@ -122,7 +123,7 @@ pub fn hexagonal(region: &Region, radius: f64, count: Count) -> Result<Vec<DVec3
                     0.0,
                 );
                 let p = region.min + radius + shift + DVec3::new(i as f64 * d, j as f64 * row, k as f64 * layer);
-                if region.holds(p, radius) {
+                if region.contains(p, radius) {
                     sites.push(p);
                 }
             }
@@ -131,14 +132,14 @@ pub fn hexagonal(region: &Region, radius: f64, count: Count) -> Result<Vec<DVec3
     count.take(sites)
 }
 
-/// Places at random, no two nearer than two radii (Bridson 2007, in three dimensions: tries around places that are taken).
+/// Random centres of spheres at distances of at least two radii, m: Poisson-disk sampling in three dimensions (Bridson 2007).
 pub fn poisson_disk(region: &Region, radius: f64, count: Count, random: &mut SplitMix64) -> Result<Vec<DVec3>, usize> {
     const TRIES: usize = 30;
     let d = 2.0 * radius * (1.0 + 1e-9);
     let cell = d / 3f64.sqrt();
     let extent = region.max - region.min;
     let n = (extent / cell).ceil().max(DVec3::ONE);
-    if n.element_product() > MOST || extent.min_element() < 2.0 * radius {
+    if n.element_product() > MAX_SITES || extent.min_element() < 2.0 * radius {
         return Err(0);
     }
     let n = n.as_usizevec3();
@@ -147,7 +148,7 @@ pub fn poisson_disk(region: &Region, radius: f64, count: Count, random: &mut Spl
     let mut sites: Vec<DVec3> = vec![];
     let mut open: Vec<u32> = vec![];
     let try_place = |p: DVec3, sites: &mut Vec<DVec3>, grid: &mut Vec<u32>| {
-        if !region.holds(p, radius) {
+        if !region.contains(p, radius) {
             return false;
         }
         let here = bin(p);
@@ -193,7 +194,7 @@ pub fn poisson_disk(region: &Region, radius: f64, count: Count, random: &mut Spl
             open.pop();
         }
     }
-    // From the bottom up, so that fewer than fit still fill the ground.
+    // From the bottom up, so that a smaller number fills the lower part of the region.
     sites.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)));
     count.take(sites)
 }
@@ -214,7 +215,7 @@ mod tests {
         for sites in &fills {
             assert!(sites.len() > 400, "{}", sites.len());
             for (i, p) in sites.iter().enumerate() {
-                assert!(region.holds(*p, radius));
+                assert!(region.contains(*p, radius));
                 assert!(sites[..i].iter().all(|q| (*p - *q).length() >= 2.0 * radius));
             }
         }

@@ -1,4 +1,4 @@
-//! Geometry that is more than three numbers: convex hulls, triangle meshes and height fields; and mass properties of solids.
+//! Convex hulls, triangle meshes and height fields; mass properties of solids.
 
 use crate::ShapeKind;
 use glam::{DMat3, DQuat, DVec3};
@@ -8,17 +8,16 @@ use std::f64::consts::PI;
 /// A convex polyhedron.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
-    /// Corners, m, about the centre of volume.
+    /// Vertices, relative to the centroid, m.
     pub vertices: Vec<DVec3>,
-    /// Faces: corners in order, anticlockwise seen from outside.
+    /// Faces: indices of vertices, anticlockwise seen from outside.
     pub faces: Vec<Vec<u32>>,
     /// Outward unit normals of the faces.
     pub normals: Vec<DVec3>,
 }
 
 impl Hull {
-    /// The convex hull of points, moved so that its centre of volume is the origin; also returns where that was.
-    /// `None` if the points lie in a plane.
+    /// The convex hull of points, m, relative to its centroid, and the centroid. `None` if the points lie in a plane.
     pub fn of_points(points: &[DVec3]) -> Option<(Hull, DVec3)> {
         let triangles = hull_triangles(points)?;
         let mut hull = merge_coplanar(points, &triangles);
@@ -27,18 +26,18 @@ impl Hull {
         Some((hull, centre))
     }
 
-    /// The faces cut into triangles.
+    /// The triangles of the faces.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|f| (1..f.len() - 1).map(move |k| [f[0], f[k], f[k + 1]]))
     }
 
-    /// Half lengths of the box about the origin that holds all corners.
+    /// Half lengths of the box about the centroid that contains all vertices, m.
     pub fn half_extent(&self) -> DVec3 {
         self.vertices.iter().fold(DVec3::ZERO, |h, v| h.max(v.abs()))
     }
 }
 
-/// The triangles of the convex hull of points, outward: start with a tetrahedron, add the farthest point beyond a face.
+/// The triangles of the convex hull of points, facing outwards, by an incremental construction from a tetrahedron.
 fn hull_triangles(points: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     let extent = points.iter().fold(DVec3::ZERO, |h, p| h.max((*p - points[0]).abs())).length();
     let tiny = 1e-10 * extent;
@@ -83,7 +82,7 @@ fn hull_triangles(points: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     Some(faces)
 }
 
-/// Join triangles of one plane to polygons, and number the corners that are used anew.
+/// Merge coplanar triangles to polygons, and renumber the vertices in use.
 fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
     let normal = |t: &[u32; 3]| {
         let [p, q, r] = t.map(|v| points[v as usize]);
@@ -98,7 +97,7 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
             None => groups.push((n, d, vec![*t])),
         }
     }
-    let mut number: HashMap<u32, u32> = HashMap::new();
+    let mut index_of: HashMap<u32, u32> = HashMap::new();
     let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![] };
     for (n, _, members) in groups {
         let edges: Vec<[u32; 2]> = members.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
@@ -107,10 +106,10 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
         let first = *rim.keys().min().expect("a face has a rim");
         let (mut at, mut face) = (first, vec![]);
         loop {
-            let next_number = number.len() as u32;
-            face.push(*number.entry(at).or_insert_with(|| {
+            let next_index = index_of.len() as u32;
+            face.push(*index_of.entry(at).or_insert_with(|| {
                 hull.vertices.push(points[at as usize]);
-                next_number
+                next_index
             }));
             at = rim[&at];
             if at == first || face.len() > rim.len() {
@@ -126,18 +125,18 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
 /// A static surface of triangles, solid below (behind) them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// Corners, m, local.
+    /// Vertices, local, m.
     pub vertices: Vec<DVec3>,
-    /// Triangles, anticlockwise seen from outside.
+    /// Triangles: indices of vertices, anticlockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Bit e of a triangle: its edge from corner e to e+1 stands out (or is a border) and is this triangle's to report; bit
-    /// 3+k: the same of its corner k.
+    /// Bits of each triangle: bit e is set where its edge from corner e to e+1 is convex or a border and belongs to this triangle; bit
+    /// 3+k the same for corner k.
     pub sharp: Vec<u8>,
-    /// How triangles are found.
+    /// Spatial index of the triangles.
     index: Index,
 }
 
-/// How triangles are found by place.
+/// Spatial index of triangles.
 #[derive(Clone, Debug, PartialEq)]
 enum Index {
     /// A tree of boxes: node i has the triangles `order[first..first+n]` if n > 0, else the nodes first and first+1.
@@ -155,7 +154,7 @@ struct TreeNode {
 }
 
 impl Surface {
-    /// A triangle mesh.
+    /// A triangle mesh from vertices, m, and triangles that face outwards.
     pub fn mesh(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Surface {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut nodes = vec![];
@@ -193,7 +192,7 @@ impl Surface {
         Surface { vertices, triangles, sharp, index: Index::Tree { nodes, order } }
     }
 
-    /// A height field: `heights[j n_x + i]` at x = origin_x + i spacing_x, y = origin_y + j spacing_y, n_x, n_y ≥ 2.
+    /// A height field, m: `heights[j n_x + i]` at x = origin_x + i spacing_x, y = origin_y + j spacing_y, with n_x, n_y ≥ 2.
     pub fn height_field(heights: &[f64], n: [usize; 2], origin: [f64; 2], spacing: [f64; 2]) -> Surface {
         let vertices: Vec<DVec3> = (0..n[0] * n[1])
             .map(|k| {
@@ -213,13 +212,13 @@ impl Surface {
         Surface { vertices, triangles, sharp, index: Index::Cells { origin, spacing, n: [n[0] - 1, n[1] - 1] } }
     }
 
-    /// The corners of a triangle.
+    /// The corners of a triangle, local, m.
     #[inline]
     pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.triangles[triangle as usize].map(|v| self.vertices[v as usize])
     }
 
-    /// Visit the triangles whose boxes meet a box, or that lie at most `depth` above one, in a fixed order.
+    /// Visit the triangles whose boxes overlap a box, in a fixed order; of a height field also those above it, which the box is under.
     pub fn visit(&self, min: DVec3, max: DVec3, found: &mut dyn FnMut(u32)) {
         match &self.index {
             Index::Tree { nodes, order } => {
@@ -248,7 +247,7 @@ impl Surface {
                     for i in i0..=i1 {
                         for t in [0, 1] {
                             let triangle = (2 * (j * n[0] + i) + t) as u32;
-                            // What is below the ground is still to be pushed out of it.
+                            // A shape below the ground is still to be pushed out of it.
                             if self.corners(triangle).iter().any(|c| c.z >= min.z) {
                                 found(triangle);
                             }
@@ -259,13 +258,13 @@ impl Surface {
         }
     }
 
-    /// The box around all corners.
+    /// Minimum and maximum corner of the box of all vertices, local, m.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.vertices.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
     }
 }
 
-/// Which edges and corners stand out, each given to one triangle.
+/// The bits of convex edges and corners, each of which belongs to one triangle.
 fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
     let at = |v: u32| vertices[v as usize];
     let normal = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalize_or_zero();
@@ -279,7 +278,7 @@ fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
     let mut corner_taken = vec![false; vertices.len()];
     for (i, t) in triangles.iter().enumerate() {
         for e in 0..3 {
-            let stands_out = match across.get(&[t[(e + 1) % 3], t[e]]) {
+            let is_convex = match across.get(&[t[(e + 1) % 3], t[e]]) {
                 None => true,
                 Some(&j) => {
                     let other = triangles[j].iter().find(|v| **v != t[e] && **v != t[(e + 1) % 3]);
@@ -287,7 +286,7 @@ fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
                     i < j && beyond.dot(normal(t)) < -1e-6 * beyond.length()
                 }
             };
-            if stands_out {
+            if is_convex {
                 sharp[i] |= 1 << e;
                 for k in [e, (e + 1) % 3] {
                     if !std::mem::replace(&mut corner_taken[t[k] as usize], true) {
@@ -300,18 +299,18 @@ fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
     sharp
 }
 
-/// Volume, centre and second moments of a solid of uniform density.
+/// Mass properties of a solid of unit density.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid {
     /// Volume, m³.
     pub volume: f64,
-    /// Centre, m.
+    /// Centroid, m.
     pub centre: DVec3,
-    /// Inertia tensor about the centre, for unit density, m⁵.
+    /// Inertia tensor about the centroid, for unit density, m⁵.
     pub inertia: DMat3,
 }
 
-/// The solid inside closed outward triangles, by signed tetrahedra from the origin.
+/// The solid inside a closed surface of triangles that face outwards, m, by signed tetrahedra from the origin.
 pub fn solid(triangles: &[[DVec3; 3]]) -> Solid {
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
@@ -328,7 +327,7 @@ pub fn solid(triangles: &[[DVec3; 3]]) -> Solid {
     Solid { volume, centre, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - about }
 }
 
-/// The solid of a shape about its own origin.
+/// The solid of a shape, relative to its own origin; `size` as [`ShapeKind`] has it. A surface has no volume.
 pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
     let (r, h) = (size.x, size.z);
     let diagonal = |volume: f64, per_volume: DVec3| Solid {
@@ -351,11 +350,11 @@ pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
             diagonal(2.0 * PI * r * r * h, DVec3::new(across, across, r * r / 2.0))
         }
         ShapeKind::Capsule => {
-            let (cylinder, ball) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
-            let across = cylinder * (r * r / 4.0 + h * h / 3.0) + ball * (0.4 * r * r + h * h + 0.75 * h * r);
-            let about = cylinder * r * r / 2.0 + ball * 0.4 * r * r;
+            let (cylinder, sphere) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
+            let across = cylinder * (r * r / 4.0 + h * h / 3.0) + sphere * (0.4 * r * r + h * h + 0.75 * h * r);
+            let about = cylinder * r * r / 2.0 + sphere * 0.4 * r * r;
             Solid {
-                volume: cylinder + ball,
+                volume: cylinder + sphere,
                 centre: DVec3::ZERO,
                 inertia: DMat3::from_diagonal(DVec3::new(across, across, about)),
             }
@@ -377,7 +376,7 @@ pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
     }
 }
 
-/// The principal moments and the turn from the principal frame to the one that the tensor is given in, by Jacobi's rotations.
+/// Principal moments, and the rotation from the principal frame to the frame of the tensor, by Jacobi rotations.
 pub fn principal(tensor: DMat3) -> (DVec3, DQuat) {
     let largest = tensor.to_cols_array().iter().fold(0f64, |m, x| m.max(x.abs()));
     let (mut a, mut v) = (tensor, DMat3::IDENTITY);
@@ -389,13 +388,13 @@ pub fn principal(tensor: DMat3) -> (DVec3, DQuat) {
         }
         let angle = 0.5 * (2.0 * x).atan2(a.col(j)[j] - a.col(i)[i]);
         let (s, c) = angle.sin_cos();
-        let mut turn = DMat3::IDENTITY;
-        turn.col_mut(i)[i] = c;
-        turn.col_mut(j)[j] = c;
-        turn.col_mut(j)[i] = s;
-        turn.col_mut(i)[j] = -s;
-        a = turn.transpose() * a * turn;
-        v *= turn;
+        let mut rotation = DMat3::IDENTITY;
+        rotation.col_mut(i)[i] = c;
+        rotation.col_mut(j)[j] = c;
+        rotation.col_mut(j)[i] = s;
+        rotation.col_mut(i)[j] = -s;
+        a = rotation.transpose() * a * rotation;
+        v *= rotation;
     }
     if v.determinant() < 0.0 {
         v.z_axis = -v.z_axis;
@@ -427,7 +426,7 @@ mod tests {
     }
 
     /// A solid of revolution about z as many thin triangles.
-    fn turned(profile: &[[f64; 2]]) -> Solid {
+    fn revolved(profile: &[[f64; 2]]) -> Solid {
         let n = 720;
         let at = |k: usize, [r, z]: [f64; 2]| {
             let (s, c) = (k as f64 * std::f64::consts::TAU / n as f64).sin_cos();
@@ -456,7 +455,7 @@ mod tests {
             (ShapeKind::Capsule, DVec3::new(r, r, h), capsule),
         ];
         for (kind, size, profile) in cases {
-            let (exact, measured) = (solid_of(kind, size, None), turned(&profile));
+            let (exact, measured) = (solid_of(kind, size, None), revolved(&profile));
             assert!((exact.volume / measured.volume - 1.0).abs() < 1e-3, "{kind:?}");
             assert!((exact.centre - measured.centre).length() < 1e-3, "{kind:?}");
             for axis in 0..3 {
@@ -471,8 +470,8 @@ mod tests {
         let q = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
         let r = DMat3::from_quat(q);
         let tensor = r * DMat3::from_diagonal(DVec3::new(3.0, 1.0, 2.0)) * r.transpose();
-        let (moments, turn) = principal(tensor);
-        let m = DMat3::from_quat(turn);
+        let (moments, rotation) = principal(tensor);
+        let m = DMat3::from_quat(rotation);
         let again = m * DMat3::from_diagonal(moments) * m.transpose();
         assert!((again - tensor).to_cols_array().iter().all(|x| x.abs() < 1e-12));
     }

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Reciprocal inertia in the world frame, R J̄⁻¹ Rᵀ.
+/// Inverse inertia tensor in the world frame, R J̄⁻¹ Rᵀ, 1/(kg m²).
 #[inline]
 pub(crate) fn world_inv_inertia(orientation: DQuat, inv_inertia: DVec3) -> DMat3 {
     if is_isotropic(inv_inertia) {
@@ -12,7 +12,7 @@ pub(crate) fn world_inv_inertia(orientation: DQuat, inv_inertia: DVec3) -> DMat3
     r * DMat3::from_diagonal(inv_inertia) * r.transpose()
 }
 
-/// Whether a body turns alike about all axes.
+/// Whether a body's inertia is isotropic: its principal moments are equal.
 #[inline]
 pub(crate) fn is_isotropic(inv_inertia: DVec3) -> bool {
     inv_inertia.x == inv_inertia.y && inv_inertia.y == inv_inertia.z

@@ -6,13 +6,13 @@
 //! |---|---|
 //! | spherical | the frames' origins on each other |
 //! | revolute | origins, and z on z |
-//! | universal | origins, and A's x square to B's y |
-//! | fixed | origins and all turning |
+//! | universal | origins, and A's x perpendicular to B's y |
+//! | fixed | origins and relative rotation |
 //! | cylindrical | B's origin on A's z axis, and z on z |
-//! | prismatic | as cylindrical, and no turning about z |
+//! | prismatic | as cylindrical, and rotation about z |
 //! | point_on_plane | B's origin in A's xy plane |
-//! | distance | the origins' distance |
-//! | revolute_spherical | the origins' distance, and B's origin in A's xy plane |
+//! | distance | the distance of the origins |
+//! | revolute_spherical | the distance of the origins, and B's origin in A's xy plane |
 //!
 //! Every locked motion is a row `Ψ = 0`, with `dΨ/dt = l·(v_B − v_A) + a_B·ω_B − a_A·ω_A`. Source: paper §2; Haug,
 //! Computer Aided Kinematics and Dynamics, ch. 9 for the forms of Ψ.
@@ -22,42 +22,42 @@ use crate::pose::Pose;
 use crate::twist::Twist;
 use glam::DVec3;
 
-/// What a joint leaves free.
+/// The kind of a joint: which relative motions it locks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
-    /// Ball joint.
+    /// Spherical joint: a common point.
     Spherical,
-    /// Hinge about z.
+    /// Revolute joint: a hinge about z.
     Revolute,
-    /// Slide along z.
+    /// Prismatic joint: a slide along z.
     Prismatic,
-    /// Slide along z and turn about it.
+    /// Cylindrical joint: a slide along z with rotation about it.
     Cylindrical,
-    /// Cardan joint.
+    /// Universal (cardan) joint.
     Universal,
-    /// Weld.
+    /// Fixed joint: a weld.
     Fixed,
-    /// Two points at a constant distance.
+    /// Two points at a given distance.
     Distance,
     /// A point in a plane.
     PointOnPlane,
-    /// A link of constant length, hinged about A's z and with a ball on B.
+    /// A link of given length, with a revolute joint about z on A and a spherical joint on B.
     RevoluteSpherical,
 }
 
-/// What drives a joint's free motion: an angle about z for revolute and cylindrical, a distance along z for prismatic joints.
+/// A motor, which drives a joint's coordinate: the angle about z of revolute and cylindrical, the distance along z of prismatic joints.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
-    /// Speed, rad/s or m/s, whatever it takes.
+    /// Prescribed rate of the coordinate, rad/s or m/s, with any effort.
     Speed(Function),
-    /// Angle, rad, or distance, m, whatever it takes.
+    /// Prescribed coordinate, rad or m, with any effort.
     Position(Function),
-    /// Torque, N m, or force, N, on B (and against it on A).
+    /// Torque, N m, or force, N, on B, and its reaction on A.
     Effort(Function),
 }
 
-/// A joint.
+/// A joint between two bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     /// Name.
@@ -70,19 +70,19 @@ pub struct Joint {
     pub frame_a: Pose,
     /// The frame on B, in B's principal frame.
     pub frame_b: Pose,
-    /// Length over time, m (distance and revolute_spherical); a linear actuator where it changes.
+    /// Length over time, m (distance and revolute_spherical); the joint is a linear actuator where it changes.
     pub length: Function,
-    /// Least and greatest coordinate: angle, rad, or distance, m.
+    /// Minimum and maximum coordinate: angle, rad, or distance, m.
     pub limits: Option<[f64; 2]>,
     /// Motor.
     pub motor: Option<Motor>,
-    /// It holds from this time on, s.
+    /// Time from which it acts, s.
     pub from: f64,
-    /// And until this, s.
+    /// Time until which it acts, s.
     pub until: f64,
 }
 
-/// A spring with a damper, along the line between two points or about the z axis of two frames.
+/// A spring and damper, along the line between two points or about the z axis of two frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Name.
@@ -93,73 +93,73 @@ pub struct Spring {
     pub frame_a: Pose,
     /// The frame on B, in B's principal frame.
     pub frame_b: Pose,
-    /// Whether it is about z rather than along a line.
+    /// Whether it is a rotational spring about z rather than a linear one.
     pub rotational: bool,
     /// Stiffness, N/m or N m/rad.
     pub stiffness: f64,
     /// Damping, N s/m or N m s/rad.
     pub damping: f64,
-    /// Length, m, or angle, rad, without force.
+    /// Free length, m, or free angle, rad.
     pub rest: f64,
-    /// Force, N, or torque, N m, in addition, pulling B to A where positive.
+    /// Additional force, N, or torque, N m, over time; positive pulls B towards A.
     pub preload: Function,
-    /// It acts from this time on, s.
+    /// Time from which it acts, s.
     pub from: f64,
-    /// And until this, s.
+    /// Time until which it acts, s.
     pub until: f64,
 }
 
-/// What a joint did in the last step.
+/// The reaction, coordinate and violation of a joint in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct JointState {
-    /// Force that B puts on A through the joint, N, in the joint's frame on A.
+    /// Reaction force of B on A, N, in the joint's frame on A.
     pub force: DVec3,
-    /// Torque that B puts on A through the joint, N m, about the origin of the joint's frame on A and in that frame.
+    /// Reaction torque of B on A, N m, about the origin of the joint's frame on A and in that frame.
     pub torque: DVec3,
-    /// Angle, rad, counted on through whole turns, or distance, m.
+    /// Coordinate: angle, rad, unwrapped over full turns, or distance, m.
     pub coordinate: f64,
-    /// Its rate.
+    /// Rate of the coordinate, rad/s or m/s.
     pub rate: f64,
-    /// How far the locked motions are off, m and rad: the greatest |Ψ|.
+    /// Constraint violation: the maximum |Ψ| of the rows, m or rad.
     pub violation: f64,
 }
 
-/// What a spring did in the last step.
+/// The force and coordinate of a spring in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpringState {
-    /// Force, N, that pulls the points together, or torque, N m, that turns B back.
+    /// Force, N, or torque, N m; positive pulls the points together, or turns B back.
     pub force: f64,
-    /// Length, m, or angle, rad, counted on through whole turns.
+    /// Length, m, or angle, rad, unwrapped over full turns.
     pub coordinate: f64,
 }
 
-/// A scalar constraint between two bodies in the world frame.
+/// A row: a scalar constraint between two bodies, in the world frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// Bodies A and B.
     pub bodies: [u32; 2],
-    /// l: direction of the relative velocity.
+    /// l: coefficient of the relative velocity, unit or zero.
     pub linear: DVec3,
-    /// a_A.
+    /// a_A: coefficient of A's angular velocity, m (lengths) or 1 (angles).
     pub angular_a: DVec3,
-    /// a_B.
+    /// a_B: coefficient of B's angular velocity, m (lengths) or 1 (angles).
     pub angular_b: DVec3,
-    /// Ψ, m or rad, at the step's start but for what is prescribed, which is taken at its end.
+    /// Ψ, m or rad: poses at the step's start, prescribed functions of time at its end.
     pub psi: f64,
-    /// What is prescribed for dΨ/dt beyond Ψ, m/s or rad/s.
+    /// Prescribed dΨ/dt, m/s or rad/s.
     pub rate: f64,
-    /// Compliance over h², 1/kg: zero for a locked motion.
+    /// Compliance over h², 1/kg or 1/(kg m²): zero for a locked motion.
     pub softness: f64,
 }
 
 impl Row {
-    /// dΨ/dt for the velocities of A and B.
+    /// dΨ/dt, m/s or rad/s, from the velocities of A and B.
     #[inline]
     pub fn speed(&self, a: Twist, b: Twist) -> f64 {
         self.linear.dot(b.v - a.v) + self.angular_b.dot(b.w) - self.angular_a.dot(a.w)
     }
 
-    /// dΨ/dt for the velocities of all bodies.
+    /// dΨ/dt, m/s or rad/s, from the velocities of all bodies (n_bodies).
     #[inline]
     pub fn speed_in(&self, motion: &[Twist]) -> f64 {
         let [a, b] = self.bodies.map(|b| motion[b as usize]);
@@ -167,24 +167,25 @@ impl Row {
     }
 }
 
-/// The frames of a joint in the world.
+/// The frames of a joint or a spring, in the world.
 pub struct Frames {
-    /// On A.
+    /// Frame on A.
     pub a: Pose,
-    /// On B.
+    /// Frame on B.
     pub b: Pose,
-    /// From A's and B's centres to the frames' origins.
+    /// From the centres of mass of A and B to the frames' origins, m.
     arm: [DVec3; 2],
 }
 
 impl Frames {
-    /// Where two frames are, given in those of A and B.
+    /// The frames in the world, from the poses of A and B and the frames on them.
     pub fn of([a, b]: [Pose; 2], frame_a: &Pose, frame_b: &Pose) -> Frames {
         let (fa, fb) = (a.place(frame_a), b.place(frame_b));
         Frames { arm: [fa.position - a.position, fb.position - b.position], a: fa, b: fb }
     }
 
-    /// Force and torque of rows on A over a step h, at A's origin and in A's frame.
+    /// Reaction force, N, and torque, N m, on A of rows with the multipliers `lambda` over a step `h`, s; about the origin of the frame
+    /// on A and in that frame.
     pub fn reaction(&self, rows: &[Row], lambda: &[f64], h: f64) -> (DVec3, DVec3) {
         let sum =
             |part: &dyn Fn(&Row) -> DVec3| rows.iter().zip(lambda).map(|(r, l)| part(r) * (-l / h)).sum::<DVec3>();
@@ -194,44 +195,44 @@ impl Frames {
         (into * force, into * torque)
     }
 
-    /// From A's origin to B's.
-    fn apart(&self) -> DVec3 {
+    /// From the origin of A's frame to that of B's, m.
+    fn offset(&self) -> DVec3 {
         self.b.position - self.a.position
     }
 
-    /// Angle of B's x against A's x about A's z, in (−π, π].
+    /// Angle from A's x to B's x about A's z, rad, in (−π, π].
     fn angle(&self) -> f64 {
         let x = self.b.orientation * DVec3::X;
         x.dot(self.a.orientation * DVec3::Y).atan2(x.dot(self.a.orientation * DVec3::X))
     }
 
-    /// B's origin against A's along a direction that turns with A.
+    /// Row of the offset along a direction that is fixed to A.
     fn along(&self, direction: DVec3) -> Row {
         Row {
             linear: direction,
-            angular_a: (self.arm[0] + self.apart()).cross(direction),
+            angular_a: (self.arm[0] + self.offset()).cross(direction),
             angular_b: self.arm[1].cross(direction),
-            psi: self.apart().dot(direction),
+            psi: self.offset().dot(direction),
             ..Row::default()
         }
     }
 
-    /// The cosine between an axis of A and one of B.
-    fn square(&self, of_a: DVec3, of_b: DVec3) -> Row {
+    /// Row of the cosine between an axis of A and one of B, which is 0 where they are perpendicular.
+    fn perpendicular(&self, of_a: DVec3, of_b: DVec3) -> Row {
         let (a, b) = (self.a.orientation * of_a, self.b.orientation * of_b);
-        let turn = b.cross(a);
-        Row { angular_a: turn, angular_b: turn, psi: a.dot(b), ..Row::default() }
+        let axis = b.cross(a);
+        Row { angular_a: axis, angular_b: axis, psi: a.dot(b), ..Row::default() }
     }
 
-    /// The distance between the origins; along A's z where they coincide.
+    /// Row of the distance between the origins; along A's z where they coincide.
     fn distance(&self) -> Row {
-        let d = self.apart();
+        let d = self.offset();
         let length = d.length();
         let direction = if length > 1e-12 { d / length } else { self.a.orientation * DVec3::Z };
         Row { psi: length, ..self.along(direction) }
     }
 
-    /// The turn of B against A about A's z.
+    /// Row of the rotation of B relative to A about A's z.
     fn about(&self) -> Row {
         let z = self.a.orientation * DVec3::Z;
         Row { angular_a: z, angular_b: z, psi: self.angle(), ..Row::default() }
@@ -239,7 +240,7 @@ impl Frames {
 }
 
 impl JointKind {
-    /// Whether its free coordinate is an angle, a distance along z, or none.
+    /// Kind of the joint's coordinate; none for kinds of joints without one.
     pub fn coordinate(self) -> Option<Coordinate> {
         match self {
             JointKind::Revolute | JointKind::Cylindrical => Some(Coordinate::Angle),
@@ -250,7 +251,7 @@ impl JointKind {
     }
 }
 
-/// What a joint's coordinate measures.
+/// The kind of a joint's coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
     /// Angle about z, rad.
@@ -262,12 +263,12 @@ pub enum Coordinate {
 }
 
 impl Joint {
-    /// Whether it holds at a time.
-    pub fn holds(&self, t: f64) -> bool {
+    /// Whether the joint acts at a time, s.
+    pub fn acts(&self, t: f64) -> bool {
         t >= self.from && t < self.until
     }
 
-    /// The locked and driven motions, into `rows`; `t` is the time at the step's end.
+    /// Append the rows of the locked and the driven motions; `known` is the joint's last state, `t` the time at the step's end, s.
     pub fn rows(&self, f: &Frames, known: &JointState, t: f64, rows: &mut Vec<Row>) {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         let axes = [x, y, z].map(|e| f.a.orientation * e);
@@ -282,11 +283,11 @@ impl Joint {
             JointKind::RevoluteSpherical => rows.extend([self.fixed_length(f, t), f.along(axes[2])]),
         }
         match self.kind {
-            JointKind::Revolute | JointKind::Cylindrical => rows.extend([f.square(x, z), f.square(y, z)]),
+            JointKind::Revolute | JointKind::Cylindrical => rows.extend([f.perpendicular(x, z), f.perpendicular(y, z)]),
             JointKind::Fixed | JointKind::Prismatic => {
-                rows.extend([f.square(x, z), f.square(y, z), f.square(x, y)]);
+                rows.extend([f.perpendicular(x, z), f.perpendicular(y, z), f.perpendicular(x, y)]);
             }
-            JointKind::Universal => rows.push(f.square(x, y)),
+            JointKind::Universal => rows.push(f.perpendicular(x, y)),
             _ => {}
         }
         match (&self.motor, self.kind.coordinate()) {
@@ -304,8 +305,8 @@ impl Joint {
         }
     }
 
-    /// By how much row `k` of `n` of the joint is off at time `t`, a step's start, at whose end `t_end` what is prescribed for it is
-    /// taken; none for a motor's row, which is no locked motion.
+    /// Violation |Ψ|, m or rad, of row `k` of the joint's `n` at time `t`, the step's start; `row` has the prescribed length at the
+    /// step's end `t_end`. None for a motor's row, which is no locked motion.
     pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> Option<f64> {
         let is_motor = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_))) && k + 1 == n;
         let has_length = matches!(self.kind, JointKind::Distance | JointKind::RevoluteSpherical) && k == 0;
@@ -318,7 +319,7 @@ impl Joint {
         Row { psi: row.psi - self.length.at(t), ..row }
     }
 
-    /// The row of the free coordinate.
+    /// Row of the free coordinate.
     pub fn free_row(&self, f: &Frames, coordinate: Coordinate) -> Row {
         let row = match coordinate {
             Coordinate::Angle => f.about(),
@@ -328,7 +329,7 @@ impl Joint {
         Row { bodies: self.bodies, ..row }
     }
 
-    /// The free coordinate, an angle counted on from the last known one.
+    /// The free coordinate, rad or m; an angle is unwrapped from that of the last state.
     pub fn coordinate(&self, f: &Frames, known: &JointState) -> f64 {
         match self.kind.coordinate() {
             Some(Coordinate::Angle) => unwrapped(f.angle(), known.coordinate),
@@ -337,7 +338,7 @@ impl Joint {
         }
     }
 
-    /// The torque or force of the motor on B along the coordinate, N m or N.
+    /// Torque, N m, or force, N, of the motor on B along the coordinate at a time, s.
     pub fn effort(&self, t: f64) -> f64 {
         match &self.motor {
             Some(Motor::Effort(effort)) => effort.at(t),
@@ -346,24 +347,24 @@ impl Joint {
     }
 }
 
-/// The angle that is nearest to the one before, of all that differ from `angle` by whole turns.
+/// The angle nearest to `before` of those that differ from `angle` by full turns, rad.
 fn unwrapped(angle: f64, before: f64) -> f64 {
-    let turns = ((before - angle) / std::f64::consts::TAU).round();
-    angle + turns * std::f64::consts::TAU
+    let n_turns = ((before - angle) / std::f64::consts::TAU).round();
+    angle + n_turns * std::f64::consts::TAU
 }
 
 impl Spring {
-    /// Whether it acts at a time.
+    /// Whether the spring acts at a time, s.
     pub fn acts(&self, t: f64) -> bool {
         t >= self.from && t < self.until
     }
 
-    /// What pulls B to A without damping, N or N m, at a length or angle and a time.
+    /// Force, N, or torque, N m, without damping, at a length, m, or angle, rad, and a time, s; positive pulls B towards A.
     pub fn tension(&self, psi: f64, t: f64) -> f64 {
         self.stiffness * (psi - self.rest) + self.preload.at(t)
     }
 
-    /// The row along which it pulls; Ψ is its length or angle.
+    /// Row along which it acts; Ψ is its length, m, or its angle, rad, unwrapped from that of the last state.
     pub fn row(&self, f: &Frames, known: &SpringState) -> Row {
         let row = if self.rotational { f.about() } else { f.distance() };
         let psi = if self.rotational { unwrapped(row.psi, known.coordinate) } else { row.psi };

@@ -1,19 +1,19 @@
-//! Numbers and vectors of several contacts side by side: vector registers where the processor has AVX2, plain arrays elsewhere.
-//! No operation is fused: all machines get the same bits.
+//! Lanes: scalars and vectors of several contacts side by side, in vector registers where the processor has AVX2, in plain arrays
+//! elsewhere. No operation is fused, so that all machines get the same bits.
 //!
-//! A kernel is a function generic over [`Lanes`], `#[inline(always)]` down to here, which a function compiled for AVX2 calls with
-//! [`Wide`] and one that is not with [`Plain`] ([`widest`] does this for those of double precision). No closures on the way: they
-//! would be compiled for plain processors.
+//! A lane loop is a function generic over [`Lanes`], `#[inline(always)]` down to here. A function compiled for AVX2 calls it with
+//! [`Wide`], another one with [`Plain`] ([`widest`] does this for double precision). There are no closures in between: they would be
+//! compiled without AVX2.
 
 use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Single or double precision.
+/// A floating-point type: single or double precision.
 pub trait Real: Copy + Default + PartialOrd + Send + Sync {
-    /// Rounded from double precision.
+    /// Conversion from double precision, rounded.
     fn of(x: f64) -> Self;
-    /// In double precision.
+    /// Conversion to double precision.
     fn wide(self) -> f64;
 }
 
@@ -39,47 +39,47 @@ impl Real for f32 {
     }
 }
 
-/// A number of each of L contacts.
+/// A scalar of each of L contacts.
 pub trait Lanes<T: Real, const L: usize>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// One number in all lanes.
+    /// The same value in all lanes.
     fn splat(x: T) -> Self;
-    /// From an array.
+    /// Load from an array.
     fn load(v: &[T; L]) -> Self;
-    /// As an array.
+    /// Store to an array.
     fn to_array(self) -> [T; L];
     /// Square root.
     fn sqrt(self) -> Self;
-    /// Where `self` ≤ `most`, `yes`, else `no`.
-    fn select_le(self, most: Self, yes: Self, no: Self) -> Self;
-    /// Rows of eight numbers as eight columns.
+    /// Select `yes` where `self` ≤ `max`, else `no`.
+    fn select_le(self, max: Self, yes: Self, no: Self) -> Self;
+    /// Transpose rows of eight values to eight columns.
     fn columns(rows: &[[T; 8]; L]) -> [Self; 8];
-    /// Eight columns as rows of eight numbers.
+    /// Transpose eight columns to rows of eight values.
     fn rows(columns: [Self; 8]) -> [[T; 8]; L];
 }
 
-/// Double precision, four contacts: what the descent methods read of them.
+/// Lanes of four contacts in double precision, with the loads and stores of the descent methods and the narrow phase.
 pub trait Lanes4: Lanes<f64, 4> {
-    /// Bit l says whether lane l of `self` ≤ that of `most`.
-    fn mask_le(self, most: Self) -> u32;
-    /// Four vectors.
+    /// Mask whose bit l is set where lane l of `self` ≤ that of `max`.
+    fn mask_le(self, max: Self) -> u32;
+    /// Load four vectors.
     fn load3(v: &[DVec3; 4]) -> Lane3<Self>;
-    /// Write four vectors.
+    /// Store four vectors.
     fn store3(v: Lane3<Self>, to: &mut [DVec3; 4]);
-    /// Four pairs.
+    /// Load four pairs.
     fn load2(v: &[[f64; 2]; 4]) -> [Self; 2];
-    /// Four motions: linear and angular.
+    /// Load four twists: linear and angular parts.
     fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2];
-    /// Write four motions.
+    /// Store four twists.
     fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4];
 }
 
-/// A kernel of double precision, four contacts side by side, with what it works on.
+/// A lane loop in double precision, four contacts side by side, with its arguments.
 pub trait LaneLoop {
-    /// What comes out.
+    /// Result of the loop.
     type Out;
-    /// Do it; `#[inline(always)]`.
+    /// Run the loop; `#[inline(always)]`.
     fn run<V: Lanes4>(self) -> Self::Out;
 }
 
@@ -98,29 +98,29 @@ pub fn has_wide_lanes() -> bool {
     false
 }
 
-/// Run a kernel with the widest lanes that the processor has.
-pub fn widest<K: LaneLoop>(kernel: K) -> K::Out {
+/// Run a lane loop with the widest lanes that the processor has.
+pub fn widest<L: LaneLoop>(lane_loop: L) -> L::Out {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        unsafe fn wide<K: LaneLoop>(kernel: K) -> K::Out {
-            kernel.run::<Wide<std::arch::x86_64::__m256d>>()
+        unsafe fn wide<L: LaneLoop>(lane_loop: L) -> L::Out {
+            lane_loop.run::<Wide<std::arch::x86_64::__m256d>>()
         }
         if has_wide_lanes() {
             // SAFETY: the processor has AVX2.
-            return unsafe { wide(kernel) };
+            return unsafe { wide(lane_loop) };
         }
     }
-    kernel.run::<Plain<f64, 4>>()
+    lane_loop.run::<Plain<f64, 4>>()
 }
 
-/// The next four rows of a column.
+/// Four rows of a column, from row `k` on.
 #[inline(always)]
 pub fn four<T>(column: &[T], k: usize) -> &[T; 4] {
     column[k..k + 4].try_into().expect("four rows")
 }
 
-/// The same, to be written.
+/// Four rows of a column, from row `k` on, for writing.
 #[inline(always)]
 pub fn four_mut<T>(column: &mut [T], k: usize) -> &mut [T; 4] {
     (&mut column[k..k + 4]).try_into().expect("four rows")
@@ -161,8 +161,8 @@ macro_rules! plain {
                 Plain(self.0.map(<$T>::sqrt))
             }
             #[inline(always)]
-            fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
-                Plain(std::array::from_fn(|l| if self.0[l] <= most.0[l] { yes.0[l] } else { no.0[l] }))
+            fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
+                Plain(std::array::from_fn(|l| if self.0[l] <= max.0[l] { yes.0[l] } else { no.0[l] }))
             }
             #[inline(always)]
             fn columns(rows: &[[$T; 8]; L]) -> [Self; 8] {
@@ -190,8 +190,8 @@ plain!(f64);
 
 impl Lanes4 for Plain<f64, 4> {
     #[inline(always)]
-    fn mask_le(self, most: Self) -> u32 {
-        (0..4).fold(0, |bits, l| bits | ((self.0[l] <= most.0[l]) as u32) << l)
+    fn mask_le(self, max: Self) -> u32 {
+        (0..4).fold(0, |bits, l| bits | ((self.0[l] <= max.0[l]) as u32) << l)
     }
     #[inline(always)]
     fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
@@ -216,7 +216,7 @@ impl Lanes4 for Plain<f64, 4> {
     }
 }
 
-/// Lanes in a vector register. Only functions that are compiled for AVX2, and run where there is AVX2, may use them.
+/// Lanes in a vector register, for functions that are compiled for AVX2 and run on processors with AVX2 alone.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);
@@ -268,8 +268,8 @@ mod wide {
             Wide(unsafe { _mm256_sqrt_ps(self.0) })
         }
         #[inline(always)]
-        fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
-            Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, most.0)) })
+        fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
+            Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, max.0)) })
         }
         #[inline(always)]
         fn columns(rows: &[[f32; 8]; 8]) -> [Self; 8] {
@@ -299,7 +299,7 @@ mod wide {
         }
     }
 
-    /// Transpose eight rows: pairs of numbers, then pairs of those, then halves.
+    /// Transpose eight rows: pairs of values, then pairs of those, then halves.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn transpose(r: [Wide<__m256>; 8]) -> [Wide<__m256>; 8] {
@@ -344,8 +344,8 @@ mod wide {
             Wide(unsafe { _mm256_sqrt_pd(self.0) })
         }
         #[inline(always)]
-        fn select_le(self, most: Self, yes: Self, no: Self) -> Self {
-            Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) })
+        fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
+            Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, max.0)) })
         }
         #[inline(always)]
         fn columns(rows: &[[f64; 8]; 4]) -> [Self; 8] {
@@ -386,8 +386,8 @@ mod wide {
 
     impl Lanes4 for Wide<__m256d> {
         #[inline(always)]
-        fn mask_le(self, most: Self) -> u32 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, most.0)) as u32 }
+        fn mask_le(self, max: Self) -> u32 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, max.0)) as u32 }
         }
         #[inline(always)]
         fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
@@ -413,7 +413,7 @@ mod wide {
         }
     }
 
-    /// Twelve numbers in a row as the components of four vectors.
+    /// Load twelve consecutive values as the components of four vectors.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn load3(v: *const f64) -> [__m256d; 3] {
@@ -425,7 +425,7 @@ mod wide {
         [_mm256_shuffle_pd::<0b1010>(a, b), _mm256_shuffle_pd::<0b0101>(a, c), _mm256_shuffle_pd::<0b1010>(b, c)]
     }
 
-    /// The way back.
+    /// The inverse of the function before.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn store3([x, y, z]: [__m256d; 3], to: *mut f64) {
@@ -438,7 +438,7 @@ mod wide {
         }
     }
 
-    /// Eight numbers in a row as four pairs.
+    /// Load eight consecutive values as four pairs.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn load2(v: *const f64) -> [__m256d; 2] {
@@ -447,7 +447,7 @@ mod wide {
         [_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q)]
     }
 
-    /// The six components of four motions.
+    /// Load the six components of four twists.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn twists(t: [&Twist; 4]) -> [Lane3<Wide<__m256d>>; 2] {
@@ -464,7 +464,7 @@ mod wide {
         [Lane3 { x: vx, y: vy, z: vz }, Lane3 { x: wx, y: wy, z: wz }]
     }
 
-    /// The way back.
+    /// The inverse of the function before.
     #[target_feature(enable = "avx2")]
     #[inline]
     unsafe fn to_twists(v: Lane3<Wide<__m256d>>, w: Lane3<Wide<__m256d>>) -> [Twist; 4] {
@@ -489,14 +489,14 @@ mod wide {
     }
 }
 
-/// A vector of each of some contacts.
+/// A 3-vector of each contact.
 #[derive(Clone, Copy)]
 pub struct Lane3<V> {
-    /// x.
+    /// x components.
     pub x: V,
-    /// y.
+    /// y components.
     pub y: V,
-    /// z.
+    /// z components.
     pub z: V,
 }
 
@@ -536,11 +536,11 @@ pub fn project<T: Real, const L: usize, V: Lanes<T, L>>(y: Lane3<V>, n: Lane3<V>
     let t = tangent.dot(tangent).sqrt();
     let reach = t * mu;
     let kept = reach.select_le(zero - normal, zero, (reach + normal) / (mu * mu + one));
-    let share = t.select_le(zero, zero, mu * kept / t);
+    let scale = t.select_le(zero, zero, mu * kept / t);
     let limit = mu * normal;
-    // Without friction and tangent, what pulls is no less "inside" than what pushes: 0 ≤ −0.
+    // Without friction and tangent a negative normal passes the test of the cone, 0 ≤ −0.
     let pushing = zero.select_le(normal, normal, zero);
-    n.times(t.select_le(limit, pushing, kept)).plus(tangent.times(t.select_le(limit, one, share)))
+    n.times(t.select_le(limit, pushing, kept)).plus(tangent.times(t.select_le(limit, one, scale)))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

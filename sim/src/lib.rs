@@ -1,4 +1,4 @@
-//! Many rigid bodies with exact Coulomb friction cones, joints, motors and loads.
+//! Multibody dynamics: many rigid bodies with Coulomb friction cones, joints, motors and loads.
 //!
 //! A YAML file ([`model_file`]) or code ([`ModelBuilder`]) becomes a [`Model`] and a mutable [`State`]; [`Simulation`] advances
 //! the state by running the [`stages`] in order. Equations: `D` collects the contact Jacobians, `γ` the contact impulses,

@@ -2,21 +2,21 @@
 
 use glam::DVec3;
 
-/// A function of time.
+/// A function of time, s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Function {
-    /// The same always.
+    /// A constant value.
     Constant(f64),
     /// `before` until time `at`, then `after`.
     Step {
         /// Value before.
         before: f64,
-        /// Value from then on.
+        /// Value after.
         after: f64,
-        /// When, s.
+        /// Time of the step, s.
         at: f64,
     },
-    /// From one value to another in a straight line, constant outside.
+    /// A linear ramp between two values, constant outside.
     Ramp {
         /// Values at the ends.
         values: [f64; 2],
@@ -34,12 +34,12 @@ pub enum Function {
         /// Phase, rad.
         phase: f64,
     },
-    /// Points (time, value) joined by straight lines, constant outside; times rise.
+    /// Points (time, value) with linear interpolation, constant outside; times ascend.
     Table(Vec<[f64; 2]>),
 }
 
 impl Function {
-    /// The value at a time.
+    /// The value at a time, s.
     pub fn at(&self, t: f64) -> f64 {
         match self {
             Function::Constant(x) => *x,
@@ -69,26 +69,26 @@ impl Function {
 /// A force or a torque on a body: a direction times a function of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// The body.
+    /// Id of the body.
     pub body: u32,
     /// Whether it is a torque, N m, rather than a force, N.
     pub torque: bool,
     /// Unit direction, world; of the model file's body frame where `follows`.
     pub direction: DVec3,
-    /// Whether direction turns with the body.
+    /// Whether the direction is fixed to the body.
     pub follows: bool,
-    /// Where a force acts, from the centre of mass, m, principal frame.
+    /// Point of application of a force from the centre of mass, m, principal frame.
     pub point: DVec3,
-    /// Its size over time.
+    /// Magnitude over time, N or N m.
     pub value: Function,
-    /// It acts from this time on, s.
+    /// Time from which it acts, s.
     pub from: f64,
-    /// And until this, s.
+    /// Time until which it acts, s.
     pub until: f64,
 }
 
 impl Load {
-    /// The load's vector at a time, world, for a body frame turned as given; zero where it does not act.
+    /// Force, N, or torque, N m, at a time, world, for an orientation of the model file's body frame; zero while it does not act.
     pub fn vector(&self, t: f64, frame: glam::DQuat) -> DVec3 {
         if t < self.from || t >= self.until {
             return DVec3::ZERO;

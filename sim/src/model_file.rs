@@ -1,4 +1,4 @@
-//! The model file: what an engineer writes, checked and resolved into a [`Model`] and a [`State`].
+//! The model file: its types, its checks, and its resolution into a [`Model`] and a [`State`].
 //!
 //! Units are SI (m, kg, s, N, rad) but for angles in the file, which are in degrees. Almost everything has a default;
 //! [`ModelFile::to_yaml`] writes the model with its defaults filled in.
@@ -15,23 +15,32 @@ use frame::{Fault, FaultKind};
 use std::path::Path;
 
 /// Read, check and resolve a model file.
+///
+/// # Errors
+/// The first fault of the file, with its line and column.
 pub fn read(path: &Path) -> Result<(ModelFile, Resolved), Fault> {
     read_with(path, &[])
 }
 
-/// Read a model file with values set from outside: `solver.iterations=80`, `bodies.block.mass=3`.
+/// Read a model file with values of `--set` in place of its own: `solver.iterations=80`, `bodies.block.mass=3`.
+///
+/// # Errors
+/// The faults of [`read`], and a path of `--set` that leads to no key.
 pub fn read_with(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Resolved), Fault> {
     let (file, doc) = load(path, set)?;
     let resolved = file.resolve(&doc)?;
     Ok((file, resolved))
 }
 
-/// Read a model file without resolving it.
+/// Read a model file, with values of `--set` in place of its own, without resolving it.
+///
+/// # Errors
+/// The faults of [`read_with`] that are found without resolving.
 pub fn load(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Document), Fault> {
     let (mut file, mut doc): (ModelFile, Document) = if set.is_empty() {
         frame::yaml::read(path)?
     } else {
-        // The file as it stands must be sound, so that faults in it are shown where they are.
+        // The file itself must be valid, so that its faults are reported at their lines.
         let (_, original): (ModelFile, Document) = frame::yaml::read(path)?;
         let text = with_values(&original, set)?;
         frame::yaml::parse(path, text)?
@@ -44,33 +53,33 @@ pub fn load(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Documen
     Ok((file, doc))
 }
 
-/// A model ready to run.
+/// A resolved model, ready to run.
 #[derive(Clone, Debug, Default)]
 pub struct Resolved {
     /// The model.
     pub model: Model,
-    /// Its state at the start.
+    /// The initial state.
     pub state: State,
-    /// What is written down while it runs.
+    /// The quantities of `probes.csv`.
     pub probes: Probes,
-    /// Names and end times of the stages.
+    /// Names and end times, s, of the stages.
     pub stages: Vec<(String, f64)>,
-    /// What is odd but not wrong: deep overlaps at the start, for instance.
+    /// Warnings, as of deep overlaps at the start.
     pub warnings: Vec<String>,
 }
 
-/// What is written to `probes.csv`, resolved.
+/// The quantities of `probes.csv`, resolved.
 #[derive(Clone, Debug, Default)]
 pub struct Probes {
-    /// Time between two lines, s.
+    /// Time between lines, s.
     pub interval: f64,
-    /// Bodies.
+    /// Ids of bodies.
     pub bodies: Vec<u32>,
-    /// Joints.
+    /// Ids of joints.
     pub joints: Vec<u32>,
-    /// Springs.
+    /// Ids of springs.
     pub springs: Vec<u32>,
-    /// Pairs of classes whose contacts are added up, with a name.
+    /// Pairs of classes whose contact forces are summed, with their names.
     pub contacts: Vec<(String, [u32; 2])>,
     /// Whether energies are written.
     pub energies: bool,
@@ -78,24 +87,25 @@ pub struct Probes {
     pub contact_tables: bool,
 }
 
-/// The text of a document with values put in place of others, or added.
+/// Text of a document with values replaced or added.
 fn with_values(doc: &Document, set: &[(String, String)]) -> Result<String, Fault> {
     let usage = |message: String| Fault::whole(FaultKind::Input, &doc.path, message);
     let mut root: serde_yaml::Value =
         serde_yaml::from_str(&doc.text).map_err(|e| usage(format!("is not YAML: {e}")))?;
     for (path, text) in set {
-        let value: serde_yaml::Value =
-            serde_yaml::from_str(text).map_err(|e| usage(format!("--set {path}={text}: is not a value: {e}")))?;
+        let value: serde_yaml::Value = serde_yaml::from_str(text)
+            .map_err(|e| usage(format!("--set {path}={text}: the value is not YAML: {e}")))?;
         let mut at = &mut root;
         for part in path.split('.') {
-            at = step_into(at, part).ok_or_else(|| usage(format!("--set {path}: there is no `{part}` to go into")))?;
+            at = step_into(at, part)
+                .ok_or_else(|| usage(format!("--set {path}: there is no key, index or name `{part}`")))?;
         }
         *at = value;
     }
     serde_yaml::to_string(&root).map_err(|e| usage(format!("--set: {e}")))
 }
 
-/// A key of a map (made if it is missing), or an item of a list by its number or its `name`.
+/// The value of a map's key, which is added if it is missing, or an item of a list by its index or its `name`.
 fn step_into<'a>(value: &'a mut serde_yaml::Value, part: &str) -> Option<&'a mut serde_yaml::Value> {
     use serde_yaml::Value;
     match value {

@@ -1,4 +1,4 @@
-//! Bodies of a model that overlap.
+//! Overlaps of the bodies of a model.
 
 use crate::backend::Backend;
 use crate::cpu::Cpu;
@@ -7,18 +7,18 @@ use crate::plan::StepPlan;
 use crate::stages::Stage;
 use crate::state::State;
 
-/// Two bodies that overlap.
+/// An overlap of two shapes.
 pub struct Overlap {
-    /// The bodies.
+    /// Ids of the bodies.
     pub bodies: [u32; 2],
-    /// Their shapes.
+    /// Ids of the shapes.
     pub shapes: [u32; 2],
-    /// How deep, m.
+    /// Maximum penetration, m.
     pub depth: f64,
 }
 
-/// The overlaps of a state, the deepest of each pair of shapes. What appears later must not overlap then; where that is nobody
-/// knows yet.
+/// The overlaps of a state, one per pair of shapes. Inactive bodies are left out: the poses of the others when they appear are not
+/// known yet.
 pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
     let mut state = State { contacts: Default::default(), fat_aabb: None, ..state.clone() };
     state.wake(model);

@@ -1,4 +1,5 @@
-//! What the steps of a run need, resolved once: again only when a body begins to move or the solver's settings change.
+//! The step plan: layout and method, which follow from the model and hold for many steps. It is resolved again only when a body
+//! appears or begins to move, or the solver's settings change.
 
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
@@ -7,50 +8,50 @@ use crate::state::State;
 use crate::inertia::is_isotropic;
 use crate::shape::ShapeKind;
 
-/// Which shapes meet in contacts, and with that the narrow phase and the layout of the contacts' rows.
+/// The narrow phase, and the layout of the contact rows that goes with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Narrow {
-    /// All that moves are spheres about their bodies' centres that turn alike about all axes: they stand in a column of their own,
-    /// pairs of them are looked at four at a time, and a contact's arms are lengths along its normal.
+    /// All moving shapes are spheres about their bodies' centres of mass with isotropic inertia: spheres have a column of their own,
+    /// pairs of them are tested four at a time, and a contact's arms are lengths along its normal.
     Spheres,
-    /// Any shapes: pair by pair, and a contact's arms are vectors.
+    /// Any shapes: pairs are tested one by one, and a contact's arms are vectors.
     #[default]
     Any,
 }
 
-/// How the impulses of contacts are found.
+/// The method that solves for contact impulses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
-    /// Gauss–Seidel on packed contacts between spheres, which solve either law of friction contact by contact; where no limit of a
-    /// joint may be met in the step.
+    /// Gauss–Seidel sweeps on packed contacts between spheres, which solve either law of friction contact by contact; for steps in which
+    /// no joint limit may be met.
     SphereSweeps,
-    /// A method over blocks.
+    /// A method on blocks of three multipliers.
     Blocks(Method),
 }
 
-/// What the steps of a run need.
+/// The plan of a step.
 #[derive(Clone, Debug)]
 pub struct StepPlan {
-    /// The narrow phase and the layout of the contacts' rows.
+    /// The narrow phase and the layout of the contact rows.
     pub narrow: Narrow,
-    /// How impulses are found.
+    /// The method of a step without joint limits.
     pub method: ContactMethod,
-    /// Whether a material has rolling or spinning friction, so that contacts have rolling impulses.
+    /// Whether a contact law has rolling or spinning friction, so that contacts have rolling impulses.
     pub rolls: bool,
-    /// Whether a material has cohesion.
+    /// Whether a contact law has cohesion.
     pub coheres: bool,
-    /// Whether a material has restitution.
+    /// Whether a contact law has restitution.
     pub bounces: bool,
-    /// Whether velocities without contacts and joints are a column; else they are evaluated where they are asked for, twice a step.
+    /// Whether velocities without contacts and joints are a column; else they are evaluated where they are read, twice a step.
     pub has_free_column: bool,
-    /// Whether contacts start from the last step's impulses.
+    /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
-    /// The settings that were resolved.
+    /// The settings that the plan was resolved from.
     settings: SolverSettings,
 }
 
 impl StepPlan {
-    /// Resolve what a model needs while bodies do what they do.
+    /// Resolve the plan of a model, for the current activity of its bodies.
     pub fn resolve(model: &Model, state: &State) -> StepPlan {
         let settings = &model.solver;
         let any = |has: fn(&crate::model::ContactLaw) -> bool| model.laws.iter().any(has);
@@ -64,41 +65,41 @@ impl StepPlan {
         } else {
             ContactMethod::Blocks(settings.method)
         };
-        let is_pushed = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
+        let has_forces = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
         StepPlan {
             narrow,
             method,
             rolls,
             coheres,
             bounces: any(|l| l.restitution > 0.0),
-            has_free_column: is_pushed || !sweeps,
+            has_free_column: has_forces || !sweeps,
             warm_starts: settings.warm_start,
             settings: settings.clone(),
         }
     }
 
-    /// Whether the plan is still that of a model, while bodies do what they did.
-    pub fn holds(&self, model: &Model) -> bool {
+    /// Whether the plan fits the model's solver settings.
+    pub fn is_current(&self, model: &Model) -> bool {
         self.settings == model.solver
     }
 
-    /// How impulses are found in a step that may meet so many limits of joints.
+    /// The method of a step in which `n_limits` joint limits may be met.
     pub fn method_with(&self, n_limits: usize) -> ContactMethod {
         if n_limits == 0 { self.method } else { ContactMethod::Blocks(self.settings.method) }
     }
 
-    /// Whether exact friction feeds the slip of contacts into their gaps' rates.
-    pub fn feeds_slip(&self, method: ContactMethod) -> bool {
+    /// Whether a method needs the slip feedback of exact friction in the gaps' rates.
+    pub fn has_slip_feedback(&self, method: ContactMethod) -> bool {
         self.settings.friction == FrictionLaw::Exact && method != ContactMethod::SphereSweeps
     }
 }
 
-/// Whether all that moves are spheres that turn alike about all axes, and all spheres are about their bodies' centres.
+/// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.
 fn has_spheres_only(model: &Model, state: &State) -> bool {
     let fits = |s: usize| {
         let moves = state.moves(model.shape_body[s] as usize);
         model.is_centred_sphere(s) || (model.shape_kind[s] != ShapeKind::Sphere && !moves)
     };
-    let turns_alike = |b: usize| !state.moves(b) || is_isotropic(model.inv_inertia[b]);
-    (0..model.n_bodies()).all(turns_alike) && (0..model.n_shapes()).all(fits)
+    let isotropic = |b: usize| !state.moves(b) || is_isotropic(model.inv_inertia[b]);
+    (0..model.n_bodies()).all(isotropic) && (0..model.n_shapes()).all(fits)
 }

@@ -1,9 +1,9 @@
-//! Places and orientations, and columns of them.
+//! Poses, and columns of poses.
 
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
-/// A place and an orientation.
+/// A pose: position and orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Position, m.
@@ -13,7 +13,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A pose given in this one's frame, in the frame that this one is given in.
+    /// Composition of poses: `local`, given in this pose's frame, in the frame that this pose is given in.
     #[inline]
     pub fn place(&self, local: &Pose) -> Pose {
         Pose {
@@ -22,20 +22,20 @@ impl Pose {
         }
     }
 
-    /// The inverse: this pose's outer frame, in its own.
+    /// The inverse pose: the outer frame in this pose's frame.
     pub fn inverse(&self) -> Pose {
         let orientation = self.orientation.inverse();
         Pose { position: orientation * -self.position, orientation }
     }
 }
 
-/// A column of poses of which most are alike, as those of the grains of a bed are: a row names one of the distinct ones.
+/// A column of poses that stores each distinct pose once: most rows are equal, as those of the grains of a bed.
 #[derive(Clone, Debug, Default)]
 pub struct PoseColumn {
     distinct: Vec<Pose>,
-    /// So many rows, from the first, have the first pose.
-    alike: usize,
-    /// Which pose each of the others has.
+    /// Number of leading rows with the first pose.
+    n_leading: usize,
+    /// Index into `distinct` of each further row.
     row: Vec<u32>,
     known: HashMap<[u64; 7], u32>,
 }
@@ -44,14 +44,14 @@ impl PoseColumn {
     /// Add a row.
     pub fn push(&mut self, pose: Pose) {
         let (p, q) = (pose.position, pose.orientation);
-        let name = [p.x, p.y, p.z, q.x, q.y, q.z, q.w].map(f64::to_bits);
+        let bits = [p.x, p.y, p.z, q.x, q.y, q.z, q.w].map(f64::to_bits);
         let next = self.distinct.len() as u32;
-        let row = *self.known.entry(name).or_insert(next);
+        let row = *self.known.entry(bits).or_insert(next);
         if row == next {
             self.distinct.push(pose);
         }
         if row == 0 && self.row.is_empty() {
-            self.alike += 1;
+            self.n_leading += 1;
         } else {
             self.row.push(row);
         }
@@ -63,7 +63,7 @@ impl std::ops::Index<usize> for PoseColumn {
 
     #[inline]
     fn index(&self, row: usize) -> &Pose {
-        let which = if row < self.alike { 0 } else { self.row[row - self.alike] };
-        &self.distinct[which as usize]
+        let index = if row < self.n_leading { 0 } else { self.row[row - self.n_leading] };
+        &self.distinct[index as usize]
     }
 }

@@ -1,10 +1,10 @@
-//! Probes: what is written to `probes.csv` while a run goes, one line an instant, with units in the header.
+//! Probes: the quantities of `probes.csv`, one line per instant, with units in the header.
 //!
 //! Per body `b`: position and orientation of its frame in the model file, velocity of its centre of mass, angular velocity in the
-//! body's frame. Per joint `j`: the force and torque that body B puts on body A, at the joint's frame on A and in that frame
-//! (x, y, z; its z axis is the joint's), the coordinate and its rate, and by how much the locked motions are off. Per spring: its
-//! force and length, or torque and angle. Per pair of classes: number of contacts that carry, and total force on the second.
-//! Energies: kinetic, potential in gravity; the worst penetration, and the mean slip speed of contacts that carry.
+//! body's frame. Per joint `j`: the reaction force and torque of body B on body A, at the joint's frame on A and in that frame
+//! (x, y, z; its z axis is the joint's), the coordinate and its rate, and the constraint violation. Per spring: its force and length,
+//! or torque and angle. Per pair of classes: number of contacts with an impulse, and total force on the second. Energies: kinetic,
+//! potential in gravity; the maximum penetration, and the mean slip speed of contacts with an impulse.
 
 use crate::joint::Coordinate;
 use crate::model_file::Probes;
@@ -12,7 +12,7 @@ use crate::{Model, Pose, State};
 use glam::DVec3;
 use std::fmt::Write;
 
-/// The head of `probes.csv`.
+/// Header of `probes.csv`: names of the quantities with their units.
 pub fn probe_header(model: &Model, probes: &Probes) -> String {
     let mut h = String::from("time [s]");
     let mut add = |name: &str, parts: &[(&str, &str)]| {
@@ -53,10 +53,10 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
         };
         let force = [("fx", "N"), ("fy", "N"), ("fz", "N"), ("tx", "N m"), ("ty", "N m"), ("tz", "N m")];
         add(&joint.name, &force);
-        if let Some((what, unit, rate)) = units {
-            add(&joint.name, &[(what, unit), ("rate", rate)]);
+        if let Some((name, unit, rate)) = units {
+            add(&joint.name, &[(name, unit), ("rate", rate)]);
         }
-        add(&joint.name, &[("violation", "m")]);
+        add(&joint.name, &[("violation", "m or rad")]);
     }
     for s in &probes.springs {
         let spring = &model.springs[*s as usize];
@@ -75,7 +75,7 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
     h
 }
 
-/// A line of `probes.csv`.
+/// Line of `probes.csv` at the state's time.
 pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     let mut line = format!("{:.9}", state.time);
     let mut add = |values: &[f64]| {
@@ -120,7 +120,7 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     line
 }
 
-/// Contacts between two classes that carry, and their force on bodies of the second, N.
+/// Number of contacts between two classes with an impulse, and their total force on bodies of the second, N.
 fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, DVec3) {
     let c = &state.contacts;
     let (mut n, mut force) = (0, DVec3::ZERO);
@@ -141,7 +141,7 @@ fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, D
     (n, force)
 }
 
-/// Mean speed at which contacts that carry slip, m/s.
+/// Mean slip speed of the contacts with an impulse, m/s.
 fn mean_slip(state: &State) -> f64 {
     let c = &state.contacts;
     let (mut n, mut sum) = (0usize, 0.0);

@@ -1,95 +1,98 @@
-//! Parallel loops over rows that give the same bits for any number of threads: rows are cut into pieces of fixed length, and sums go
-//! over the pieces in order.
+//! Parallel loops over rows that give the same bits for any number of threads: rows are split into chunks of fixed length, and the
+//! sums of the chunks are reduced in order.
 
 use rayon::prelude::*;
 
-/// Rows that one task handles.
+/// Rows of a chunk, the work of one task.
 pub const CHUNK: usize = 1024;
 
-/// Rows below which one thread does the work: handing it out would cost more.
-pub const ALONE: usize = 4 * CHUNK;
+/// Rows up to which a loop is serial: tasks would cost more than they save.
+pub const SERIAL_LIMIT: usize = 4 * CHUNK;
 
 /// Fill `out[i] = f(i)` in parallel.
 pub fn fill_rows<T: Send>(out: &mut [T], f: impl Fn(usize) -> T + Sync) {
-    let body = |(piece, rows): (usize, &mut [T])| {
+    let body = |(chunk, rows): (usize, &mut [T])| {
         for (i, row) in rows.iter_mut().enumerate() {
-            *row = f(piece * CHUNK + i);
+            *row = f(chunk * CHUNK + i);
         }
     };
-    if out.len() <= ALONE {
+    if out.len() <= SERIAL_LIMIT {
         out.chunks_mut(CHUNK).enumerate().for_each(body);
     } else {
         out.par_chunks_mut(CHUNK).enumerate().for_each(body);
     }
 }
 
-/// Sum `f(i)` over the rows, piece by piece in order.
+/// Sum `f(i)` over the rows, chunk by chunk in order.
 pub fn sum_rows<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    let piece = |p: usize| (p * CHUNK..((p + 1) * CHUNK).min(n)).fold([0.0; K], |sum, i| add(sum, f(i)));
-    let n_pieces = n.div_ceil(CHUNK);
-    if n <= ALONE {
-        return (0..n_pieces).map(piece).fold([0.0; K], add);
+    let chunk = |c: usize| (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |sum, i| add(sum, f(i)));
+    let n_chunks = n.div_ceil(CHUNK);
+    if n <= SERIAL_LIMIT {
+        return (0..n_chunks).map(chunk).fold([0.0; K], add);
     }
-    let parts: Vec<[f64; K]> = (0..n_pieces).into_par_iter().map(piece).collect();
+    let parts: Vec<[f64; K]> = (0..n_chunks).into_par_iter().map(chunk).collect();
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// Fold the rows of each piece of a column, `row(sum, i, column[i])`, and merge the pieces in order.
+/// Fold the rows of each chunk of a column, `row(sum, i, column[i])`, and merge the chunks in order.
 pub fn fold_rows<T: Send, U: Send>(
     column: &mut [U],
     start: impl Fn() -> T + Sync,
     row: impl Fn(T, usize, &mut U) -> T + Sync,
     merge: impl Fn(T, T) -> T,
 ) -> T {
-    let is_little = column.len() <= ALONE;
-    let body = |(piece, rows): (usize, &mut [U])| {
-        rows.iter_mut().enumerate().fold(start(), |sum, (k, value)| row(sum, piece * CHUNK + k, value))
+    let is_serial = column.len() <= SERIAL_LIMIT;
+    let body = |(chunk, rows): (usize, &mut [U])| {
+        rows.iter_mut().enumerate().fold(start(), |sum, (k, value)| row(sum, chunk * CHUNK + k, value))
     };
-    if is_little {
+    if is_serial {
         return column.chunks_mut(CHUNK).enumerate().map(body).fold(start(), merge);
     }
     let parts: Vec<T> = column.par_chunks_mut(CHUNK).enumerate().map(body).collect();
     parts.into_iter().fold(start(), merge)
 }
 
-/// Run `f(first row, rows)` on pieces of a column and add up what they return, in order.
-pub fn sweep<T: Send, const K: usize>(out: &mut [T], f: impl Fn(usize, &mut [T]) -> [f64; K] + Sync) -> [f64; K] {
-    let alone = out.len() <= ALONE;
-    let body = |(piece, rows): (usize, &mut [T])| f(piece * CHUNK, rows);
-    if alone {
+/// Run `f(first row, rows)` on the chunks of a column and sum what they return, in order.
+pub fn reduce_chunks<T: Send, const K: usize>(
+    out: &mut [T],
+    f: impl Fn(usize, &mut [T]) -> [f64; K] + Sync,
+) -> [f64; K] {
+    let is_serial = out.len() <= SERIAL_LIMIT;
+    let body = |(chunk, rows): (usize, &mut [T])| f(chunk * CHUNK, rows);
+    if is_serial {
         return out.chunks_mut(CHUNK).enumerate().map(body).fold([0.0; K], add);
     }
     let parts: Vec<[f64; K]> = out.par_chunks_mut(CHUNK).enumerate().map(body).collect();
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// As [`sweep`], on two columns of one length.
-pub fn sweep_two<T: Send, U: Send, const K: usize>(
+/// Run `f(first row, rows, rows)` on the chunks of two columns of one length, as [`reduce_chunks`].
+pub fn reduce_chunks_of_two<T: Send, U: Send, const K: usize>(
     a: &mut [T],
     b: &mut [U],
     f: impl Fn(usize, &mut [T], &mut [U]) -> [f64; K] + Sync,
 ) -> [f64; K] {
-    let alone = a.len() <= ALONE;
-    let body = |(piece, (a, b)): (usize, (&mut [T], &mut [U]))| f(piece * CHUNK, a, b);
-    if alone {
+    let is_serial = a.len() <= SERIAL_LIMIT;
+    let body = |(chunk, (a, b)): (usize, (&mut [T], &mut [U]))| f(chunk * CHUNK, a, b);
+    if is_serial {
         return a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK)).enumerate().map(body).fold([0.0; K], add);
     }
     let parts: Vec<[f64; K]> = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate().map(body).collect();
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// Visit tasks that share no body, side by side unless there is little to do; sums in order.
+/// Run independent tasks, in parallel unless `is_serial`, and sum what they return, in order.
 pub fn reduce_tasks<T: Send, const K: usize>(
     tasks: impl IndexedParallelIterator<Item = T>,
-    is_little: bool,
+    is_serial: bool,
     visit: impl Fn(T) -> [f64; K] + Send + Sync,
 ) -> [f64; K] {
-    let least = if is_little { tasks.len().max(1) } else { 1 };
-    let parts: Vec<[f64; K]> = tasks.with_min_len(least).map(visit).collect();
+    let min_len = if is_serial { tasks.len().max(1) } else { 1 };
+    let parts: Vec<[f64; K]> = tasks.with_min_len(min_len).map(visit).collect();
     parts.into_iter().fold([0.0; K], add)
 }
 
-/// The sums of two rows of sums.
+/// Componentwise sum.
 #[inline]
 pub fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
     for k in 0..K {
@@ -98,7 +101,7 @@ pub fn add<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
     a
 }
 
-/// Cut a column into parts of these lengths.
+/// Split a column into consecutive slices of given lengths.
 pub fn cut<T>(mut column: &mut [T], lengths: impl IntoIterator<Item = usize>) -> Vec<&mut [T]> {
     let part = |n| {
         let (own, rest) = std::mem::take(&mut column).split_at_mut(n);
@@ -108,18 +111,18 @@ pub fn cut<T>(mut column: &mut [T], lengths: impl IntoIterator<Item = usize>) ->
     lengths.into_iter().map(part).collect()
 }
 
-/// Write each row `i`'s own values to `out[start[i]..start[i+1]]` in parallel; `start` rises and ends at `out.len()`.
+/// Write the values of each row `i` to `out[start[i]..start[i+1]]` in parallel; `start` ascends and ends at `out.len()`.
 pub fn scatter_rows<T: Send>(out: &mut [T], start: &[u32], f: impl Fn(usize, &mut [T]) + Sync) {
     let n = start.len() - 1;
-    let mut pieces: Vec<(usize, &mut [T])> = Vec::with_capacity(n.div_ceil(CHUNK));
+    let mut chunks: Vec<(usize, &mut [T])> = Vec::with_capacity(n.div_ceil(CHUNK));
     let mut rest = out;
     for first in (0..n).step_by(CHUNK) {
         let last = (first + CHUNK).min(n);
         let (own, after) = rest.split_at_mut((start[last] - start[first]) as usize);
-        pieces.push((first, own));
+        chunks.push((first, own));
         rest = after;
     }
-    pieces.into_par_iter().for_each(|(first, mut own)| {
+    chunks.into_par_iter().for_each(|(first, mut own)| {
         for i in first..(first + CHUNK).min(n) {
             let (row, after) = own.split_at_mut((start[i + 1] - start[i]) as usize);
             f(i, row);

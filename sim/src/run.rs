@@ -1,7 +1,7 @@
-//! The driver of a run: from a resolved model to a run directory, from the start or from its last checkpoint.
+//! The driver of a run: from a resolved model to a run directory, from the start or from the last checkpoint.
 //!
-//! It takes steps and writes frames, probes, the report and checkpoints when they are due. Series are appended to; all else is written
-//! whole. What a run says on its way, and what is written beside it, is an [`Observer`]'s.
+//! It takes steps and writes frames, probes, the report and checkpoints when they are due. Series are appended to; other files are
+//! written whole. Messages, and files beside the run's own, are the [`Observer`]'s.
 
 use crate::model_file::{ModelFile, OnDivergence, Resolved};
 use crate::watch::{Broken, Warning, WarningCount};
@@ -11,41 +11,47 @@ use frame::series::Series;
 use frame::{Fault, FaultKind, Frame, atomic, csv};
 use std::path::Path;
 
-/// Which part of a run is to be done.
+/// The part of a run to simulate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
-    /// Stop at this time, s; at the model's own end if not given.
+    /// Time to stop at, s; the model's duration if not given.
     pub until: Option<f64>,
-    /// Go on from the last checkpoint.
+    /// Whether to resume from the last checkpoint.
     pub resume: bool,
 }
 
-/// Who looks on while a run goes.
+/// The observer of a run: callbacks at its events.
 pub trait Observer {
-    /// The run begins: its first frame is about to be written. Files beside it may be written now.
+    /// A new run begins: its first frame is about to be written. Files beside it may be written now.
+    ///
+    /// # Errors
+    /// A fault ends the run.
     fn begin(&mut self, _sim: &Simulation, _first: &Frame, _writer: &RunWriter) -> Result<(), Fault> {
         Ok(())
     }
-    /// The run goes on from a checkpoint at `time`, s; `there` of `expected` frames are written.
-    fn resume(&mut self, _checkpoint: &Path, _time: f64, _there: u64, _expected: u64) {}
-    /// Steps are about to be taken, for `expected` frames in all.
+    /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist.
+    fn resume(&mut self, _checkpoint: &Path, _time: f64, _written: u64, _expected: u64) {}
+    /// Stepping starts, for `expected` frames in total.
     fn start(&mut self, _expected: u64) {}
-    /// `done` frames are written.
-    fn frame(&mut self, _done: u64) {}
+    /// A frame has been written, the `written`-th.
+    fn frame(&mut self, _written: u64) {}
     /// A step has the first warning of its kind.
     fn warn(&mut self, _warning: &Warning) {}
-    /// The run has come to its end.
+    /// The run is complete.
+    ///
+    /// # Errors
+    /// A fault ends the run.
     fn end(&mut self, _first: &Frame, _last: &Frame, _writer: &RunWriter) -> Result<(), Fault> {
         Ok(())
     }
 }
 
-/// Why a run came to no end.
+/// The error that ends a run early.
 #[derive(Debug)]
 pub enum RunError {
     /// A file could not be read or written.
     Fault(Fault),
-    /// The simulation went wrong, with what the user reads.
+    /// The simulation diverged; the message for the user.
     Diverged(String),
 }
 
@@ -55,13 +61,13 @@ impl From<Fault> for RunError {
     }
 }
 
-/// The identity of a resolved model. What is done when it diverges does not change its run.
+/// Hash that identifies a model with its defaults; `on_divergence`, which does not change a run's results, is left out.
 pub fn model_hash(file: &ModelFile) -> String {
     let file = ModelFile { on_divergence: OnDivergence::default(), ..file.clone() };
     frame::run::hash_text(&file.to_yaml())
 }
 
-/// Whether a folder holds a finished run of just this model.
+/// Whether a folder has a complete run of a model.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     RunReader::open(folder).is_ok_and(|run| {
         run.index.complete
@@ -70,7 +76,10 @@ pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     })
 }
 
-/// Simulate a model into `folder`.
+/// Simulate a model into the run directory `folder`.
+///
+/// # Errors
+/// A file that cannot be read or written, a checkpoint of another model, or a simulation that diverged.
 pub fn simulate(
     file: &ModelFile,
     mut resolved: Resolved,
@@ -103,11 +112,11 @@ pub fn simulate(
     };
     let period = 1.0 / run.sim.model.frame_rate;
     observer.start(expected_frames);
-    for number in run.writer.frames() as u64..expected_frames {
+    for frame in run.writer.frames() as u64..expected_frames {
         // The frame's instant is the first step's end that is not before its time.
-        run.advance(number as f64 * period, number, observer)?;
-        run.write_frame(number)?;
-        observer.frame(number + 1);
+        run.advance(frame as f64 * period, frame, observer)?;
+        run.write_frame(frame)?;
+        observer.frame(frame + 1);
     }
     run.advance(until, expected_frames, observer)?;
     run.save()?;
@@ -118,7 +127,7 @@ pub fn simulate(
     Ok(())
 }
 
-/// A run on its way.
+/// A run in progress.
 struct Run<'a> {
     file: &'a ModelFile,
     resolved: &'a Resolved,
@@ -130,8 +139,8 @@ struct Run<'a> {
     probes: Series,
     next_probe: f64,
     next_checkpoint: f64,
-    /// Checkpoints that were written only for a restart: all but the last are removed.
-    passing: Vec<u64>,
+    /// Steps of checkpoints that serve only a restart: all but the last are removed.
+    transient: Vec<u64>,
 }
 
 /// The series of a run directory.
@@ -155,9 +164,9 @@ impl<'a> Run<'a> {
         observer.begin(&sim, &frame_of(&sim.model, &sim.state, 0), &writer)?;
         let report = Series::create(&folder.join(REPORT), &report_header())?;
         let probes = Series::create(&folder.join(PROBES), &probe_header(&sim.model, &resolved.probes))?;
-        let (next_probe, next_checkpoint, passing) = (0.0, 0.0, vec![]);
+        let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
         let mut run =
-            Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, passing };
+            Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, transient };
         run.probe()?;
         run.next_checkpoint = run.checkpoint_interval();
         Ok(run)
@@ -175,11 +184,12 @@ impl<'a> Run<'a> {
         let hash = index.model_hash.clone();
         let (state, of) = checkpoint::read(path)?;
         if of != hash {
-            let fault = Fault::whole(FaultKind::Input, path, "is a checkpoint of another model than this one");
-            return Err(fault.hint("simulate without --resume to begin again, or give the model as it was"));
+            let fault = Fault::whole(FaultKind::Input, path, "is a checkpoint of another model");
+            return Err(fault.hint("simulate without --resume to start again, or restore the model"));
         }
         if state.position.len() != sim.model.n_bodies() {
-            return Err(Fault::whole(FaultKind::Data, path, "does not have the model's bodies"));
+            let counts = format!("has {} bodies, expected the model's {}", state.position.len(), sim.model.n_bodies());
+            return Err(Fault::whole(FaultKind::Data, path, counts));
         }
         let (h, time, expected) = (sim.model.step, state.time, index.expected_frames);
         let is_before = |n: &u64| *n as f64 / sim.model.frame_rate - 0.5 * h <= time;
@@ -190,9 +200,9 @@ impl<'a> Run<'a> {
         let sim = Simulation::new(sim.model, state);
         let report = Series::reopen(&folder.join(REPORT), 1, time + 0.5 * h)?;
         let probes = Series::reopen(&folder.join(PROBES), 0, time + 0.5 * h)?;
-        let (next_probe, next_checkpoint, passing) = (0.0, 0.0, vec![]);
+        let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
         let mut run =
-            Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, passing };
+            Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, transient };
         let after = |interval: f64| ((time + 0.5 * h) / interval).floor() * interval + interval;
         run.next_probe = after(resolved.probes.interval);
         run.next_checkpoint = after(run.checkpoint_interval());
@@ -203,17 +213,17 @@ impl<'a> Run<'a> {
         self.file.checkpoint_interval.unwrap_or(self.sim.model.duration / 10.0)
     }
 
-    /// Step until a time; frame `number` is the next to be written.
-    fn advance(&mut self, time: f64, number: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// Step until a time, s; `frame` is the next to be written.
+    fn advance(&mut self, time: f64, frame: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
         let h = self.sim.model.step;
         while self.sim.state.time < time - 0.5 * h {
             let step = self.sim.step();
             self.report.push(&report_line(&step))?;
             if let Some(broken) = &step.broken {
-                return Err(self.end_early(blown_up(&self.sim, broken, number)));
+                return Err(self.end_early(divergence(&self.sim, broken, frame)));
             }
             for warning in &step.warnings {
-                self.warn(warning, number, observer)?;
+                self.warn(warning, frame, observer)?;
             }
             self.probe()?;
             self.save_if_due()?;
@@ -221,7 +231,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Write the checkpoints of a stage's end and of their interval.
+    /// Write the checkpoint of a stage's end, and of the interval where it is due.
     fn save_if_due(&mut self) -> Result<(), Fault> {
         let (now, h) = (self.sim.state.time, self.sim.model.step);
         let stage = self.resolved.stages.iter().find(|(_, end)| (end - now).abs() <= 0.5 * h);
@@ -236,20 +246,20 @@ impl<'a> Run<'a> {
         if is_due || stage.is_some() {
             self.save()?;
             if self.file.checkpoint_interval.is_none() {
-                self.passing.push(self.sim.state.steps);
+                self.transient.push(self.sim.state.steps);
             }
         }
         Ok(())
     }
 
-    /// Report a warning, the first time of its kind, or end the run if the model asks for it.
-    fn warn(&mut self, warning: &Warning, number: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// Report the first warning of a kind, or end the run where `on_divergence` is `stop`.
+    fn warn(&mut self, warning: &Warning, frame: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
         if self.file.on_divergence == OnDivergence::Stop {
-            let checkpoint = match checkpoint::latest(self.folder)? {
-                Some(path) => format!("the checkpoint {} are kept", path.display()),
-                None => "no checkpoint yet are kept".into(),
+            let kept = match checkpoint::latest(self.folder)? {
+                Some(path) => format!("frames before {frame} and the checkpoint {} are kept", path.display()),
+                None => format!("frames before {frame} are kept, there is no checkpoint yet"),
             };
-            return Err(self.end_early(format!("{warning}; frames before {number} and {checkpoint}")));
+            return Err(self.end_early(format!("{warning}; {kept}")));
         }
         if self.sim.state.watch.warnings.iter().any(|w| w.first == *warning) {
             observer.warn(warning);
@@ -257,7 +267,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Write the series as far as they go, and what went wrong.
+    /// Write the series and the list of warnings, and return the error.
     fn end_early(&mut self, why: String) -> RunError {
         self.list_warnings();
         match self.flush().and_then(|()| self.writer.write()) {
@@ -279,23 +289,23 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn write_frame(&mut self, number: u64) -> Result<(), Fault> {
+    fn write_frame(&mut self, frame: u64) -> Result<(), Fault> {
         self.list_warnings();
-        self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, number))?;
+        self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, frame))?;
         if self.resolved.probes.contact_tables {
-            let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, number));
-            atomic::write(&self.folder.join(format!("contacts/{number:06}.csv")), table.as_bytes())?;
+            let table = csv::encode(&contacts_of(&self.sim.model, &self.sim.state, frame));
+            atomic::write(&self.folder.join(format!("contacts/{frame:06}.csv")), table.as_bytes())?;
         }
         Ok(())
     }
 
-    /// Write a checkpoint with the series that lead to it, and remove the one before it that nobody asked for.
+    /// Write the series and a checkpoint, and remove the transient checkpoints before it.
     fn save(&mut self) -> Result<(), Fault> {
         self.flush()?;
         let folder = checkpoint::folder(self.folder);
         let path = folder.join(checkpoint::file_name(self.sim.state.steps));
         checkpoint::write(&path, &self.sim.state, &self.hash)?;
-        for steps in self.passing.drain(..).filter(|s| *s != self.sim.state.steps) {
+        for steps in self.transient.drain(..).filter(|s| *s != self.sim.state.steps) {
             let _ = std::fs::remove_file(folder.join(checkpoint::file_name(steps)));
         }
         Ok(())
@@ -307,7 +317,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Remove files of an earlier run.
+/// Remove the files of an earlier run with an extension.
 fn clear(folder: &Path, ending: &str) -> Result<(), Fault> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
     for path in entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == ending)) {
@@ -316,15 +326,16 @@ fn clear(folder: &Path, ending: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-fn blown_up(sim: &Simulation, broken: &Broken, frame: u64) -> String {
+/// Message of a run that cannot go on.
+fn divergence(sim: &Simulation, broken: &Broken, frame: u64) -> String {
     let body = broken.body.map_or(String::new(), |b| format!("body {}: ", sim.model.body_label(b)));
     let (step, time, why) = (sim.state.steps, sim.state.time, &broken.why);
     format!(
-        "the simulation blew up at step {step} ({time:.4} s): {body}{why}; frames before {frame} are kept; try a shorter step"
+        "the simulation diverged at step {step} ({time:.4} s): {body}{why}; frames before {frame} are kept; try a shorter step"
     )
 }
 
-/// The warnings of a run as `run.json` lists them.
+/// The warnings of a run, as entries of `run.json`.
 fn entries(warnings: &[WarningCount]) -> Vec<WarningEntry> {
     let entry = |w: &WarningCount| WarningEntry {
         kind: w.first.kind.name().into(),

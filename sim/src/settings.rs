@@ -1,27 +1,27 @@
-//! The settings of the contact solver: the `solver` section of a model file.
+//! Settings of the contact solver: the `solver` section of a model file.
 
-/// Which form of Coulomb's law a step satisfies.
+/// The form of Coulomb's law that a step satisfies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum FrictionLaw {
-    /// The convex form of the paper: a sliding contact separates at `μ |v_t|`.
+    /// The convex relaxation of the paper: a sliding contact separates at `μ |v_t|`.
     #[default]
     Relaxed,
-    /// Coulomb's law itself, by an outer fixed point on `μ |v_t|`.
+    /// Coulomb's law itself, by a fixed point on the slip feedback `μ |v_t|`.
     Exact,
 }
 
-/// The iteration.
+/// The method that solves the contact problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// The paper's Algorithm 1.
+    /// Projected Jacobi, the paper's Algorithm 1.
     Jacobi,
-    /// Block after block, coloured.
+    /// Projected Gauss–Seidel on coloured blocks.
     GaussSeidel,
     /// Accelerated projected gradient descent with adaptive restart.
     Apgd,
-    /// Spectral projected gradients.
+    /// Spectral projected gradients with Barzilai–Borwein step lengths.
     BarzilaiBorwein,
 }
 
@@ -29,7 +29,7 @@ impl Method {
     /// All methods.
     pub const ALL: [Method; 4] = [Method::Jacobi, Method::GaussSeidel, Method::Apgd, Method::BarzilaiBorwein];
 
-    /// The name, as model files write it.
+    /// Name, as in model files.
     pub fn name(self) -> &'static str {
         match self {
             Method::Jacobi => "jacobi",
@@ -40,29 +40,30 @@ impl Method {
     }
 }
 
-/// How contacts are solved; also the `solver` section of a model file.
+/// Settings of the contact solver: the `solver` section of a model file.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
-    /// `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.
+    /// Method: `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.
     pub method: Method,
-    /// The law of friction: `relaxed` (the paper's convex form) or `exact`.
+    /// Law of friction: `relaxed` (the paper's convex form) or `exact`.
     pub friction: FrictionLaw,
-    /// The most iterations a step; if not given 50, and more where contacts are few: up to 50,000 over their number.
+    /// Maximum number of iterations per step; if not given, 50,000 over the number of contacts, and at least 50.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<u32>,
-    /// Stop when the residual (as in `report.csv`) is below this, m/s; 0 does all iterations.
+    /// Residual (as in `report.csv`) below which the iteration stops, m/s; 0 does all iterations.
     pub tolerance: f64,
-    /// Relaxation ω of Jacobi and Gauss–Seidel; 0.3 and 1 if not given.
+    /// Relaxation factor ω of Jacobi and Gauss–Seidel; 0.3 and 1 if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub omega: Option<f64>,
-    /// Jacobi's smoothing λ.
+    /// Smoothing factor λ of Jacobi.
     pub lambda: f64,
-    /// Whether impulses of the last step are the starting point.
+    /// Whether the iteration starts from the impulses of the last step.
     pub warm_start: bool,
-    /// Greatest speed at which an overlap is pushed apart, m/s.
+    /// Maximum speed of overlap recovery, m/s.
     pub recovery_speed: f64,
-    /// Contacts are made at gaps up to this, and farther for fast bodies, m; a fiftieth of the least moving shape if not given.
+    /// Maximum gap at which contacts are generated, m, and more for fast bodies; if not given, a fiftieth of the smallest half length of a
+    /// moving shape.
     pub envelope: Option<f64>,
 }
 
@@ -83,7 +84,7 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
-    /// The most iterations for so many blocks.
+    /// Maximum number of iterations of a problem with `n_blocks` blocks.
     pub fn max_iterations(&self, n_blocks: usize) -> u32 {
         self.iterations.unwrap_or((50_000 / n_blocks.max(1)).max(50) as u32)
     }

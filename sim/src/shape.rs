@@ -1,10 +1,10 @@
-//! What shapes there are.
+//! The kinds of shapes.
 
-/// What a shape is; its `size` reads accordingly.
+/// The kind of a shape, which defines the meaning of its size, m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum ShapeKind {
-    /// Ball; size is (radius, radius, radius).
+    /// Sphere; size is (radius, radius, radius).
     Sphere,
     /// Ellipsoid; size is the three half axes.
     Ellipsoid,
@@ -12,22 +12,22 @@ pub enum ShapeKind {
     Box,
     /// Cylinder about local z; size is (radius, radius, half length).
     Cylinder,
-    /// Cylinder about local z with half balls on its ends; size is (radius, radius, half length of the cylinder).
+    /// Capsule: a cylinder about local z with hemispheres on its ends; size is (radius, radius, half length of the cylinder).
     Capsule,
     /// Cone about local z, its base at −z and its tip at +z; size is (radius, radius, half height).
     Cone,
-    /// Convex hull of points; size is the half lengths of the box around it.
+    /// Convex hull of points; size is the half lengths of the box about its origin that contains it.
     Hull,
     /// Half space below local z = 0; size is unused.
     Plane,
-    /// Static triangle mesh; size is the half lengths of the box around it.
+    /// Static triangle mesh; size is the half lengths of the box about its origin that contains it.
     Mesh,
-    /// Static height field; size is the half lengths of the box around it.
+    /// Static height field; size is the half lengths of the box about its origin that contains it.
     HeightField,
 }
 
 impl ShapeKind {
-    /// All kinds, in the order of their numbers.
+    /// All kinds, in the order of the enum.
     pub const ALL: [ShapeKind; 10] = [
         ShapeKind::Sphere,
         ShapeKind::Ellipsoid,
@@ -41,7 +41,7 @@ impl ShapeKind {
         ShapeKind::HeightField,
     ];
 
-    /// The name, as models and frame tables write it.
+    /// Name, as in model files and frame tables.
     pub fn name(self) -> &'static str {
         match self {
             ShapeKind::Sphere => "sphere",
@@ -57,7 +57,7 @@ impl ShapeKind {
         }
     }
 
-    /// Whether the shape is a surface that only static bodies carry: it is met shape by shape, not through bins.
+    /// Whether the shape is a surface, which only fixed bodies have: it is not binned, and every shape is tested against it.
     pub fn is_surface(self) -> bool {
         matches!(self, ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField)
     }

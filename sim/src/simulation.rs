@@ -1,4 +1,4 @@
-//! A model on its way: the step, which runs the stages of a back end.
+//! A simulation: the step, which runs the stages of a back end.
 
 use crate::backend::Backend;
 use crate::cpu::Cpu;
@@ -10,41 +10,41 @@ use crate::state::State;
 use crate::warning::{Broken, Warning};
 use std::time::Instant;
 
-/// What a step did.
+/// The report of a step.
 #[derive(Clone, Debug, Default)]
 pub struct StepReport {
-    /// The step, from 1.
+    /// Number of the step, from 1.
     pub step: u64,
-    /// Time after it, s.
+    /// Time at its end, s.
     pub time: f64,
-    /// Contacts.
+    /// Number of contacts.
     pub contacts: usize,
-    /// Solver iterations.
+    /// Number of solver iterations.
     pub iterations: u32,
-    /// Residual, m/s.
+    /// Residual of the contact solver, m/s.
     pub residual: f64,
-    /// Worst penetration at the step's start, m.
+    /// Maximum penetration at the step's start, m.
     pub worst_penetration: f64,
-    /// Milliseconds by stage, in the order of [`Stage::ALL`]; 0 for a stage that did not have to run.
+    /// Wall time of each stage, ms, in the order of [`Stage::ALL`]; 0 for a stage that was skipped.
     pub stage_ms: [f64; Stage::ALL.len()],
-    /// What has gone wrong.
+    /// Warnings of the step.
     pub warnings: Vec<Warning>,
-    /// Why the run cannot go on, if so.
+    /// Reason why the run cannot go on, if there is one.
     pub broken: Option<Broken>,
 }
 
-/// A model on its way. The model is constant, but for its solver's settings, which may be changed between steps.
+/// A simulation: a model and its state. The model is constant but for its solver's settings, which may be changed between steps.
 pub struct Simulation {
     /// The model.
     pub model: Model,
-    /// Its state.
+    /// The state.
     pub state: State,
     plan: StepPlan,
     backend: Box<dyn Backend>,
 }
 
 impl Simulation {
-    /// Start from a model and a state, on the CPU.
+    /// A simulation of a model from a state, on the CPU.
     pub fn new(model: Model, mut state: State) -> Simulation {
         state.joints.resize(model.joints.len(), JointState::default());
         state.springs.resize(model.springs.len(), SpringState::default());
@@ -58,14 +58,14 @@ impl Simulation {
         Simulation { model, state, plan, backend }
     }
 
-    /// The name of the back end.
+    /// Name of the back end, as in `run.json`.
     pub fn backend(&self) -> &'static str {
         self.backend.name()
     }
 
     /// Take one step of length `model.step`.
     pub fn step(&mut self) -> StepReport {
-        // Inside the pool, so that its threads need not be woken by one outside it for every stage.
+        // Inside the thread pool: a thread outside it would wake the pool's threads in every stage.
         let mut report = StepReport::default();
         rayon::scope(|_| report = self.advance());
         report
@@ -73,7 +73,7 @@ impl Simulation {
 
     fn advance(&mut self) -> StepReport {
         let Simulation { model, state, plan, backend } = self;
-        if state.wake(model) || !plan.holds(model) {
+        if state.wake(model) || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
             backend.prepare(model, state, plan);
         }
@@ -85,14 +85,14 @@ impl Simulation {
             if has_run {
                 *ms = (now - last).as_secs_f64() * 1e3;
                 if cfg!(debug_assertions) {
-                    check(stage, model, plan, state, |column| backend.column(state, column)).expect("sound columns");
+                    check(stage, model, plan, state, |column| backend.column(state, column)).expect("valid columns");
                 }
             }
             last = now;
         }
         let outcome = backend.outcome();
         let mut watch = std::mem::take(&mut state.watch);
-        let (warnings, broken) = watch.look(model, state, &outcome);
+        let (warnings, broken) = watch.check(model, state, &outcome);
         state.watch = watch;
         StepReport {
             step: state.steps,

@@ -1,9 +1,9 @@
-//! The ordered list of stages, and the columns that they hand to each other.
+//! The ordered list of stages, and the columns between them.
 //!
-//! A step is the stages of [`Stage::ALL`], one after the other. Each back end has a file a stage, `cpu/<stage>.rs`, whose head
-//! names the columns that come in and go out; [`COLUMNS`] is the whole table, and [`check`] holds a step to it in debug builds.
-//! Ragged data is in compressed rows: a column of starts, which begins with 0, never falls and ends with the number of items, and
-//! a column of items.
+//! A step is the stages of [`Stage::ALL`], one after the other. Each back end has a file per stage, `cpu/<stage>.rs`, whose head
+//! names its input and output columns; [`COLUMNS`] is the whole table, against which [`check`] validates a step in debug builds.
+//! Ragged data is in compressed rows: a column of starts, which begins with 0, never decreases and ends with the number of items,
+//! and a column of items.
 
 use crate::contacts::Arms;
 use crate::joint::Row;
@@ -16,30 +16,30 @@ use glam::{DQuat, DVec3};
 use std::borrow::Cow;
 use std::mem::size_of;
 
-/// A stage of the step; reports and timers go by its name.
+/// A stage of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Boxes around the shapes.
+    /// Margins and fat AABBs of the shapes.
     Bounds,
-    /// Pairs of a bin and a shape that touches it.
+    /// Pairs of a bin and a shape whose box overlaps it.
     BinEmit,
-    /// The same, sorted by bin.
+    /// Sort of the pairs by bin.
     BinSort,
-    /// Where each bin with more than one shape begins.
+    /// Range of each bin with more than one shape.
     BinStart,
-    /// Pairs of shapes whose boxes overlap, by tiles.
+    /// Broad phase: candidate pairs of shapes whose boxes overlap, by tiles.
     PairWrite,
-    /// Contacts of the pairs that touch.
+    /// Narrow phase: contacts of the candidate pairs.
     ContactWrite,
-    /// The contacts' starting impulses.
+    /// Initial impulses of the contacts.
     WarmStart,
-    /// Velocities without contacts and joints.
+    /// Velocities at the step's end without contacts and joints.
     Force,
     /// Rows of joints, motors, springs and limits.
     JointWrite,
     /// Impulses of contacts and joints, and the velocities with them.
     ContactSolve,
-    /// The bodies moved.
+    /// Integration of the poses.
     Integrate,
 }
 
@@ -59,7 +59,7 @@ impl Stage {
         Stage::Integrate,
     ];
 
-    /// The name, as files, reports and timers have it.
+    /// Name, as in the files of the back ends, reports and timers.
     pub fn name(self) -> &'static str {
         match self {
             Stage::Bounds => "bounds",
@@ -77,27 +77,27 @@ impl Stage {
     }
 }
 
-/// How many rows a column has.
+/// The number of rows of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// One a body.
+    /// One per body.
     Bodies,
-    /// One a shape.
+    /// One per shape.
     Shapes,
-    /// One a joint, and one more.
+    /// One per joint, and one more.
     JointStarts,
-    /// As many as another column.
+    /// That of another column.
     As(Column),
-    /// As many as the stage finds.
+    /// Found by the stage.
     Found,
 }
 
-/// What a column's numbers must be.
+/// The condition on a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Values {
     /// Finite.
     Finite,
-    /// Finite, or else the watch over the run ends it: they are not looked at here.
+    /// Finite, which is checked by the watch over the run rather than here.
     Watched,
     /// Starts of the rows of a column of items.
     StartsOf(Column),
@@ -111,24 +111,24 @@ pub enum Values {
     Any,
 }
 
-/// What the table of columns says of one.
+/// An entry of the table of columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Spec {
     /// The column.
     pub column: Column,
-    /// Its name in the heads of the stages' files.
+    /// Name in the heads of the stages' files.
     pub name: &'static str,
-    /// Bytes of a row.
+    /// Size of a row, bytes.
     pub width: usize,
-    /// Its unit, where it has one.
+    /// Unit, where it has one.
     pub unit: &'static str,
-    /// Its rows.
+    /// Number of rows.
     pub length: Length,
-    /// Its numbers.
+    /// Condition on the values.
     pub values: Values,
-    /// The stages that write it, or change it.
+    /// Stages that write it.
     pub writers: &'static [Stage],
-    /// The stages that read it, of this step or of the next.
+    /// Stages that read it, in this step or the next.
     pub readers: &'static [Stage],
 }
 
@@ -136,13 +136,13 @@ pub struct Spec {
 macro_rules! columns {
     ($($(#[$doc:meta])* $column:ident $name:literal: $type:ty, $length:expr, $values:expr, $unit:literal,
         [$($writer:ident),*] => [$($reader:ident),*];)*) => {
-        /// A column that stages hand to each other.
+        /// A column between stages.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Column {
             $($(#[$doc])* $column,)*
         }
 
-        /// The columns that stages hand to each other.
+        /// The columns between stages, in the order of [`Column`].
         pub const COLUMNS: &[Spec] = &[$(Spec {
             column: Column::$column,
             name: $name,
@@ -169,53 +169,53 @@ columns! {
     /// Angular velocities, principal frame.
     AngularVelocity "angular_velocity": DVec3, Length::Bodies, Values::Watched, "rad/s",
         [Integrate] => [Bounds, Force, ContactSolve];
-    /// How far from a shape's surface contacts are looked for.
+    /// Distance from a shape's surface within which contacts are generated.
     Margin "margin": f32, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
     /// The spheres, where the plan has spheres only.
     Sphere "sphere": crate::sphere::Sphere, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
-    /// Boxes with room to move; a plane's is without bounds.
+    /// Fat AABBs, grown by a margin for motion; a plane's is unbounded.
     FatAabb "fat_aabb": crate::aabb::Aabb, Length::Shapes, Values::Any, "m", [Bounds] => [BinEmit, PairWrite];
-    /// The level of bins that a shape is on.
+    /// Level of the bins of a shape.
     BinLevel "bin_level": u8, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
-    /// The bin of the least corner of a shape's box.
+    /// Bin coordinates of the minimum corner of a shape's box.
     BinLow "bin_low": glam::UVec3, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
-    /// The bin of each pair of a bin and a shape.
+    /// Bin of each pair of a bin and a shape.
     Bin "bin": u32, Length::Found, Values::Any, "", [BinEmit, BinSort] => [BinSort, BinStart, PairWrite];
-    /// The shape of the same.
+    /// Shape of each pair of a bin and a shape.
     BinShape "bin_shape": u32, Length::As(Column::Bin), Values::Shapes, "", [BinEmit, BinSort] => [BinSort, PairWrite];
-    /// First pair of each bin with more than one shape, and the pair after its last.
+    /// First pair of each bin with more than one shape, and the end.
     BinStart "bin_start": [u32; 2], Length::Found, Values::Any, "", [BinStart] => [PairWrite];
-    /// First pair of spheres of each tile, of those in none, and their end.
+    /// First pair of spheres of each tile and of the pairs in no tile, and the end.
     SpherePairStart "sphere_pair_start": u32, Length::Found, Values::StartsOf(Column::SpherePair), "",
         [PairWrite] => [ContactWrite];
-    /// Pairs of spheres that may touch, the lower shape first.
+    /// Candidate pairs of spheres, the lower id first.
     SpherePair "sphere_pair": [u32; 2], Length::Found, Values::Shapes, "", [PairWrite] => [ContactWrite];
-    /// First other pair of each tile, of those in none, and their end.
+    /// First other pair of each tile and of the pairs in no tile, and the end.
     OtherPairStart "other_pair_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::OtherPair), "",
         [PairWrite] => [ContactWrite];
-    /// Other pairs that may touch, the lower shape first, and the triangle if one is a mesh or a height field.
+    /// Other candidate pairs, the lower id first, and the triangle where one is a mesh or a height field.
     OtherPair "other_pair": [u32; 3], Length::Found, Values::Any, "", [PairWrite] => [ContactWrite];
-    /// First contact of each tile, of those in none, and their end.
+    /// First contact of each tile and of the contacts in no tile, and the end.
     ContactStart "contact_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::ContactBodies), "",
         [ContactWrite] => [WarmStart, ContactSolve];
-    /// Bodies A and B of a contact, the lower first.
+    /// Bodies A and B of a contact, the lower id first.
     ContactBodies "contact_bodies": [u32; 2], Length::Found, Values::Bodies, "", [ContactWrite] => [ContactSolve];
-    /// Shapes and feature that a contact is known by from step to step.
+    /// Identity of a contact from step to step: its shapes and feature id.
     ContactKey "contact_key": [u32; 3], Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
-    /// The pair of spheres, in its tile, that a contact is of; none for other contacts.
+    /// Index of a contact's sphere pair within its tile; `u32::MAX` for other contacts.
     ContactPair "contact_pair": u32, Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
     /// Unit normals, out of A, world.
     ContactNormal "contact_normal": DVec3, Length::As(Column::ContactBodies), Values::Finite, "",
         [ContactWrite] => [ContactSolve];
-    /// From the centres of A and B to the contact, world, where the plan has any shapes.
+    /// Arms from the centres of mass of A and B to the contact, world, where the plan has any shapes.
     ContactArms "contact_arms": [DVec3; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
         [ContactWrite] => [ContactSolve];
-    /// The same along the normal, where the plan has spheres only.
+    /// Lengths of the arms along the normal, where the plan has spheres only.
     ContactReach "contact_reach": [f64; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
         [ContactWrite] => [ContactSolve];
     /// Gaps Φ, negative in overlap.
     ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [ContactSolve];
-    /// Which of the model's laws holds.
+    /// Index of the contact law.
     ContactLaw "contact_law": u32, Length::As(Column::ContactBodies), Values::Laws, "", [ContactWrite] => [ContactSolve];
     /// Impulses on B, world.
     Impulse "impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N s",
@@ -223,17 +223,17 @@ columns! {
     /// Rolling and spinning impulses on B, world, where the plan has them.
     RollingImpulse "rolling_impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N m s",
         [WarmStart, ContactSolve] => [WarmStart, ContactSolve];
-    /// Velocities without contacts and joints, world, where the plan has them as a column.
+    /// Velocities at the step's end without contacts and joints, world, where the plan has them as a column.
     Free "free": Twist, Length::Bodies, Values::Finite, "m/s, rad/s", [Force, JointWrite] => [JointWrite, ContactSolve];
-    /// Reciprocal moments of inertia of bodies that do not turn alike about all axes, and their inverses, world.
+    /// Inverse inertia tensors of the bodies with anisotropic inertia, and the tensors, world.
     Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force] => [JointWrite, ContactSolve];
-    /// First row of each joint, and the first of the springs.
+    /// First row of each joint, and of the springs.
     JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [Integrate];
     /// Rows of joints, motors and implicit springs.
     JointRow "joint_row": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
-    /// What their rates are to be, less what motors prescribe.
+    /// Bias Ψ/h − rate of the joint rows, and the terms of springs.
     JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite] => [ContactSolve];
-    /// Limits of joints that may be met in the step.
+    /// Rows of joint limits that may be met in the step.
     Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve];
     /// Velocities with contacts and joints, world.
     Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
@@ -243,7 +243,7 @@ columns! {
 }
 
 impl Column {
-    /// Its row of the table.
+    /// Entry of the column in the table.
     pub fn spec(self) -> &'static Spec {
         &COLUMNS[self as usize]
     }
@@ -260,7 +260,7 @@ impl Column {
     }
 }
 
-/// A column as [`check`] sees it.
+/// A view of a column for [`check`].
 pub struct View<'a> {
     rows: usize,
     width: usize,
@@ -291,18 +291,18 @@ impl<'a> View<'a> {
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(bytemuck::cast_slice(column).into()) }
     }
 
-    /// A column of rows with numbers of several kinds, of which these are looked at.
+    /// A column of records, of which `numbers` are checked.
     pub fn of_rows<T, const K: usize>(column: &'a [T], numbers: impl Fn(&T) -> [f64; K]) -> View<'a> {
         let numbers: Vec<f64> = column.iter().flat_map(numbers).collect();
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(numbers.into()) }
     }
 
-    /// A column of which the length alone is looked at.
+    /// A column of which the length alone is checked.
     pub fn of_any<T>(column: &'a [T]) -> View<'a> {
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::Opaque }
     }
 
-    /// A column of the state.
+    /// A column of the state; none for the columns of a back end.
     pub fn of_state(state: &'a State, column: Column) -> Option<View<'a>> {
         let c = &state.contacts;
         Some(match (column, &c.arms) {
@@ -330,11 +330,11 @@ impl<'a> View<'a> {
     }
 }
 
-/// What is wrong with the columns that a stage has written.
+/// Check the columns that a stage has written against the table.
 ///
 /// # Errors
-/// The first fault: a column of the wrong width or length, a start that falls, an id out of range, a number that is not finite; or
-/// tiles of one round that share a moving body.
+/// The first fault: a column of the wrong width or length, starts that decrease, an id out of range, a value that is not finite; or
+/// tiles of one round with a moving body in common.
 pub fn check<'a>(
     after: Stage,
     model: &Model,
@@ -391,7 +391,7 @@ fn check_column<'a>(
                 Numbers::F32(numbers) => numbers.iter().position(|x| !x.is_finite()),
                 _ => return Err("has no real numbers".into()),
             };
-            bad.map_or(Ok(()), |k| Err(format!("has a number that is not finite, the {k}th")))
+            bad.map_or(Ok(()), |k| Err(format!("has a value that is not finite at index {k}")))
         }
     }
 }
@@ -401,12 +401,12 @@ fn check_starts(starts: &[u32], n_items: usize) -> Result<(), String> {
         return Err(format!("does not go from 0 to {n_items}"));
     }
     match starts.windows(2).position(|ends| ends[0] > ends[1]) {
-        Some(k) => Err(format!("falls after row {k}")),
+        Some(k) => Err(format!("decreases after row {k}")),
         None => Ok(()),
     }
 }
 
-/// The tiles of a round are worked on side by side: no two may have contacts of one moving body.
+/// Check that no two tiles of a round, which are solved in parallel, have contacts of one moving body.
 fn check_tiles(state: &State) -> Result<(), String> {
     const NONE: usize = usize::MAX;
     for round in state.contacts.tiles.rounds() {

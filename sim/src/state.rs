@@ -1,4 +1,4 @@
-//! The state of a run: all that a step changes, as columns.
+//! The state of a run: the data that a step changes, as columns.
 
 use crate::aabb::Aabb;
 use crate::contacts::Contacts;
@@ -6,26 +6,26 @@ use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
 use crate::model::{Model, Scheduled};
 use crate::pose::Pose;
 use crate::twist::Twist;
-use crate::warning::Memory;
+use crate::warning::WatchState;
 use glam::{DQuat, DVec3};
 
-/// What a body does at the moment.
+/// The activity of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Activity {
-    /// It moves.
+    /// Moving.
     Moving,
-    /// It is held in place: for ever, or until it is scheduled to move.
+    /// Held in place: fixed, or until it is scheduled to move.
     Held,
-    /// It is not there yet: it neither moves nor touches, and is in no table.
+    /// Inactive: it has not appeared yet, has no contacts and is in no frame.
     Inactive,
 }
 
-/// All that a step changes.
+/// The mutable state of a simulation, as columns.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct State {
     /// Time, s.
     pub time: f64,
-    /// Steps taken.
+    /// Number of steps taken.
     pub steps: u64,
     /// Centre of mass, m, world (n_bodies).
     pub position: Vec<DVec3>,
@@ -37,23 +37,22 @@ pub struct State {
     pub angular_velocity: Vec<DVec3>,
     /// The contacts of the last step, with their impulses.
     pub contacts: Contacts,
-    /// What each body does (n_bodies).
+    /// Activity of the bodies (n_bodies).
     pub activity: Vec<Activity>,
-    /// Fat AABBs: boxes with room to move, for which pairs of shapes were looked for last (n_shapes); none if they must be looked
-    /// for again.
+    /// Fat AABBs of the last run of the broad phase (n_shapes); none if the next step must run it.
     pub fat_aabb: Option<Vec<Aabb>>,
-    /// What each joint did in the last step (n_joints).
+    /// Joint states of the last step (n_joints).
     pub joints: Vec<JointState>,
-    /// What each spring did in the last step (n_springs).
+    /// Spring states of the last step (n_springs).
     pub springs: Vec<SpringState>,
-    /// The step length that was right for the last step's solver; 0 if none was.
+    /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
-    /// What the watch over the run remembers.
-    pub watch: Memory,
+    /// State of the watch over the run.
+    pub watch: WatchState,
 }
 
 impl State {
-    /// Let bodies appear and move whose time has come; whether any has.
+    /// Wake the bodies that are scheduled to appear or to move by now. Returns whether any activity has changed.
     pub fn wake(&mut self, model: &Model) -> bool {
         let now = self.time + 0.5 * model.step;
         let mut has_changed = false;
@@ -75,7 +74,7 @@ impl State {
             self.activity[b] = activity;
         }
         if has_changed {
-            // Pairs of what was held in place were not looked for.
+            // The broad phase has left out pairs of bodies held in place.
             self.fat_aabb = None;
         }
         has_changed
@@ -87,50 +86,50 @@ impl State {
         self.activity[body] == Activity::Moving
     }
 
-    /// Whether a body is not there yet.
+    /// Whether a body has not appeared yet.
     #[inline]
     pub fn is_inactive(&self, body: usize) -> bool {
         self.activity[body] == Activity::Inactive
     }
 
-    /// Where a body's principal frame is.
+    /// Pose of a body's principal frame, world.
     #[inline]
     pub fn pose(&self, body: usize) -> Pose {
         Pose { position: self.position[body], orientation: self.orientation[body] }
     }
 
-    /// The velocities of a body, world.
+    /// Linear and angular velocity of a body, world.
     #[inline]
     pub fn twist(&self, body: usize) -> Twist {
         Twist { v: self.velocity[body], w: self.orientation[body] * self.angular_velocity[body] }
     }
 
-    /// Where a shape is.
+    /// Pose of a shape, world.
     #[inline]
     pub fn shape_pose(&self, model: &Model, shape: usize) -> Pose {
         let own = self.pose(model.shape_body[shape] as usize);
         if model.is_centred_sphere(shape) { own } else { own.place(&model.shape_pose[shape]) }
     }
 
-    /// Where the frames of a joint are.
+    /// Frames of a joint, world.
     pub fn joint_frames(&self, joint: &Joint) -> Frames {
         Frames::of(joint.bodies.map(|b| self.pose(b as usize)), &joint.frame_a, &joint.frame_b)
     }
 
-    /// Where the frames of a spring are.
+    /// Frames of a spring, world.
     pub fn spring_frames(&self, spring: &Spring) -> Frames {
         Frames::of(spring.bodies.map(|b| self.pose(b as usize)), &spring.frame_a, &spring.frame_b)
     }
 
-    /// Where a contact is, m, world.
+    /// Point of a contact, m, world.
     pub fn contact_point(&self, contact: usize) -> DVec3 {
         let bodies = self.contacts.bodies[contact];
-        // Arms of bodies that are held in place are not kept.
+        // Arms of bodies that are held in place are not stored.
         let side = if self.moves(bodies[0] as usize) { 0 } else { 1 };
         self.position[bodies[side] as usize] + self.contacts.arms(contact)[side]
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy of the moving bodies, J.
     pub fn kinetic_energy(&self, model: &Model) -> f64 {
         let of = |b: usize| {
             let w = self.angular_velocity[b];
@@ -140,7 +139,7 @@ impl State {
         (0..model.n_bodies()).filter(|b| self.moves(*b)).map(of).sum()
     }
 
-    /// Potential energy in gravity, J, against the world's origin.
+    /// Potential energy of the moving bodies in gravity, relative to the world's origin, J.
     pub fn potential_energy(&self, model: &Model) -> f64 {
         let moving = (0..model.n_bodies()).filter(|b| self.moves(*b));
         moving.map(|b| -model.gravity.dot(self.position[b]) / model.inv_mass[b]).sum()

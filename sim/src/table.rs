@@ -1,4 +1,4 @@
-//! The state as a frame table, and the steps' report as CSV.
+//! Frames and contact tables from the state, and lines of `report.csv` from step reports.
 
 use crate::model::Model;
 use crate::pose::Pose;
@@ -9,14 +9,14 @@ use crate::state::State;
 use frame::{Column, Frame};
 use glam::DVec3;
 
-/// The table of one instant: one row a shape of every body that is there, in the order of the shapes.
+/// The frame of an instant, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes.
 ///
 /// Columns: id (of the body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
 /// omega_x..z (rad/s, shape's frame), size_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
-/// half length for cylinder, capsule and cone; 0 for a plane, whose normal is its z axis). Hulls, meshes and height fields have a
-/// shape name of their own each, as `hull_0`.
-pub fn frame_of(model: &Model, state: &State, number: u64) -> Frame {
-    let mut frame = Frame::new(number, state.time);
+/// half length for cylinder, capsule and cone; 0 for a plane, whose normal is its z axis). Each hull, mesh and height field has a
+/// shape name of its own, as `hull_0`.
+pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
+    let mut frame = Frame::new(index, state.time);
     let rows: Vec<usize> =
         (0..model.n_shapes()).filter(|s| !state.is_inactive(model.shape_body[*s] as usize)).collect();
     let body = |s: usize| model.shape_body[s] as usize;
@@ -59,7 +59,7 @@ pub fn frame_of(model: &Model, state: &State, number: u64) -> Frame {
     frame
 }
 
-/// The names that the shapes of a model may have, and each row's among them.
+/// Shape names, and the index of each row's name.
 fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
     let mut names: Vec<String> = ShapeKind::ALL.iter().map(|k| k.name().to_string()).collect();
     let codes = rows
@@ -79,9 +79,9 @@ fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
     (names, codes)
 }
 
-/// The table of a frame's contacts: body_a, body_b, class_a, class_b, point (m), normal, gap (m), force on B (N, world).
-pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
-    let mut frame = Frame::new(number, state.time);
+/// The contact table of a frame: body_a, body_b, class_a, class_b, pos_x..z (m), normal_x..z, force_x..z on B (N, world), gap (m).
+pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
+    let mut frame = Frame::new(index, state.time);
     let c = &state.contacts;
     let n = c.len();
     for (side, name) in [(0, "body_a"), (1, "body_b")] {
@@ -103,13 +103,13 @@ pub fn contacts_of(model: &Model, state: &State, number: u64) -> Frame {
     frame
 }
 
-/// The head of `report.csv`.
+/// Header of `report.csv`.
 pub fn report_header() -> String {
     let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
     format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
 }
 
-/// A line of `report.csv`.
+/// Line of `report.csv` of a step.
 pub fn report_line(r: &StepReport) -> String {
     let stages: Vec<String> = r.stage_ms.iter().map(|ms| format!("{ms:.4}")).collect();
     format!(

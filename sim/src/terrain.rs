@@ -1,28 +1,28 @@
-//! Rolling ground: waves of random direction and phase, ditches, and the places of boulders.
+//! Rolling ground: waves of random direction and phase, ditches, and boulders.
 
 use crate::SplitMix64;
 use crate::model_file::TerrainFile;
 use glam::{DVec2, DVec3};
 
-/// Waves that are added up.
+/// Number of waves.
 const WAVES: usize = 24;
 
-/// A wave: wave vector, 1/m, phase, and share of the amplitude.
+/// A wave: wave vector, rad/m, phase, rad, and weight of its amplitude; the weights add up to 1.
 #[derive(Clone, Copy, Debug)]
 struct Wave {
     k: DVec2,
     phase: f64,
-    share: f64,
+    weight: f64,
 }
 
-/// The ground's height over x and y, m, both from the terrain's middle.
+/// The ground: its height as a function of x and y from the terrain's middle, m.
 pub struct Ground<'a> {
     file: &'a TerrainFile,
     waves: Vec<Wave>,
 }
 
 impl<'a> Ground<'a> {
-    /// With waves drawn from a generator.
+    /// The ground of a terrain, with waves drawn from a generator.
     pub fn new(file: &'a TerrainFile, random: &mut SplitMix64) -> Ground<'a> {
         let mut waves: Vec<Wave> = (0..WAVES)
             .map(|i| {
@@ -32,19 +32,19 @@ impl<'a> Ground<'a> {
                 Wave {
                     k: DVec2::from_angle(way) * (std::f64::consts::TAU / length),
                     phase: random.between(0.0, std::f64::consts::TAU),
-                    share: length / file.wavelength,
+                    weight: length / file.wavelength,
                 }
             })
             .collect();
-        let sum: f64 = waves.iter().map(|w| w.share).sum();
-        waves.iter_mut().for_each(|w| w.share /= sum);
+        let sum: f64 = waves.iter().map(|w| w.weight).sum();
+        waves.iter_mut().for_each(|w| w.weight /= sum);
         Ground { file, waves }
     }
 
-    /// Height at a place, m.
+    /// Height at a point, m.
     pub fn height(&self, p: DVec2) -> f64 {
-        // All waves at their crests would add up to 1; a third of that is what they usually come to.
-        let wave: f64 = self.waves.iter().map(|w| w.share * (w.k.dot(p) + w.phase).sin()).sum();
+        // The weights add up to 1; the sum of waves is usually within a third of that.
+        let wave: f64 = self.waves.iter().map(|w| w.weight * (w.k.dot(p) + w.phase).sin()).sum();
         let flat = self.file.flat_radius;
         let fade = if flat > 0.0 { smooth((p.length() - flat) / flat.max(1e-9)) } else { 1.0 };
         let mut z = self.file.amplitude * (3.0 * wave).clamp(-1.0, 1.0) * fade;
@@ -57,7 +57,7 @@ impl<'a> Ground<'a> {
         z
     }
 
-    /// Heights on a grid: values by rows of x, counts, origin and spacing.
+    /// Heights on a grid: values by rows of x, m, counts, origin, m, and spacing, m.
     pub fn grid(&self) -> (Vec<f64>, [usize; 2], [f64; 2], [f64; 2]) {
         let n = self.file.size.map(|l| ((l / self.file.spacing).round() as usize).max(1) + 1);
         let spacing = [0, 1].map(|k| self.file.size[k] / (n[k] - 1) as f64);
@@ -71,7 +71,7 @@ impl<'a> Ground<'a> {
         (heights, n, origin, spacing)
     }
 
-    /// Boulders: place from the terrain's middle, radius; no two overlap, none is on the flat middle.
+    /// Boulders: position from the terrain's middle, m, and radius, m; no two overlap, none is on the flat middle.
     pub fn boulders(&self, random: &mut SplitMix64) -> Vec<(DVec3, f64)> {
         let Some(file) = &self.file.boulders else { return vec![] };
         let mut placed: Vec<(DVec3, f64)> = vec![];
@@ -92,7 +92,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// 0 below 0, 1 above 1, smooth between.
+/// Smooth step from 0 at 0 to 1 at 1.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

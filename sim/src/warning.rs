@@ -1,14 +1,14 @@
-//! Warnings about steps, and what is remembered for them.
+//! Warnings about steps, and the state of the watch that gives them.
 
 use serde::{Deserialize, Serialize};
 
-/// What a warning is about.
+/// The kind of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningKind {
     /// The contact solver has not converged.
     Residual,
-    /// A joint is violated.
+    /// A joint's constraints are violated.
     Joint,
     /// Energy has grown without a cause.
     Energy,
@@ -18,7 +18,7 @@ impl WarningKind {
     /// All kinds.
     pub const ALL: [WarningKind; 3] = [WarningKind::Residual, WarningKind::Joint, WarningKind::Energy];
 
-    /// The name, as `run.json` writes it.
+    /// Name, as in `run.json`.
     pub fn name(self) -> &'static str {
         match self {
             WarningKind::Residual => "residual",
@@ -31,13 +31,13 @@ impl WarningKind {
 /// A warning about one step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Warning {
-    /// Kind.
+    /// Kind of the warning.
     pub kind: WarningKind,
-    /// The step, from 1.
+    /// Number of the step, from 1.
     pub step: u64,
-    /// Time after it, s.
+    /// Time at its end, s.
     pub time: f64,
-    /// What it says, with the body's or joint's name and the value and its bound.
+    /// Message, with the body's or joint's name, the value and its bound.
     pub message: String,
 }
 
@@ -47,39 +47,39 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// The steps of a run with a warning of one kind.
+/// The number of steps of a run with a warning of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WarningCount {
-    /// Number of such steps.
+    /// Number of steps.
     pub count: u64,
-    /// The first of them.
+    /// The first warning.
     pub first: Warning,
 }
 
-/// Why a run cannot go on.
+/// The reason why a run cannot go on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// The body that shows it, if it is one.
+    /// Id of the body concerned, if it is one.
     pub body: Option<usize>,
-    /// What is wrong.
+    /// Message.
     pub why: String,
 }
 
-/// What the watch over a run remembers from step to step; part of the state, so that a run that goes on from a checkpoint says the same.
+/// The state of the watch over a run; part of the simulation's state, so that a resumed run gives the same warnings.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Memory {
-    /// Diagonal of the bounding box of what moved or was jointed at the start, m; 0 before the first step.
+pub struct WatchState {
+    /// Diagonal of the initial bounding box of shapes, moving bodies and joints, m; 0 before the first step.
     pub(crate) diagonal: f64,
-    /// The least gravitational potential where each body has been, at most that of the initial box's bottom, J/kg (n_bodies).
+    /// Minimum gravitational potential of each body so far, at most that of the initial bounding box's bottom, J/kg (n_bodies).
     pub(crate) lowest: Vec<f64>,
-    /// Moving mass in the last step, kg.
+    /// Moving mass of the last step, kg.
     pub(crate) mass: f64,
-    /// Its weight times radii of gyration, summed, J: the potential energy that bodies have by their size.
+    /// Sum of the moving bodies' weights times their minimum radii of gyration, J: potential energy of the scale of their sizes.
     pub(crate) by_size: f64,
-    /// Whether a spring or joint held in the last step, in their order.
-    pub(crate) held: Vec<bool>,
-    /// Least energy since the last cause, J.
-    pub(crate) least: f64,
+    /// Whether each joint, then each spring, acted in the last step (n_joints + n_springs).
+    pub(crate) acting: Vec<bool>,
+    /// Minimum energy since the last cause of growth, J.
+    pub(crate) min_energy: f64,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

@@ -1,17 +1,16 @@
-//! Watch over a run: after every step, what may have gone wrong in it, so that nothing does silently.
+//! The watch over a run: checks of every step, so that nothing goes wrong silently.
 //!
 //! | warning | when |
 //! |---|---|
 //! | residual | the step's residual is above 100 tolerances and above g h |
-//! | joint | a locked motion is off by more than a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
-//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of what there is, without a cause |
+//! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
+//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
-//! the model: from the last step that had one, energy is compared with its least value. "What there is" is kinetic energy, elastic
-//! energy, and each body's potential energy over the bottom of the initial bounding box, or over the lowest place where it has been if
-//! that is lower, and over that by its own size. Steps that are
-//! explicit in positions let energy swing by h F·v/2, F being weight and springs' forces: it is known to twice that. A velocity, a
-//! position or a residual that is not finite ends a run ([`Broken`]).
+//! the model: energy is compared with its minimum since the last step with a cause. Available energy is kinetic energy, elastic
+//! energy, and each body's potential energy over the bottom of the initial bounding box, or over its own lowest position if that is
+//! lower, plus its weight times its size. Steps that are explicit in positions let energy oscillate by h F·v/2, F being weight and
+//! springs' forces: twice that is tolerated. A velocity, a position or a residual that is not finite ends a run ([`Broken`]).
 
 use crate::inertia::is_isotropic;
 use crate::joint::Motor;
@@ -20,17 +19,18 @@ use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::rows::fold_rows;
 use crate::state::State;
-use crate::warning::Memory;
+use crate::warning::WatchState;
 use glam::DVec3;
 
 pub use crate::warning::{Broken, Warning, WarningCount, WarningKind};
 
-/// Faster than anything that scree is for, m/s.
-const TOO_FAST: f64 = 1e5;
-/// A joint's greatest error, of the bounding box's diagonal; and as an angle, rad.
+/// Speed of a body above which a run has diverged, m/s.
+const MAX_SPEED: f64 = 1e5;
+/// Tolerance of joint errors that are lengths, over the bounding box's diagonal.
 const JOINT_ERROR: f64 = 1e-3;
+/// Tolerance of joint errors that are angles, rad.
 const JOINT_ANGLE: f64 = 1e-2;
-/// How much energy may grow, of what there is.
+/// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
 
 /// The residual above which a step counts as not converged, m/s.
@@ -39,19 +39,19 @@ pub fn residual_bound(model: &Model) -> f64 {
     (100.0 * tolerance).max(model.gravity.length() * model.step)
 }
 
-/// The bodies in one pass.
+/// Sums and maxima over the bodies.
 struct Survey {
     kinetic: f64,
     potential: f64,
-    /// Potential energy over the bodies' lowest places, J.
+    /// Potential energy over the bodies' lowest positions, J.
     over_lowest: f64,
-    /// h |F·v| of weight, summed, J.
-    swing: f64,
+    /// Bound of the energy oscillation of weight: h |F·v|, summed, J.
+    oscillation: f64,
     mass: f64,
-    /// The fastest body and the square of its speed; one that is not finite is the greatest.
+    /// Body with the maximum squared speed, and that, m²/s²; infinite where the body's state is not finite.
     fastest: (usize, f64),
-    /// The body with the most kinetic energy, J.
-    liveliest: (usize, f64),
+    /// Body with the maximum kinetic energy, and that, J.
+    most_energetic: (usize, f64),
 }
 
 impl Survey {
@@ -59,13 +59,13 @@ impl Survey {
         kinetic: 0.0,
         potential: 0.0,
         over_lowest: 0.0,
-        swing: 0.0,
+        oscillation: 0.0,
         mass: 0.0,
         fastest: (0, 0.0),
-        liveliest: (0, 0.0),
+        most_energetic: (0, 0.0),
     };
 
-    /// Look at all bodies, and keep where they have been lowest.
+    /// Survey all bodies, and update their lowest potentials.
     fn of(model: &Model, state: &State, lowest: &mut [f64]) -> Survey {
         let body = |mut sum: Survey, b: usize, lowest: &mut f64| {
             if !state.moves(b) {
@@ -73,24 +73,24 @@ impl Survey {
             }
             let (mass, inv_inertia) = (1.0 / model.inv_mass[b], model.inv_inertia[b]);
             let (v, w) = (state.velocity[b], state.angular_velocity[b]);
-            let turning = if is_isotropic(inv_inertia) {
+            let rotational = if is_isotropic(inv_inertia) {
                 w.length_squared() / inv_inertia.x
             } else {
                 (w * w / inv_inertia).element_sum()
             };
             let speed2 = v.length_squared();
-            let kinetic = 0.5 * (mass * speed2 + turning);
+            let kinetic = 0.5 * (mass * speed2 + rotational);
             let height = -model.gravity.dot(state.position[b]);
             sum.kinetic += kinetic;
             sum.potential += mass * height;
             *lowest = lowest.min(height);
             sum.over_lowest += mass * (height - *lowest);
-            sum.swing += mass * (model.step * model.gravity.dot(v)).abs();
+            sum.oscillation += mass * (model.step * model.gravity.dot(v)).abs();
             sum.mass += mass;
-            // What is not finite makes these not finite, and is then the fastest.
-            let is_whole = (kinetic + height).is_finite() && state.position[b].is_finite();
-            sum.merge_fastest((b, if is_whole { speed2 } else { f64::INFINITY }));
-            sum.merge_liveliest((b, kinetic));
+            // A state that is not finite makes these not finite.
+            let is_finite = (kinetic + height).is_finite() && state.position[b].is_finite();
+            sum.merge_fastest((b, if is_finite { speed2 } else { f64::INFINITY }));
+            sum.merge_most_energetic((b, kinetic));
             sum
         };
         fold_rows(lowest, || Survey::EMPTY, body, Survey::merge)
@@ -102,9 +102,9 @@ impl Survey {
         }
     }
 
-    fn merge_liveliest(&mut self, other: (usize, f64)) {
-        if other.1 > self.liveliest.1 {
-            self.liveliest = other;
+    fn merge_most_energetic(&mut self, other: (usize, f64)) {
+        if other.1 > self.most_energetic.1 {
+            self.most_energetic = other;
         }
     }
 
@@ -112,31 +112,34 @@ impl Survey {
         self.kinetic += other.kinetic;
         self.potential += other.potential;
         self.over_lowest += other.over_lowest;
-        self.swing += other.swing;
+        self.oscillation += other.oscillation;
         self.mass += other.mass;
         self.merge_fastest(other.fastest);
-        self.merge_liveliest(other.liveliest);
+        self.merge_most_energetic(other.most_energetic);
         self
     }
 }
 
-impl Memory {
-    /// Take the measures of the initial state.
-    fn begin(&mut self, model: &Model, state: &State) {
+impl WatchState {
+    /// Record the reference values of the initial state, before the first step; a resumed run has them already.
+    pub fn start(&mut self, model: &Model, state: &State) {
+        if self.diagonal != 0.0 {
+            return;
+        }
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let mut reach = |p: DVec3, half: DVec3| (min, max) = (min.min(p - half), max.max(p + half));
+        let mut include = |p: DVec3, half: DVec3| (min, max) = (min.min(p - half), max.max(p + half));
         for s in (0..model.n_shapes()).filter(|s| !model.shape_kind[*s].is_surface()) {
             let place = state.shape_pose(model, s);
-            reach(place.position, DVec3::splat(model.shape_size[s].max_element()));
+            include(place.position, DVec3::splat(model.shape_size[s].max_element()));
         }
         for b in (0..model.n_bodies()).filter(|b| state.moves(*b)) {
             let size = gyration(model.inv_mass[b], model.inv_inertia[b].min_element());
-            reach(state.position[b], DVec3::splat(size));
+            include(state.position[b], DVec3::splat(size));
         }
         for joint in &model.joints {
             let frames = state.joint_frames(joint);
-            reach(frames.a.position, DVec3::ZERO);
-            reach(frames.b.position, DVec3::ZERO);
+            include(frames.a.position, DVec3::ZERO);
+            include(frames.b.position, DVec3::ZERO);
         }
         if !(min.cmple(max).all()) {
             (min, max) = (DVec3::ZERO, DVec3::ZERO);
@@ -146,21 +149,14 @@ impl Memory {
         self.lowest = vec![-model.gravity.dot(bottom); model.n_bodies()];
         let survey = Survey::of(model, state, &mut self.lowest);
         (self.mass, self.by_size) = (survey.mass, energy_by_size(model, state));
-        self.held = held(model, state.time);
-        // What a spring holds is known after the first step.
+        self.acting = acting(model, state.time);
+        // The elastic energy of springs is known after the first step.
         let energy = survey.kinetic + survey.potential;
-        self.least = if model.springs.is_empty() { energy } else { f64::INFINITY };
+        self.min_energy = if model.springs.is_empty() { energy } else { f64::INFINITY };
     }
 
-    /// Look at the bodies before the first step.
-    pub fn start(&mut self, model: &Model, state: &State) {
-        if self.diagonal == 0.0 {
-            self.begin(model, state);
-        }
-    }
-
-    /// Look at a step: its warnings, counted, and whether the run is broken.
-    pub fn look(&mut self, model: &Model, state: &State, seen: &StepOutcome) -> (Vec<Warning>, Option<Broken>) {
+    /// Check a step. Returns its warnings, which are counted, and the reason why the run cannot go on, if there is one.
+    pub fn check(&mut self, model: &Model, state: &State, seen: &StepOutcome) -> (Vec<Warning>, Option<Broken>) {
         let survey = Survey::of(model, state, &mut self.lowest);
         let broken = broken(seen, &survey);
         if broken.is_some() {
@@ -204,41 +200,42 @@ impl Memory {
         let bound = JOINT_ERROR * self.diagonal;
         if length.1 > bound {
             let of = "a thousandth of the initial bounding box's diagonal";
-            return Some(format!("{} is off by {:.3e} m, above {bound:.3e} m, {of}", named(length.0), length.1));
+            return Some(format!("{} is violated by {:.3e} m, above {bound:.3e} m, {of}", named(length.0), length.1));
         }
         let (joint, error) = angle;
-        (error > JOINT_ANGLE).then(|| format!("{} is off by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
+        (error > JOINT_ANGLE)
+            .then(|| format!("{} is violated by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
     }
 
     fn energy(&mut self, model: &Model, state: &State, seen: &StepOutcome, survey: &Survey) -> Option<String> {
         let caused = self.is_caused(model, state, survey.mass);
         let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
         let energy = survey.kinetic + survey.potential + elastic;
-        let swing = survey.swing + seen.spring_swing;
-        let most = energy + swing;
+        let oscillation = survey.oscillation + seen.spring_oscillation;
+        let upper = energy + oscillation;
         if caused {
-            self.least = most;
+            self.min_energy = upper;
             return None;
         }
-        self.least = self.least.min(most);
-        // Velocities are known to so much.
-        let known = residual_bound(model);
-        let there_is = survey.kinetic + survey.over_lowest + self.by_size + elastic.abs();
-        let bound = ENERGY_GROWTH * there_is + 2.0 * survey.mass * known * known;
-        let growth = energy - swing - self.least;
+        self.min_energy = self.min_energy.min(upper);
+        // The error of velocities, m/s.
+        let error = residual_bound(model);
+        let available = survey.kinetic + survey.over_lowest + self.by_size + elastic.abs();
+        let bound = ENERGY_GROWTH * available + 2.0 * survey.mass * error * error;
+        let growth = energy - oscillation - self.min_energy;
         if !(growth > bound) {
             return None;
         }
-        self.least = most;
-        let (body, own) = survey.liveliest;
+        self.min_energy = upper;
+        let (body, own) = survey.most_energetic;
         let message = format!(
-            "energy has grown by {growth:.3e} J without a cause; there are {there_is:.3e} J, {own:.3e} J of it in the motion of body {}",
+            "energy has grown by {growth:.3e} J without a cause; the available energy is {available:.3e} J, the kinetic energy of body {} {own:.3e} J",
             label(model, body as u32)
         );
         let overlap = state.contacts.worst_penetration();
         if overlap > 0.0 {
             return Some(format!(
-                "{message}; overlaps that are pushed apart add energy, the deepest is {overlap:.3e} m"
+                "{message}; the recovery of overlaps adds energy, the maximum penetration is {overlap:.3e} m"
             ));
         }
         Some(message)
@@ -256,25 +253,25 @@ impl Memory {
                 Some(Motor::Effort(effort)) => effort.at(middle) != 0.0,
                 None => false,
             };
-            j.holds(end - h) && (motor || changes(&j.length))
+            j.acts(end - h) && (motor || changes(&j.length))
         });
         let tensioned = model.springs.iter().any(|s| s.acts(end - h) && changes(&s.preload));
-        let held = held(model, end - h);
-        let switched = held != self.held || mass != self.mass;
+        let acting = acting(model, end - h);
+        let switched = acting != self.acting || mass != self.mass;
         if mass != self.mass {
             (self.mass, self.by_size) = (mass, energy_by_size(model, state));
         }
-        self.held = held;
+        self.acting = acting;
         loaded || driven || tensioned || switched
     }
 }
 
-/// Whether each joint, then each spring, holds at a time.
-fn held(model: &Model, t: f64) -> Vec<bool> {
-    model.joints.iter().map(|j| j.holds(t)).chain(model.springs.iter().map(|s| s.acts(t))).collect()
+/// Whether each joint, then each spring, acts at a time, s.
+fn acting(model: &Model, t: f64) -> Vec<bool> {
+    model.joints.iter().map(|j| j.acts(t)).chain(model.springs.iter().map(|s| s.acts(t))).collect()
 }
 
-/// What a spring holds, J: of its stiffness, and of a constant preload.
+/// Elastic energy of a spring, J: of its stiffness and of a constant preload.
 fn elastic_energy(model: &Model, state: &State, spring: usize) -> f64 {
     let s = &model.springs[spring];
     if !s.acts(state.time - model.step) || s.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
@@ -289,7 +286,7 @@ fn broken(seen: &StepOutcome, survey: &Survey) -> Option<Broken> {
     if speed == f64::INFINITY {
         return Some(Broken { body, why: "its state is not finite".into() });
     }
-    if speed > TOO_FAST {
+    if speed > MAX_SPEED {
         return Some(Broken { body, why: format!("it moves at {speed:.3e} m/s") });
     }
     let residual = seen.solver.residual;
@@ -297,18 +294,18 @@ fn broken(seen: &StepOutcome, survey: &Survey) -> Option<Broken> {
         return Some(Broken { body: None, why: format!("the solver's residual is {residual} m/s") });
     }
     let JointErrors { length, angle } = seen.joints;
-    let is_whole = length.1.is_finite() && angle.1.is_finite();
-    (!is_whole).then(|| Broken { body: None, why: "the joints' errors are not finite".into() })
+    let is_finite = length.1.is_finite() && angle.1.is_finite();
+    (!is_finite).then(|| Broken { body: None, why: "the joints' errors are not finite".into() })
 }
 
-/// Weight times the least radius of gyration, of all bodies that move, J.
+/// Sum of weight times minimum radius of gyration of the moving bodies, J.
 fn energy_by_size(model: &Model, state: &State) -> f64 {
     let moving = (0..model.n_bodies()).filter(|b| state.moves(*b));
     let size = |b: usize| gyration(model.inv_mass[b], model.inv_inertia[b].max_element()) / model.inv_mass[b];
     model.gravity.length() * moving.map(size).sum::<f64>()
 }
 
-/// The radius of gyration about an axis, m; 0 where the body does not turn about it.
+/// Radius of gyration about an axis, m; 0 where the body does not rotate about it.
 fn gyration(inv_mass: f64, inv_inertia: f64) -> f64 {
     if inv_inertia > 0.0 { (inv_mass / inv_inertia).sqrt() } else { 0.0 }
 }

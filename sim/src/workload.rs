@@ -1,19 +1,20 @@
-//! The benchmark workloads that every engine is measured on: beds of spheres that settle in an open box.
+//! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box.
 
 use crate::fill::SplitMix64;
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
-/// Which workload.
+/// A benchmark workload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Workload {
-    /// Spheres of 0.075 m, 1900 kg/m³, μ 0.4.
+    /// Spheres of radius 0.075 m and density 1900 kg/m³; μ = 0.4.
     S,
-    /// Anchor-like: radius 0.025–0.036 m, 0.005 kg each.
+    /// Spheres as in the anchor's bed: radius 0.025 to 0.036 m, 0.005 kg each; μ = 0.4.
     A,
 }
 
-/// Build a workload of `n` spheres on a jittered lattice 12 layers high, in a box of a floor and four walls.
+/// The model and initial state of a workload: `n` spheres on a jittered lattice 12 layers high, in a box of a floor and four walls,
+/// with steps of `step`, s.
 pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) -> (Model, State) {
     let r_max = if workload == Workload::S { 0.075 } else { 0.036 };
     let spacing = 2.1 * r_max;
@@ -68,7 +69,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
     (model, state)
 }
 
-/// The settings that the workloads are compared under.
+/// Solver settings of the workloads: a method and a fixed number of iterations.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
     SolverSettings {
         method,

@@ -1,7 +1,8 @@
 //! Conditions and derived columns: small typed expressions over a frame's columns. Nothing is executed but arithmetic.
 //!
-//! `class == 'stones' and 0.02 <= size_x < 0.05`, `sqrt(vel_x*vel_x + vel_y*vel_y)`. Operators by falling precedence: `-` and
-//! `not`, `**`, `* / %`, `+ -`, comparisons (which chain), `and`, `or`. Functions: sqrt abs sin cos exp log min max floor.
+//! `class == 'stones' and 0.02 <= size_x < 0.05`, `sqrt(vel_x*vel_x + vel_y*vel_y)`. Operators by falling precedence: unary `-`
+//! (so that `-x ** 2` is `(-x) ** 2`), `**`, `* / %`, `+ -`, comparisons (which chain), `not`, `and`, `or`. Functions: sqrt abs sin
+//! cos exp log min max floor.
 //!
 //! A text is parsed once, into a program over column names (`program.rs`), which then runs on the table of each frame.
 

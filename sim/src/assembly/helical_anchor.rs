@@ -1,4 +1,4 @@
-//! The anchor of the paper's sections 5.3 and 5.4: a ball as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
+//! The anchor of the paper's sections 5.3 and 5.4: a sphere as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
 //! along a vertical line about which it may turn.
 
 use super::parts::{Parts, Wrong, body, joint, part, positive};
@@ -12,21 +12,21 @@ use serde::{Deserialize, Serialize};
 pub struct HelicalAnchor {
     /// Material.
     pub material: String,
-    /// Where the lowest point is, m.
+    /// Position of the lowest point, m.
     pub position: [f64; 3],
     /// Mass, kg.
     pub mass: f64,
     /// Outer radius of the blade, m.
     pub radius: f64,
-    /// Radius of the shaft and of the ball at its tip, m.
+    /// Radius of the shaft and of the sphere at its tip, m.
     pub shaft_radius: f64,
     /// Length of the shaft, m.
     pub shaft_length: f64,
     /// Rise of the blade in a turn, m.
     pub pitch: f64,
-    /// Turns of the blade.
+    /// Number of turns of the blade.
     pub turns: f64,
-    /// Boxes that make up the blade.
+    /// Number of boxes that make up the blade.
     pub boxes: usize,
     /// Thickness of the blade, m.
     pub thickness: f64,
@@ -36,7 +36,7 @@ pub struct HelicalAnchor {
     pub torque: FunctionFile,
     /// Force along the axis, N, over time; positive pulls up.
     pub pull: FunctionFile,
-    /// Whether a guide holds the axis upright.
+    /// Whether a cylindrical joint to the world guides the axis.
     pub guided: bool,
 }
 
@@ -62,7 +62,10 @@ impl Default for HelicalAnchor {
 }
 
 impl HelicalAnchor {
-    /// Build it.
+    /// The body, guide and loads of an anchor; `name` is its body's, and the prefix of its joint's.
+    ///
+    /// # Errors
+    /// A dimension that is not above zero, or a blade that is no wider than the shaft.
     pub fn build(&self, name: &str) -> Result<Parts, Wrong> {
         positive(&[
             ("mass", self.mass),
@@ -82,7 +85,7 @@ impl HelicalAnchor {
         }
         let [x, y, z] = self.position;
         let r = self.shaft_radius;
-        // The body's frame is at the ball's centre.
+        // The body's frame is at the sphere's centre.
         let mut anchor = body(name.into(), name, &self.material, [x, y, z + r], self.mass);
         let mut shapes = vec![
             part(ShapeFile { sphere: Some(SphereFile { radius: r }), ..ShapeFile::default() }, [0.0; 3], None),
@@ -95,25 +98,25 @@ impl HelicalAnchor {
                 None,
             ),
         ];
-        // Each box spans the blade from shaft to rim, and a little more than its share of the turn at mid radius.
+        // Each box spans the blade from shaft to rim, and a little more than its sector of the turn at mid radius.
         let (inner, outer) = (0.8 * r, self.radius);
         let middle = 0.5 * (inner + outer);
-        let share = self.turns * std::f64::consts::TAU / self.boxes as f64;
+        let sector = self.turns * std::f64::consts::TAU / self.boxes as f64;
         let rise = self.pitch * self.turns / self.boxes as f64;
-        let along = ((middle * share).powi(2) + rise * rise).sqrt() * 1.15;
-        let tilt = (rise / (middle * share)).atan();
+        let along = ((middle * sector).powi(2) + rise * rise).sqrt() * 1.15;
+        let tilt = (rise / (middle * sector)).atan();
         for k in 0..self.boxes {
-            let angle = (k as f64 + 0.5) * share;
+            let angle = (k as f64 + 0.5) * sector;
             let height = self.blade_height - r + (k as f64 + 0.5) * rise;
             let size = [outer - inner, along, self.thickness];
-            // Turned about the axis, then tilted about its own radius: as one turn about an axis.
-            let turn = glam::DQuat::from_rotation_z(angle) * glam::DQuat::from_rotation_x(tilt);
+            // Rotated about the axis, then tilted about its own radius.
+            let rotation = glam::DQuat::from_rotation_z(angle) * glam::DQuat::from_rotation_x(tilt);
             let mut blade = part(
                 ShapeFile { block: Some(BoxFile { size }), ..ShapeFile::default() },
                 [middle * angle.cos(), middle * angle.sin(), height],
                 None,
             );
-            blade.orientation = Some([turn.w, turn.x, turn.y, turn.z]);
+            blade.orientation = Some([rotation.w, rotation.x, rotation.y, rotation.z]);
             shapes.push(blade);
         }
         anchor.shapes = Some(shapes);

@@ -17,9 +17,9 @@ pub struct TrackedVehicle {
     pub material: String,
     /// Material of the shoes.
     pub shoe_material: String,
-    /// Where it stands, m.
+    /// Position, m: the middle of the rollers along x and y, the ground under the tracks along z.
     pub position: [f64; 3],
-    /// Shoes of a track.
+    /// Number of shoes of a track.
     pub shoes: usize,
     /// Distance of a shoe's two pins, m.
     pub pitch: f64,
@@ -29,19 +29,19 @@ pub struct TrackedVehicle {
     pub shoe_width: f64,
     /// Thickness of a shoe's plate, m.
     pub shoe_thickness: f64,
-    /// Rollers of a track.
+    /// Number of rollers of a track.
     pub rollers: usize,
     /// Radius of the rollers, m.
     pub roller_radius: f64,
     /// Distance between rollers, m.
     pub roller_distance: f64,
-    /// Teeth of the sprocket; its radius follows from the pitch.
+    /// Number of teeth of the sprocket; its radius follows from the pitch.
     pub teeth: usize,
     /// Radius of the idler, m.
     pub idler_radius: f64,
     /// Height of the idler's and the sprocket's axes over the rollers', m.
     pub wheel_height: f64,
-    /// From the last roller back to the sprocket's axis, m.
+    /// Distance from the last roller back to the sprocket's axis, m.
     pub sprocket_distance: f64,
     /// Mass of a roller, an idler or a sprocket, kg.
     pub wheel_mass: f64,
@@ -53,13 +53,13 @@ pub struct TrackedVehicle {
     pub chassis_mass: f64,
     /// Whether the idler sits on a slide with a spring rather than on a fixed axle.
     pub idler_spring: bool,
-    /// Stiffness of that spring, N/m.
+    /// Stiffness of the idler's spring, N/m.
     pub idler_stiffness: f64,
-    /// Its damping, N s/m.
+    /// Damping of the idler's spring, N s/m.
     pub idler_damping: f64,
-    /// Force by which it tightens the track, N.
+    /// Preload of the idler's spring, N, which tightens the track.
     pub idler_preload: f64,
-    /// Torque on the left and on the right sprocket, N m, over time; positive drives forward.
+    /// Torques on the left and on the right sprocket, N m, over time; positive drives forward.
     pub torque: [FunctionFile; 2],
 }
 
@@ -95,7 +95,7 @@ impl Default for TrackedVehicle {
     }
 }
 
-/// A wheel in the plane of a track: centre (x, z) and the radius at which the pins run round it.
+/// A wheel in the plane of a track: centre (x, z), m, and the radius of the pins around it, m.
 #[derive(Clone, Copy, Debug)]
 struct Circle {
     center: [f64; 2],
@@ -103,7 +103,10 @@ struct Circle {
 }
 
 impl TrackedVehicle {
-    /// Build it.
+    /// The bodies, joints, springs and loads of a vehicle; `name` is the prefix of their names.
+    ///
+    /// # Errors
+    /// A dimension that is out of range, or too few shoes to go round the wheels.
     pub fn build(&self, name: &str) -> Result<Parts, Wrong> {
         self.check()?;
         let idler = self.place_idler()?;
@@ -158,7 +161,7 @@ impl TrackedVehicle {
         Ok(())
     }
 
-    /// x of a roller from the middle of all.
+    /// x of a roller from the middle of all, m.
     fn roller_x(&self, k: usize) -> f64 {
         (k as f64 - 0.5 * (self.rollers - 1) as f64) * self.roller_distance
     }
@@ -167,7 +170,7 @@ impl TrackedVehicle {
         roller == 0 || roller + 1 == self.rollers
     }
 
-    /// Height of a roller over the middle ones.
+    /// Height of a roller over the middle ones, m.
     fn roller_z(&self, k: usize) -> f64 {
         let r = self.roller_radius + 0.5 * self.shoe_thickness;
         if self.turns_belt(k) { r.hypot(0.5 * self.pitch) - r } else { 0.0 }
@@ -197,7 +200,8 @@ impl TrackedVehicle {
         circles
     }
 
-    /// The pins of a track as they lie around the wheels, and how far the last link misses the first pin along the belt.
+    /// Positions (x, z) of the pins of a track around the wheels, m, and the closure error of the ring along the belt, m: positive where
+    /// the last link ends past the first pin.
     fn lay(&self, idler: f64) -> (Vec<[f64; 2]>, f64) {
         const SIDES: usize = 20_000;
         let circles = self.circles(idler);
@@ -211,7 +215,7 @@ impl TrackedVehicle {
             })
             .collect();
         let distance = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
-        // A pin sits in the middle of a shoe's length before the sprocket's foremost direction: any start will do.
+        // The ring closes from any start on the sprocket.
         let start = self.start_on_belt(&belt);
         let mut pins = vec![belt[start]];
         // `at` is the last pin, `here` where the rest of the belt's side k begins.
@@ -237,7 +241,7 @@ impl TrackedVehicle {
         }
         let last = *pins.last().expect("there is a first pin");
         let turns = travelled as f64 - SIDES as f64;
-        let miss = if turns.abs() < 50.0 {
+        let closure = if turns.abs() < 50.0 {
             // Near the start: how far past it, along the belt.
             let ahead = belt[(start + 1) % SIDES];
             let side = distance(ahead, belt[start]).max(1e-300);
@@ -246,7 +250,7 @@ impl TrackedVehicle {
             turns.signum() * distance(last, pins[0])
         };
         pins.truncate(self.shoes);
-        (pins, miss)
+        (pins, closure)
     }
 
     /// A corner of the belt on the sprocket, as far round it as the belt goes.
@@ -255,10 +259,10 @@ impl TrackedVehicle {
         (0..belt.len()).min_by(|a, b| behind(&belt[*a]).total_cmp(&behind(&belt[*b]))).unwrap_or(0)
     }
 
-    /// x of the idler for which the ring closes.
+    /// x of the idler for which the ring closes, m.
     fn place_idler(&self) -> Result<f64, Wrong> {
-        let least = self.roller_x(self.rollers - 1) + 0.2 * self.roller_radius;
-        let (mut lo, mut hi) = (least, least + self.shoes as f64 * self.pitch);
+        let min = self.roller_x(self.rollers - 1) + 0.2 * self.roller_radius;
+        let (mut lo, mut hi) = (min, min + self.shoes as f64 * self.pitch);
         // Too short a belt: the shoes go round more than once.
         if self.lay(lo).1 < 0.0 {
             let message = format!("is {}, too few to go round the wheels", self.shoes);

@@ -1,9 +1,9 @@
-//! Find where each active bin starts among the sorted (bin, shape) pairs.
+//! Find the range of each active bin among the sorted (bin, shape) pairs.
 //! in   bin        [n_bin_pairs]    sorted
-//! out  bin_start  [n_active_bins]  first pair, and the pair after the last
+//! out  bin_start  [n_active_bins]  first pair, and the end
 //! Source: paper §3, stages 5 and 6.
 
-/// The stage. Bins with a single shape are left out: nothing can meet there.
+/// The stage. Bins with a single shape are left out: they have no pairs.
 pub fn run(bin: &[u32], bin_start: &mut Vec<[u32; 2]>) {
     bin_start.clear();
     let mut first = 0;

@@ -3,24 +3,24 @@
 //! in    orientation       [n_bodies]
 //! in    velocity          [n_bodies]  m/s
 //! in    angular_velocity  [n_bodies]  rad/s
-//! out   margin            [n_shapes]  m, how far from its surface contacts are looked for: δ + |v| h
+//! out   margin            [n_shapes]  m, distance within which contacts are generated: δ + |v| h
 //! out   sphere            [n_shapes]  where the plan has spheres only
-//! out   fat_aabb          [n_shapes]  m, renewed where a shape's box has left its own
-//! Source: paper §3, before stage 1; the list of pairs that outlives a step is Verlet's (1967).
+//! out   fat_aabb          [n_shapes]  m, renewed when a tight box has left its fat one
+//! Source: paper §3, before stage 1; pair lists that hold for several steps are Verlet's (1967).
 //!
-//! Pairs are not looked for at every step: boxes are given room to move, pairs are found for these, and the list holds until a
-//! box leaves its own. Contacts hang on the tight boxes alone, so that the room changes no result but their order.
+//! The broad phase does not run in every step: it finds the pairs of fat AABBs, which hold until a tight box leaves its fat one.
+//! Contacts depend on the tight boxes alone, so that the fat margin changes no result but the order of contacts.
 
 use crate::aabb::Aabb;
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
-use crate::rows::{fill_rows, sweep, sweep_two};
+use crate::rows::{fill_rows, reduce_chunks, reduce_chunks_of_two};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
 use glam::{DMat3, DVec3, Vec3A};
 
-/// The stage; whether pairs must be found again. The fat AABBs are renewed if so.
+/// The stage. Returns whether the fat AABBs were renewed, so that the broad phase must run.
 pub fn run(
     model: &Model,
     plan: &StepPlan,
@@ -37,9 +37,9 @@ pub fn run(
         let speed = state.velocity[model.shape_body[s] as usize].length() + spin;
         (model.envelope + speed * model.step) as f32
     };
-    let has_left = |s: usize, tight: Aabb| known.is_some_and(|boxes| !boxes[s].holds(&tight));
+    let has_left = |s: usize, tight: Aabb| known.is_some_and(|boxes| !boxes[s].contains(&tight));
     let [left] = if plan.narrow == Narrow::Any {
-        sweep(margin, |first, margin| {
+        reduce_chunks(margin, |first, margin| {
             let mut left = 0;
             for (k, margin) in margin.iter_mut().enumerate() {
                 let s = first + k;
@@ -49,14 +49,14 @@ pub fn run(
             [left as f64]
         })
     } else {
-        sweep_two(margin, spheres, |first, margin, spheres| {
+        reduce_chunks_of_two(margin, spheres, |first, margin, spheres| {
             let mut left = 0;
             for (k, (margin, sphere)) in margin.iter_mut().zip(spheres).enumerate() {
                 let s = first + k;
                 *margin = margin_of(s, 0.0);
                 *sphere = Sphere::centred(model, state, s, *margin);
-                let is_here = model.shape_kind[s] == ShapeKind::Sphere && !state.is_inactive(sphere.body as usize);
-                let tight = if is_here { sphere.tight() } else { tight(model, state, s, *margin) };
+                let is_present = model.shape_kind[s] == ShapeKind::Sphere && !state.is_inactive(sphere.body as usize);
+                let tight = if is_present { sphere.tight() } else { tight(model, state, s, *margin) };
                 left += has_left(s, tight) as u32;
             }
             [left as f64]
@@ -67,11 +67,11 @@ pub fn run(
     }
     let boxes = fat_aabb.get_or_insert_default();
     boxes.resize(n, Aabb::default());
-    fill_rows(boxes, |s| with_room(model, state, s, tight(model, state, s, margin[s])));
+    fill_rows(boxes, |s| fatten(model, state, s, tight(model, state, s, margin[s])));
     true
 }
 
-/// The box around a shape grown by its margin; empty if its body is inactive.
+/// The tight AABB: the box of a shape, grown by its margin, m; empty if its body is inactive.
 #[inline]
 pub fn tight(model: &Model, state: &State, s: usize, margin: f32) -> Aabb {
     let body = model.shape_body[s] as usize;
@@ -87,25 +87,25 @@ pub fn tight(model: &Model, state: &State, s: usize, margin: f32) -> Aabb {
     Aabb::about(at.position, reach + grown)
 }
 
-/// Steps for which a box has room at the speed of its shape.
+/// Number of steps for which a fat AABB covers the motion of its shape.
 const STEPS: f64 = 5.0;
-/// Room at rest, in half the least edge of the box.
-const ROOM: f32 = 0.04;
+/// Fat margin at rest, over half the shortest edge of the tight box.
+const FAT_MARGIN: f32 = 0.04;
 
-/// A shape's box with room to move.
-fn with_room(model: &Model, state: &State, s: usize, b: Aabb) -> Aabb {
+/// The fat AABB of a shape from its tight one.
+fn fatten(model: &Model, state: &State, s: usize, b: Aabb) -> Aabb {
     let body = model.shape_body[s] as usize;
     if !state.moves(body) || b.min.x > b.max.x {
         return b;
     }
     let spin = surface_speed(model, state, s);
     let moved = (state.velocity[body] * model.step * STEPS).as_vec3a();
-    let room = Vec3A::splat(0.5 * ROOM * (b.max - b.min).min_element() + (spin * model.step * STEPS) as f32);
-    Aabb { min: b.min - room + moved.min(Vec3A::ZERO), max: b.max + room + moved.max(Vec3A::ZERO) }
+    let grown = Vec3A::splat(0.5 * FAT_MARGIN * (b.max - b.min).min_element() + (spin * model.step * STEPS) as f32);
+    Aabb { min: b.min - grown + moved.min(Vec3A::ZERO), max: b.max + grown + moved.max(Vec3A::ZERO) }
 }
 
-/// The speed at which a shape's surface leaves its place by the spin of its body, m/s; that of a sphere about its body's centre
-/// does not.
+/// Maximum speed of a shape's surface by the angular velocity of its body, m/s; 0 for a sphere about its body's centre of mass, whose
+/// box does not change.
 #[inline]
 fn surface_speed(model: &Model, state: &State, s: usize) -> f64 {
     if model.is_centred_sphere(s) {
@@ -116,22 +116,22 @@ fn surface_speed(model: &Model, state: &State, s: usize) -> f64 {
     state.angular_velocity[model.shape_body[s] as usize].length() * arm
 }
 
-/// Half lengths of the box around a turned shape.
-fn reach_of(kind: ShapeKind, size: DVec3, turn: impl Fn() -> DMat3) -> DVec3 {
+/// Half lengths of the box of a shape with a rotation.
+fn reach_of(kind: ShapeKind, size: DVec3, rotation: impl Fn() -> DMat3) -> DVec3 {
     let of_box = |h: DVec3| {
-        let r = turn();
+        let r = rotation();
         r.x_axis.abs() * h.x + r.y_axis.abs() * h.y + r.z_axis.abs() * h.z
     };
     match kind {
         ShapeKind::Sphere => size,
         ShapeKind::Ellipsoid => {
-            let r = turn();
+            let r = rotation();
             let (x, y, z) = (r.x_axis * size.x, r.y_axis * size.y, r.z_axis * size.z);
             (x * x + y * y + z * z).map(f64::sqrt)
         }
-        ShapeKind::Capsule => turn().z_axis.abs() * size.z + size.x,
+        ShapeKind::Capsule => rotation().z_axis.abs() * size.z + size.x,
         ShapeKind::Cylinder => {
-            let axis = turn().z_axis;
+            let axis = rotation().z_axis;
             axis.abs() * size.z + (DVec3::ONE - axis * axis).max(DVec3::ZERO).map(f64::sqrt) * size.x
         }
         ShapeKind::Box | ShapeKind::Cone | ShapeKind::Hull | ShapeKind::Mesh | ShapeKind::HeightField => of_box(size),

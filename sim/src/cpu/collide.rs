@@ -1,8 +1,8 @@
-//! Where two shapes touch or nearly touch: up to eight points, with a normal from the first shape to the second.
+//! The narrow phase of a pair of shapes: up to eight contact points, with normals from the first shape to the second.
 //!
-//! Spheres against simple shapes have closed forms (`round`), boxes follow the separating axis theorem (`boxes`), all other
-//! convex shapes the Gilbert–Johnson–Keerthi distance with the expanding polytope for overlaps (`convex`). Flat contacts get
-//! several points by clipping the two shapes' facing features (`manifold`). Planes and triangles are in `surface`.
+//! Spheres against simple shapes have closed forms (`round`), boxes use the separating axis theorem (`boxes`), all other convex
+//! shapes the Gilbert–Johnson–Keerthi distance with the expanding polytope algorithm for overlaps (`convex`). The manifold of a flat
+//! contact has several points, from clipping the two shapes' facing features (`manifold`). Planes and triangles are in `surface`.
 
 mod boxes;
 mod convex;
@@ -14,18 +14,18 @@ mod surface;
 use crate::geometry::Surface;
 use crate::model::Model;
 use crate::shape::ShapeKind;
-use point::{Placed, Points, turn};
+use point::{Placed, Points, swap_shapes};
 
 pub use round::spheres as collide_spheres;
 pub use surface::triangle as collide_triangle;
 
-/// The triangles of a surface shape.
+/// The mesh or height field of a shape; none for other kinds.
 pub fn surface_of(model: &Model, shape: usize) -> Option<&Surface> {
     matches!(model.shape_kind[shape], ShapeKind::Mesh | ShapeKind::HeightField)
         .then(|| &model.surfaces[model.shape_part[shape] as usize])
 }
 
-/// Find the points of two shapes, not meshes or height fields, with a gap of at most `reach`; returns how many.
+/// Find the contact points of two shapes, neither a mesh nor a height field, with a gap of at most `reach`, m. Returns their count.
 #[inline]
 pub fn collide(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     use ShapeKind::*;
@@ -38,7 +38,7 @@ pub fn collide(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
         (Plane, Plane) => 0,
         (Plane, _) | (_, Sphere) => {
             let n = collide(b, a, reach, out);
-            turn(out, n)
+            swap_shapes(out, n)
         }
         (_, Plane) => surface::convex_plane(a, b, reach, out),
         _ => manifold::convex_convex(a, b, reach, out),

@@ -1,31 +1,31 @@
-//! The rows that `contact_write` fills, tile by tile.
+//! The contact rows that `contact_write` fills, tile by tile.
 
 use super::collide::collide_spheres;
 use super::collide::point::Point;
 use crate::sphere::Sphere;
 use glam::DVec3;
 
-/// The rows of a tile's contacts.
+/// The contact rows of a tile.
 pub struct Rows<'a, A> {
-    /// Bodies A and B.
+    /// Ids of bodies A and B.
     pub bodies: &'a mut [[u32; 2]],
-    /// What each is known by.
+    /// Identity of each contact from step to step.
     pub key: &'a mut [[u32; 3]],
     /// Unit normal, out of A.
     pub normal: &'a mut [DVec3],
     /// Gap, m.
     pub gap: &'a mut [f64],
-    /// The law that holds.
+    /// Index of the contact law.
     pub law: &'a mut [u32],
-    /// The arms.
+    /// Arms.
     pub arms: &'a mut [A],
-    /// Materials that the model has, by which laws are numbered.
+    /// Number of materials, by which the laws are indexed.
     pub n_materials: u32,
 }
 
 impl<A> Rows<'_, A> {
-    /// Write row `i`: two shapes, as far as spheres go, touch in a point. `arms_of` makes the arms of two bodies that touch in a
-    /// point, of which those that are spheres have the radii given.
+    /// Write row `i`: the contact of two shapes in a point. Of shapes that are no spheres, `p` and `q` have the body and the material
+    /// alone. `arms_of` makes the arms from the bodies, the point and the radii.
     #[inline(always)]
     pub fn put(
         &mut self,
@@ -35,17 +35,17 @@ impl<A> Rows<'_, A> {
         point: &Point,
         arms_of: impl Fn([u32; 2], &Point, [f64; 2]) -> A,
     ) {
-        let turned = p.body > q.body;
-        let radii = if turned { [q.radius, p.radius] } else { [p.radius, q.radius] };
-        self.bodies[i] = if turned { [q.body, p.body] } else { [p.body, q.body] };
+        let is_swapped = p.body > q.body;
+        let radii = if is_swapped { [q.radius, p.radius] } else { [p.radius, q.radius] };
+        self.bodies[i] = if is_swapped { [q.body, p.body] } else { [p.body, q.body] };
         self.key[i] = key;
-        self.normal[i] = if turned { -point.normal } else { point.normal };
+        self.normal[i] = if is_swapped { -point.normal } else { point.normal };
         self.gap[i] = point.gap;
         self.law[i] = p.material * self.n_materials + q.material;
         self.arms[i] = arms_of(self.bodies[i], point, radii);
     }
 
-    /// Write row `i`: the spheres of two shapes touch.
+    /// Write row `i`: the contact of two spheres.
     #[inline(always)]
     pub fn put_spheres(
         &mut self,
@@ -59,7 +59,7 @@ impl<A> Rows<'_, A> {
     }
 }
 
-/// The lengths of the arms of spheres: the contact point is half the gap away from a sphere's surface.
+/// Lengths of the arms of spheres, m: the contact point is half the gap away from a sphere's surface.
 pub fn along(_: [u32; 2], point: &Point, radii: [f64; 2]) -> [f64; 2] {
     radii.map(|r| r + 0.5 * point.gap)
 }

@@ -15,14 +15,14 @@
 //! in     joint_row         [n_rows]
 //! in     joint_bias        [n_rows]       m/s
 //! in     limit             [n_limits]
-//! inout  impulse           [n_contacts]   N s, world; the starting point comes in
+//! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
 //! out    joint_impulse     [n_rows]       N s, N m s
 //!
 //! Per contact, with its normal n and b = (Φ/h) n: minimise ½ γᵀNγ + rᵀγ over γ in the cone |γ_t| ≤ μ γ_n, with
-//! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one number a
-//! contact, so that its cone is kept. The methods are in [`super::solve`].
+//! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
+//! contact, which preserves its cone. The methods are in [`super::solve`].
 
 use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
@@ -43,32 +43,32 @@ use crate::twist::Twist;
 use crate::watch::residual_bound;
 use glam::DVec3;
 
-/// The columns that the stage reads and writes beside those of the contacts.
+/// The columns that the stage reads and writes besides those of the contacts.
 pub struct Columns<'a> {
-    /// Masses of the step.
+    /// Masses and inertia tensors of the step.
     pub masses: &'a Masses,
-    /// Velocities without contacts and joints (n_bodies, or none: see the plan).
+    /// Velocities without contacts and joints (n_bodies, or empty: see the plan).
     pub free: &'a [Twist],
     /// Rows of the joints.
     pub joints: &'a mut Joints,
-    /// Limits of joints that may be met.
+    /// Joint limits that may be met.
     pub limits: &'a [Row],
-    /// Velocities with all of them, and the joints' multipliers.
+    /// Velocities with contacts and joints, and the joints' multipliers.
     pub response: &'a mut Response,
 }
 
-/// The stage's own columns, kept from step to step.
+/// The stage's own columns, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Workspace {
     gamma: Vec<DVec3>,
     offset: Vec<f64>,
-    offset_unfed: Vec<f64>,
+    offset_without_slip: Vec<f64>,
     eta: Vec<f64>,
     iterates: Iterates,
     sweeps: Sweeps,
 }
 
-/// The stage: the solver's outcome, and the bodies of the contact whose residual is greatest, where the step's is above
+/// The stage. Returns the solver's outcome, and the bodies of the block with the maximum residual where the step's is above
 /// [`residual_bound`].
 pub fn run(
     model: &Model,
@@ -85,14 +85,14 @@ pub fn run(
     };
     joints.prepare(masses);
     let has_offsets = work.fill_offsets(model, plan, state, contacts, limits, method);
-    // Sweeps over spheres make what they need of η themselves.
+    // Sweeps over spheres compute η themselves.
     match method {
         ContactMethod::SphereSweeps => work.eta.clear(),
         ContactMethod::Blocks(_) => work.fill_eta(plan, masses, contacts, limits),
     }
     let mut gamma = std::mem::take(&mut work.gamma);
     gamma.clear();
-    // Contacts alone are solved in their own column.
+    // Without other blocks γ is the column of contact impulses.
     let has_other_blocks = plan.rolls || !limits.is_empty();
     if has_other_blocks {
         gamma.extend_from_slice(&contacts.impulse);
@@ -111,7 +111,7 @@ pub fn run(
         limits,
         offset: if has_offsets { Offset::Column(&mut work.offset) } else { Offset::OfGap },
         recovery: Recovery::of(model),
-        offset_unfed: &work.offset_unfed,
+        offset_without_slip: &work.offset_without_slip,
         eta: &work.eta,
         envelope: model.envelope,
     };
@@ -135,21 +135,21 @@ pub fn run(
     (outcome, worst)
 }
 
-/// Contacts that come together slower than this do not bounce, m/s.
-const BOUNCE_LEAST: f64 = 1e-3;
+/// Minimum approach speed for restitution, m/s.
+const MIN_BOUNCE_SPEED: f64 = 1e-3;
 
 impl Workspace {
-    /// Let go of what the next solve lays out again.
-    pub fn forget(&mut self) {
-        self.sweeps.forget();
+    /// Release the memory of columns that the next solve lays out again.
+    pub fn release(&mut self) {
+        self.sweeps.release();
     }
 
-    /// The step length of APGD, which is the state's.
+    /// The step length of APGD, which is part of the state.
     pub fn step_length(&mut self) -> &mut f64 {
         &mut self.iterates.step_length
     }
 
-    /// The normal part of b of this step; whether it is a column.
+    /// Fill the normal parts of b. Returns whether they are a column.
     fn fill_offsets(
         &mut self,
         model: &Model,
@@ -161,8 +161,8 @@ impl Workspace {
     ) -> bool {
         let (h, n, offset) = (model.step, contacts.len(), &mut self.offset);
         let recovery = Recovery::of(model);
-        let is_fed = plan.feeds_slip(method);
-        if !(plan.bounces || is_fed || !limits.is_empty()) {
+        let has_slip_feedback = plan.has_slip_feedback(method);
+        if !(plan.bounces || has_slip_feedback || !limits.is_empty()) {
             return false;
         }
         offset.resize(n + limits.len(), 0.0);
@@ -173,20 +173,20 @@ impl Workspace {
             }
             let restitution = model.laws[contacts.law[i] as usize].restitution;
             let speed = contacts.velocity(i, |b| state.twist(b)).dot(contacts.normal[i]);
-            let least = BOUNCE_LEAST.max(2.0 * model.gravity.length() * h);
-            let meets = speed < -least && contacts.gap[i] + h * speed <= 0.0;
-            if restitution > 0.0 && meets { opening.min(restitution * speed) } else { opening }
+            let min_speed = MIN_BOUNCE_SPEED.max(2.0 * model.gravity.length() * h);
+            let closes = speed < -min_speed && contacts.gap[i] + h * speed <= 0.0;
+            if restitution > 0.0 && closes { opening.min(restitution * speed) } else { opening }
         });
         for (k, row) in limits.iter().enumerate() {
             offset[n + k] = recovery.rate(row.psi);
         }
-        if is_fed {
-            self.offset_unfed.clone_from(offset);
+        if has_slip_feedback {
+            self.offset_without_slip.clone_from(offset);
         }
         true
     }
 
-    /// η of the blocks.
+    /// Fill η of the blocks.
     fn fill_eta(&mut self, plan: &StepPlan, masses: &Masses, contacts: &Contacts, limits: &[Row]) {
         let n = contacts.len();
         let rolls = if plan.rolls { n } else { 0 };
@@ -196,7 +196,7 @@ impl Workspace {
                 let [a, b] = contacts.bodies[i].map(|b| b as usize);
                 let mut trace = 3.0 * (masses.inv_mass[a] + masses.inv_mass[b]);
                 let [arm_a, arm_b] = contacts.arms(i);
-                trace += masses.turning_trace(a, arm_a) + masses.turning_trace(b, arm_b);
+                trace += masses.rotational_trace(a, arm_a) + masses.rotational_trace(b, arm_b);
                 3.0 / trace
             } else if i < n + rolls {
                 let [a, b] = contacts.bodies[i - n].map(|b| masses.inv_inertia(b as usize));

@@ -1,4 +1,4 @@
-//! Write the contacts of every pair of shapes that may touch.
+//! Narrow phase: write the contacts of the candidate pairs.
 //! in   position           [n_bodies]       m
 //! in   orientation        [n_bodies]
 //! in   margin             [n_shapes]       m
@@ -16,7 +16,7 @@
 //! out  contact_reach      [n_contacts]     m, where it has spheres only
 //! out  contact_gap        [n_contacts]     m
 //! out  contact_law        [n_contacts]
-//! Source: paper §3, stages 7–9, on the pairs that `pair_write` kept.
+//! Source: paper §3, stages 7–9, on the pairs of `pair_write`.
 //!
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
 //! momentum of the pair to round-off. Contacts are counted tile by tile, the counts scanned, and the rows written.
@@ -26,7 +26,7 @@ use super::collide::{collide, collide_triangle, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
 use super::{bounds, sphere_pairs};
-use crate::contacts::{Arms, Contacts, NOT_OF_SPHERES, Tiles};
+use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR, Tiles};
 use crate::lanes::widest;
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
@@ -36,38 +36,38 @@ use crate::sphere::Sphere;
 use crate::state::State;
 use rayon::prelude::*;
 
-/// What the stage reads.
+/// The input of the stage.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// The model.
     pub model: &'a Model,
-    /// What the step needs.
+    /// The plan of the step.
     pub plan: &'a StepPlan,
     /// The state.
     pub state: &'a State,
-    /// How far from their surfaces contacts are looked for, m (n_shapes).
+    /// Distance from the shapes' surfaces within which contacts are generated, m (n_shapes).
     pub margin: &'a [f32],
     /// The spheres, where the plan has spheres only (n_shapes).
     pub spheres: &'a [Sphere],
 }
 
-/// Which pairs touch: the stage's own columns, kept from step to step.
+/// The pairs that touch: the stage's own columns, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Touching {
-    /// Pairs of spheres that touch, rising, at the start of a row of room for all pairs of their tile; where they touch is cheaper
-    /// to find again than to keep.
+    /// Ascending indices of the sphere pairs that touch, within their tile, at the start of a range of the length of all the tile's pairs
+    /// (n_sphere_pairs). Their contact points are cheaper to compute again than to store.
     place: Vec<u32>,
-    /// How many there are in each tile.
+    /// Number of sphere pairs that touch in each tile.
     n: Vec<usize>,
-    /// Others, tile by tile.
+    /// Other pairs that touch, by tile.
     others: Vec<Others>,
 }
 
-/// Other pairs of a tile that touch.
+/// The other pairs of a tile that touch.
 #[derive(Default)]
 struct Others {
-    /// Their place in the tile and the end of their points in `point`.
-    some: Vec<[u32; 2]>,
+    /// Index of each pair within the tile, and the end of its points in `point`.
+    touching: Vec<[u32; 2]>,
     point: Vec<Point>,
 }
 
@@ -104,8 +104,8 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
     };
 }
 
-/// The stage for one layout of arms: `find` puts the places of pairs of spheres that touch into a column and returns how many, `write`
-/// writes their contacts, and `arms_of` makes the arms of the others.
+/// The stage for one layout of arms: `find` writes the indices of the sphere pairs that touch to a column and returns their count,
+/// `write` writes their contacts, and `arms_of` makes the arms of the others.
 fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
     pairs: &Pairs,
@@ -119,16 +119,16 @@ fn find_and_write<A: Copy + Default + Send>(
     ),
 ) {
     let n_tiles = pairs.n_tiles();
-    let is_little = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
-    let least = if is_little { n_tiles.max(1) } else { 1 };
+    let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
+    let min_len = if is_serial { n_tiles.max(1) } else { 1 };
     let Touching { place, n, others } = touching;
     others.resize_with(n_tiles, Others::default);
     n.resize(n_tiles, 0);
     place.resize(pairs.spheres.len(), 0);
-    let rooms = cut(place, (0..n_tiles).map(|tile| pairs.spheres_of(tile).len()));
-    let each = (rooms, n, others).into_par_iter().with_min_len(least).with_max_len(least).enumerate();
-    each.for_each(|(tile, (room, n, others))| {
-        *n = find(pairs.spheres_of(tile), room);
+    let slots = cut(place, (0..n_tiles).map(|tile| pairs.spheres_of(tile).len()));
+    let each = (slots, n, others).into_par_iter().with_min_len(min_len).with_max_len(min_len).enumerate();
+    each.for_each(|(tile, (slots, n, others))| {
+        *n = find(pairs.spheres_of(tile), slots);
         others.find(at, pairs.others_of(tile));
     });
 
@@ -146,12 +146,12 @@ fn find_and_write<A: Copy + Default + Send>(
         split(arms, start),
     );
     let n_materials = at.model.material_names.len() as u32;
-    columns.into_par_iter().with_min_len(least).with_max_len(least).enumerate().for_each(
+    columns.into_par_iter().with_min_len(min_len).with_max_len(min_len).enumerate().for_each(
         |(tile, ((n, others), bodies, key, pair, normal, gap, law, arms))| {
-            let room = pairs.sphere_start[tile] as usize;
-            let places = &touching.place[room..room + n];
+            let first = pairs.sphere_start[tile] as usize;
+            let places = &touching.place[first..first + n];
             pair[..*n].copy_from_slice(places);
-            pair[*n..].fill(NOT_OF_SPHERES);
+            pair[*n..].fill(NO_SPHERE_PAIR);
             let mut rows = Rows { bodies, key, normal, gap, law, arms, n_materials };
             write(pairs.spheres_of(tile), places, &mut rows);
             let mut i = *n;
@@ -163,7 +163,7 @@ fn find_and_write<A: Copy + Default + Send>(
     );
 }
 
-/// Find which of any spheres touch, as [`sphere_pairs::Find`] does.
+/// Find which sphere pairs touch, as [`sphere_pairs::Find`] does, of spheres that have no column.
 fn find_spheres(pairs: &[[u32; 2]], sphere: impl Fn(u32) -> Sphere, place: &mut [u32]) -> usize {
     let mut n = 0;
     for (k, [s, t]) in pairs.iter().enumerate() {
@@ -174,7 +174,7 @@ fn find_spheres(pairs: &[[u32; 2]], sphere: impl Fn(u32) -> Sphere, place: &mut 
 }
 
 impl Touching {
-    /// First contact of each tile, of those in none, and their end.
+    /// First contact of each tile and of the contacts in no tile, and the end.
     fn scan(&self) -> Vec<u32> {
         let counts = self.n.iter().zip(&self.others).map(|(n, others)| (n + others.point.len()) as u32);
         let mut start: Vec<u32> = counts.chain([0]).collect();
@@ -184,9 +184,9 @@ impl Touching {
 }
 
 impl Others {
-    /// Find which of the other pairs touch, and where.
+    /// Find which of the other pairs touch, and their points.
     fn find(&mut self, at: &Input, pairs: &[[u32; 3]]) {
-        self.some.clear();
+        self.touching.clear();
         self.point.clear();
         let tight = |s: u32| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]);
         let mut out = [Point::default(); MAX_POINTS];
@@ -195,17 +195,17 @@ impl Others {
                 let n = points(at, [s, t], triangle, &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
-                    self.some.push([k as u32, self.point.len() as u32]);
+                    self.touching.push([k as u32, self.point.len() as u32]);
                 }
             }
         }
     }
 
-    /// Visit the contacts in order, each with its two shapes as far as spheres go, its key and its point; normals point from the
-    /// first shape to the second.
+    /// Visit the contacts in order, each with its two shapes as for [`Rows::put`], its key and its point; normals point from the first
+    /// shape to the second.
     fn each(&self, model: &Model, pairs: &[[u32; 3]], mut visit: impl FnMut([Sphere; 2], [u32; 3], &Point)) {
         let mut first = 0;
-        for [k, end] in &self.some {
+        for [k, end] in &self.touching {
             let [s, t, triangle] = pairs[*k as usize];
             let both = [s, t].map(|s| {
                 let (s, is_sphere) = (s as usize, model.shape_kind[s as usize] == ShapeKind::Sphere);
@@ -220,7 +220,7 @@ impl Others {
     }
 }
 
-/// The points of a pair.
+/// The contact points of a pair. Returns their count.
 fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usize {
     let (model, s, t) = (at.model, s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
@@ -238,7 +238,7 @@ fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usiz
     }
 }
 
-/// Make room for the contacts in a column, and cut it as the tiles are cut.
+/// Resize a column to the number of contacts, and split it by tiles.
 fn split<'a, T: Clone + Default>(column: &'a mut Vec<T>, start: &[u32]) -> Vec<&'a mut [T]> {
     column.resize(start.last().map_or(0, |n| *n as usize), T::default());
     cut(column, start.windows(2).map(|ends| (ends[1] - ends[0]) as usize))

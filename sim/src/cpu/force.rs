@@ -1,9 +1,9 @@
-//! Velocities at the end of the step if there were no contacts and no joints: v + h M⁻¹ f; and the bodies' inertia in the world frame.
+//! Velocities at the step's end without contacts and joints, v + h M⁻¹ f, and the bodies' inertia tensors in the world frame.
 //! in   position          [n_bodies]  m
 //! in   orientation       [n_bodies]
 //! in   velocity          [n_bodies]  m/s
 //! in   angular_velocity  [n_bodies]  rad/s
-//! out  tensor            [n_tensors] of bodies that do not turn alike about all axes
+//! out  tensor            [n_tensors] of bodies with anisotropic inertia
 //! out  free              [n_bodies]  m/s and rad/s, world, where the plan has it as a column
 //! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
 
@@ -18,17 +18,17 @@ use glam::DVec3;
 
 /// The stage.
 pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, free: &mut Vec<Twist>) {
-    masses.turn_to(model, state);
+    masses.rotate(model, state);
     let h = model.step;
     if !plan.has_free_column {
-        // Sweeps over spheres ask for it twice a step, which is not worth a column; iterations of the other methods do each time.
+        // Sweeps over spheres read it twice a step, which is not worth a column; the other methods read it in every iteration.
         *free = vec![];
         return;
     }
     free.resize(model.n_bodies(), Twist::default());
     let falling = Falling { model, state };
     fill_rows(free, |b| falling.twist(b));
-    // A load acts with its mean over the step, taken in the middle.
+    // A load acts with its value in the middle of the step.
     let middle = state.time + 0.5 * h;
     for load in &model.loads {
         let b = load.body as usize;
@@ -41,15 +41,15 @@ pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, f
         } else {
             (vector, (state.orientation[b] * load.point).cross(vector))
         };
-        masses.push(free, load.body, force * h, torque * h);
+        masses.apply_impulse(free, load.body, force * h, torque * h);
     }
     for joint in &model.joints {
         let effort = joint.effort(middle);
         let Some(coordinate) = joint.kind.coordinate() else { continue };
-        if effort == 0.0 || !joint.holds(state.time) || joint.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
+        if effort == 0.0 || !joint.acts(state.time) || joint.bodies.iter().any(|b| state.is_inactive(*b as usize)) {
             continue;
         }
         let row = joint.free_row(&state.joint_frames(joint), coordinate);
-        masses.push_row(free, &row, effort * h);
+        masses.apply_row_impulse(free, &row, effort * h);
     }
 }

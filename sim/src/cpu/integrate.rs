@@ -1,14 +1,14 @@
-//! Move the bodies with their new velocities.
+//! Integrate the poses of the bodies with their new velocities.
 //! in     motion            [n_bodies]  m/s and rad/s, world
 //! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
-//! in     joint_impulse     [n_rows]    N s, N m s: what joints did is recorded before the bodies are moved
+//! in     joint_impulse     [n_rows]    N s, N m s: joint states are recorded before the poses change
 //! inout  position          [n_bodies]  m
 //! inout  orientation       [n_bodies]
 //! out    velocity          [n_bodies]  m/s, world
 //! out    angular_velocity  [n_bodies]  rad/s, principal frame
-//! Source: PHYSICS, q⁺ = q + h L(q) v⁺; the rotation over a step is taken exactly, and the angular momentum of the world
-//! frame is carried over it, so that a free body keeps it to round-off.
+//! Source: PHYSICS, q⁺ = q + h L(q) v⁺; the rotation over a step is exact, and the angular momentum in the world frame is
+//! constant over it, so that a free body keeps it to round-off.
 
 use crate::inertia::is_isotropic;
 use crate::model::Model;
@@ -27,16 +27,16 @@ pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
         state.velocity.par_chunks_mut(CHUNK),
         state.angular_velocity.par_chunks_mut(CHUNK),
     );
-    columns.into_par_iter().with_min_len(8).enumerate().for_each(|(piece, (position, orientation, velocity, spin))| {
+    columns.into_par_iter().with_min_len(8).enumerate().for_each(|(chunk, (position, orientation, velocity, spin))| {
         for k in 0..position.len() {
-            let b = piece * CHUNK + k;
+            let b = chunk * CHUNK + k;
             if activity[b] != Activity::Moving {
                 (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
                 continue;
             }
             let Twist { v, w } = motion[b];
             let before = orientation[k];
-            let after = (turn(w * h) * before).normalize();
+            let after = (rotation(w * h) * before).normalize();
             position[k] += v * h;
             velocity[k] = v;
             orientation[k] = after;
@@ -53,9 +53,9 @@ pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
     state.time = state.steps as f64 * h;
 }
 
-/// The rotation by a vector: its direction is the axis, its length the angle, rad.
+/// The rotation by a rotation vector, rad: its direction is the axis, its length the angle.
 #[inline]
-fn turn(angle: DVec3) -> DQuat {
+fn rotation(angle: DVec3) -> DQuat {
     let q = 0.25 * angle.length_squared();
     if q > 1e-3 {
         return DQuat::from_scaled_axis(angle);
@@ -75,7 +75,7 @@ mod tests {
     fn the_series_is_the_rotation() {
         for length in [0.0, 1e-9, 1e-4, 0.03, 0.0632] {
             let angle = DVec3::new(2.0, -1.0, 0.5).normalize() * length;
-            assert!((turn(angle) - DQuat::from_scaled_axis(angle)).length() < 1e-16 * 4.0, "{length}");
+            assert!((rotation(angle) - DQuat::from_scaled_axis(angle)).length() < 1e-16 * 4.0, "{length}");
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Write the rows of joints, motors and springs, and the limits that may be met in this step.
+//! Write the rows of joints, motors and springs, and of the limits that may be met in the step.
 //! in     position     [n_bodies]      m
 //! in     orientation  [n_bodies]
 //! in     tensor       [n_tensors]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
-//! out    joint_bias   [n_rows]        Ψ/h − rate, and what springs add, m/s
+//! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
 //! out    limit        [n_limits]
 //! inout  free         [n_bodies]      explicit springs act on it
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
@@ -18,22 +18,22 @@ use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::State;
 use crate::twist::Twist;
 
-/// A limit is looked at when the coordinate may come to it within this many steps.
+/// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
 const LOOK_AHEAD: f64 = 3.0;
 
-/// What the stage writes.
+/// The output of the stage.
 pub struct Output<'a> {
     /// First row of each joint, and of the springs (n_joints + 1).
     pub start: &'a mut Vec<u32>,
     /// The rows.
     pub joints: &'a mut Joints,
-    /// Limits of joints that may be met.
+    /// Rows of joint limits that may be met.
     pub limits: &'a mut Vec<Row>,
     /// Velocities without contacts and joints (n_bodies).
     pub free: &'a mut [Twist],
 }
 
-/// The stage. Joints of which a body is inactive do not hold yet.
+/// The stage. Joints with an inactive body do not act yet.
 pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints, limits, free }: Output) {
     let h = model.step;
     let end = state.time + h;
@@ -47,23 +47,23 @@ pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints
     for (i, joint) in model.joints.iter().enumerate() {
         let first = joints.rows.len();
         start.push(first as u32);
-        if !joint.holds(state.time) || !present(joint.bodies) {
+        if !joint.acts(state.time) || !present(joint.bodies) {
             continue;
         }
         let f = state.joint_frames(joint);
         joint.rows(&f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
-        if let (Some([least, most]), Some(c)) = (joint.limits, joint.kind.coordinate()) {
+        if let (Some([min, max]), Some(c)) = (joint.limits, joint.kind.coordinate()) {
             let at = joint.coordinate(&f, &state.joints[i]);
             let row = joint.free_row(&f, c);
-            let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, most - least);
-            if at - least < reach {
-                limits.push(Row { psi: at - least, ..row });
+            let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
+            if at - min < reach {
+                limits.push(Row { psi: at - min, ..row });
             }
-            if most - at < reach {
+            if max - at < reach {
                 limits.push(Row {
-                    psi: most - at,
+                    psi: max - at,
                     linear: -row.linear,
                     angular_a: -row.angular_a,
                     angular_b: -row.angular_b,
@@ -90,12 +90,12 @@ pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints
             joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
             joints.bias.push(tension / damping);
         } else {
-            masses.push_row(free, &row, -h * tension);
+            masses.apply_row_impulse(free, &row, -h * tension);
         }
     }
 }
 
-/// Write what the joints and springs did: reactions, coordinates, violations. Runs before the bodies are moved.
+/// Record the states of the joints and springs: reactions, coordinates, violations. Runs before the poses change.
 pub fn record(
     model: &Model,
     state: &mut State,
@@ -106,7 +106,7 @@ pub fn record(
 ) {
     let h = model.step;
     let motion = &response.twist;
-    (outcome.joints, outcome.spring_swing) = (JointErrors::default(), 0.0);
+    (outcome.joints, outcome.spring_oscillation) = (JointErrors::default(), 0.0);
     for (i, joint) in model.joints.iter().enumerate() {
         let f = state.joint_frames(joint);
         let range = start[i] as usize..start[i + 1] as usize;
@@ -131,7 +131,7 @@ pub fn record(
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| state.is_inactive(*b as usize));
         let speed = row.speed_in(motion);
         if acts {
-            outcome.spring_swing += (h * spring.tension(row.psi, state.time + h) * speed).abs();
+            outcome.spring_oscillation += (h * spring.tension(row.psi, state.time + h) * speed).abs();
         }
         state.springs[i].coordinate = row.psi + h * speed;
         state.springs[i].force = if acts {
@@ -142,8 +142,8 @@ pub fn record(
     }
 }
 
-/// How near a limit is always looked at: a little of the range, at most 0.05 rad or 0.01 m.
+/// Distance from a limit within which it always has a row: a tenth of the range, at most 0.05 rad or 0.01 m.
 fn near(coordinate: Coordinate, range: f64) -> f64 {
-    let most = if coordinate == Coordinate::Angle { 0.05 } else { 0.01 };
-    (0.1 * range).min(most)
+    let max = if coordinate == Coordinate::Angle { 0.05 } else { 0.01 };
+    (0.1 * range).min(max)
 }

@@ -1,4 +1,4 @@
-//! Masses and moments of inertia in the world frame, as they are in a step.
+//! Masses and inertia tensors of a step, in the world frame.
 
 use crate::inertia::{is_isotropic, world_inv_inertia};
 use crate::joint::Row;
@@ -7,31 +7,31 @@ use crate::state::State;
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
-/// Masses and moments of inertia in the world frame; those of bodies that do not move are infinite.
+/// Masses and inertia tensors in the world frame; those of bodies that do not move are infinite.
 #[derive(Default)]
 pub struct Masses {
     /// Reciprocal masses, 1/kg (n_bodies).
     pub inv_mass: Vec<f64>,
-    /// Reciprocal moments of inertia of bodies that turn alike about all axes, 1/(kg m²); 0 for the others (n_bodies).
+    /// Reciprocal moments of inertia of bodies with isotropic inertia, 1/(kg m²); 0 for the others (n_bodies).
     pub inv_moment: Vec<f64>,
-    tensors: Tensors,
+    tensors: InertiaTensors,
 }
 
-/// The moments of inertia of bodies that do not turn alike about all axes.
+/// The inertia tensors of bodies with anisotropic inertia.
 #[derive(Default)]
-enum Tensors {
-    /// There are no such bodies.
+enum InertiaTensors {
+    /// No bodies with anisotropic inertia.
     #[default]
     None,
-    /// R J̄⁻¹ Rᵀ and its inverse, at the body's slot ([`ISOTROPIC`] for those that turn alike; n_bodies).
+    /// Slots of the bodies ([`ISOTROPIC`] for isotropic inertia; n_bodies), and R J̄⁻¹ Rᵀ and its inverse by slot (n_tensors).
     Some { slot: Vec<u32>, tensor: Vec<[DMat3; 2]> },
 }
 
-/// The slot of a body that turns alike about all axes.
+/// The slot of a body with isotropic inertia.
 const ISOTROPIC: u32 = u32::MAX;
 
 impl Masses {
-    /// Take up which bodies move.
+    /// Take the masses and principal moments of the bodies that move.
     pub fn prepare(&mut self, model: &Model, state: &State) {
         let n = model.n_bodies();
         self.inv_mass.clear();
@@ -44,98 +44,97 @@ impl Masses {
         let slot: Vec<u32> =
             (0..n).map(|b| if isotropic(b) { ISOTROPIC } else { (n_tensors, n_tensors += 1).0 }).collect();
         self.tensors = match n_tensors {
-            0 => Tensors::None,
-            n => Tensors::Some { slot, tensor: vec![[DMat3::ZERO; 2]; n as usize] },
+            0 => InertiaTensors::None,
+            n => InertiaTensors::Some { slot, tensor: vec![[DMat3::ZERO; 2]; n as usize] },
         };
     }
 
-    /// Turn the moments of inertia to where the bodies are.
-    pub fn turn_to(&mut self, model: &Model, state: &State) {
-        let Tensors::Some { slot, tensor } = &mut self.tensors else { return };
+    /// Rotate the inertia tensors to the bodies' orientations.
+    pub fn rotate(&mut self, model: &Model, state: &State) {
+        let InertiaTensors::Some { slot, tensor } = &mut self.tensors else { return };
         for (b, slot) in slot.iter().enumerate().filter(|(_, s)| **s != ISOTROPIC) {
             let of = |inv_inertia: DVec3| world_inv_inertia(state.orientation[b], inv_inertia);
             tensor[*slot as usize] = [of(model.inv_inertia[b]), of(model.inv_inertia[b].recip())];
         }
     }
 
-    /// The tensors of all bodies that do not turn alike about all axes (n_tensors).
+    /// Inverse inertia tensors and inertia tensors of the bodies with anisotropic inertia (n_tensors).
     pub fn tensors(&self) -> &[[DMat3; 2]] {
         match &self.tensors {
-            Tensors::None => &[],
-            Tensors::Some { tensor, .. } => tensor,
+            InertiaTensors::None => &[],
+            InertiaTensors::Some { tensor, .. } => tensor,
         }
     }
 
-    /// The tensors of a body that does not turn alike about all axes.
+    /// Inverse inertia tensor and inertia tensor of a body; none if its inertia is isotropic.
     #[inline(always)]
     fn tensor(&self, body: usize) -> Option<&[DMat3; 2]> {
         match &self.tensors {
-            Tensors::None => None,
-            Tensors::Some { slot, .. } if slot[body] == ISOTROPIC => None,
-            Tensors::Some { slot, tensor } => Some(&tensor[slot[body] as usize]),
+            InertiaTensors::None => None,
+            InertiaTensors::Some { slot, .. } if slot[body] == ISOTROPIC => None,
+            InertiaTensors::Some { slot, tensor } => Some(&tensor[slot[body] as usize]),
         }
     }
 
-    /// Whether all bodies turn alike about all axes.
+    /// Whether all bodies have isotropic inertia.
     pub fn are_isotropic(&self) -> bool {
-        matches!(self.tensors, Tensors::None)
+        matches!(self.tensors, InertiaTensors::None)
     }
 
-    /// Reciprocal inertia times a vector.
+    /// Product of a body's inverse inertia tensor and a vector.
     #[inline(always)]
-    pub fn turn(&self, body: usize, angular: DVec3) -> DVec3 {
+    pub fn apply_inv_inertia(&self, body: usize, angular: DVec3) -> DVec3 {
         match self.tensor(body) {
             None => angular * self.inv_moment[body],
             Some([inverse, _]) => *inverse * angular,
         }
     }
 
-    /// The change of a body's velocities by an impulse and an angular impulse. `ISOTROPIC` says that all bodies turn alike about all
-    /// axes, so that nothing is asked for each.
+    /// Change of a body's velocities by an impulse and an angular impulse. `ISOTROPIC` asserts that all bodies have isotropic inertia.
     #[inline(always)]
     pub fn change<const ISOTROPIC: bool>(&self, body: usize, impulse: &Twist) -> Twist {
-        let w = if ISOTROPIC { impulse.w * self.inv_moment[body] } else { self.turn(body, impulse.w) };
+        let w = if ISOTROPIC { impulse.w * self.inv_moment[body] } else { self.apply_inv_inertia(body, impulse.w) };
         Twist { v: impulse.v * self.inv_mass[body], w }
     }
 
-    /// Twice the kinetic energy of a motion, J; 0 for a body that is held in place. `ISOTROPIC` as for [`Masses::change`].
+    /// Twice the kinetic energy of a twist, J; 0 for a body that is held in place. `ISOTROPIC` as for [`Masses::change`].
     #[inline(always)]
     pub fn energy<const ISOTROPIC: bool>(&self, body: usize, t: &Twist) -> f64 {
         let inv_mass = self.inv_mass[body];
         if inv_mass == 0.0 {
             return 0.0;
         }
-        let turning = match if ISOTROPIC { None } else { self.tensor(body) } {
+        let rotational = match if ISOTROPIC { None } else { self.tensor(body) } {
             None => t.w.length_squared() / self.inv_moment[body],
             Some([_, inertia]) => t.w.dot(*inertia * t.w),
         };
-        t.v.length_squared() / inv_mass + turning
+        t.v.length_squared() / inv_mass + rotational
     }
 
-    /// Give a body an impulse, N s, and an angular impulse, N m s.
+    /// Apply an impulse, N s, and an angular impulse, N m s, to a body.
     #[inline]
-    pub fn push(&self, motion: &mut [Twist], body: u32, linear: DVec3, angular: DVec3) {
+    pub fn apply_impulse(&self, motion: &mut [Twist], body: u32, linear: DVec3, angular: DVec3) {
         let b = body as usize;
         motion[b].v += linear * self.inv_mass[b];
-        motion[b].w += self.turn(b, angular);
+        motion[b].w += self.apply_inv_inertia(b, angular);
     }
 
-    /// Give the two bodies of a row an impulse along it.
-    pub fn push_row(&self, motion: &mut [Twist], row: &Row, impulse: f64) {
-        self.push(motion, row.bodies[0], row.linear * -impulse, row.angular_a * -impulse);
-        self.push(motion, row.bodies[1], row.linear * impulse, row.angular_b * impulse);
+    /// Apply an impulse along a row, N s or N m s, to its two bodies.
+    pub fn apply_row_impulse(&self, motion: &mut [Twist], row: &Row, impulse: f64) {
+        self.apply_impulse(motion, row.bodies[0], row.linear * -impulse, row.angular_a * -impulse);
+        self.apply_impulse(motion, row.bodies[1], row.linear * impulse, row.angular_b * impulse);
     }
 
-    /// The change of a row's speed by a unit impulse along it, 1/kg.
+    /// Change of a row's dΨ/dt by a unit impulse along it, 1/kg or 1/(kg m²).
     pub fn response(&self, row: &Row) -> f64 {
         let own = |b: u32, angular: DVec3| {
             let b = b as usize;
-            row.linear.length_squared() * self.inv_mass[b] + self.turn(b, angular).dot(angular)
+            row.linear.length_squared() * self.inv_mass[b] + self.apply_inv_inertia(b, angular).dot(angular)
         };
         own(row.bodies[0], row.angular_a) + own(row.bodies[1], row.angular_b)
     }
 
-    /// Reciprocal inertia.
+    /// Inverse inertia tensor, 1/(kg m²).
     pub fn inv_inertia(&self, body: usize) -> DMat3 {
         match self.tensor(body) {
             None => DMat3::from_diagonal(DVec3::splat(self.inv_moment[body])),
@@ -143,9 +142,9 @@ impl Masses {
         }
     }
 
-    /// trace([a]ᵀ J⁻¹ [a]) for an arm a.
+    /// trace([a]ᵀ J⁻¹ [a]) for an arm a, m; 1/kg.
     #[inline]
-    pub fn turning_trace(&self, body: usize, arm: DVec3) -> f64 {
+    pub fn rotational_trace(&self, body: usize, arm: DVec3) -> f64 {
         let Some([inverse, _]) = self.tensor(body) else {
             return 2.0 * self.inv_moment[body] * arm.length_squared();
         };

@@ -1,5 +1,5 @@
-//! Write every pair of shapes whose boxes overlap, once: the bin that holds the least corner of the overlap claims it. (The
-//! paper takes the overlap's midpoint; the least corner's bin follows from the shapes' own without arithmetic.)
+//! Broad phase: write every pair of shapes whose fat AABBs overlap, once: the bin with the minimum corner of the overlap reports it.
+//! (The paper takes the overlap's midpoint; the bin of the minimum corner follows from those of the shapes without arithmetic.)
 //! in   position           [n_bodies]       m
 //! in   orientation        [n_bodies]
 //! in   fat_aabb           [n_shapes]       m, world
@@ -8,36 +8,36 @@
 //! in   bin                [n_bin_pairs]    sorted
 //! in   bin_shape          [n_bin_pairs]
 //! in   bin_start          [n_active_bins]
-//! out  sphere_pair_start  [n_tiles + 2]    pairs of spheres of each tile, and of those in none
-//! out  sphere_pair        [n_sphere_pairs] the lower shape first
+//! out  sphere_pair_start  [n_tiles + 2]    pairs of spheres of each tile, and of those in no tile
+//! out  sphere_pair        [n_sphere_pairs] the lower id first
 //! out  other_pair_start   [n_tiles + 2]    the same of other pairs
-//! out  other_pair         [n_other_pairs]  the lower shape first, and the triangle if one is a mesh or a height field
+//! out  other_pair         [n_other_pairs]  the lower id first, and the triangle where one is a mesh or a height field
 //! Source: paper §3, stages 7–9.
 //!
-//! Shapes of different levels are found by the finer one, in the bins of the coarser level that it touches. Surfaces (planes,
-//! meshes, height fields) are few and are asked shape by shape.
+//! Pairs of shapes of different levels are found from the finer one, in the bins of the coarser level that it overlaps. Surfaces
+//! (planes, meshes, height fields) are few: every shape is tested against them.
 //!
-//! Bodies belong to the brick of bins where their boxes begin, which is their tile. A pair within one is found there. Pairs
-//! between tiles go to a second round of tiles, moved by half a brick along each axis, and the few that both rounds cut come
-//! last: a solver can work on the tiles of a round side by side, and finds what it asks for near together.
+//! The tile of a body is the brick of bins with the minimum corner of its box. Pairs within a tile belong to the first round. Pairs
+//! between tiles go to a second round of tiles, shifted by half a brick along each axis, and the few that cross tiles in both rounds
+//! come last: a solver can work on the tiles of a round in parallel, each with its data near together.
 
 use super::bin_emit::{BinGrid, Bins};
 use super::collide::surface_of;
 use crate::aabb::Aabb;
 use crate::model::Model;
-use crate::rows::{ALONE, CHUNK, cut, fill_rows};
+use crate::rows::{CHUNK, SERIAL_LIMIT, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::state::State;
 use glam::{DMat3, DVec3, Vec3A, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Pairs of shapes of a tile while they are found, the lower index first.
+/// Candidate pairs of a tile while they are found, the lower id first.
 #[derive(Clone, Default)]
 struct Candidates {
-    /// Of two spheres.
+    /// Pairs of spheres.
     spheres: Vec<[u32; 2]>,
-    /// Of others, and the triangle if one is a mesh or a height field.
+    /// Other pairs, and the triangle where one is a mesh or a height field.
     others: Vec<[u32; 3]>,
 }
 
@@ -52,18 +52,18 @@ impl Candidates {
     }
 }
 
-/// The pairs of shapes that may touch, by tiles: those of each tile of the first round, of each of the second, and of neither.
+/// The candidate pairs by tiles: those of each tile of the first round, of each of the second, and of no tile.
 #[derive(Default)]
 pub struct Pairs {
-    /// Tiles of the first round.
+    /// Number of tiles of the first round.
     pub n_first: usize,
-    /// First pair of spheres of each tile, of those in none, and their end (n_tiles + 2).
+    /// First pair of spheres of each tile and of the pairs in no tile, and the end (n_tiles + 2).
     pub sphere_start: Vec<u32>,
-    /// Pairs of spheres, the lower shape first (n_sphere_pairs).
+    /// Pairs of spheres, the lower id first (n_sphere_pairs).
     pub spheres: Vec<[u32; 2]>,
-    /// First other pair of each tile, of those in none, and their end (n_tiles + 2).
+    /// First other pair of each tile and of the pairs in no tile, and the end (n_tiles + 2).
     pub other_start: Vec<u32>,
-    /// Other pairs, the lower shape first, and the triangle if one is a mesh or a height field (n_other_pairs).
+    /// Other pairs, the lower id first, and the triangle where one is a mesh or a height field (n_other_pairs).
     pub others: Vec<[u32; 3]>,
 }
 
@@ -78,12 +78,12 @@ impl Pairs {
         &self.others[self.other_start[tile] as usize..self.other_start[tile + 1] as usize]
     }
 
-    /// Number of tiles, and one for what is in none.
+    /// Number of tiles, and one for the pairs in no tile.
     pub fn n_tiles(&self) -> usize {
         self.sphere_start.len() - 1
     }
 
-    /// Take what was found tile by tile: count, scan, write.
+    /// Take the candidate pairs of all tiles: count, scan, write.
     fn take(&mut self, found: Vec<Candidates>, n_first: usize) {
         self.n_first = n_first;
         flatten(&found, |c| &c.spheres, &mut self.sphere_start, &mut self.spheres);
@@ -101,7 +101,7 @@ fn flatten<R: Sync, T: Copy + Default + Send + Sync>(
     start.clear();
     start.extend(rows.iter().map(|row| items(row).len() as u32).chain([0]));
     let n = gpu::scan::exclusive_cpu(start) as usize;
-    if n <= ALONE {
+    if n <= SERIAL_LIMIT {
         out.clear();
         rows.iter().for_each(|row| out.extend_from_slice(items(row)));
         return;
@@ -111,18 +111,18 @@ fn flatten<R: Sync, T: Copy + Default + Send + Sync>(
     parts.into_par_iter().zip(rows).for_each(|(own, row)| own.copy_from_slice(items(row)));
 }
 
-/// The tile of a body that is held in place: any.
+/// The tile of a body that is held in place, which fits every tile.
 const HELD: u32 = u32::MAX;
 
-/// What is found in a tile. One thread uses it tile after tile.
+/// The pairs that a task finds in a tile, in memory that it keeps from tile to tile.
 struct Found<'a> {
     model: &'a Model,
     /// The tile of each body in both rounds (n_bodies).
     tile: &'a [[u32; 2]],
     here: u32,
-    /// Pairs within the tile, and the others.
+    /// Pairs within the tile, and pairs across tiles.
     own: Candidates,
-    cut: Vec<[u32; 3]>,
+    crossing: Vec<[u32; 3]>,
 }
 
 impl Found<'_> {
@@ -133,15 +133,15 @@ impl Found<'_> {
         if tiles.iter().all(|tile| *tile == self.here || *tile == HELD) {
             self.own.push(self.model, pair);
         } else {
-            self.cut.push(pair);
+            self.crossing.push(pair);
         }
     }
 }
 
-/// Members of a bin that are compared four at a time.
+/// Maximum number of shapes of a bin that are compared four at a time.
 const MEMBERS: usize = 64;
 
-/// What the stage reads.
+/// The input of the stage.
 struct Input<'a> {
     model: &'a Model,
     state: &'a State,
@@ -153,10 +153,10 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    /// Whether two shapes may touch at all: not of one body, not both held in place, not of bodies or groups that pass through
-    /// each other. What is inactive has no box, so that nobody asks.
+    /// Whether two shapes may collide: not of one body, not both held in place, not of bodies or groups that are excluded. Inactive shapes
+    /// have empty boxes, which overlap none.
     #[inline]
-    fn may_meet(&self, s: u32, t: u32) -> bool {
+    fn may_collide(&self, s: u32, t: u32) -> bool {
         let model = self.model;
         let (a, b) = (model.shape_body[s as usize], model.shape_body[t as usize]);
         if a == b || !(self.state.moves(a as usize) || self.state.moves(b as usize)) {
@@ -174,16 +174,16 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
     let aabb = state.fat_aabb.as_deref().expect("boxes from `bounds`");
     let Bins { grid, bin, shape, start } = bins;
     let input = &Input { model, state, aabb, grid, bin, shape, bin_start: start };
-    let is_there = |s: usize| model.shape_kind[s].is_surface() && !state.is_inactive(model.shape_body[s] as usize);
+    let is_surface = |s: usize| model.shape_kind[s].is_surface() && !state.is_inactive(model.shape_body[s] as usize);
     let surfaces: Vec<SurfaceAt> =
-        (0..model.n_shapes() as u32).filter(|s| is_there(*s as usize)).map(|s| SurfaceAt::of(input, s)).collect();
+        (0..model.n_shapes() as u32).filter(|s| is_surface(*s as usize)).map(|s| SurfaceAt::of(input, s)).collect();
     let mixed = input.grid.levels.iter().filter(|l| l.used).count() > 1;
     let tile = tiles_of(input);
-    // Room for so many pairs is no small block, whose memory would not go back to the system.
-    const ROOM: usize = 1 << 14;
+    // A large allocation, whose memory goes back to the system when it is freed.
+    const CAPACITY: usize = 1 << 14;
     let found = || {
-        let own = Candidates { spheres: Vec::with_capacity(ROOM), others: vec![] };
-        Found { model, tile: &tile, here: NOWHERE, own, cut: vec![] }
+        let own = Candidates { spheres: Vec::with_capacity(CAPACITY), others: vec![] };
+        Found { model, tile: &tile, here: NOWHERE, own, crossing: vec![] }
     };
 
     let bricks = bricks_of(input);
@@ -192,10 +192,10 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
         found.own.spheres.clear();
         found.own.others.clear();
         rows.clone().for_each(|row| in_bin(input, input.bin_start[row], found));
-        (found.own.clone(), std::mem::take(&mut found.cut))
+        (found.own.clone(), std::mem::take(&mut found.crossing))
     });
-    let (mut found_in, mut cut): (Vec<Candidates>, Vec<Vec<[u32; 3]>>) = within.unzip();
-    // The coarser levels and the surfaces that each shape meets.
+    let (mut found_in, mut crossing): (Vec<Candidates>, Vec<Vec<[u32; 3]>>) = within.unzip();
+    // The pairs of each shape with shapes of coarser levels and with surfaces.
     if mixed || !surfaces.is_empty() {
         let rows =
             (0..model.n_shapes().div_ceil(CHUNK)).into_par_iter().with_max_len(1).map_init(found, |found, chunk| {
@@ -205,25 +205,25 @@ pub fn run(model: &Model, state: &State, bins: &Bins, pairs: &mut Pairs) {
                     }
                     surfaces.iter().for_each(|t| on_surface(input, s as u32, t, found));
                 }
-                std::mem::take(&mut found.cut)
+                std::mem::take(&mut found.crossing)
             });
-        cut.par_extend(rows);
+        crossing.par_extend(rows);
     }
 
-    hand_over(model, &tile, &bricks, &cut.concat(), &mut found_in);
+    assign(model, &tile, &bricks, &crossing.concat(), &mut found_in);
     pairs.take(found_in, bricks.len());
 }
 
-/// Hand the pairs that were not found in their tiles over to these: to those of the first round, which are there already, to
-/// those of the second, which are added, or to the row of neither, which comes last.
-fn hand_over(
+/// Assign the pairs across tiles, and those found outside their tiles, to tiles: to those of the first round, which exist already, to
+/// those of the second, which are added, or to no tile, which comes last.
+fn assign(
     model: &Model,
     tile: &[[u32; 2]],
     bricks: &[(u32, Range<usize>)],
-    cut: &[[u32; 3]],
+    crossing: &[[u32; 3]],
     found: &mut Vec<Candidates>,
 ) {
-    /// Bits of a pair's place in `cut`.
+    /// Bits of a pair's index in `crossing`.
     const PLACE: u32 = 30;
     let tile_of = |[s, t, _]: &[u32; 3]| {
         let [a, b] = [s, t].map(|s| tile[model.shape_body[*s as usize] as usize]);
@@ -232,12 +232,12 @@ fn hand_over(
             None => (2, 0),
         }
     };
-    // Round, tile and place in one number, by which they are sorted.
+    // Round, tile and index in one sort key.
     let key = |(place, pair): (usize, &[u32; 3])| {
         let (round, tile) = tile_of(pair);
         (round as u64) << (32 + PLACE) | (tile as u64) << PLACE | place as u64
     };
-    let mut order: Vec<u64> = cut.par_iter().enumerate().map(key).collect();
+    let mut order: Vec<u64> = crossing.par_iter().enumerate().map(key).collect();
     order.par_sort_unstable();
     let mut neither = Candidates::default();
     for run in order.chunk_by(|a, b| a >> PLACE == b >> PLACE) {
@@ -248,7 +248,7 @@ fn hand_over(
             1 => &mut own,
             _ => &mut neither,
         };
-        run.iter().for_each(|key| home.push(model, cut[*key as usize & ((1 << PLACE) - 1)]));
+        run.iter().for_each(|key| home.push(model, crossing[*key as usize & ((1 << PLACE) - 1)]));
         if round == 1 {
             found.push(own);
         }
@@ -259,7 +259,7 @@ fn hand_over(
 /// No brick.
 const NOWHERE: u32 = u32::MAX - 1;
 
-/// The tile of each body in both rounds; of a body of several shapes, the last one's.
+/// The tiles of each body in both rounds; for a body with several shapes, those of the last (n_bodies).
 fn tiles_of(input: &Input) -> Vec<[u32; 2]> {
     let Input { model, state, grid, .. } = input;
     let mut of_shape = vec![[0; 2]; model.n_shapes()];
@@ -273,7 +273,7 @@ fn tiles_of(input: &Input) -> Vec<[u32; 2]> {
     tile
 }
 
-/// The bricks that have any shape, rising, and which of the active bins are theirs.
+/// The bricks that have any shape, ascending, and the range of the active bins of each.
 fn bricks_of(input: &Input) -> Vec<(u32, Range<usize>)> {
     let Input { grid, bin, bin_start, .. } = input;
     let mut rows = 0;
@@ -287,18 +287,18 @@ fn bricks_of(input: &Input) -> Vec<(u32, Range<usize>)> {
     bin.chunk_by(|a, b| grid.brick(*a) == grid.brick(*b)).map(of_brick).collect()
 }
 
-/// The pairs that a bin claims.
+/// The pairs that a bin reports.
 #[inline]
 fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
     let grid = input.grid;
     let members = &input.shape[first as usize..end as usize];
-    let here = grid.place(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
-    // The overlap of two boxes begins in this bin along an axis if one of them does: with a bit an axis, the bin claims a pair
-    // whose bits together are all set.
+    let here = grid.coordinates(grid.level[members[0] as usize] as usize, input.bin[first as usize]);
+    // The minimum corner of the overlap of two boxes is in this bin along an axis if that of one of them is: with a bit per axis, the bin
+    // reports a pair whose bits together are all set.
     let begins = |s: u32| grid.low[s as usize].cmpeq(here).bitmask() as usize;
     let boxes = |s: u32| &input.aabb[s as usize];
     let mut find = |s: u32, t: u32| {
-        if input.may_meet(s, t) {
+        if input.may_collide(s, t) {
             found.push(s, t, 0);
         }
     };
@@ -314,7 +314,7 @@ fn in_bin(input: &Input, [first, end]: [u32; 2], found: &mut Found) {
     }
     let mut side_by_side = [FourBoxes::default(); MEMBERS / 4];
     let mut bits = [0; MEMBERS];
-    // The members, as bits, that have the bits `k` among theirs.
+    // Mask of the members that have all bits of `k`.
     let mut having = [0u64; 8];
     for (i, &s) in members.iter().enumerate() {
         side_by_side[i / 4].put(i % 4, boxes(s));
@@ -350,7 +350,7 @@ impl FourBoxes {
         }
     }
 
-    /// Which of them share a point with a box, as bits.
+    /// Mask of the boxes that overlap a box.
     #[inline(always)]
     fn overlap(&self, b: &Aabb) -> u32 {
         let along = |k: usize| self.min[k].cmple(Vec4::splat(b.max[k])) & self.max[k].cmpge(Vec4::splat(b.min[k]));
@@ -375,7 +375,8 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Found) {
             let members = input.bin[start..].iter().zip(&input.shape[start..]).take_while(|(b, _)| **b == here);
             for (_, &t) in members {
                 let b = &aabb[t as usize];
-                if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && input.may_meet(s, t) {
+                if a.overlaps(b) && grid.index(level, low.max(grid.low[t as usize])) == here && input.may_collide(s, t)
+                {
                     found.push(s, t, 0);
                 }
             }
@@ -383,14 +384,14 @@ fn in_coarser_levels(input: &Input, s: u32, found: &mut Found) {
     }
 }
 
-/// A surface in its place.
+/// A surface in world coordinates.
 struct SurfaceAt {
     shape: u32,
     kind: ShapeKind,
     position: DVec3,
-    /// World to local.
-    turn: DMat3,
-    /// Of a plane: its normal, and its height along it with all slack of the boxes added.
+    /// Rotation from world to local.
+    to_local: DMat3,
+    /// For a plane: its normal, and its offset along it with the envelope and the rounding of boxes added, m.
     up: Vec3A,
     height: f32,
 }
@@ -404,7 +405,7 @@ impl SurfaceAt {
             shape,
             kind: input.model.shape_kind[shape as usize],
             position: place.position,
-            turn: DMat3::from_quat(place.orientation.inverse()),
+            to_local: DMat3::from_quat(place.orientation.inverse()),
             up: up.as_vec3a(),
             height: (reach + 1e-6 * reach.abs() + input.model.envelope) as f32,
         }
@@ -416,24 +417,24 @@ impl SurfaceAt {
 fn on_surface(input: &Input, s: u32, t: &SurfaceAt, found: &mut Found) {
     let a = &input.aabb[s as usize];
     if t.kind == ShapeKind::Plane {
-        // The box's corner that is deepest; an empty box has none.
+        // The deepest corner of the box; that of an empty box is at infinity.
         let deepest = Vec3A::select(t.up.cmpgt(Vec3A::ZERO), a.min, a.max);
         if deepest.dot(t.up) <= t.height
             && !input.model.shape_kind[s as usize].is_surface()
-            && input.may_meet(s, t.shape)
+            && input.may_collide(s, t.shape)
         {
             found.push(s, t.shape, 0);
         }
         return;
     }
-    if input.model.shape_kind[s as usize].is_surface() || !a.min.is_finite() || !input.may_meet(s, t.shape) {
+    if input.model.shape_kind[s as usize].is_surface() || !a.min.is_finite() || !input.may_collide(s, t.shape) {
         return;
     }
     let (min, max) = (a.min.as_dvec3(), a.max.as_dvec3());
     let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
     let Some(surface) = surface_of(input.model, t.shape as usize) else { return };
-    // The box of the shape's box, in the surface's frame.
-    let local = t.turn * (centre - t.position);
-    let reach = t.turn.x_axis.abs() * half.x + t.turn.y_axis.abs() * half.y + t.turn.z_axis.abs() * half.z;
+    // The bounds of the shape's box in the surface's frame.
+    let local = t.to_local * (centre - t.position);
+    let reach = t.to_local.x_axis.abs() * half.x + t.to_local.y_axis.abs() * half.y + t.to_local.z_axis.abs() * half.z;
     surface.visit(local - reach, local + reach, &mut |triangle| found.push(s, t.shape, triangle));
 }

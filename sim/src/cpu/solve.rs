@@ -4,7 +4,7 @@
 //! (Negrut et al. 2012, §2). A method ([`crate::Method`]) sees N only as an [`Operator`]: `bodies` and `body_operator` apply it
 //! matrix-free to contacts between bodies, with the joints eliminated; `crate::problem` has one of sparse blocks.
 //!
-//! Multipliers are three numbers a block. Those of contacts are vectors of the world, so that no tangent frame is needed.
+//! A block has three multipliers. Those of a contact are a vector in the world frame, so that no tangent frame is needed.
 
 mod apgd;
 mod barzilai_borwein;
@@ -50,13 +50,13 @@ pub fn solve(
         op.response(gamma, response);
         return Outcome::default();
     }
-    if op.has_cones_apart() {
+    if op.has_independent_cones() {
         let values = Cells::new(gamma);
         // SAFETY: each index is one task's, and no cone depends on another block's multipliers.
         let project = |i: usize| unsafe { values.set(i, op.project_in(i, values.get(i), &values)) };
         (0..op.n_blocks()).into_par_iter().with_min_len(CHUNK).for_each(project);
     } else {
-        // One after the other: what a rolling block may carry depends on its contact's.
+        // In order: the cone of a rolling block depends on its contact's multipliers.
         (0..gamma.len()).for_each(|i| gamma[i] = op.project(i, gamma[i], gamma));
     }
     op.response(gamma, response);

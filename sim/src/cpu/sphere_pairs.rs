@@ -1,4 +1,4 @@
-//! Pairs of spheres in a model that has spheres only, four at a time.
+//! Narrow phase of sphere pairs, four at a time, where the plan has spheres only.
 
 use super::contact_rows::{Rows, along};
 use crate::lanes::{Lane3, LaneLoop, Lanes4, four, four_mut};
@@ -13,7 +13,7 @@ struct Spheres<V> {
 }
 
 impl<V: Lanes4> Spheres<V> {
-    /// The first (0) or the second (1) spheres of four pairs. A sphere has the layout of a motion.
+    /// The first (side 0) or the second (side 1) spheres of four pairs. A sphere has the layout of a twist.
     #[inline(always)]
     fn of(spheres: &[Sphere], pairs: &[[u32; 2]; 4], side: usize) -> Spheres<V> {
         let row = |pair: [u32; 2]| -> &Twist { bytemuck::cast_ref(&spheres[pair[side] as usize]) };
@@ -22,14 +22,14 @@ impl<V: Lanes4> Spheres<V> {
     }
 }
 
-/// Find which touch: how many, and their places at the beginning of `place`. Nothing foretells which, so that every pair is
-/// written and only those that touch are counted.
+/// Find the pairs that touch: their count, and their indices at the beginning of `place`. The branch could not be predicted, so that
+/// every index is written and only those of pairs that touch are counted.
 pub struct Find<'a> {
     /// The pairs.
     pub pairs: &'a [[u32; 2]],
     /// The spheres (n_shapes).
     pub spheres: &'a [Sphere],
-    /// There is room for all.
+    /// Indices of the pairs that touch (n_pairs).
     pub place: &'a mut [u32],
 }
 
@@ -43,8 +43,8 @@ impl LaneLoop for Find<'_> {
         let mut n = 0;
         for (k, pairs) in fours.iter().enumerate() {
             let (p, q) = (Spheres::<V>::of(spheres, pairs, 0), Spheres::of(spheres, pairs, 1));
-            let (apart, reach) = (p.centre.minus(q.centre), p.reach + q.reach);
-            let near = apart.dot(apart).mask_le(reach * reach);
+            let (offset, reach) = (p.centre.minus(q.centre), p.reach + q.reach);
+            let near = offset.dot(offset).mask_le(reach * reach);
             for l in 0..4 {
                 place[n] = (4 * k + l) as u32;
                 n += (near >> l & 1) as usize;
@@ -58,15 +58,15 @@ impl LaneLoop for Find<'_> {
     }
 }
 
-/// Write the contacts of those that touch.
+/// Write the contacts of the pairs that touch.
 pub struct Write<'a, 'b> {
     /// The pairs.
     pub pairs: &'a [[u32; 2]],
-    /// Which of them touch.
+    /// Indices of the pairs that touch.
     pub places: &'a [u32],
     /// The spheres (n_shapes).
     pub spheres: &'a [Sphere],
-    /// Where to.
+    /// The rows to write.
     pub rows: &'a mut Rows<'b, [f64; 2]>,
 }
 
@@ -81,8 +81,8 @@ impl LaneLoop for Write<'_, '_> {
         for k in (0..whole).step_by(4) {
             let pairs = four(places, k).map(|place| pairs[place as usize]);
             let (p, q) = (Spheres::<V>::of(spheres, &pairs, 0), Spheres::of(spheres, &pairs, 1));
-            let apart = q.centre.minus(p.centre);
-            let distance = apart.dot(apart).sqrt();
+            let offset = q.centre.minus(p.centre);
+            let distance = offset.dot(offset).sqrt();
             let gap = distance - (p.radius + q.radius);
             let half = V::splat(0.5) * gap;
             let (reach_p, reach_q) = ((p.radius + half).to_array(), (q.radius + half).to_array());
@@ -90,17 +90,17 @@ impl LaneLoop for Write<'_, '_> {
             for l in 0..4 {
                 let [s, t] = pairs[l];
                 let (p, q) = (&spheres[s as usize], &spheres[t as usize]);
-                let turned = p.body > q.body;
-                rows.bodies[k + l] = if turned { [q.body, p.body] } else { [p.body, q.body] };
-                rows.arms[k + l] = if turned { [reach_q[l], reach_p[l]] } else { [reach_p[l], reach_q[l]] };
+                let is_swapped = p.body > q.body;
+                rows.bodies[k + l] = if is_swapped { [q.body, p.body] } else { [p.body, q.body] };
+                rows.arms[k + l] = if is_swapped { [reach_q[l], reach_p[l]] } else { [reach_p[l], reach_q[l]] };
                 rows.key[k + l] = [s, t, 0];
                 rows.law[k + l] = p.material * rows.n_materials + q.material;
-                out[l] = if turned { -1.0 } else { 1.0 };
+                out[l] = if is_swapped { -1.0 } else { 1.0 };
             }
             let normal = Lane3 {
-                x: distance.select_le(zero, zero, apart.x / distance),
-                y: distance.select_le(zero, zero, apart.y / distance),
-                z: distance.select_le(zero, one, apart.z / distance),
+                x: distance.select_le(zero, zero, offset.x / distance),
+                y: distance.select_le(zero, zero, offset.y / distance),
+                z: distance.select_le(zero, one, offset.z / distance),
             };
             V::store3(normal.times(V::load(&out)), four_mut(rows.normal, k));
             *four_mut(rows.gap, k) = gap.to_array();
@@ -129,7 +129,7 @@ mod tests {
         c
     }
 
-    /// Four at a time, in registers and in arrays, is what one at a time is, to the bit; also of spheres in one place.
+    /// Four at a time, in registers and in arrays, have the same bits as one at a time; also for spheres with a common centre.
     #[test]
     fn four_pairs_are_four_single_ones() {
         let mut random = SplitMix64(6);

@@ -2,59 +2,60 @@
 //! in     contact_start    [n_tiles + 2]
 //! in     contact_key      [n_contacts]
 //! in     contact_pair     [n_contacts]
-//! inout  impulse          [n_contacts]  N s, world: the last step's; zero for a new contact
+//! inout  impulse          [n_contacts]  N s, world: that of the last step; zero for a new contact
 //! inout  rolling_impulse  [n_contacts]  N m s, world, where the plan has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 //!
-//! While the pairs of shapes hold, the contacts of two spheres stand in their order in both steps, and one walk along both
-//! finds the same ones. The others, and all after the pairs were looked for again, are looked for by their keys.
+//! While the candidate pairs are those of the last step, contacts of sphere pairs have the same order in both steps, and one pass
+//! along both matches them. The others, and all after a run of the broad phase, are matched by their keys.
 
-use crate::contacts::{Contacts, NOT_OF_SPHERES};
+use crate::contacts::{Contacts, NO_SPHERE_PAIR};
 use crate::plan::StepPlan;
 use crate::rows::{cut, fill_rows};
 use glam::{DVec3, Vec3};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
 
-/// What is kept of a step's contacts. A starting point needs no double precision.
+/// The contacts of the last step. Single precision is enough for a starting point.
 #[derive(Default)]
 pub struct Last {
-    /// Whether the pairs of shapes still hold.
-    kept: bool,
-    /// Contacts that are looked for by their keys, and these: those that are not between two spheres if the pairs hold, else all.
+    /// Whether the candidate pairs are still those of the last step.
+    pairs_hold: bool,
+    /// Contacts that are matched by their keys, and the keys: those that are not of sphere pairs if the pairs hold, else all.
     known: Vec<u32>,
     key: Vec<[u32; 3]>,
     impulse: Vec<Vec3>,
     rolling_impulse: Vec<Vec3>,
-    /// The pairs of spheres that touched, and the first contact of each tile.
+    /// Indices of the sphere pairs that touched, and the first contact of each tile.
     pair: Vec<u32>,
     start: Vec<u32>,
 }
 
-/// No contact of the last step.
+/// The match of a contact that was not in the last step.
 const NEW: u32 = u32::MAX;
 
-/// The pairs of spheres that touch, tile by tile.
+/// Indices of the sphere pairs that touch, by tile.
 fn pairs_by_tile<'a>(pair: &'a [u32], start: &[u32]) -> Vec<&'a [u32]> {
     let of_tile = |ends: &[u32]| {
         let own = &pair[ends[0] as usize..ends[1] as usize];
-        &own[..own.partition_point(|pair| *pair != NOT_OF_SPHERES)]
+        &own[..own.partition_point(|pair| *pair != NO_SPHERE_PAIR)]
     };
     start.windows(2).map(of_tile).collect()
 }
 
-/// The contacts that are not between two spheres.
+/// Indices of the contacts that are not of sphere pairs.
 fn others(pair: &[u32]) -> Vec<u32> {
-    pair.iter().zip(0..).filter(|(pair, _)| **pair == NOT_OF_SPHERES).map(|(_, i)| i).collect()
+    pair.iter().zip(0..).filter(|(pair, _)| **pair == NO_SPHERE_PAIR).map(|(_, i)| i).collect()
 }
 
 impl Last {
-    /// Take the contacts of the last step, all but the columns of this one; `kept` says that the pairs of shapes hold.
-    pub fn take(&mut self, contacts: &mut Contacts, kept: bool) {
-        self.kept = kept;
+    /// Take the contacts of the last step, before those of this step are written; `pairs_hold` asserts that the candidate pairs are the
+    /// same.
+    pub fn take(&mut self, contacts: &mut Contacts, pairs_hold: bool) {
+        self.pairs_hold = pairs_hold;
         std::mem::swap(&mut self.start, &mut contacts.tiles.start);
         std::mem::swap(&mut self.pair, &mut contacts.pair);
-        if kept {
+        if pairs_hold {
             self.known = others(&self.pair);
             self.key = self.known.iter().map(|i| contacts.key[*i as usize]).collect();
         } else {
@@ -67,7 +68,7 @@ impl Last {
         fill_rows(&mut self.rolling_impulse, |i| contacts.rolling_impulse[i].as_vec3());
     }
 
-    /// Find the contacts between two spheres, tile by tile along the pairs.
+    /// Match the contacts of sphere pairs, tile by tile along the pairs.
     fn find_spheres(&self, contacts: &Contacts, same: &mut [u32]) {
         let start = &contacts.tiles.start;
         let same = cut(same, start.windows(2).map(|ends| (ends[1] - ends[0]) as usize));
@@ -85,7 +86,7 @@ impl Last {
         });
     }
 
-    /// Find contacts by their keys, in the shorter list of their two shapes.
+    /// Match contacts by their keys, in the shorter list of the contacts of their two shapes.
     fn find(&self, n_shapes: usize, keys: impl Fn(usize) -> [u32; 3] + Sync, same: &mut [u32]) {
         let sides = || (0..2 * self.key.len()).map(|k| (self.key[k / 2][k % 2], k as u32 / 2));
         let (mut start, mut of_shape) = (vec![], vec![]);
@@ -100,7 +101,7 @@ impl Last {
     }
 }
 
-/// The stage. The last step's keys are let go.
+/// The stage. The memory of the last step's keys is released.
 pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
     let mut rolling_impulse = std::mem::take(&mut contacts.rolling_impulse);
@@ -109,12 +110,12 @@ pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Con
     rolling_impulse.resize(if plan.rolls { n } else { 0 }, DVec3::ZERO);
     if plan.warm_starts {
         let mut same = vec![NEW; n];
-        if last.kept {
+        if last.pairs_hold {
             last.find_spheres(contacts, &mut same);
-            let asked = others(&contacts.pair);
-            let mut found = vec![NEW; asked.len()];
-            last.find(n_shapes, |k| contacts.key[asked[k] as usize], &mut found);
-            asked.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
+            let by_key = others(&contacts.pair);
+            let mut found = vec![NEW; by_key.len()];
+            last.find(n_shapes, |k| contacts.key[by_key[k] as usize], &mut found);
+            by_key.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
         } else {
             last.find(n_shapes, |i| contacts.key[i], &mut same);
         }

@@ -1,9 +1,9 @@
-//! Lanes against arrays, to the bit.
+//! Lanes in registers against arrays, bit for bit.
 
 use super::*;
 use std::arch::x86_64::{__m256, __m256d};
 
-/// A contact without friction pushes along its normal and never pulls, with or without a tangent part.
+/// The projection of a contact without friction has no negative normal part and no tangent part.
 #[test]
 fn without_friction_nothing_pulls() {
     let n = Lane3 { x: Plain([0.0f64; 4]), y: Plain([0.0; 4]), z: Plain([1.0; 4]) };
@@ -13,7 +13,7 @@ fn without_friction_nothing_pulls() {
     assert_eq!(z.x.0, [0.0; 4]);
 }
 
-/// What registers load, compute and store is what arrays do, to the bit.
+/// Registers load, compute and store the same bits as arrays.
 #[test]
 fn registers_and_arrays_agree() {
     #[target_feature(enable = "avx2")]
@@ -21,7 +21,7 @@ fn registers_and_arrays_agree() {
         double::<Wide<__m256d>>(v, t, out);
         single::<Wide<__m256>>(f)
     }
-    /// Vectors, motions and bits.
+    /// Vectors, twists and a mask.
     type Out = ([DVec3; 4], [Twist; 4], u32);
     fn double<V: Lanes4>(v: &[DVec3; 4], t: [&Twist; 4], out: &mut Out) {
         let n = V::load3(v);

@@ -1,4 +1,4 @@
-//! From the file's types to columns: every value is checked here, and every fault has its place.
+//! Resolution of a model file to the columns of a model: every value is checked, and every fault has its key.
 
 mod base;
 mod bodies;
@@ -29,12 +29,15 @@ impl ModelFile {
         serde_yaml::to_string(self).expect("a model is plain data")
     }
 
-    /// The whole run's duration, s.
+    /// Duration of the run with all stages, s.
     pub fn whole_duration(&self) -> f64 {
         if self.stages.is_empty() { self.duration } else { self.stages.iter().map(|s| s.duration).sum() }
     }
 
     /// Check every value and build the columns.
+    ///
+    /// # Errors
+    /// The first fault, with the line and column of its key in `doc`.
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
         self.check_numbers(doc)?;
         let mut build = Builder::new(self, doc);
@@ -113,16 +116,16 @@ struct Builder<'a> {
     groups_pass: Vec<[u32; 2]>,
     exclusions: Vec<[u32; 2]>,
     stages: Vec<(String, f64)>,
-    /// Where the bodies that have names stand in the file.
+    /// Keys of the named bodies in the file.
     key_of_body: BTreeMap<u32, String>,
-    /// What probes watch unless told otherwise.
+    /// Bodies, joints and springs that are probed by default.
     probe_bodies: Vec<u32>,
     probe_joints: Vec<u32>,
     probe_springs: Vec<u32>,
     warnings: Vec<String>,
 }
 
-/// A shape on its way into the columns.
+/// A shape to be added to the columns.
 struct NewShape {
     shape: Shape,
     pose: Pose,
@@ -131,10 +134,10 @@ struct NewShape {
     group: u32,
 }
 
-/// A body on its way into the columns.
+/// A body to be added to the columns.
 struct NewBody {
     class: u32,
-    /// The file's frame in the world.
+    /// Pose of the file's body frame, world.
     place: Pose,
     velocity: DVec3,
     angular_velocity: DVec3,
@@ -178,7 +181,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The laws of all pairs of materials.
+    /// Set the contact laws of all pairs of materials.
     fn laws(&mut self) -> Result<(), Fault> {
         let names = self.model.material_names.clone();
         let n = names.len();
@@ -234,11 +237,11 @@ impl<'a> Builder<'a> {
     }
 
     fn class(&mut self, name: &str) -> u32 {
-        number_of(&mut self.model.class_names, name)
+        index_of(&mut self.model.class_names, name)
     }
 
     fn group(&mut self, name: Option<&str>) -> u32 {
-        name.map_or(0, |n| number_of(&mut self.model.group_names, n))
+        name.map_or(0, |n| index_of(&mut self.model.group_names, n))
     }
 
     fn content(&mut self, prefix: &str, content: Content<'_>, begins: f64) -> Result<(), Fault> {
@@ -321,53 +324,53 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The envelope as given, or a fiftieth of the least half length of what moves.
+    /// Set the envelope: as given, or a fiftieth of the smallest half length of a moving shape.
     fn choose_envelope(&mut self) {
-        let least = (0..self.model.n_shapes())
+        let min = (0..self.model.n_shapes())
             .filter(|s| self.moves_ever(self.model.shape_body[*s]))
             .map(|s| self.model.shape_size[s].min_element())
             .fold(f64::INFINITY, f64::min);
-        let default = if least.is_finite() { 0.02 * least } else { 1e-3 };
+        let default = if min.is_finite() { 0.02 * min } else { 1e-3 };
         self.model.envelope = self.file.solver.envelope.unwrap_or(default);
     }
 }
 
-/// The number of a name in a list, which it is added to if need be.
-fn number_of(names: &mut Vec<String>, name: &str) -> u32 {
+/// Index of a name in a list, to which it is added if it is missing.
+fn index_of(names: &mut Vec<String>, name: &str) -> u32 {
     names.iter().position(|n| n == name).unwrap_or_else(|| {
         names.push(name.into());
         names.len() - 1
     }) as u32
 }
 
-/// Bodies that overlap at the start: deeper than a radius is an error, deeper than a tenth of it is told.
+/// Check overlaps at the start: one deeper than a radius is an error, one deeper than a tenth of it a warning.
 fn overlaps(resolved: &mut Resolved, doc: &Document, key_of: &BTreeMap<u32, String>) -> Result<(), Fault> {
     let Resolved { model, state, warnings, .. } = resolved;
     let found = crate::overlaps::overlaps(model, state);
-    let mut told = 0;
+    let mut n_warned = 0;
     for o in &found {
         let radius = o.shapes.map(|s| match model.shape_kind[s as usize] {
             kind if kind.is_surface() => f64::INFINITY,
             _ => model.shape_size[s as usize].min_element(),
         });
-        let least = radius[0].min(radius[1]);
+        let radius = radius[0].min(radius[1]);
         let [a, b] = o.bodies.map(|b| model.body_label(b as usize));
         let text = format!("bodies {a} and {b} overlap by {:.3e} m at the start", o.depth);
-        if o.depth > least {
+        if o.depth > radius {
             let key = o.bodies.iter().rev().find_map(|b| key_of.get(b)).cloned().unwrap_or_default();
-            return Err(doc
-                .fault(&key, format!("{text}, more than a radius of {least:.3e} m"))
-                .hint("move one of them, put them in groups that pass through each other, or join them"));
+            return Err(doc.fault(&key, format!("{text}, more than a radius of {radius:.3e} m")).hint(
+                "move one of them, put them in groups that pass through each other, or connect them by a joint",
+            ));
         }
-        if o.depth > 0.1 * least {
-            told += 1;
-            if told <= 5 {
+        if o.depth > 0.1 * radius {
+            n_warned += 1;
+            if n_warned <= 5 {
                 warnings.push(text);
             }
         }
     }
-    if told > 5 {
-        warnings.push(format!("{} more pairs of bodies overlap at the start", told - 5));
+    if n_warned > 5 {
+        warnings.push(format!("{} more pairs of bodies overlap at the start", n_warned - 5));
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The geometry of a shape: checked, read from its files, and turned into kind, size and parts.
+//! Resolution of a shape: its values are checked, its files read, and its kind, size, hull or surface computed.
 
 use super::types::*;
 use crate::ShapeKind;
@@ -8,26 +8,26 @@ use frame::yaml::Document;
 use glam::{DQuat, DVec3};
 use std::path::Path;
 
-/// A shape, ready for the columns.
+/// A resolved shape.
 pub struct Shape {
-    /// What it is.
+    /// Kind.
     pub kind: ShapeKind,
-    /// Its size, as for [`ShapeKind`].
+    /// Size, m, as [`ShapeKind`] has it.
     pub size: DVec3,
-    /// Its hull.
+    /// Hull, where the kind is one.
     pub hull: Option<Hull>,
-    /// Its triangles.
+    /// Triangles, where the kind is a mesh or a height field.
     pub surface: Option<Surface>,
-    /// From the origin of the file's shape to the shape's own.
+    /// Position of the shape's origin in the file's frame, m.
     pub shift: DVec3,
-    /// The turn of a plane to its normal.
-    pub turn: DQuat,
+    /// Orientation of the shape in the file's frame: a plane's rotation to its normal.
+    pub rotation: DQuat,
 }
 
 impl Shape {
-    /// A shape that is known by its size alone.
+    /// A shape without hull, surface, shift or rotation.
     pub fn simple(kind: ShapeKind, size: DVec3) -> Shape {
-        Shape { kind, size, hull: None, surface: None, shift: DVec3::ZERO, turn: DQuat::IDENTITY }
+        Shape { kind, size, hull: None, surface: None, shift: DVec3::ZERO, rotation: DQuat::IDENTITY }
     }
 }
 
@@ -57,7 +57,7 @@ pub fn direction(doc: &Document, key: &str, v: [f64; 3]) -> Result<DVec3, Fault>
     DVec3::from_array(v).try_normalize().ok_or_else(|| doc.fault(key, "is zero, expected a direction"))
 }
 
-/// An orientation given as a turn, as a quaternion, or not at all.
+/// The orientation of the keys `rotate` or `orientation`, or the identity.
 pub fn orientation(
     doc: &Document,
     key: &str,
@@ -85,11 +85,11 @@ pub fn orientation(
     }
 }
 
-/// The names of the shapes, for messages.
+/// Names of the shapes, for messages.
 const NAMES: &str =
     "`sphere`, `ellipsoid`, `box`, `cylinder`, `capsule`, `cone`, `hull`, `plane`, `mesh` or `height_field`";
 
-/// How many geometries are given.
+/// Number of geometries that are given.
 pub fn count(file: &ShapeFile) -> usize {
     [
         file.sphere.is_some(),
@@ -108,7 +108,7 @@ pub fn count(file: &ShapeFile) -> usize {
     .count()
 }
 
-/// Check and read a shape. `key` is where it stands.
+/// Check and resolve a shape. `key` is its key in the file, `what` the name of its owner for messages.
 pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
     if count(file) != 1 {
         return Err(doc.fault(key, format!("{what} needs exactly one shape: {NAMES}")));
@@ -137,7 +137,10 @@ pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Resul
         hull_shape(doc, &format!("{key}.hull"), hull)
     } else if let Some(plane) = &file.plane {
         let normal = direction(doc, &format!("{key}.plane.normal"), plane.normal)?;
-        Ok(Shape { turn: DQuat::from_rotation_arc(DVec3::Z, normal), ..Shape::simple(ShapeKind::Plane, DVec3::ZERO) })
+        Ok(Shape {
+            rotation: DQuat::from_rotation_arc(DVec3::Z, normal),
+            ..Shape::simple(ShapeKind::Plane, DVec3::ZERO)
+        })
     } else if let Some(mesh) = &file.mesh {
         let key = format!("{key}.mesh");
         positive(doc, &format!("{key}.scale"), mesh.scale)?;
@@ -152,7 +155,7 @@ pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Resul
     }
 }
 
-/// A shape of triangles; its size bounds it about its own origin.
+/// A mesh or height field; its size is the half lengths of the box about its origin that contains it.
 pub fn surface_shape(kind: ShapeKind, surface: Surface) -> Shape {
     let (lo, hi) = surface.bounds();
     Shape { surface: Some(surface), ..Shape::simple(kind, lo.abs().max(hi.abs())) }
@@ -171,8 +174,8 @@ fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault
     if points.len() < 4 {
         return Err(doc.fault(key, format!("has {} points, expected at least 4", points.len())));
     }
-    let (hull, centre) =
-        Hull::of_points(&points).ok_or_else(|| doc.fault(key, "its points lie in a plane: they enclose nothing"))?;
+    let (hull, centre) = Hull::of_points(&points)
+        .ok_or_else(|| doc.fault(key, "has points that lie in a plane: expected points that enclose a volume"))?;
     let size = hull.half_extent();
     Ok(Shape { hull: Some(hull), shift: centre, ..Shape::simple(ShapeKind::Hull, size) })
 }
@@ -241,7 +244,7 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
     Ok(surface_shape(ShapeKind::HeightField, Surface::height_field(&heights, n, origin, spacing)))
 }
 
-/// Heights of a text file, row by row.
+/// Heights of a text file, row by row, m, and their counts along x and y.
 fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize; 2]), Fault> {
     let text = std::fs::read_to_string(path).map_err(|e| doc.fault(key, format!("{}: {e}", path.display())))?;
     let (mut heights, mut nx, mut ny) = (vec![], 0, 0);
@@ -251,7 +254,7 @@ fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize
             match cell.parse::<f64>() {
                 Ok(z) if z.is_finite() => heights.push(z),
                 _ => {
-                    let message = format!("{}, line {}: `{cell}` is not a height", path.display(), line + 1);
+                    let message = format!("{}, line {}: `{cell}` is not a number", path.display(), line + 1);
                     return Err(doc.fault(key, message));
                 }
             }

@@ -1,4 +1,4 @@
-//! The model file as types. Every type refuses keys that it does not know.
+//! The types of the model file. Every type refuses unknown keys.
 
 mod bodies;
 mod fills;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What can be in a model, or come with a stage.
+/// The content of a model or a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Content<'a> {
     /// `bodies`.
@@ -32,8 +32,7 @@ pub struct Content<'a> {
     pub loads: &'a [LoadFile],
 }
 
-// Fields that several types share are written out in each of them: a reader of flattened types could not say where a wrong
-// key stands.
+// Common fields are repeated in each type: with flattened types an unknown key would be reported without its line.
 
 /// A type with the fields of [`Content`] after its own.
 macro_rules! with_content {
@@ -41,16 +40,16 @@ macro_rules! with_content {
         $(#[$meta])*
         pub struct $name {
             $($own)*
-            /// Single bodies.
+            /// Bodies.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub bodies: Vec<BodyFile>,
             /// Regions filled with spheres.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub fills: Vec<FillFile>,
-            /// Ready-made grounds.
+            /// Terrains: parametric grounds.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub terrains: Vec<TerrainFile>,
-            /// Ready-made machines.
+            /// Assemblies: parametric machines.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub assemblies: Vec<AssemblyFile>,
             /// Joints.
@@ -59,13 +58,13 @@ macro_rules! with_content {
             /// Springs and dampers.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub springs: Vec<SpringFile>,
-            /// Forces and torques.
+            /// Loads: forces and torques.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub loads: Vec<LoadFile>,
         }
 
         impl $name {
-            /// What is in it.
+            /// Bodies, joints and all else that it adds.
             pub fn content(&self) -> Content<'_> {
                 Content {
                     bodies: &self.bodies,
@@ -89,7 +88,7 @@ with_content! {
         /// Name, for messages; the file's stem if not given.
         #[serde(default)]
         pub name: String,
-        /// Gravity, m/s².
+        /// Gravity, m/s², world.
         #[serde(default = "default_gravity")]
         pub gravity: [f64; 3],
         /// Step size, s.
@@ -98,56 +97,56 @@ with_content! {
         /// Time to simulate, s; with `stages`, the sum of theirs.
         #[serde(default = "default_duration")]
         pub duration: f64,
-        /// Frames a second of simulated time.
+        /// Frames per second of simulated time.
         #[serde(default = "default_frame_rate")]
         pub frame_rate: f64,
-        /// Seed of the generators.
+        /// Seed of the pseudo-random generator.
         #[serde(default)]
         pub seed: u64,
-        /// How frames are stored.
+        /// File format of frames.
         #[serde(default)]
         #[schemars(with = "String")]
         pub format: frame::run::FrameFormat,
-        /// Time between checkpoints, s; one at each stage's end and at the end of the run are written in any case.
+        /// Time between checkpoints, s; there is also one at the end of each stage and of the run.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub checkpoint_interval: Option<f64>,
-        /// What to do when a step goes wrong (a residual, a joint or an energy out of bounds): `warn`, and end with exit code 5, or
-        /// `stop` with exit code 4. What is not finite always stops.
+        /// Reaction to a residual, joint error or energy out of bounds: `warn`, and end with exit code 5, or `stop` with exit code 4.
+        /// Values that are not finite always stop the run.
         #[serde(default, skip_serializing_if = "OnDivergence::is_default")]
         pub on_divergence: OnDivergence,
-        /// Another run whose bodies are there from the start, as they were at its last checkpoint.
+        /// Another run, whose bodies at its last checkpoint are in this model from the start.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub base: Option<BaseFile>,
-        /// The contact solver.
+        /// Settings of the contact solver.
         #[serde(default)]
         pub solver: SolverSettings,
         /// Materials by name.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         pub materials: BTreeMap<String, MaterialFile>,
-        /// Laws of pairs of materials, where they are not the rule's.
+        /// Contact laws of pairs of materials that differ from the rule.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub contacts: Vec<PairFile>,
         /// Pairs of collision groups that pass through each other.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub pass_through: Vec<[String; 2]>,
-        /// Parts of the run, one after the other; what a part has appears when it begins.
+        /// Stages of the run, one after the other; the content of a stage appears when it begins.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub stages: Vec<StageFile>,
-        /// What is written to probes.csv.
+        /// Quantities of probes.csv.
         #[serde(default)]
         pub probes: ProbesFile,
-        /// A grid of values: one run for each combination.
+        /// Parameter sweep: lists of values by key, with one run for each combination.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         #[schemars(schema_with = "lists")]
     pub sweep: BTreeMap<String, Vec<serde_yaml::Value>>,
     }
 }
 
-/// What to do when a step goes wrong.
+/// Reaction to a step out of bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OnDivergence {
-    /// Say it and go on.
+    /// Warn and continue.
     #[default]
     Warn,
     /// Stop the run; its last checkpoint stays.
@@ -160,16 +159,16 @@ impl OnDivergence {
     }
 }
 
-/// Another run to go on from.
+/// Another run as the base of a model: its bodies, with the joints and springs between them; loads are not carried over.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaseFile {
-    /// Its run directory, from this file's folder.
+    /// Run directory, relative to this file's folder.
     pub run: PathBuf,
-    /// Only bodies of these classes; all if not given.
+    /// Classes of the bodies; all if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Vec<String>>,
-    /// Stop all motion.
+    /// Whether the velocities are set to zero.
     #[serde(default)]
     pub at_rest: bool,
 }
@@ -185,84 +184,84 @@ pub struct MaterialFile {
     /// Coefficient of restitution, 0 to 1; a contact takes the greater.
     #[serde(default)]
     pub restitution: f64,
-    /// Force by which a contact holds, N; a contact takes the smaller.
+    /// Cohesion: maximum tensile force of a contact, N; a contact takes the smaller.
     #[serde(default)]
     pub cohesion: f64,
-    /// Rolling friction, m: greatest rolling torque over normal force; a contact takes the smaller.
+    /// Rolling friction, m: maximum rolling torque over normal force; a contact takes the smaller.
     #[serde(default)]
     pub rolling: f64,
-    /// Spinning friction, m: greatest torque about the normal over normal force; a contact takes the smaller.
+    /// Spinning friction, m: maximum torque about the normal over normal force; a contact takes the smaller.
     #[serde(default)]
     pub spinning: f64,
 }
 
-/// The law of a pair of materials; what is not given follows the rule.
+/// The contact law of a pair of materials; keys that are not given follow the rule.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
-    /// The two.
+    /// Names of the two materials.
     pub materials: [String; 2],
-    /// As for a material.
+    /// Coefficient of friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
-    /// As for a material.
+    /// Coefficient of restitution, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution: Option<f64>,
-    /// As for a material.
+    /// Cohesion: maximum tensile force of a contact, N.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<f64>,
-    /// As for a material.
+    /// Rolling friction, m: maximum rolling torque over normal force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
-    /// As for a material.
+    /// Spinning friction, m: maximum torque about the normal over normal force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spinning: Option<f64>,
 }
 
 with_content! {
-    /// A part of the run; what it has appears when it begins, and loads and joints act from then on.
+    /// A stage of the run; its content appears when it begins, and its loads and joints act from then on.
     #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct StageFile {
-        /// Name; its checkpoint is called so.
+        /// Name, also of its checkpoint.
         pub name: String,
-        /// How long, s.
+        /// Duration, s.
         pub duration: f64,
-        /// Bodies that are held in place before and let go now.
+        /// Names of bodies that are held in place until this stage begins.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub release: Vec<String>,
     }
 }
 
-/// What is written to probes.csv.
+/// Quantities of probes.csv.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProbesFile {
-    /// Time between two lines, s; every step if not given.
+    /// Time between lines, s; every step if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
-    /// Bodies by name, `*` standing for any characters; the single moving bodies of `bodies` if not given.
+    /// Bodies by name, with `*` for any characters; the moving bodies of `bodies` if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bodies: Option<Vec<String>>,
-    /// Joints and springs by name, `*` standing for any characters; those of `joints` and `springs` if not given.
+    /// Joints and springs by name, with `*` for any characters; those of `joints` and `springs` if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
-    /// Total contact forces between two classes.
+    /// Total contact forces between pairs of classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactProbeFile>,
-    /// Leave the energies out.
+    /// Whether energies are left out.
     pub no_energies: bool,
-    /// Write a table of all contacts beside every frame.
+    /// Whether a table of all contacts is written with every frame.
     pub contact_tables: bool,
 }
 
-/// The contacts of two classes, added up.
+/// Total contact force between two classes.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactProbeFile {
-    /// Name.
+    /// Name of the quantity.
     pub name: String,
-    /// Classes: the force is the one on the second.
+    /// The two classes; the force is that on the second.
     pub between: [String; 2],
 }
 

@@ -1,4 +1,4 @@
-//! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q`, with (normal, tangent, tangent) a block.
+//! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q` with blocks (normal, tangent, tangent).
 
 use crate::cpu::solve::cells::Cells;
 use crate::cpu::solve::cone::project_cone;
@@ -9,28 +9,28 @@ use crate::rows::{fill_rows, sum_rows};
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
-/// The operator of a problem.
+/// The operator of a friction problem, with W in compressed rows of blocks.
 #[derive(Clone, Debug)]
 pub struct MatrixOperator {
     /// Blocks of row i: `start[i]..start[i+1]` (n_contacts + 1).
     pub start: Vec<u32>,
-    /// Column of each block.
+    /// Block column of each block (n_blocks).
     pub column: Vec<u32>,
-    /// The blocks.
+    /// The 3×3 blocks of W (n_blocks).
     pub block: Vec<DMat3>,
-    /// q (n_contacts).
+    /// Velocities q without impulses (n_contacts).
     pub q: Vec<DVec3>,
-    /// μ (n_contacts).
+    /// Coefficients of friction μ (n_contacts).
     pub friction: Vec<f64>,
-    /// μ|u_t| that exact friction feeds (n_contacts).
-    fed: Vec<f64>,
+    /// Slip feedback μ|u_t| of exact friction (n_contacts).
+    slip_feedback: Vec<f64>,
     /// W_ii and η (n_contacts).
     own: Vec<DMat3>,
     eta: Vec<f64>,
 }
 
 impl MatrixOperator {
-    /// From blocks by row; each row's columns rise.
+    /// An operator from blocks row by row; the columns of a row ascend.
     pub fn new(start: Vec<u32>, column: Vec<u32>, block: Vec<DMat3>, q: Vec<DVec3>, friction: Vec<f64>) -> Self {
         let n = q.len();
         let row = |i: usize| start[i] as usize..start[i + 1] as usize;
@@ -38,7 +38,7 @@ impl MatrixOperator {
             (0..n).map(|i| row(i).find(|p| column[*p] as usize == i).map_or(DMat3::ZERO, |p| block[p])).collect();
         let trace = |m: &DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
         let eta = own.iter().map(|m| if trace(m) > 0.0 { 3.0 / trace(m) } else { 1.0 }).collect();
-        MatrixOperator { fed: vec![0.0; n], own, eta, start, column, block, q, friction }
+        MatrixOperator { slip_feedback: vec![0.0; n], own, eta, start, column, block, q, friction }
     }
 
     #[inline]
@@ -46,14 +46,14 @@ impl MatrixOperator {
         self.start[i] as usize..self.start[i + 1] as usize
     }
 
-    /// u = Wγ + q of a block.
+    /// Block `i` of u = Wγ + q.
     pub fn velocity(&self, gamma: &[DVec3], i: usize) -> DVec3 {
         self.row(i).map(|p| self.block[p] * gamma[self.column[p] as usize]).sum::<DVec3>() + self.q[i]
     }
 
     /// The error measure `‖F_nat‖/‖q‖`, F_nat = γ − Π(γ − (u + g)), with g = (μ|u_t|, 0, 0) if friction is exact.
     pub fn error(&self, gamma: &[DVec3], exact: bool) -> f64 {
-        let [miss, scale] = sum_rows(self.q.len(), |i| {
+        let [residual, scale] = sum_rows(self.q.len(), |i| {
             let mut u = self.velocity(gamma, i);
             if exact {
                 u.x += self.friction[i] * (u.y * u.y + u.z * u.z).sqrt();
@@ -61,11 +61,11 @@ impl MatrixOperator {
             let natural = gamma[i] - project_cone(gamma[i] - u, DVec3::X, self.friction[i]);
             [natural.length_squared(), self.q[i].length_squared()]
         });
-        (miss / scale.max(f64::MIN_POSITIVE)).sqrt()
+        (residual / scale.max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 
-/// The response of γ has u in `v`, and γ itself in `w`, so that combinations of responses know both.
+/// The response of γ has u in `v` and γ itself in `w`, so that a combination of responses has both.
 impl Operator for MatrixOperator {
     fn n_blocks(&self) -> usize {
         self.q.len()
@@ -79,7 +79,7 @@ impl Operator for MatrixOperator {
 
     #[inline]
     fn gradient(&self, response: &Response, i: usize) -> DVec3 {
-        response.twist[i].v + DVec3::new(self.fed[i], 0.0, 0.0)
+        response.twist[i].v + DVec3::new(self.slip_feedback[i], 0.0, 0.0)
     }
 
     fn curvature(&self, a: &Response, b: &Response) -> f64 {
@@ -122,13 +122,13 @@ impl Operator for MatrixOperator {
 
     unsafe fn gradient_in(&self, cells: &Cells<Twist>, i: usize) -> DVec3 {
         // SAFETY: the caller's promise.
-        unsafe { cells.get(i).v + DVec3::new(self.fed[i], 0.0, 0.0) }
+        unsafe { cells.get(i).v + DVec3::new(self.slip_feedback[i], 0.0, 0.0) }
     }
 
     fn solve_joints(&mut self, _: &mut Response) {}
 
     fn colors(&self, colored: &mut Colored) {
-        // A apply writes whole columns.
+        // An impulse changes a whole column.
         colored.one_by_one(self.q.len() as u32);
     }
 
@@ -136,7 +136,7 @@ impl Operator for MatrixOperator {
         (self.friction[i], DVec3::X)
     }
 
-    fn feed_slip(&mut self, slip: &[f64]) {
-        self.fed.copy_from_slice(slip);
+    fn set_slip_feedback(&mut self, slip: &[f64]) {
+        self.slip_feedback.copy_from_slice(slip);
     }
 }

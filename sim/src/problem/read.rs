@@ -1,15 +1,15 @@
-//! The text format of friction problems, which the collection of Acary et al. (2011) uses: numbers separated by white space.
+//! The text format of friction problems of the collection of Acary et al. (2011): numbers separated by white space.
 //!
 //! Dimension (3), number of contacts n, kind of matrix (0 dense, 1 blocks); dense: rows and columns (twice), values by columns;
-//! blocks: rows, columns, number of blocks, block rows, block columns, the running ends of both, the index's two lengths, the
-//! row starts, the columns, and for each block its number and nine values by columns. Then q (3 n) and μ (n).
+//! blocks: rows, columns, number of blocks, block rows, block columns, the cumulative sizes of both, the index's two lengths, the
+//! row starts, the columns, and for each block its index and nine values by columns. Then q (3 n) and μ (n).
 
 use super::matrix::MatrixOperator;
 use frame::{Fault, FaultKind, read_text};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
-/// The words of a text, with their places.
+/// The words of a text, with their lines and columns.
 struct Words<'a> {
     path: &'a Path,
     text: &'a str,
@@ -30,7 +30,7 @@ impl<'a> Words<'a> {
 
     fn next<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, Fault> {
         let Some((line, column, word)) = self.words.next() else {
-            return Err(Fault::whole(FaultKind::Input, self.path, format!("ends where {what} should be")));
+            return Err(Fault::whole(FaultKind::Input, self.path, format!("ends where {what} is expected")));
         };
         word.parse().map_err(|_| {
             let message = format!("`{word}` is not {what}");
@@ -46,7 +46,7 @@ impl<'a> Words<'a> {
         Err(Fault::whole(FaultKind::Input, self.path, format!("{what} is {x}, expected a finite number")))
     }
 
-    /// A number that must have a given value.
+    /// Read a number that must have a given value.
     fn expect(&mut self, value: usize, what: &str) -> Result<(), Fault> {
         let x: usize = self.next(what)?;
         if x == value {
@@ -57,6 +57,9 @@ impl<'a> Words<'a> {
 }
 
 /// Read a problem.
+///
+/// # Errors
+/// A file that cannot be read or is not in the format, with the line and column of the fault.
 pub fn read(path: &Path) -> Result<MatrixOperator, Fault> {
     let text = read_text(FaultKind::Input, path)?;
     let mut w = Words::new(path, &text);
@@ -67,7 +70,7 @@ pub fn read(path: &Path) -> Result<MatrixOperator, Fault> {
     }
     let n: usize = w.next("the number of contacts")?;
     if n == 0 || n > text.len() {
-        return Err(wrong(format!("has {n} contacts, expected at least 1 and as many as the file holds")));
+        return Err(wrong(format!("has {n} contacts, expected at least 1 and no more than the file has numbers")));
     }
     let kind: usize = w.next("the kind of matrix, 0 or 1")?;
     w.expect(3 * n, "the number of rows")?;
@@ -132,7 +135,7 @@ fn blocks(w: &mut Words, n: usize) -> Result<Blocks, Fault> {
         *s = w.next("a row start")?;
     }
     if start[0] != 0 || start[n] as usize != n_blocks || start.windows(2).any(|p| p[1] < p[0]) {
-        return Err(wrong(w.path, "its row starts do not rise from 0 to the number of blocks".into()));
+        return Err(wrong(w.path, "its row starts do not ascend from 0 to the number of blocks".into()));
     }
     let mut column = vec![];
     for _ in 0..n_blocks {
@@ -144,7 +147,7 @@ fn blocks(w: &mut Words, n: usize) -> Result<Blocks, Fault> {
     }
     let mut block = vec![];
     for i in 0..n_blocks {
-        w.expect(i, "a block's number")?;
+        w.expect(i, "a block's index")?;
         let mut m = DMat3::ZERO;
         for c in 0..3 {
             for r in 0..3 {

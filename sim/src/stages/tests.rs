@@ -1,4 +1,4 @@
-//! The checks of columns find what is wrong.
+//! The checks of columns find faults.
 
 use super::*;
 use crate::ModelBuilder;
@@ -50,7 +50,7 @@ fn faults_are_found() {
         let message = fault(change);
         assert!(message.contains(part), "{message}");
     };
-    expect(&|s| s.contacts.gap[2] = f64::NAN, "column `contact_gap` has a number that is not finite, the 2th");
+    expect(&|s| s.contacts.gap[2] = f64::NAN, "column `contact_gap` has a value that is not finite at index 2");
     expect(&|s| s.contacts.law.truncate(4), "column `contact_law` has 4 rows, expected 5");
     expect(&|s| s.contacts.law[1] = 7, "column `contact_law` has 7 where ids are below 1");
     expect(&|s| s.contacts.bodies[0][1] = 3, "column `contact_bodies` has 3 where ids are below 3");

@@ -1,11 +1,11 @@
-//! Two boxes, by the separating axis theorem: the axis of least overlap is either a face's normal (then the other box's face
+//! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
 //! is clipped to it) or a cross product of edges (then the two edges' nearest points touch).
 
 use super::manifold::{OF_SECOND, clip, feature};
-use super::point::{Placed, Point, Points, turn};
+use super::point::{Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
-/// How far two boxes are apart along a unit axis; negative in overlap.
+/// Separation of two boxes along a unit axis, m; negative in overlap.
 fn separation(axis: DVec3, ra: &DMat3, a: &Placed, rb: &DMat3, b: &Placed) -> f64 {
     let reach_a = (ra.transpose() * axis).abs().dot(a.size);
     let reach_b = (rb.transpose() * axis).abs().dot(b.size);
@@ -53,7 +53,7 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
         return clip(&feature(a, normal), &feature(b, -normal), normal, reach, out);
     }
     let n = clip(&feature(b, -normal), &feature(a, normal), -normal, reach, out);
-    turn(out, n);
+    swap_shapes(out, n);
     out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
     n
 }

@@ -1,32 +1,32 @@
-//! The distance of two convex shapes (Gilbert, Johnson, Keerthi 1988) and, where they overlap, the least way out (the
-//! expanding polytope algorithm, van den Bergen 2001). Both see a shape only through its support function.
+//! The distance of two convex shapes (Gilbert, Johnson, Keerthi 1988) and, where they overlap, the minimum translation that
+//! separates them (expanding polytope algorithm, van den Bergen 2001). Both know a shape only by its support function.
 //!
-//! A sphere is a point and a capsule a segment, with a radius around them: their roundness is exact.
+//! A sphere is a point and a capsule a segment, with a radius around them: they are exact.
 
 use super::point::Placed;
 use crate::ShapeKind;
 use glam::{DVec2, DVec3};
 
-/// Nearest points of two shapes.
+/// The nearest points of two shapes.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
     /// Unit normal from the first to the second.
     pub normal: DVec3,
-    /// On the first.
+    /// Point on the first, m.
     pub on_first: DVec3,
-    /// On the second.
+    /// Point on the second, m.
     pub on_second: DVec3,
-    /// Gap, negative in overlap.
+    /// Gap, m; negative in overlap.
     pub gap: f64,
 }
 
-/// A set that is known by its farthest point in a direction, with a radius around it.
+/// A convex set: a core that is known by its support function, with a radius around it.
 pub trait Convex {
-    /// The farthest point of the core in a direction, world.
+    /// Support function: the farthest point of the core in a direction, world, m.
     fn support(&self, direction: DVec3) -> DVec3;
-    /// A point inside.
+    /// A point inside, m.
     fn centre(&self) -> DVec3;
-    /// Radius around the core.
+    /// Radius around the core, m.
     fn radius(&self) -> f64;
 }
 
@@ -66,7 +66,7 @@ impl Convex for [DVec3; 3] {
     }
 }
 
-/// The farthest point of a shape's core, local.
+/// Support function of a shape's core, local, m.
 pub fn support_local(shape: &Placed, d: DVec3) -> DVec3 {
     let size = shape.size;
     let rim = |radius: f64, z: f64| {
@@ -101,7 +101,7 @@ pub fn support_local(shape: &Placed, d: DVec3) -> DVec3 {
     }
 }
 
-/// A point of the Minkowski difference, with the points that it comes from.
+/// A point of the Minkowski difference, with the points of A and B that it is the difference of.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vertex {
     w: DVec3,
@@ -114,7 +114,7 @@ fn vertex(a: &impl Convex, b: &impl Convex, direction: DVec3) -> Vertex {
     Vertex { w: pa - pb, a: pa, b: pb }
 }
 
-/// Up to four vertices, with the weights of the point nearest to the origin.
+/// A simplex of up to four vertices, with the barycentric weights of the point nearest to the origin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Simplex {
     v: [Vertex; 4],
@@ -140,7 +140,7 @@ impl Simplex {
         self.sum(|v| v.w)
     }
 
-    /// The smallest simplex that holds the point nearest to the origin; `None` if the origin is inside.
+    /// The smallest simplex with the point nearest to the origin; `None` if the origin is inside.
     fn reduced(&self) -> Option<Simplex> {
         let v = &self.v;
         match self.n {
@@ -164,7 +164,7 @@ fn on_triangle(a: Vertex, b: Vertex, c: Vertex) -> Simplex {
     Simplex::of(&[(a, u), (b, v), (c, w)])
 }
 
-/// Weights of the point of a triangle nearest to `p` (Ericson 2005, §5.1.5).
+/// Barycentric weights of the point of a triangle nearest to `p` (Ericson 2005, §5.1.5).
 pub fn nearest_in_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, f64, f64) {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
@@ -220,7 +220,7 @@ fn on_tetrahedron(v: &[Vertex; 4]) -> Option<Simplex> {
     if inside { None } else { best.map(|b| b.1) }
 }
 
-/// The nearest points of two shapes with a gap of at most `reach`.
+/// The nearest points of two shapes; `None` if their gap is above `reach`, m.
 pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64) -> Option<Nearest> {
     const ROUNDS: usize = 80;
     let round = a.radius() + b.radius();
@@ -277,11 +277,11 @@ struct Face {
     distance: f64,
 }
 
-/// The least translation that parts two overlapping shapes.
+/// The minimum translation that separates two overlapping shapes.
 fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Nearest {
     const ROUNDS: usize = 96;
     let mut points: Vec<Vertex> = simplex.v[..simplex.n].to_vec();
-    blow_up(a, b, &mut points);
+    extend_to_tetrahedron(a, b, &mut points);
     let finish = |normal: DVec3, distance: f64, pa: DVec3, pb: DVec3| Nearest {
         normal,
         on_first: pa + normal * a.radius(),
@@ -340,12 +340,12 @@ fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Ne
     let sum = |part: &dyn Fn(&Vertex) -> DVec3| {
         part(&points[best.v[0]]) * u + part(&points[best.v[1]]) * v + part(&points[best.v[2]]) * w
     };
-    // The difference is A − B: pushing B along the normal by the distance parts them.
+    // The difference is A − B: moving B along the normal by the distance separates them.
     finish(best.normal, best.distance, sum(&|p| p.a), sum(&|p| p.b))
 }
 
-/// Make a tetrahedron of a simplex that holds the origin.
-fn blow_up(a: &impl Convex, b: &impl Convex, points: &mut Vec<Vertex>) {
+/// Extend a simplex that contains the origin to a tetrahedron.
+fn extend_to_tetrahedron(a: &impl Convex, b: &impl Convex, points: &mut Vec<Vertex>) {
     let tries = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
     let volume = |p: &[Vertex], w: DVec3| match p.len() {
         0 => 1.0,

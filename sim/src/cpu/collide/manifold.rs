@@ -1,20 +1,21 @@
-//! Several points for flat contacts: the faces, edges or corners by which two convex shapes meet are clipped to each other.
+//! Contact manifolds: the faces, edges or corners by which two convex shapes meet are clipped against each other.
 
 use super::convex::{self, Nearest, support_local};
-use super::point::{MAX_POINTS, Placed, Point, Points, turn};
+use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
 use glam::DVec3;
 
-/// Corners that a feature may have.
+/// Maximum number of corners of a feature.
 pub const MAX_CORNERS: usize = 16;
 
-/// Corners of the circle that stand for the flat end of a cylinder or a cone.
+/// Number of corners of the polygon in place of the flat end of a cylinder or a cone.
 const RIM: usize = 8;
 
-/// Marks the names of points whose reference was the second shape's.
+/// Bit of the feature ids of points whose reference feature was the second shape's.
 pub const OF_SECOND: u32 = 1 << 15;
 
-/// A face (three corners and more, in order), an edge (two) or a corner (one) in the world, each corner with its name.
+/// A feature of a shape: a face (three corners and more, in order), an edge (two) or a corner (one) in the world, each corner with its
+/// id.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
     corner: [(DVec3, u32); MAX_CORNERS],
@@ -26,19 +27,19 @@ impl Feature {
         Feature { corner: [(DVec3::ZERO, 0); MAX_CORNERS], n: 0 }
     }
 
-    fn push(&mut self, p: DVec3, name: u32) {
+    fn push(&mut self, p: DVec3, id: u32) {
         if self.n < MAX_CORNERS {
-            self.corner[self.n] = (p, name);
+            self.corner[self.n] = (p, id);
             self.n += 1;
         }
     }
 
-    /// The corners with their names.
+    /// The corners with their ids.
     pub fn corners(&self) -> &[(DVec3, u32)] {
         &self.corner[..self.n]
     }
 
-    /// A triangle.
+    /// The face of a triangle.
     pub fn triangle(corners: [DVec3; 3]) -> Feature {
         let mut f = Feature::new();
         corners.into_iter().enumerate().for_each(|(k, p)| f.push(p, k as u32 + 1));
@@ -53,12 +54,12 @@ impl Feature {
     }
 }
 
-/// The feature of a shape that looks in a direction, world; its roundness is added.
+/// The feature of a shape that faces a direction, world, with the radius around the shape's core.
 pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     let d = shape.orientation.inverse() * direction;
     let size = shape.size;
     let mut f = Feature::new();
-    let mut local = |p: DVec3, name: u32| f.push(shape.position + shape.orientation * p, name);
+    let mut local = |p: DVec3, id: u32| f.push(shape.position + shape.orientation * p, id);
     let rim = |k: usize, z: f64| {
         let (s, c) = (k as f64 * std::f64::consts::TAU / RIM as f64).sin_cos();
         DVec3::new(size.x * c, size.x * s, z)
@@ -116,7 +117,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     f
 }
 
-/// Two convex shapes, neither a plane nor a mesh.
+/// The contact points of two convex shapes, neither a plane nor a mesh. Returns their count.
 pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     match convex::nearest(a, b, reach) {
         Some(nearest) => {
@@ -127,11 +128,11 @@ pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
     }
 }
 
-/// The points where two features meet, given the nearest points: those of the clipped features within reach, and the nearest
-/// one where none of them is as near.
+/// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
+/// point where none of them is as near. Returns the number of points.
 pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f64, out: &mut Points) -> usize {
     let n = nearest.normal;
-    // The reference is a face, the one that looks most along the normal.
+    // The reference is the face whose own normal is closest to the contact's.
     let facing = |f: &Feature| if f.n >= 3 { f.normal().dot(n).abs() } else { 0.0 };
     let (of_a, of_b) = (facing(fa), facing(fb));
     let mut kept = 0;
@@ -140,14 +141,14 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
             kept = clip(fa, fb, n, reach, out);
         } else {
             kept = clip(fb, fa, -n, reach, out);
-            turn(out, kept);
+            swap_shapes(out, kept);
             out[..kept].iter_mut().for_each(|p| p.feature |= OF_SECOND);
         }
     } else if fa.n == 2 && fb.n == 2 {
         kept = clip(fa, fb, n, reach, out);
     }
-    let least = out[..kept].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
-    if least > nearest.gap + 1e-3 * size {
+    let min_gap = out[..kept].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+    if min_gap > nearest.gap + 1e-3 * size {
         let place = if kept < MAX_POINTS { kept } else { MAX_POINTS - 1 };
         let Nearest { normal, on_first, on_second, gap } = *nearest;
         out[place] = Point { normal, on_first, on_second, gap, feature: 1 << 16 };
@@ -156,8 +157,8 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
     kept
 }
 
-/// Clip `other` to the sides of `reference` (a face, or an edge by its two ends) and keep the corners that are within reach of
-/// it along the normal, which points from the reference to the other.
+/// Clip `other` against the sides of `reference` (a face, or an edge by its two ends) and keep the corners within `reach`, m, of it
+/// along the normal, which points from the reference to the other. Returns the number of points.
 pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out: &mut Points) -> usize {
     let (r, mut f) = (reference.corners(), *other);
     let face = if r.len() >= 3 { reference.normal() } else { normal };
@@ -175,18 +176,18 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
         let closed = f.n > 2;
         let mut clipped = Feature::new();
         for i in 0..f.n {
-            let (u, u_name) = f.corner[i];
+            let (u, u_id) = f.corner[i];
             let du = (u - p).dot(outward);
             if du <= 0.0 {
-                clipped.push(u, u_name);
+                clipped.push(u, u_id);
             }
             if i + 1 == f.n && !closed {
                 break;
             }
-            let (v, v_name) = f.corner[(i + 1) % f.n];
+            let (v, v_id) = f.corner[(i + 1) % f.n];
             let dv = (v - p).dot(outward);
             if (du <= 0.0) != (dv <= 0.0) {
-                clipped.push(u + (v - u) * (du / (du - dv)), (u_name * 53 + v_name) * 17 + k as u32 + 1);
+                clipped.push(u + (v - u) * (du / (du - dv)), (u_id * 53 + v_id) * 17 + k as u32 + 1);
             }
         }
         f = clipped;
@@ -201,9 +202,9 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
     }
     let kept = n.min(MAX_POINTS);
     for k in 0..kept {
-        let (p, name) = f.corner[near[k * n / kept]];
+        let (p, id) = f.corner[near[k * n / kept]];
         let gap = gap(p);
-        let feature = name.wrapping_mul(2_654_435_761) >> 18;
+        let feature = id.wrapping_mul(2_654_435_761) >> 18;
         out[k] = Point { normal, on_first: p - normal * gap, on_second: p, gap, feature };
     }
     kept

@@ -1,4 +1,4 @@
-//! Shapes in their places, and the points where two of them touch.
+//! Shapes in world coordinates, and contact points.
 
 use crate::geometry::Hull;
 use crate::model::Model;
@@ -6,26 +6,26 @@ use crate::pose::Pose;
 use crate::shape::ShapeKind;
 use glam::{DQuat, DVec3};
 
-/// The most points that two shapes touch in.
+/// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 8;
 
-/// A shape in its place.
+/// A shape in world coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
-    /// What it is.
+    /// Kind.
     pub kind: ShapeKind,
-    /// Its size, m.
+    /// Size, m, as [`ShapeKind`] has it.
     pub size: DVec3,
-    /// Its centre, m, world.
+    /// Position, m, world.
     pub position: DVec3,
-    /// Its orientation.
+    /// Orientation.
     pub orientation: DQuat,
-    /// The hull, of a hull.
+    /// Hull, where the kind is one.
     pub hull: Option<&'a Hull>,
 }
 
 impl<'a> Placed<'a> {
-    /// A shape of the model in its place.
+    /// A shape of the model at a pose.
     #[inline(always)]
     pub fn of(model: &'a Model, place: &Pose, shape: usize) -> Placed<'a> {
         let kind = model.shape_kind[shape];
@@ -39,26 +39,26 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// A point where two shapes touch.
+/// A contact point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point {
     /// Unit normal from the first shape to the second, world.
     pub normal: DVec3,
-    /// The point on the first shape, m, world.
+    /// Point on the first shape, m, world.
     pub on_first: DVec3,
-    /// The point on the second shape, m, world.
+    /// Point on the second shape, m, world.
     pub on_second: DVec3,
     /// Gap, m; negative in overlap.
     pub gap: f64,
-    /// Names the point from step to step.
+    /// Feature id, which identifies the point from step to step.
     pub feature: u32,
 }
 
-/// The points of a contact.
+/// The points of a manifold.
 pub type Points = [Point; MAX_POINTS];
 
-/// See the first `n` points from the second shape; returns `n`.
-pub fn turn(out: &mut Points, n: usize) -> usize {
+/// Swap the two shapes of the first `n` points. Returns `n`.
+pub fn swap_shapes(out: &mut Points, n: usize) -> usize {
     for p in &mut out[..n] {
         *p = Point { normal: -p.normal, on_first: p.on_second, on_second: p.on_first, ..*p };
     }

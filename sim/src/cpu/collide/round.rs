@@ -14,12 +14,12 @@ pub fn sphere_sphere(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
     1
 }
 
-/// Where two spheres are nearest, by their centres and radii, however far they are apart.
+/// The contact point of two spheres by their centres and radii, at any distance.
 #[inline(always)]
 pub fn spheres((a, radius_a): (DVec3, f64), (b, radius_b): (DVec3, f64)) -> Point {
-    let apart = b - a;
-    let distance = apart.length();
-    let normal = if distance > 0.0 { apart / distance } else { DVec3::Z };
+    let offset = b - a;
+    let distance = offset.length();
+    let normal = if distance > 0.0 { offset / distance } else { DVec3::Z };
     Point {
         normal,
         on_first: a + normal * radius_a,
@@ -73,11 +73,11 @@ fn touch(
 pub fn sphere_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     let local = b.orientation.inverse() * (a.position - b.position);
     let nearest = local.clamp(-b.size, b.size);
-    let apart = local - nearest;
-    let distance2 = apart.length_squared();
+    let offset = local - nearest;
+    let distance2 = offset.length_squared();
     let found = if distance2 > 0.0 {
         let distance = distance2.sqrt();
-        (nearest, apart / distance, distance)
+        (nearest, offset / distance, distance)
     } else {
         // The centre is inside: out through the nearest face.
         let depth = b.size - local.abs();
@@ -101,9 +101,9 @@ pub fn sphere_turned(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
     let (surface, outward, distance) = match b.kind {
         ShapeKind::Capsule => {
             let core = DVec2::new(0.0, p.y.clamp(-h, h));
-            let apart = p - core;
-            let length = apart.length();
-            let outward = if length > 0.0 { apart / length } else { DVec2::X };
+            let offset = p - core;
+            let length = offset.length();
+            let outward = if length > 0.0 { offset / length } else { DVec2::X };
             (core + outward * r, outward, length - r)
         }
         ShapeKind::Cone => nearest_outline(p, &[DVec2::new(0.0, -h), DVec2::new(r, -h), DVec2::new(0.0, h)]),

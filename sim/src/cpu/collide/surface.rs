@@ -1,21 +1,21 @@
-//! Convex shapes against planes and against the triangles of meshes and height fields. All of these are solid behind their
-//! faces: what has got through is pushed out in front again.
+//! Convex shapes against planes and against the triangles of meshes and height fields. All of these are solid behind their faces: a
+//! shape that has passed through is pushed out in front again.
 
 use super::convex::{self, Convex, Nearest, nearest_in_triangle, support_local};
 use super::manifold::{self, Feature, feature};
-use super::point::{MAX_POINTS, Placed, Point, Points, turn};
+use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
 use glam::DVec3;
 
-/// A convex shape on a plane: its corners, or the deepest points of its round parts.
+/// The contact points of a convex shape with a plane: its corners, or the deepest points of its round parts. Returns their count.
 pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     let up = b.orientation * DVec3::Z;
     let mut found: [(f64, DVec3, u32); 3 * MAX_POINTS] = [(0.0, DVec3::ZERO, 0); 3 * MAX_POINTS];
     let mut n = 0;
-    let mut take = |p: DVec3, name: u32| {
+    let mut take = |p: DVec3, id: u32| {
         let gap = (p - b.position).dot(up);
         if gap <= reach && n < found.len() {
-            found[n] = (gap, p, name);
+            found[n] = (gap, p, id);
             n += 1;
         }
     };
@@ -33,7 +33,7 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
             vertices.iter().enumerate().for_each(|(k, v)| take(world(*v), k as u32));
         }
         ShapeKind::Cylinder | ShapeKind::Cone => {
-            // The deepest point of each rim; the end's own corners carry it when it stands.
+            // The deepest point of each rim, and the corners of the end on which the shape may stand.
             let ends: &[f64] = if a.kind == ShapeKind::Cone { &[-a.size.z] } else { &[a.size.z, -a.size.z] };
             let lowest = down.truncate().try_normalize().map(|d| d * a.size.x);
             for (k, z) in ends.iter().enumerate() {
@@ -44,11 +44,11 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
             }
             let end = feature(a, -up);
             if end.corners().len() > 2 {
-                let apart = |p: DVec3| {
+                let is_off_lowest = |p: DVec3| {
                     let local = a.orientation.inverse() * (p - a.position);
                     lowest.is_none_or(|q| (local.truncate() - q).length() > 0.2 * a.size.x)
                 };
-                end.corners().iter().filter(|(p, _)| apart(*p)).for_each(|(p, name)| take(*p, *name));
+                end.corners().iter().filter(|(p, _)| is_off_lowest(*p)).for_each(|(p, id)| take(*p, *id));
             }
         }
         ShapeKind::Capsule => {
@@ -58,7 +58,7 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
         }
         _ => take(world(support_local(a, down)) - up * Convex::radius(a), 0),
     }
-    // Of more points than there is room for, the deepest.
+    // The deepest points where there are more than a manifold has.
     let found = &mut found[..n];
     if n > MAX_POINTS {
         found.sort_by(|p, q| p.0.total_cmp(&q.0));
@@ -70,13 +70,14 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
     kept
 }
 
-/// A convex shape against a triangle of a surface; `sharp` has the bits of its edges and corners that stand out.
+/// The contact points of a convex shape with a triangle of a surface; `sharp` has the bits of its convex edges and corners. Returns
+/// their count.
 pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mut Points) -> usize {
     let Some(face) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { return 0 };
     let Some(nearest) = nearest_to_face(a, corners, face, reach) else { return 0 };
-    let lift = |weights: (f64, f64, f64)| [weights.0, weights.1, weights.2].map(|w| w > 1e-9);
-    let on = lift(nearest_in_triangle(nearest.on_second, corners));
-    let stands_out = match on {
+    let is_positive = |weights: (f64, f64, f64)| [weights.0, weights.1, weights.2].map(|w| w > 1e-9);
+    let on = is_positive(nearest_in_triangle(nearest.on_second, corners));
+    let is_convex = match on {
         [true, true, true] => true,
         [true, true, false] => sharp & 1 != 0,
         [false, true, true] => sharp & 2 != 0,
@@ -87,15 +88,15 @@ pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mu
     };
     let tilt = -nearest.normal.dot(face);
     if a.kind == ShapeKind::Sphere || a.kind == ShapeKind::Ellipsoid {
-        if !stands_out && tilt < 1.0 - 1e-9 {
+        if !is_convex && tilt < 1.0 - 1e-9 {
             return 0;
         }
         let Nearest { normal, on_first, on_second, gap } = nearest;
         out[0] = Point { normal, on_first, on_second, gap, feature: 0 };
         return 1;
     }
-    // Seams inside the surface have no edge of their own: what leans on one leans on the face.
-    let normal = if stands_out || tilt > 0.99 { nearest.normal } else { -face };
+    // Inner edges that are not convex are no features: a contact on one is a contact on the face.
+    let normal = if is_convex || tilt > 0.99 { nearest.normal } else { -face };
     let nearest = if normal == nearest.normal {
         nearest
     } else {
@@ -109,7 +110,7 @@ pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mu
         if (on_second - (deepest + normal * gap)).length() > 1e-9 + 1e-6 * a.size.max_element() {
             // The deepest point is over another triangle.
             let n = manifold::clip(&Feature::triangle(corners), &feature(a, normal), -normal, reach, out);
-            return turn(out, n);
+            return swap_shapes(out, n);
         }
         Nearest { normal, on_first: deepest, on_second, gap }
     };
@@ -117,7 +118,7 @@ pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mu
     manifold::points(&fa, &fb, &nearest, reach, a.size.min_element(), out)
 }
 
-/// The nearest points of a shape and a triangle; of a shape that has come through, those of the way back out of the face.
+/// The nearest points of a shape and a triangle; for a shape that has passed through, those of the way back out of the face.
 fn nearest_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> Option<Nearest> {
     if a.kind == ShapeKind::Sphere {
         return sphere_to_face(a, corners, face, reach);

@@ -1,4 +1,4 @@
-//! Contacts whose points are known on paper.
+//! Manifolds whose points are known on paper.
 
 use super::point::{MAX_POINTS, Point};
 use super::*;
@@ -37,7 +37,7 @@ fn crossed_edges_touch_in_one_point() {
 }
 
 #[test]
-fn a_ball_meets_the_face_the_edge_and_the_inside_of_a_box() {
+fn a_sphere_meets_the_face_the_edge_and_the_inside_of_a_box() {
     let sphere = |p| Placed {
         kind: ShapeKind::Sphere,
         size: DVec3::splat(0.1),
@@ -80,12 +80,12 @@ fn the_general_distance_agrees_with_closed_forms() {
             (ShapeKind::Capsule, [0.2, 0.2, 0.3]),
             (ShapeKind::Cone, [0.3, 0.3, 0.4]),
         ][k % 4];
-        let turn = random.rotation();
-        let b = placed(kind, size, DVec3::ZERO, turn);
+        let orientation = random.rotation();
+        let b = placed(kind, size, DVec3::ZERO, orientation);
         let way = random.rotation() * DVec3::Z;
         let at = way * random.between(0.25, 0.8);
         let sphere = placed(ShapeKind::Sphere, [0.1; 3], at, UP);
-        let round = placed(ShapeKind::Ellipsoid, [0.1; 3], at, turn);
+        let round = placed(ShapeKind::Ellipsoid, [0.1; 3], at, orientation);
         let (exact, general) = (points(&sphere, &b, 0.1), points(&round, &b, 0.1));
         assert_eq!(exact.is_empty(), general.is_empty(), "{kind:?} {at}");
         if let (Some(e), Some(g)) = (exact.first(), general.first()) {
@@ -138,7 +138,7 @@ fn flat_contacts_have_several_points_that_stay() {
             ("triangle", {
                 let mut out = [Point::default(); MAX_POINTS];
                 let n = collide_triangle(&shape, square, 63, 0.005, &mut out);
-                turn(&mut out, n);
+                swap_shapes(&mut out, n);
                 out[..n].to_vec()
             }),
         ] {
@@ -148,12 +148,12 @@ fn flat_contacts_have_several_points_that_stay() {
                 assert!((p.gap + 0.001).abs() < 1e-5, "{:?} on a {what}: {}", shape.kind, p.gap);
             }
             let features: std::collections::HashSet<u32> = found.iter().map(|p| p.feature).collect();
-            assert_eq!(features.len(), n, "{:?} on a {what}: names differ", shape.kind);
+            assert_eq!(features.len(), n, "{:?} on a {what}: feature ids differ", shape.kind);
         }
-        // A little later the same points go by the same names.
+        // After a small motion the same points have the same ids.
         let moved = Placed { position: shape.position + DVec3::new(1e-4, -1e-4, 1e-5), ..shape };
-        let names = |s: &Placed| points(&plate, s, 0.005).iter().map(|p| p.feature).collect::<Vec<_>>();
-        assert_eq!(names(&shape), names(&moved), "{:?}", shape.kind);
+        let ids = |s: &Placed| points(&plate, s, 0.005).iter().map(|p| p.feature).collect::<Vec<_>>();
+        assert_eq!(ids(&shape), ids(&moved), "{:?}", shape.kind);
     }
 }
 
@@ -173,11 +173,11 @@ fn overlaps_are_left_by_the_nearest_way() {
             assert!((along - point.gap).abs() < 1e-6, "{p:?} {q:?}: {along} {}", point.gap);
             met += 1;
         }
-        // Moved apart by the depth, they no longer overlap by more than a trace.
+        // Separated by the depth, they hardly overlap.
         let deepest = points(&a, &b, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
         if let Some(first) = points(&a, &b, 0.0).first() {
-            let apart = Placed { position: b.position - first.normal * deepest, ..b };
-            let left = points(&a, &apart, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
+            let separated = Placed { position: b.position - first.normal * deepest, ..b };
+            let left = points(&a, &separated, 0.0).iter().map(|p| p.gap).fold(0.0, f64::min);
             assert!(left > -2e-3, "{p:?} {q:?}: {left} of {deepest}");
         }
     }
@@ -200,8 +200,8 @@ fn seams_of_a_flat_surface_are_not_felt() {
             });
             assert!(!found.is_empty(), "{:?} at {x}", shape.kind);
             assert!(found.iter().all(|p| (p.normal + DVec3::Z).length() < 1e-6), "{:?} at {x}", shape.kind);
-            let least = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
-            assert!((least - (shape.position.z - shape.size.z)).abs() < 1e-9, "{least}");
+            let min_gap = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+            assert!((min_gap - (shape.position.z - shape.size.z)).abs() < 1e-9, "{min_gap}");
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Accelerated projected gradient descent (Mazhar, Heyn, Negrut, Tasora 2015): Nesterov's sequence with adaptive restart and
-//! back-tracking on the step length. One product with N an iteration: the response of the extrapolated point is the same
+//! back-tracking on the step length. One product with N per iteration: the response of the extrapolated point is the same
 //! combination of responses as the point is of points.
 //!
-//! The step length t goes on from solve to solve, within bounds. In the metric of η the trace of N is 3 n_blocks, so that
-//! t = 1/(3 n_blocks) is short enough for any move. A move so small that its curvature is lost in the rounding of the responses, as
-//! where contacts carry nothing or the solution is met, says nothing of N: t stays. Moves along which N nearly vanishes do not
-//! lengthen it beyond [`LONGEST`].
+//! The step length t carries over from solve to solve, within bounds. In the metric of η the trace of N is 3 n_blocks, so that
+//! t = 1/(3 n_blocks) is short enough for any direction. Where a step is so small that its curvature is lost in the rounding of the
+//! responses, as without impulses or at the solution, t does not change. Along directions where N nearly vanishes it grows to at most
+//! [`MAX_STEP`].
 
 use super::iterates::{Best, Iterates, ROUNDING};
 use super::operator::Operator;
@@ -15,8 +15,8 @@ use crate::rows::sum_rows;
 use crate::settings::SolverSettings;
 use glam::DVec3;
 
-/// The longest step. Directions in which N is so small are those of contacts whose bodies are held by joints.
-const LONGEST: f64 = 1e6;
+/// Maximum step length. N is so small only along contacts between bodies that joints constrain.
+const MAX_STEP: f64 = 1e6;
 
 pub fn run(
     op: &mut impl Operator,
@@ -30,20 +30,20 @@ pub fn run(
     work.next.resize(gamma.len(), DVec3::ZERO);
     work.response_y.copy_from(response);
     let (mut theta, mut beta) = (1.0f64, 0.0);
-    // Velocities are sums of impulses that cancel where bodies rest: both sizes count.
+    // Velocities are sums of impulses that cancel where bodies rest: the rounding of both counts.
     let [impulses] = sum_rows(gamma.len(), |i| [gamma[i].length_squared() / op.eta(i)]);
     let rounding = (op.energy(response) + impulses) * (ROUNDING * ROUNDING);
-    let shortest = 1.0 / (3.0 * gamma.len() as f64);
-    let is_sound = (shortest..=LONGEST).contains(&work.step_length);
-    let mut step = if is_sound { work.step_length } else { 1.0 };
+    let min_step = 1.0 / (3.0 * gamma.len() as f64);
+    let is_valid = (min_step..=MAX_STEP).contains(&work.step_length);
+    let mut step = if is_valid { work.step_length } else { 1.0 };
     let mut done = 0;
-    let most = settings.max_iterations(gamma.len());
-    while done < most {
+    let max = settings.max_iterations(gamma.len());
+    while done < max {
         loop {
             done += 1;
             let from = Extrapolated { x: gamma, previous: &work.previous, beta, response: &work.response_y };
             let [moved, slope] = op.descend(&mut work.next, &from, step, &mut work.response_next);
-            // Restart where the gradient and the move disagree.
+            // Restart where the step is uphill.
             let uphill = slope > 0.0;
             let next_theta = 0.5 * (theta * (theta * theta + 4.0).sqrt() - theta * theta);
             let next_beta = if uphill { 0.0 } else { theta * (1.0 - theta) / (theta * theta + next_theta) };
@@ -51,23 +51,23 @@ pub fn run(
             let curvature = op.advance(&work.next, next_beta, [response, &work.response_y], responses);
             let is_known = curvature > rounding;
             // The step is short enough if ½ dᵀNd ≤ |d|²/(2 t) in the metric of η; d is from y.
-            if !is_known || curvature * step <= moved * (1.0 + 1e-9) || step <= shortest || done >= most {
+            if !is_known || curvature * step <= moved * (1.0 + 1e-9) || step <= min_step || done >= max {
                 beta = next_beta;
                 theta = if uphill { 1.0 } else { next_theta };
                 work.step_length = step;
                 if is_known {
-                    step = (1.1 * step).min(LONGEST);
+                    step = (1.1 * step).min(MAX_STEP);
                 }
                 break;
             }
-            step = (0.95 * moved / curvature).min(0.95 * step).max(shortest);
+            step = (0.95 * moved / curvature).min(0.95 * step).max(min_step);
         }
         // previous ← γ ← next, and their responses.
         std::mem::swap(&mut work.previous, gamma);
         std::mem::swap(gamma, &mut work.next);
         std::mem::swap(response, &mut work.response_next);
         std::mem::swap(&mut work.response_y, &mut work.response_y_next);
-        if best.look(op, settings, done, (gamma, response), (&mut work.best, &mut work.response_best)) {
+        if best.check(op, settings, done, (gamma, response), (&mut work.best, &mut work.response_best)) {
             break;
         }
     }

@@ -1,5 +1,5 @@
 //! Spectral projected gradients (Barzilai & Borwein 1988; Birgin, Martínez & Raydan 2000): the step length is the inverse of a
-//! Rayleigh quotient of N along the last move, in the metric of η; the search along the projected direction is exact, since
+//! Rayleigh quotient of N along the last step, in the metric of η; the search along the projected direction is exact, since
 //! the objective is quadratic.
 
 use super::iterates::{Best, Iterates};
@@ -27,7 +27,7 @@ pub fn run(
         let from = Extrapolated { x: gamma, previous: gamma, beta: 0.0, response };
         let [length2, slope] = op.descend(&mut work.next, &from, alpha, &mut work.response_next);
         if !(length2 > 0.0) {
-            // Every block is where its projection leaves it.
+            // Every block is at its projection: the iterate is the solution.
             best.compare(Outcome { iterations: done, residual: residual(op, gamma, response) });
             break;
         }
@@ -44,7 +44,7 @@ pub fn run(
             gamma.copy_from_slice(&work.next);
             std::mem::swap(response, &mut work.response_next);
         }
-        if best.look(op, settings, done, (gamma, response), (&mut work.best, &mut work.response_best)) {
+        if best.check(op, settings, done, (gamma, response), (&mut work.best, &mut work.response_best)) {
             break;
         }
     }

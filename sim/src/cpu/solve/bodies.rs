@@ -1,8 +1,8 @@
-//! N = Dᵀ M̃⁻¹ D, matrix-free: each block gives its impulse to its two bodies, tile by tile ([`crate::contacts::Tiles`]) and in a
-//! fixed order, the joints answer, and the relative velocities are read block by block.
+//! N = Dᵀ M̃⁻¹ D, matrix-free: the impulse of each block is applied to its two bodies, tile by tile ([`crate::contacts::Tiles`]) and
+//! in a fixed order, the joints are solved, and the relative velocities are evaluated block by block.
 //!
 //! Blocks: the contacts; then, where a material has rolling or spinning friction, a block of angular impulse for each contact;
-//! then the limits of joints, one number each.
+//! then the limits of joints, one multiplier each.
 
 use super::cells::Cells;
 use super::cone::project_cone;
@@ -14,23 +14,23 @@ use crate::cpu::masses::Masses;
 use crate::joint::Row;
 use crate::model::{ContactLaw, Model};
 use crate::plan::StepPlan;
-use crate::rows::sweep;
+use crate::rows::reduce_chunks;
 use crate::state::State;
 use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The bodies with gravity alone.
+/// The motion of the bodies under gravity alone.
 #[derive(Clone, Copy)]
 pub struct Falling<'a> {
     /// The model.
     pub model: &'a Model,
-    /// Its state.
+    /// The state.
     pub state: &'a State,
 }
 
 impl Falling<'_> {
-    /// The velocity of a body at the end of the step, world.
+    /// Velocities of a body at the step's end, world.
     #[inline]
     pub fn twist(&self, b: usize) -> Twist {
         let Falling { model, state } = self;
@@ -41,25 +41,25 @@ impl Falling<'_> {
     }
 }
 
-/// Velocities without contacts and joints.
+/// Velocities without contacts and joints, world.
 #[derive(Clone, Copy)]
 pub enum Free<'a> {
     /// A column (n_bodies).
     Column(&'a [Twist]),
-    /// Those of falling bodies, evaluated where they are asked for.
+    /// Velocities under gravity alone, evaluated where they are read.
     Falling(Falling<'a>),
 }
 
-/// The normal part of b.
+/// The normal parts of b, m/s.
 pub enum Offset<'a> {
-    /// A column: Φ/h, what restitution asks, and what exact friction feeds (n_contacts + n_limits).
+    /// A column: Φ/h or the restitution velocity, and the slip feedback of exact friction (n_contacts + n_limits).
     Column(&'a mut [f64]),
-    /// Φ/h of each contact ([`Recovery`]), evaluated where it is asked for; there are no limits.
+    /// Φ/h of each contact ([`Recovery`]), evaluated where it is read; there are no limits.
     OfGap,
 }
 
 impl Offset<'_> {
-    /// Some rows of the column.
+    /// Rows of the column, if it is one.
     #[inline]
     pub fn column(&self, rows: Range<usize>) -> Option<&[f64]> {
         match self {
@@ -69,22 +69,22 @@ impl Offset<'_> {
     }
 }
 
-/// How gaps close and overlaps are pushed apart.
+/// The rate of gaps: closing of open gaps, and recovery of overlaps at a bounded speed.
 #[derive(Clone, Copy)]
 pub struct Recovery {
-    /// h, s.
+    /// Step size h, s.
     pub step: f64,
-    /// The greatest speed, m/s.
+    /// Maximum speed of recovery, m/s.
     pub speed: f64,
 }
 
 impl Recovery {
-    /// Of a model.
+    /// The recovery of a model.
     pub fn of(model: &Model) -> Recovery {
         Recovery { step: model.step, speed: model.solver.recovery_speed }
     }
 
-    /// Φ/h, or as fast as an overlap may be pushed apart, m/s.
+    /// Φ/h, at least minus the maximum speed of recovery, m/s.
     #[inline]
     pub fn rate(&self, gap: f64) -> f64 {
         let rate = gap / self.step;
@@ -94,33 +94,33 @@ impl Recovery {
 
 /// The operator of a step.
 pub struct BodyOperator<'a> {
-    /// What the step needs.
+    /// The plan of the step.
     pub plan: &'a StepPlan,
     /// The contacts.
     pub contacts: &'a Contacts,
-    /// The laws that their `law` points to.
+    /// The contact laws of the model.
     pub laws: &'a [ContactLaw],
-    /// Masses in the world frame.
+    /// Masses and inertia tensors in the world frame.
     pub masses: &'a Masses,
     /// Velocities without contacts and joints.
     pub free: Free<'a>,
     /// The joints.
     pub joints: &'a mut Joints,
-    /// Limits of joints that may be met: dΨ/dt ≥ 0 once Ψ is 0.
+    /// Joint limits that may be met: dΨ/dt ≥ 0 once Ψ is 0.
     pub limits: &'a [Row],
-    /// The normal part of b.
+    /// The normal parts of b, m/s.
     pub offset: Offset<'a>,
-    /// How overlaps are pushed apart.
+    /// The rate of gaps.
     pub recovery: Recovery,
-    /// The offset without what exact friction feeds (n_contacts + n_limits; none for the relaxed law).
-    pub offset_unfed: &'a [f64],
-    /// η (n_blocks; none for sweeps over spheres, which have no use for it).
+    /// The offset without slip feedback (n_contacts + n_limits; empty for the relaxed law).
+    pub offset_without_slip: &'a [f64],
+    /// η (n_blocks; empty for sweeps over spheres, which do not use it).
     pub eta: &'a [f64],
-    /// δ, m: cohesion reaches this far.
+    /// Envelope δ, m: the range of cohesion.
     pub envelope: f64,
 }
 
-/// What a block is.
+/// The kind of a block, with the index of its contact or limit.
 pub enum Block {
     /// A contact.
     Contact(usize),
@@ -131,7 +131,7 @@ pub enum Block {
 }
 
 impl BodyOperator<'_> {
-    /// What a block is.
+    /// The kind of a block.
     #[inline]
     pub fn block(&self, i: usize) -> Block {
         let n = self.contacts.len();
@@ -144,7 +144,7 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// The bodies of a block.
+    /// Ids of the bodies of a block.
     pub fn bodies(&self, block: usize) -> [u32; 2] {
         match self.block(block) {
             Block::Contact(i) | Block::Roll(i) => self.contacts.bodies[i],
@@ -152,7 +152,7 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// The normal part of b of a contact.
+    /// The normal part of b of a contact or a limit, m/s.
     #[inline]
     pub fn offset(&self, contact: usize) -> f64 {
         match &self.offset {
@@ -167,7 +167,7 @@ impl BodyOperator<'_> {
         &self.laws[self.contacts.law[contact] as usize]
     }
 
-    /// Relative velocity at a block, from motions.
+    /// Relative velocity of a block plus b, m/s (rad/s for rolling blocks); `of` has the velocities of the bodies.
     #[inline]
     pub fn relative(&self, i: usize, of: impl Fn(usize) -> Twist) -> DVec3 {
         match self.block(i) {
@@ -190,7 +190,7 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// Project a block; `gamma` reads a contact's impulse, on which the width of its rolling cone depends.
+    /// Project a block onto its cone; `gamma` reads a contact's multipliers, on which the width of its rolling cone depends.
     #[inline(always)]
     pub fn project_with(&self, i: usize, y: DVec3, gamma: impl Fn(usize) -> DVec3) -> DVec3 {
         match self.block(i) {
@@ -208,22 +208,22 @@ impl BodyOperator<'_> {
                 let spin = y.dot(n);
                 let roll = y - n * spin;
                 let length = roll.length();
-                let most = law.rolling * normal;
-                let roll = if length > most { roll * (most / length) } else { roll };
+                let max = law.rolling * normal;
+                let roll = if length > max { roll * (max / length) } else { roll };
                 n * spin.clamp(-law.spinning * normal, law.spinning * normal) + roll
             }
             Block::Limit(_) => DVec3::new(y.x.max(0.0), 0.0, 0.0),
         }
     }
 
-    /// What adhesion adds to the normal multiplier: the cone's tip is so far below zero.
+    /// Adhesion of a contact, N s: the depth of the cone's tip below zero.
     #[inline]
     fn adhesion(&self, contact: usize) -> f64 {
         let cohesion = self.law(contact).cohesion;
         if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.recovery.step } else { 0.0 }
     }
 
-    /// The velocity of a body without contacts and joints.
+    /// Velocities of a body without contacts and joints, world.
     #[inline(always)]
     pub fn free(&self, body: usize) -> Twist {
         match &self.free {
@@ -232,35 +232,35 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// What a block's impulse gives to its bodies: `give(body, linear, angular)`.
+    /// Split a block's impulse into those on its bodies: `apply(body, linear, angular)`.
     #[inline(always)]
-    pub fn split(&self, i: usize, d: DVec3, give: impl Fn(u32, DVec3, DVec3)) {
+    pub fn split(&self, i: usize, d: DVec3, apply: impl Fn(u32, DVec3, DVec3)) {
         match self.block(i) {
             Block::Contact(i) => {
                 let [a, b] = self.contacts.bodies[i];
                 let [arm_a, arm_b] = self.contacts.arms(i);
-                give(a, -d, -arm_a.cross(d));
-                give(b, d, arm_b.cross(d));
+                apply(a, -d, -arm_a.cross(d));
+                apply(b, d, arm_b.cross(d));
             }
             Block::Roll(i) => {
                 let [a, b] = self.contacts.bodies[i];
-                give(a, DVec3::ZERO, -d);
-                give(b, DVec3::ZERO, d);
+                apply(a, DVec3::ZERO, -d);
+                apply(b, DVec3::ZERO, d);
             }
             Block::Limit(i) => {
                 let row = &self.limits[i];
-                give(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
-                give(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
+                apply(row.bodies[0], row.linear * -d.x, row.angular_a * -d.x);
+                apply(row.bodies[1], row.linear * d.x, row.angular_b * d.x);
             }
         }
     }
 
-    /// Add an impulse to what a body is given; one that is held in place takes none.
+    /// Add an impulse to the sum of a body, unless it is held in place.
     ///
     /// # Safety
     /// No other thread touches the body's entry, if it moves.
     #[inline(always)]
-    pub unsafe fn give(&self, sums: &Cells<Twist>, body: u32, impulse: &Twist) {
+    pub unsafe fn add_impulse(&self, sums: &Cells<Twist>, body: u32, impulse: &Twist) {
         let b = body as usize;
         if self.masses.inv_mass[b] > 0.0 {
             // SAFETY: the caller's promise.
@@ -268,46 +268,48 @@ impl BodyOperator<'_> {
         }
     }
 
-    /// Add a block's impulse to what its bodies are given.
+    /// Add a block's impulse to the sums of its bodies.
     ///
     /// # Safety
     /// No other thread touches the entries of the block's moving bodies.
     #[inline(always)]
-    pub unsafe fn push(&self, i: usize, d: DVec3, sums: &Cells<Twist>) {
+    pub unsafe fn add_block(&self, i: usize, d: DVec3, sums: &Cells<Twist>) {
         // SAFETY: the caller's promise.
-        self.split(i, d, |body, linear, angular| unsafe { self.give(sums, body, &Twist { v: linear, w: angular }) });
+        self.split(i, d, |body, linear, angular| unsafe {
+            self.add_impulse(sums, body, &Twist { v: linear, w: angular })
+        });
     }
 
-    /// Nothing given to any body yet.
-    pub fn nothing(&self, sums: &mut Vec<Twist>) {
+    /// Zero sums of impulses for all bodies.
+    pub fn clear_sums(&self, sums: &mut Vec<Twist>) {
         sums.clear();
         sums.resize(self.masses.inv_mass.len(), Twist::default());
     }
 
-    /// Add the impulses of the blocks from `first` on.
-    pub fn spread(&self, first: usize, gamma: &[DVec3], sums: &Cells<Twist>) {
+    /// Add the impulses of the blocks from `first` on to the sums of their bodies.
+    pub fn add_blocks(&self, first: usize, gamma: &[DVec3], sums: &Cells<Twist>) {
         let limits = gamma.len() - self.limits.len()..gamma.len();
         // The contacts, then their rolling blocks.
         for first in (first..limits.start).step_by(self.contacts.len().max(1)) {
-            // SAFETY: contacts that are visited at once share no moving body.
+            // SAFETY: contacts that are visited concurrently have no moving body in common.
             schedule::each(self.contacts, |contact| unsafe {
-                self.push(first + contact, gamma[first + contact], sums)
+                self.add_block(first + contact, gamma[first + contact], sums)
             });
         }
         // SAFETY: no other thread is at work.
-        limits.for_each(|i| unsafe { self.push(i, gamma[i], sums) });
+        limits.for_each(|i| unsafe { self.add_block(i, gamma[i], sums) });
     }
 
-    /// Make velocities of what bodies have been given, and let the joints answer.
+    /// Turn the sums of impulses in `out.twist` into velocities, and solve the joints.
     pub fn finish(&mut self, out: &mut Response) {
         let this = &*self;
-        let [] = sweep(&mut out.twist, |first, rows| {
-            // One that is held in place has been given nothing.
+        let [] = reduce_chunks(&mut out.twist, |first, rows| {
+            // The sum of a body that is held in place is zero.
             let moved = |b: usize, sum: &Twist| this.free(b).plus(&this.masses.change::<false>(b, sum));
             rows.iter_mut().enumerate().for_each(|(k, t)| *t = moved(first + k, t));
             []
         });
-        self.joints.begin(out);
-        self.joints.answer(self.masses, out);
+        self.joints.reset(out);
+        self.joints.solve(self.masses, out);
     }
 }

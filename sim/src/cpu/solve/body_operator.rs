@@ -1,4 +1,4 @@
-//! The operator of a step, as the methods see it.
+//! [`Operator`] of the contacts between bodies.
 
 use super::bodies::{Block, BodyOperator, Free, Offset};
 use super::cells::Cells;
@@ -6,7 +6,7 @@ use super::descend;
 use super::operator::{self, Operator};
 use super::response::{Extrapolated, Response};
 use super::schedule::Colored;
-use crate::rows::{add, sum_rows, sweep, sweep_two};
+use crate::rows::{add, reduce_chunks, reduce_chunks_of_two, sum_rows};
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
@@ -16,8 +16,8 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn response(&mut self, gamma: &[DVec3], out: &mut Response) {
-        self.nothing(&mut out.twist);
-        self.spread(0, gamma, &Cells::new(&mut out.twist));
+        self.clear_sums(&mut out.twist);
+        self.add_blocks(0, gamma, &Cells::new(&mut out.twist));
         self.finish(out);
     }
 
@@ -38,15 +38,15 @@ impl Operator for BodyOperator<'_> {
 
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, to: &mut Response) -> [f64; 2] {
         if self.plan.coheres {
-            return sweep(next, |first, rows| operator::any(self, first, rows, from, step));
+            return reduce_chunks(next, |first, rows| operator::any(self, first, rows, from, step));
         }
-        self.nothing(&mut to.twist);
+        self.clear_sums(&mut to.twist);
         let sums = Cells::new(&mut to.twist);
         let n = self.contacts.len();
         let (own, others) = next.split_at_mut(n);
         let done = descend::contacts(self, own, from, step, &sums);
-        let rest = sweep(others, |first, rows| operator::any(self, n + first, rows, from, step));
-        self.spread(n, next, &sums);
+        let rest = reduce_chunks(others, |first, rows| operator::any(self, n + first, rows, from, step));
+        self.add_blocks(n, next, &sums);
         add(done, rest)
     }
 
@@ -59,7 +59,7 @@ impl Operator for BodyOperator<'_> {
             to_y.extrapolate(to, x, beta);
             return self.curvature(to, y);
         }
-        // Without joints one pass over the bodies does it all.
+        // Without joints one pass over the bodies does all of it.
         if self.masses.are_isotropic() {
             return self.advance_bodies::<true>(beta, [x, y], [to, to_y]);
         }
@@ -98,13 +98,13 @@ impl Operator for BodyOperator<'_> {
                 let [arm_a, arm_b] = self.contacts.arms(i);
                 let cross =
                     |arm: DVec3| DMat3::from_cols(arm.cross(DVec3::X), arm.cross(DVec3::Y), arm.cross(DVec3::Z));
-                let turned = |b: usize, arm: DVec3| {
+                let rotational = |b: usize, arm: DVec3| {
                     let c = cross(arm);
                     c.transpose() * masses.inv_inertia(b) * c
                 };
                 DMat3::from_diagonal(DVec3::splat(masses.inv_mass[a] + masses.inv_mass[b]))
-                    + turned(a, arm_a)
-                    + turned(b, arm_b)
+                    + rotational(a, arm_a)
+                    + rotational(b, arm_b)
             }
             Block::Roll(i) => {
                 let [a, b] = self.contacts.bodies[i].map(|b| b as usize);
@@ -122,7 +122,10 @@ impl Operator for BodyOperator<'_> {
                 // SAFETY: the caller's promise.
                 unsafe {
                     let t = cells.get(b);
-                    cells.set(b, Twist { v: t.v + linear * masses.inv_mass[b], w: t.w + masses.turn(b, angular) });
+                    cells.set(
+                        b,
+                        Twist { v: t.v + linear * masses.inv_mass[b], w: t.w + masses.apply_inv_inertia(b, angular) },
+                    );
                 }
             }
         });
@@ -134,7 +137,7 @@ impl Operator for BodyOperator<'_> {
     }
 
     fn solve_joints(&mut self, response: &mut Response) {
-        self.joints.answer(self.masses, response);
+        self.joints.solve(self.masses, response);
     }
 
     fn colors(&self, colored: &mut Colored) {
@@ -148,11 +151,11 @@ impl Operator for BodyOperator<'_> {
         unsafe { colored.fill(0..self.n_blocks() as u32, bodies, &Cells::new(&mut taken)) };
     }
 
-    fn has_open_cones(&self) -> bool {
+    fn has_homogeneous_cones(&self) -> bool {
         !self.plan.coheres
     }
 
-    fn has_cones_apart(&self) -> bool {
+    fn has_independent_cones(&self) -> bool {
         !self.plan.rolls
     }
 
@@ -163,10 +166,10 @@ impl Operator for BodyOperator<'_> {
         }
     }
 
-    fn feed_slip(&mut self, slip: &[f64]) {
+    fn set_slip_feedback(&mut self, slip: &[f64]) {
         let Offset::Column(offset) = &mut self.offset else { unreachable!("exact friction has a column of offsets") };
         for i in 0..self.contacts.len() {
-            offset[i] = self.offset_unfed[i] + slip[i];
+            offset[i] = self.offset_without_slip[i] + slip[i];
         }
     }
 }
@@ -181,7 +184,7 @@ impl BodyOperator<'_> {
     ) -> f64 {
         let Free::Column(free) = self.free else { unreachable!("descent methods have a column of free velocities") };
         to_y.twist.resize(to.twist.len(), Twist::default());
-        let [curvature] = sweep_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
+        let [curvature] = reduce_chunks_of_two(&mut to.twist, &mut to_y.twist, |first, to, to_y| {
             let mut sum = 0.0;
             for (k, (to, to_y)) in to.iter_mut().zip(to_y).enumerate() {
                 let b = first + k;

@@ -1,8 +1,8 @@
-//! Columns that several threads change at once.
+//! Columns that several threads change concurrently.
 
 use std::cell::UnsafeCell;
 
-/// A column whose entries are changed by several threads that never touch the same entry.
+/// A column that several threads change concurrently, no two of them the same entry.
 pub struct Cells<'a, T> {
     entry: &'a [UnsafeCell<T>],
 }

@@ -1,7 +1,6 @@
 //! The inner loop of the descent methods over contacts: read the gradient, step, project.
 //!
-//! Plain contacts go four at a time through vector registers where there are any; the sums are made in one order whatever the
-//! machine, so that all machines agree.
+//! Contacts without cohesion go four at a time through lanes; the order of the sums is the same on all machines.
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
@@ -9,16 +8,16 @@ use super::operator::any;
 use super::response::Extrapolated;
 use crate::contacts::Arms;
 use crate::lanes::{LaneLoop, Lanes4, four, four_mut, project, widest};
-use crate::rows::{ALONE, add, cut, reduce_tasks, sweep};
+use crate::rows::{SERIAL_LIMIT, add, cut, reduce_chunks, reduce_tasks};
 use crate::twist::Twist;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Contacts that go side by side.
+/// Number of contacts side by side.
 const LANES: usize = 4;
 
-/// For contacts with friction alone; what they give to their bodies is added to `sums`. Each tile's is added while its bodies
-/// are at hand.
+/// A projected step of contacts without cohesion, as [`Operator::descend`](super::operator::Operator::descend); their impulses are
+/// added to the `sums` of their bodies, those of each tile while its bodies are in the cache.
 pub fn contacts(
     op: &BodyOperator,
     next: &mut [DVec3],
@@ -36,22 +35,23 @@ pub fn contacts(
         let (own, after) = rest.split_at_mut(lengths.clone().sum());
         rest = after;
         let tiles = cut(own, lengths).into_par_iter().zip(starts).with_max_len(1);
-        // The tiles of a round share no moving body.
+        // The tiles of a round have no moving body in common.
         let visit = |(next, first): (&mut [DVec3], &u32)| {
-            widest(Piece { op, first: *first as usize, next, from, step, sums: Some(sums) })
+            widest(Chunk { op, first: *first as usize, next, from, step, sums: Some(sums) })
         };
-        done = add(done, reduce_tasks(tiles, n <= ALONE, visit));
+        done = add(done, reduce_tasks(tiles, n <= SERIAL_LIMIT, visit));
     }
     let first = n - rest.len();
-    done = add(done, sweep(rest, |k, next| widest(Piece { op, first: first + k, next, from, step, sums: None })));
+    done =
+        add(done, reduce_chunks(rest, |k, next| widest(Chunk { op, first: first + k, next, from, step, sums: None })));
     // SAFETY: no other thread is at work.
-    rest.iter().enumerate().for_each(|(k, z)| unsafe { op.push(first + k, *z, sums) });
+    rest.iter().enumerate().for_each(|(k, z)| unsafe { op.add_block(first + k, *z, sums) });
     done
 }
 
-/// Some contacts; what they give to their bodies is added to `sums`, if there are any. No other thread touches the entries of these
-/// contacts' moving bodies meanwhile.
-struct Piece<'a> {
+/// A chunk of consecutive contacts, whose impulses are added to `sums`, if given. No other thread touches the entries of these contacts'
+/// moving bodies meanwhile.
+struct Chunk<'a> {
     op: &'a BodyOperator<'a>,
     first: usize,
     next: &'a mut [DVec3],
@@ -60,7 +60,7 @@ struct Piece<'a> {
     sums: Option<&'a Cells<'a, Twist>>,
 }
 
-impl LaneLoop for Piece<'_> {
+impl LaneLoop for Chunk<'_> {
     type Out = [f64; 2];
 
     #[inline(always)]
@@ -73,7 +73,7 @@ impl LaneLoop for Piece<'_> {
 }
 
 #[inline(always)]
-fn run<V: Lanes4, const SPHERES: bool>(Piece { op, first, next, from, step, sums }: Piece) -> [f64; 2] {
+fn run<V: Lanes4, const SPHERES: bool>(Chunk { op, first, next, from, step, sums }: Chunk) -> [f64; 2] {
     let n = next.len();
     let range = first..first + n;
     let c = op.contacts;
@@ -104,14 +104,14 @@ fn run<V: Lanes4, const SPHERES: bool>(Piece { op, first, next, from, step, sums
                 rate.select_le(slowest, slowest, rate)
             }
         };
-        let turned = if SPHERES {
+        let rotational = if SPHERES {
             let [reach_a, reach_b] = V::load2(four(reach, k));
             normals.cross(wa.times(reach_a).plus(wb.times(reach_b)))
         } else {
             let [p, q, r, s] = four(arms, k);
             wb.cross(V::load3(&[p[1], q[1], r[1], s[1]])).minus(wa.cross(V::load3(&[p[0], q[0], r[0], s[0]])))
         };
-        let gradient = vb.minus(va).plus(turned).plus(normals.times(offset));
+        let gradient = vb.minus(va).plus(rotational).plus(normals.times(offset));
         let (x, eta) = (V::load3(four(x, k)), V::load(four(eta, k)));
         let y = x.plus(x.minus(V::load3(four(previous, k))).times(beta));
         let [p, q, r, s] = four(law, k);
@@ -126,25 +126,25 @@ fn run<V: Lanes4, const SPHERES: bool>(Piece { op, first, next, from, step, sums
         V::store3(z, next);
         let d = z.minus(y);
         done = [done[0] + d.dot(d) / eta, done[1] + gradient.dot(z.minus(x))];
-        // SAFETY: what `Piece` says of `sums`, here and below.
+        // SAFETY: what `Chunk` says of `sums`, here and below.
         let Some(sums) = sums else { continue };
         if SPHERES {
-            let ([reach_a, reach_b], turn) = (V::load2(four(reach, k)), z.cross(normals));
-            let to_a = V::to_twists(z.times(V::splat(-1.0)), turn.times(reach_a));
-            let to_b = V::to_twists(z, turn.times(reach_b));
+            let ([reach_a, reach_b], torque) = (V::load2(four(reach, k)), z.cross(normals));
+            let to_a = V::to_twists(z.times(V::splat(-1.0)), torque.times(reach_a));
+            let to_b = V::to_twists(z, torque.times(reach_b));
             for l in 0..LANES {
                 unsafe {
-                    op.give(sums, bodies[k + l][0], &to_a[l]);
-                    op.give(sums, bodies[k + l][1], &to_b[l]);
+                    op.add_impulse(sums, bodies[k + l][0], &to_a[l]);
+                    op.add_impulse(sums, bodies[k + l][1], &to_b[l]);
                 }
             }
         } else {
-            (0..LANES).for_each(|l| unsafe { op.push(first + k + l, next[l], sums) });
+            (0..LANES).for_each(|l| unsafe { op.add_block(first + k + l, next[l], sums) });
         }
     }
     let rest = any(op, first + whole, &mut next[whole..], from, step);
     if let Some(sums) = sums {
-        (whole..next.len()).for_each(|k| unsafe { op.push(first + k, next[k], sums) });
+        (whole..next.len()).for_each(|k| unsafe { op.add_block(first + k, next[k], sums) });
     }
     let (moved, slope) = (done[0].to_array(), done[1].to_array());
     [moved[0] + moved[1] + moved[2] + moved[3] + rest[0], slope[0] + slope[1] + slope[2] + slope[3] + rest[1]]

@@ -1,5 +1,5 @@
-//! Coulomb's law itself: the gap's rate is fed with the slip μ|v_t| (Cadoux 2009; Acary et al. 2011), and the convex problem is
-//! solved anew until the slip that was fed is the slip that comes out.
+//! Coulomb's law itself: the slip feedback μ|v_t| is added to the gap's rate (Cadoux 2009; Acary et al. 2011), and the convex problem
+//! is solved again until the feedback is a fixed point.
 
 use super::iterates::Iterates;
 use super::operator::Operator;
@@ -19,25 +19,25 @@ pub fn run(
 ) -> Outcome {
     const ROUNDS: u32 = 40;
     let mut total = Outcome::default();
-    let most = settings.max_iterations(gamma.len());
-    let budget = (most / 4).max(1);
-    // The slip of the start is the first guess.
-    let mut fed = vec![0.0; gamma.len()];
+    let max = settings.max_iterations(gamma.len());
+    let budget = (max / 4).max(1);
+    // The first feedback is the slip of the starting point.
+    let mut feedback = vec![0.0; gamma.len()];
     for round in 0..ROUNDS {
         let slip = measure(op, response, gamma.len());
-        let change: f64 = slip.iter().zip(&fed).map(|(a, b)| (a - b).abs()).sum();
+        let change: f64 = slip.iter().zip(&feedback).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
-        let settled = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
-        if round > 0 && (settled || total.iterations >= most) {
+        let is_fixed_point = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
+        if round > 0 && (is_fixed_point || total.iterations >= max) {
             break;
         }
-        op.feed_slip(&slip);
-        fed = slip;
+        op.set_slip_feedback(&slip);
+        feedback = slip;
         op.response(gamma, response);
         if round == 0 {
             scale::scale(op, gamma, response, work);
         }
-        let left = most - total.iterations.min(most - 1);
+        let left = max - total.iterations.min(max - 1);
         let settings = SolverSettings { iterations: Some(budget.min(left)), ..settings.clone() };
         let outcome = method::run(op, &settings, gamma, response, work);
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
@@ -45,7 +45,7 @@ pub fn run(
     total
 }
 
-/// μ |v_t| of every block, from the response of γ; what is fed to the gap's rate is left out.
+/// Slip μ |v_t| of every block, m/s, from the response of γ, without the slip feedback.
 pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<f64> {
     let mut slip = vec![0.0; n_blocks];
     fill_rows(&mut slip, |i| {

@@ -1,6 +1,6 @@
-//! Gauss–Seidel: block after block sees what the blocks before it did. Blocks of one colour share no body, so that they run
-//! side by side and the result does not depend on the number of threads. The joints are one block of their own, solved exactly
-//! at the end of each sweep. Contacts between spheres alone have sweeps of their own (`sphere_sweeps`).
+//! Projected Gauss–Seidel: each block is solved with the impulses of the blocks before it. Blocks of one colour have no body in common,
+//! so that they run in parallel and the result does not depend on the number of threads. The joints are one block, solved exactly at
+//! the end of each sweep. Contacts between spheres alone have sweeps of their own (`sphere_sweeps`).
 
 use super::cells::Cells;
 use super::iterates::Iterates;
@@ -13,10 +13,10 @@ use crate::settings::SolverSettings;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Blocks of a colour that one task visits.
+/// Number of blocks of a task.
 const TASK: usize = 1024;
-/// Blocks of a colour that are not worth a second thread.
-const LITTLE: usize = 4 * TASK;
+/// Number of blocks of a colour up to which one thread visits them.
+const SERIAL_LIMIT: usize = 4 * TASK;
 
 pub fn run(
     op: &mut impl Operator,
@@ -32,13 +32,13 @@ pub fn run(
     for iteration in 1..=settings.max_iterations(n) {
         let twist = Cells::new(&mut response.twist);
         let (values, now) = (Cells::new(gamma), &*op);
-        // SAFETY: blocks of a colour share no moving body, each is one task's, and a rolling block, which reads its contact's
-        // multipliers, shares that contact's bodies.
+        // SAFETY: blocks of a colour have no moving body in common, each is one task's, and a rolling block, which reads its contact's
+        // multipliers, has that contact's bodies.
         let visit = |blocks: &[u32]| [unsafe { visit::visit(now, blocks, &twist, &values, omega) }];
-        let visit_color = |color: &[u32]| reduce_tasks(color.par_chunks(TASK), color.len() <= LITTLE, visit);
-        let [missed] = work.colored.colors().map(visit_color).fold([0.0], add);
+        let visit_color = |color: &[u32]| reduce_tasks(color.par_chunks(TASK), color.len() <= SERIAL_LIMIT, visit);
+        let [residual2] = work.colored.colors().map(visit_color).fold([0.0], add);
         op.solve_joints(response);
-        outcome = Outcome { iterations: iteration, residual: missed.sqrt() / n as f64 };
+        outcome = Outcome { iterations: iteration, residual: residual2.sqrt() / n as f64 };
         if outcome.residual <= settings.tolerance {
             break;
         }

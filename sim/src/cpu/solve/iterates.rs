@@ -8,10 +8,10 @@ use crate::outcome::Outcome;
 use crate::settings::SolverSettings;
 use glam::DVec3;
 
-/// The rounding of impulses and of velocities, of their size: some units in the last place.
+/// Relative rounding error of impulses and of velocities: a few units in the last place.
 pub const ROUNDING: f64 = 1e-15;
 
-/// The iterates of the methods, kept from step to step for their memory.
+/// The iterates of the methods, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Iterates {
     pub previous: Vec<DVec3>,
@@ -23,52 +23,51 @@ pub struct Iterates {
     pub response_best: Response,
     /// The blocks by colours, for Gauss–Seidel.
     pub colored: Colored,
-    /// The step length of the last APGD; the next begins with it.
+    /// Step length of the last APGD solve, from which the next one starts.
     pub step_length: f64,
 }
 
-/// The best iterate of a method whose residual does not fall at every step. The residual is looked at now and then, and at the
-/// end. The starting point is no candidate: where a blow has just come its mean residual may be less than that of iterates that
-/// have begun to spread it.
+/// The best iterate of a method that is not monotone in the residual, which is evaluated at intervals and at the end. The starting
+/// point is no candidate: after an impact its mean residual may be below that of iterates that have begun to distribute the impulse.
 pub struct Best {
     outcome: Outcome,
-    /// Whether the iterate that was looked at last is the best.
+    /// Whether the last iterate that was checked is the best.
     is_current: bool,
 }
 
 impl Best {
-    /// Iterations between looks at the residual, and where no residual is good enough to stop at.
-    const LOOK: [u32; 2] = [10, 25];
+    /// Iterations between checks of the residual, with a tolerance and without one.
+    const CHECK_INTERVAL: [u32; 2] = [10, 25];
 
-    /// None yet.
+    /// A best iterate that is not found yet.
     pub fn new() -> Best {
         Best { outcome: Outcome { iterations: 0, residual: f64::INFINITY }, is_current: true }
     }
 
-    /// Look at the iterate after `done` iterations, if it is time; whether it is good enough.
-    pub fn look(
+    /// Check the iterate after `done` iterations, if the interval is over. Returns whether its residual is within the tolerance.
+    pub fn check(
         &mut self,
         op: &impl Operator,
         settings: &SolverSettings,
         done: u32,
         (gamma, response): (&[DVec3], &Response),
-        (kept, kept_image): (&mut Vec<DVec3>, &mut Response),
+        (kept, kept_response): (&mut Vec<DVec3>, &mut Response),
     ) -> bool {
         let last = done >= settings.max_iterations(gamma.len());
-        if !done.is_multiple_of(Self::LOOK[(settings.tolerance <= 0.0) as usize]) && !last {
+        if !done.is_multiple_of(Self::CHECK_INTERVAL[(settings.tolerance <= 0.0) as usize]) && !last {
             return false;
         }
         self.compare(Outcome { iterations: done, residual: residual(op, gamma, response) });
-        let is_enough = self.is_current && self.outcome.residual <= settings.tolerance;
-        if self.is_current && !is_enough && !last {
+        let has_converged = self.is_current && self.outcome.residual <= settings.tolerance;
+        if self.is_current && !has_converged && !last {
             kept.clear();
             kept.extend_from_slice(gamma);
-            kept_image.copy_from(response);
+            kept_response.copy_from(response);
         }
-        is_enough
+        has_converged
     }
 
-    /// Compare an iterate with the best one, of those whose residual is finite.
+    /// Compare an iterate with the best one so far.
     pub fn compare(&mut self, outcome: Outcome) {
         self.is_current = outcome.residual <= self.outcome.residual || !self.outcome.residual.is_finite();
         if self.is_current {
@@ -76,7 +75,7 @@ impl Best {
         }
     }
 
-    /// Put the best iterate back where it is not the last one.
+    /// Restore the best iterate if it is not the last one.
     pub fn finish(self, done: u32, gamma: &mut [DVec3], response: &mut Response, work: &Iterates) -> Outcome {
         if !self.is_current {
             gamma.copy_from_slice(&work.best);

@@ -1,4 +1,4 @@
-//! The paper's Algorithm 1, γ⁺ = λ Π(γ − ω η (Nγ + r)) + (1 − λ) γ, with the joints eliminated rather than iterated.
+//! Projected Jacobi, the paper's Algorithm 1: γ⁺ = λ Π(γ − ω η (Nγ + r)) + (1 − λ) γ, with the joints eliminated rather than iterated.
 
 use super::iterates::Iterates;
 use super::operator::Operator;
@@ -19,17 +19,17 @@ pub fn run(
     let (omega, lambda) = (settings.omega.unwrap_or(0.3), settings.lambda);
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut outcome = Outcome::default();
-    let most = settings.max_iterations(gamma.len());
-    for iteration in 1..=most {
-        let (now, x, im) = (&*op, &*gamma, &*response);
+    let max = settings.max_iterations(gamma.len());
+    for iteration in 1..=max {
+        let (now, x, last) = (&*op, &*gamma, &*response);
         fill_rows(&mut work.next, |i| {
-            let stepped = x[i] - now.gradient(im, i) * (omega * now.eta(i));
+            let stepped = x[i] - now.gradient(last, i) * (omega * now.eta(i));
             now.project(i, stepped, x) * lambda + x[i] * (1.0 - lambda)
         });
         std::mem::swap(gamma, &mut work.next);
         op.response(gamma, response);
         outcome.iterations = iteration;
-        if settings.tolerance > 0.0 || iteration == most {
+        if settings.tolerance > 0.0 || iteration == max {
             outcome.residual = residual(op, gamma, response);
             if outcome.residual <= settings.tolerance {
                 break;

@@ -1,12 +1,11 @@
-//! The joints, eliminated: a set of impulses changes the velocities by `M⁻¹f`, and the joints answer at once with the
-//! multipliers λ that keep `Bᵀv + Ψ/h + ∂Ψ/∂t + Cλ = 0`, found by a sparse factorisation of `S = BᵀM⁻¹B + C`.
+//! Elimination of the joints: impulses f change the velocities by `M⁻¹f`, and the joints are solved for the multipliers λ that
+//! satisfy `Bᵀv + Ψ/h + ∂Ψ/∂t + Cλ = 0`, by a sparse factorisation of `S = BᵀM⁻¹B + C`.
 //!
 //! The projected iteration over contacts then works with `M̃⁻¹ = M⁻¹ − M⁻¹B S⁻¹ BᵀM⁻¹` in place of M⁻¹: a chain of stiff joints
 //! with light links and a heavy load costs it no iterations. (The paper iterates over joints and contacts alike, and names
 //! the slow convergence as its open problem, §6.)
 //!
-//! C has the compliance of springs, and for rigid rows a trace of the diagonal, so that redundant rows share their load
-//! rather than break the factorisation.
+//! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
 use super::ldl::Ldl;
 use super::response::Response;
@@ -14,20 +13,20 @@ use crate::cpu::masses::Masses;
 use crate::joint::Row;
 use crate::twist::Twist;
 
-/// Compliance of a rigid row, relative to its own diagonal. Redundant rows (two pins a hinge, a closed ring of hinges) share
-/// their load by it; a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
-const TRACE: f64 = 1e-6;
+/// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
+/// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
+const REGULARIZATION: f64 = 1e-6;
 
 /// The rows of a step and their factorisation.
 #[derive(Default)]
 pub struct Joints {
     /// The rows.
     pub rows: Vec<Row>,
-    /// `Ψ/h + ∂Ψ/∂t` and what springs add, m/s (n_rows).
+    /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
-    /// Bodies of the rows when the pattern was analysed.
+    /// Bodies of the rows when the sparsity pattern was analysed (n_rows).
     pattern: Vec<[u32; 2]>,
-    /// For each moving body that rows share, its rows.
+    /// Rows of each moving body.
     of_body: Vec<(u32, Vec<u32>)>,
     /// Slots of the pairs (k, l ≥ k) of each body's rows, in order.
     slot: Vec<u32>,
@@ -46,7 +45,7 @@ fn on_body(row: &Row, body: u32) -> Twist {
 }
 
 impl Joints {
-    /// Take the rows of a step and factorise.
+    /// Factorise S for the rows of a step.
     pub fn prepare(&mut self, masses: &Masses) {
         let n = self.rows.len();
         if n == 0 {
@@ -65,7 +64,7 @@ impl Joints {
             for (i, &k) in rows.iter().enumerate() {
                 let own = on_body(&self.rows[k as usize], *body);
                 let b = *body as usize;
-                let m = Twist { v: own.v * masses.inv_mass[b], w: masses.turn(b, own.w) };
+                let m = Twist { v: own.v * masses.inv_mass[b], w: masses.apply_inv_inertia(b, own.w) };
                 for &l in &rows[i..] {
                     let other = on_body(&self.rows[l as usize], *body);
                     let value = other.v.dot(m.v) + other.w.dot(m.w);
@@ -77,8 +76,8 @@ impl Joints {
             }
         }
         for k in 0..n {
-            let trace = TRACE * diagonal[k].max(f64::MIN_POSITIVE);
-            self.softness[k] = self.softness[k].max(trace);
+            let min = REGULARIZATION * diagonal[k].max(f64::MIN_POSITIVE);
+            self.softness[k] = self.softness[k].max(min);
             self.ldl.add(next(), self.softness[k]);
         }
         let largest = diagonal.iter().fold(0f64, |m, d| m.max(*d)).max(f64::MIN_POSITIVE);
@@ -97,12 +96,12 @@ impl Joints {
             }
         }
         self.of_body = of_body.into_iter().collect();
-        let mut number: std::collections::HashMap<[u32; 2], u32> = Default::default();
+        let mut entry_of: std::collections::HashMap<[u32; 2], u32> = Default::default();
         let mut entries: Vec<[u32; 2]> = vec![];
         let mut all: Vec<u32> = vec![];
         let mut take = |pair: [u32; 2]| {
             let next = entries.len() as u32;
-            all.push(*number.entry(pair).or_insert_with(|| {
+            all.push(*entry_of.entry(pair).or_insert_with(|| {
                 entries.push(pair);
                 next
             }));
@@ -128,20 +127,19 @@ impl Joints {
         self.slot = all.iter().map(|e| slots[*e as usize]).collect();
     }
 
-    /// Analyse the rows again at the next step: other bodies move.
-    pub fn forget(&mut self) {
+    /// Discard the sparsity pattern: other bodies move.
+    pub fn invalidate(&mut self) {
         self.pattern.clear();
     }
 
-    /// Begin a response whose velocities hold no part of the multipliers.
-    pub fn begin(&self, response: &mut Response) {
+    /// Reset the multipliers of a response to zero, for velocities without joints.
+    pub fn reset(&self, response: &mut Response) {
         response.lambda.clear();
         response.lambda.resize(self.rows.len(), 0.0);
     }
 
-    /// Let the joints answer: `response` has velocities that hold the part of the multipliers in `lambda`, and gets all of λ and the
-    /// velocities with it.
-    pub fn answer(&mut self, masses: &Masses, response: &mut Response) {
+    /// Solve the joints: update the multipliers λ and the velocities of a response whose velocities include the effect of its λ.
+    pub fn solve(&mut self, masses: &Masses, response: &mut Response) {
         if self.rows.is_empty() {
             return;
         }
@@ -153,7 +151,7 @@ impl Joints {
         self.ldl.solve(&mut self.rhs);
         response.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
         for (row, lambda) in self.rows.iter().zip(&self.rhs) {
-            masses.push_row(&mut response.twist, row, *lambda);
+            masses.apply_row_impulse(&mut response.twist, row, *lambda);
         }
     }
 

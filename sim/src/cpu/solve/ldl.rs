@@ -1,10 +1,10 @@
 //! Sparse LDLᵀ factorisation of a symmetric positive definite matrix, up-looking (Davis 2005): row k of L solves a triangular
-//! system with the rows before it, along paths of the elimination tree. The pattern is analysed once and kept.
+//! system with the rows before it, along paths of the elimination tree. The sparsity pattern is analysed once.
 
-/// A factorisation and its pattern.
+/// A factorisation and its sparsity pattern.
 #[derive(Clone, Debug, Default)]
 pub struct Ldl {
-    /// Place of each row in the elimination order (n).
+    /// Position of each row in the elimination order (n).
     place: Vec<u32>,
     /// Entries of the upper triangle in elimination order: column starts (n + 1), rows, and values.
     start: Vec<u32>,
@@ -21,8 +21,8 @@ pub struct Ldl {
 }
 
 impl Ldl {
-    /// Analyse a pattern: `entries` are the pairs (i, j), each once, i ≤ j, the diagonal among them; `group` joins rows that
-    /// are eliminated together. Returns with the slot of each entry for [`Ldl::set`].
+    /// Analyse a sparsity pattern: `entries` are the pairs (i, j), each once, i ≤ j, with the diagonal; `group` has the group of each row,
+    /// and rows of a group are eliminated together. Returns also the slot of each entry for [`Ldl::add`].
     pub fn analyse(n: usize, entries: &[[u32; 2]], group: &[u32]) -> (Ldl, Vec<u32>) {
         let place = order(n, entries, group);
         let mut list: Vec<([u32; 2], usize)> = entries
@@ -47,7 +47,7 @@ impl Ldl {
         (ldl, slot)
     }
 
-    /// Elimination tree, and the places of L's entries.
+    /// Elimination tree, and the positions of L's entries.
     fn symbolic(&mut self, n: usize) {
         const NONE: u32 = u32::MAX;
         self.parent = vec![NONE; n];
@@ -76,13 +76,13 @@ impl Ldl {
         self.scratch = vec![0.0; n];
     }
 
-    /// Entries of L.
+    /// Number of entries of L.
     #[cfg(test)]
     fn filled(&self) -> usize {
         self.l_row.len()
     }
 
-    /// All entries zero.
+    /// Set all entries to zero.
     pub fn clear(&mut self) {
         self.value.fill(0.0);
     }
@@ -93,8 +93,8 @@ impl Ldl {
         self.value[slot as usize] += value;
     }
 
-    /// Factorise. Pivots that are not positive (redundant rows) are raised to `least`.
-    pub fn factorise(&mut self, least: f64) {
+    /// Factorise. Pivots below `min_pivot` (redundant rows) are raised to it.
+    pub fn factorise(&mut self, min_pivot: f64) {
         let n = self.d.len();
         let mut used = vec![0u32; n];
         let mut flag = vec![u32::MAX; n];
@@ -132,7 +132,7 @@ impl Ldl {
                 (self.l_row[p], self.l_value[p]) = (k as u32, l);
                 used[i] += 1;
             }
-            self.d[k] = d.max(least);
+            self.d[k] = d.max(min_pivot);
         }
     }
 
@@ -162,7 +162,7 @@ impl Ldl {
     }
 }
 
-/// An elimination order by least degree among groups of rows; returns each row's place.
+/// A minimum-degree elimination order of groups of rows. Returns each row's position.
 fn order(n: usize, entries: &[[u32; 2]], group: &[u32]) -> Vec<u32> {
     let n_groups = group.iter().map(|g| *g as usize + 1).max().unwrap_or(0);
     let mut near: Vec<std::collections::BTreeSet<u32>> = vec![Default::default(); n_groups];

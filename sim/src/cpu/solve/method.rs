@@ -1,4 +1,4 @@
-//! The dispatch of methods.
+//! Dispatch to the methods.
 
 use super::iterates::Iterates;
 use super::operator::Operator;
@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::settings::{Method, SolverSettings};
 use glam::DVec3;
 
-/// Solve with the offset as it is.
+/// Solve the convex problem with the current offset by the method of the settings.
 pub fn run(
     op: &mut impl Operator,
     settings: &SolverSettings,

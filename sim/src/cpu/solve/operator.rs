@@ -1,14 +1,14 @@
-//! The operator of a cone complementarity problem, as the methods see it. It is private to the CPU back end: another back end's
-//! methods have their own.
+//! The interface between a cone complementarity problem and the methods. It is private to the CPU back end: the methods of another back
+//! end have their own.
 
 use super::cells::Cells;
 use super::response::{Extrapolated, Response};
 use super::schedule::Colored;
-use crate::rows::sweep;
+use crate::rows::reduce_chunks;
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
-/// A symmetric operator N with its cones: `gradient = gradient(response(γ))` is Nγ + r.
+/// A symmetric operator N, an offset r and cones; the gradient Nγ + r is evaluated from the response of γ.
 pub trait Operator: Sync {
     /// Number of blocks of three multipliers.
     fn n_blocks(&self) -> usize;
@@ -18,12 +18,12 @@ pub trait Operator: Sync {
     fn gradient(&self, response: &Response, block: usize) -> DVec3;
     /// dᵀNd for the difference of two multipliers, given by their responses.
     fn curvature(&self, a: &Response, b: &Response) -> f64;
-    /// The size of a response in the units of the curvature.
+    /// Squared norm of a response in the units of the curvature.
     fn energy(&self, response: &Response) -> f64;
     /// A projected step from y = x + β (x − previous): `next = Π(y − t η (N y + r))`. Returns
     /// `[|next − y|²/η, (N y + r)·(next − x)]`, summed. An operator may begin the response of `next` in `to`.
     fn descend(&self, next: &mut [DVec3], from: &Extrapolated, step: f64, _to: &mut Response) -> [f64; 2] {
-        sweep(next, |first, rows| any(self, first, rows, from, step))
+        reduce_chunks(next, |first, rows| any(self, first, rows, from, step))
     }
     /// After `descend`: the response of `next`, the response of the point extrapolated from `x` and it, and the curvature along
     /// `next` − y.
@@ -32,20 +32,20 @@ pub trait Operator: Sync {
     }
     /// Project block i onto its cone; `gamma` has the multipliers that the cone's width may depend on.
     fn project(&self, block: usize, value: DVec3, gamma: &[DVec3]) -> DVec3;
-    /// The same, with the multipliers in cells.
+    /// Project block i onto its cone, with the multipliers in cells.
     ///
     /// # Safety
     /// No other thread writes the multipliers of the block, or those that its cone's width depends on.
     unsafe fn project_in(&self, block: usize, value: DVec3, gamma: &Cells<DVec3>) -> DVec3;
     /// η of a block: 3/trace(N_ii).
     fn eta(&self, block: usize) -> f64;
-    /// The length by which the velocities of a block become m/s: 1 but where they are rad/s.
+    /// Length that converts the velocities of a block to m/s: 1, or m where they are rad/s.
     fn lever(&self, _block: usize) -> f64 {
         1.0
     }
     /// N_ii.
     fn diagonal(&self, block: usize) -> DMat3;
-    /// Apply the impulse `d` of a block to the response, but for what the joints do.
+    /// Apply the impulse `d` of a block to the response, without solving the joints.
     ///
     /// # Safety
     /// No other thread touches the entries of the block's moving bodies.
@@ -57,20 +57,20 @@ pub trait Operator: Sync {
     unsafe fn gradient_in(&self, response: &Cells<Twist>, block: usize) -> DVec3;
     /// Solve the joints after impulses have been applied.
     fn solve_joints(&mut self, response: &mut Response);
-    /// Colour the blocks: those of a colour have no response entry in common.
+    /// Colour the blocks: blocks of a colour have no response entry in common.
     fn colors(&self, colored: &mut Colored);
-    /// Whether multiples of what is in the cones are in them: none has its tip below zero.
-    fn has_open_cones(&self) -> bool {
+    /// Whether the cones are homogeneous, with their tips at zero.
+    fn has_homogeneous_cones(&self) -> bool {
         true
     }
     /// Whether no block's cone depends on another's multipliers.
-    fn has_cones_apart(&self) -> bool {
+    fn has_independent_cones(&self) -> bool {
         true
     }
     /// The coefficient of friction of a block, and its normal; (0, 0) where it has none.
     fn friction(&self, block: usize) -> (f64, DVec3);
-    /// Feed the gap's rate of every block with `μ |v_t|` (exact friction); replaces what was fed before.
-    fn feed_slip(&mut self, slip: &[f64]);
+    /// Set the slip feedback `μ |v_t|` in the gap's rate of every block (exact friction), m/s.
+    fn set_slip_feedback(&mut self, slip: &[f64]);
 }
 
 /// A projected step of some blocks: [`Operator::descend`] for any operator.
@@ -94,7 +94,8 @@ pub fn any(
     sums
 }
 
-/// [`Operator::advance`] for any operator: the response of `next`, of the point extrapolated from it, and the curvature, one after the other.
+/// [`Operator::advance`] for any operator: the response of `next`, that of the extrapolated point, and the curvature, one after the
+/// other.
 pub fn advance(
     op: &mut (impl Operator + ?Sized),
     next: &[DVec3],

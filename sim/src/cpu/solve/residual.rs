@@ -1,13 +1,13 @@
-//! How far multipliers are from the solution.
+//! The residual of multipliers.
 
 use super::operator::Operator;
 use super::response::Response;
 use crate::rows::sum_rows;
 use glam::DVec3;
 
-/// What a block misses of its cone: `(γ − Π(γ − g (Nγ + r))) / g` with g = 10⁻³ η, m/s (rad/s for rolling blocks).
+/// Residual term of a block: `(γ − Π(γ − g (Nγ + r))) / g` with g = 10⁻³ η, m/s (rad/s for rolling blocks).
 #[inline]
-pub fn missed(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], response: &Response) -> DVec3 {
+pub fn term(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], response: &Response) -> DVec3 {
     let g = 1e-3 * eta;
     let gradient = op.gradient(response, i);
     (gamma[i] - op.project(i, gamma[i] - gradient * g, gamma)) / g
@@ -17,22 +17,22 @@ pub fn missed(op: &impl Operator, i: usize, eta: f64, gamma: &[DVec3], response:
 pub fn residual(op: &impl Operator, gamma: &[DVec3], response: &Response) -> f64 {
     let [sum] = sum_rows(gamma.len(), |i| {
         let lever = op.lever(i);
-        [missed(op, i, op.eta(i), gamma, response).length_squared() * (lever * lever)]
+        [term(op, i, op.eta(i), gamma, response).length_squared() * (lever * lever)]
     });
     sum.sqrt() / gamma.len() as f64
 }
 
-/// The block that misses its cone by most. There must be blocks; their η are evaluated again, which some methods do not keep.
+/// Index of the block with the maximum residual term. There must be blocks; η is evaluated here, since some methods do not store it.
 pub fn worst_block(op: &impl Operator, gamma: &[DVec3], response: &Response) -> usize {
-    let miss = |i: usize| {
+    let squared = |i: usize| {
         let n = op.diagonal(i);
         let trace = n.x_axis.x + n.y_axis.y + n.z_axis.z;
-        missed(op, i, 3.0 / trace, gamma, response).length_squared() * op.lever(i).powi(2)
+        term(op, i, 3.0 / trace, gamma, response).length_squared() * op.lever(i).powi(2)
     };
-    (0..gamma.len()).map(|i| (miss(i), i)).fold((-1.0, 0), |worst, now| if now.0 > worst.0 { now } else { worst }).1
+    (0..gamma.len()).map(|i| (squared(i), i)).fold((-1.0, 0), |worst, now| if now.0 > worst.0 { now } else { worst }).1
 }
 
-/// Whether nothing carries and nothing needs to: the starting point without impulses is the solution.
+/// Whether zero multipliers are the solution.
 pub fn is_idle(op: &impl Operator, gamma: &[DVec3], response: &Response) -> bool {
     gamma.iter().all(|g| *g == DVec3::ZERO) && residual(op, gamma, response) == 0.0
 }

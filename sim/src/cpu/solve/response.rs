@@ -1,13 +1,13 @@
-//! What impulses do to the bodies: velocities and joint multipliers.
+//! The response to impulses: velocities and joint multipliers.
 
 use crate::rows::fill_rows;
 use crate::twist::Twist;
 use glam::DVec3;
 
-/// The response of multipliers, in the space where it is cheap to combine: velocities of all bodies, and the joints' multipliers.
+/// The response of multipliers γ: velocities of all bodies, and the joints' multipliers. Linear combinations of it are cheap.
 #[derive(Clone, Debug, Default)]
 pub struct Response {
-    /// Velocities of the bodies (n_bodies).
+    /// Velocities of the bodies, world (n_bodies).
     pub twist: Vec<Twist>,
     /// Multipliers of the eliminated joint rows (n_rows).
     pub lambda: Vec<f64>,

@@ -1,13 +1,13 @@
-//! In which order Gauss–Seidel visits blocks, so that those visited at once share no moving body and the result does not depend on
-//! the number of threads.
+//! The order in which Gauss–Seidel visits blocks: those visited concurrently have no moving body in common, so that the result does not
+//! depend on the number of threads.
 //!
-//! Any blocks are coloured: those of a colour share no body. Where contacts lie by tiles ([`crate::contacts::Tiles`]), each tile is
-//! one thread's, which finds its bodies in its own cache, and only the few contacts in none are coloured for all threads
-//! together.
+//! Blocks in general are coloured: those of a colour have no body in common. Contacts in tiles ([`crate::contacts::Tiles`]) are coloured
+//! tile by tile, each tile is visited by one thread, whose cache has its bodies, and only the few contacts in no tile are coloured for
+//! all threads together.
 
 use super::cells::Cells;
 use crate::contacts::Contacts;
-use crate::rows::{ALONE, reduce_tasks};
+use crate::rows::{SERIAL_LIMIT, reduce_tasks};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -16,18 +16,18 @@ use std::ops::Range;
 #[derive(Default)]
 pub struct Colored {
     order: Vec<u32>,
-    /// First of each colour (n_colors + 1).
+    /// First block of each colour, and the end (n_colors + 1).
     start: Vec<u32>,
 }
 
 impl Colored {
-    /// Give each block the first colour that its moving bodies do not have yet. `taken` has the colours of each body as bits;
-    /// those of the blocks' bodies are clear at first.
+    /// Give each block the first colour that its moving bodies do not have yet. `taken` has the colours of each body as a mask; those of
+    /// the blocks' bodies are 0 at first.
     ///
     /// # Safety
     /// No other thread touches the entries of the blocks' moving bodies.
     pub unsafe fn fill(&mut self, blocks: Range<u32>, bodies: impl Fn(u32) -> [Option<u32>; 2], taken: &Cells<u64>) {
-        // A body with very many contacts: its further blocks stand alone, in colours from 64 on.
+        // A body with more than 64 blocks: its further blocks have colours of their own.
         let mut n_colors = 64;
         let color_of = |block: u32| {
             let own = bodies(block);
@@ -47,7 +47,7 @@ impl Colored {
         distribute_cpu(n_colors as usize, colored, &mut self.start, &mut self.order);
     }
 
-    /// Each of so many blocks alone.
+    /// Give each of `n` blocks a colour of its own.
     pub fn one_by_one(&mut self, n: u32) {
         (self.order, self.start) = ((0..n).collect(), (0..=n).collect());
     }
@@ -58,7 +58,7 @@ impl Colored {
     }
 }
 
-/// Visit every contact once, several at a time that share no moving body.
+/// Visit every contact once, concurrently those that have no moving body in common.
 pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
     let n = contacts.len();
     if n == 0 {
@@ -66,7 +66,7 @@ pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
     }
     let tile = |first: u32, end: u32| (first as usize..end as usize).for_each(&visit);
     for round in contacts.tiles.rounds() {
-        let [] = reduce_tasks(round.par_windows(2), n <= ALONE, |ends| {
+        let [] = reduce_tasks(round.par_windows(2), n <= SERIAL_LIMIT, |ends| {
             tile(ends[0], ends[1]);
             []
         });
@@ -74,12 +74,12 @@ pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
     contacts.tiles.rest().for_each(|contact| visit(contact as usize));
 }
 
-/// A bed's contacts by tiles.
+/// Contacts by tiles and colours.
 #[derive(Default)]
 pub struct Tiled {
-    /// Two rounds; the tiles of a round share no moving body.
+    /// The tiles of both rounds; those of a round have no moving body in common.
     pub rounds: [Vec<Colored>; 2],
-    /// What is in no tile.
+    /// The contacts in no tile.
     pub shared: Colored,
 }
 
@@ -95,7 +95,7 @@ impl Tiled {
             let taken = Cells::new(&mut taken);
             tiles.resize_with(start.len() - 1, Colored::default);
             let each = tiles.par_iter_mut().zip(start.par_windows(2)).with_max_len(1);
-            // SAFETY: the tiles of a round share no moving body.
+            // SAFETY: the tiles of a round have no moving body in common.
             each.for_each(|(colored, ends)| unsafe { colored.fill(ends[0]..ends[1], bodies, &taken) });
         }
         taken.fill(0);

@@ -1,14 +1,14 @@
-//! Gauss–Seidel on contacts with friction alone between spheres, several at a time.
+//! Gauss–Seidel sweeps on contacts between spheres with friction alone, several contacts at a time.
 //!
 //! A sphere's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
 //! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
 //! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
-//! of its own, and the tangents are kept within the disc that its answer gives (Jourdan et al. 1998): no outer loop is needed.
+//! of its own, and the tangents are projected onto the disc that its solution gives (Jourdan et al. 1998): no outer loop is needed.
 //!
-//! All that a visit needs is laid out once a solve, tile by tile and colour by colour (`schedule`), in groups of contacts that
-//! share no body; a visit streams through it. The first sweeps are in single precision, where a group has eight contacts and
-//! half the bytes; double precision follows once what contacts miss is near its rounding. The bodies' velocities are made anew
-//! from the impulses after it, so that no rounding of it is left in the momentum.
+//! The data of the contacts is packed once per solve, tile by tile and colour by colour (`schedule`), in groups of contacts that have no
+//! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight contacts and half the
+//! bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are then computed again from the
+//! impulses, so that the momentum has no rounding error of single precision.
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
@@ -26,10 +26,10 @@ use crate::twist::Twist;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Where single precision ends: contacts miss by so many times the greatest speed, root mean square.
+/// Root mean square of the residual terms at which single precision ends, over the maximum speed of a body.
 const COARSE: f64 = 1e-5;
 
-/// The sweeps' columns, kept from step to step.
+/// The columns of the sweeps, which keep their memory from step to step.
 #[derive(Default)]
 pub struct Sweeps {
     tiled: Tiled,
@@ -38,8 +38,8 @@ pub struct Sweeps {
 }
 
 impl Sweeps {
-    /// Let go of what the next solve lays out again.
-    pub fn forget(&mut self) {
+    /// Release the memory of columns that the next solve lays out again.
+    pub fn release(&mut self) {
         (self.coarse, self.fine) = Default::default();
     }
 }
@@ -54,12 +54,12 @@ pub fn run(
 ) -> Outcome {
     let Sweeps { tiled, coarse, fine } = work;
     tiled.fill(op.contacts, &op.masses.inv_mass);
-    op.joints.begin(response);
+    op.joints.reset(response);
     let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
     if op.joints.rows.is_empty() {
         coarse.fill(op, tiled, gamma);
-        let enough = COARSE * coarse.fastest() / (gamma.len() as f64).sqrt();
-        coarse.sweeps(settings, gamma.len(), settings.tolerance.max(enough), &mut outcome, |_| ());
+        let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
+        coarse.sweeps(settings, gamma.len(), settings.tolerance.max(tolerance), &mut outcome, |_| ());
         coarse.unpack(tiled, gamma);
     }
     if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
@@ -81,21 +81,21 @@ pub fn run(
     outcome
 }
 
-/// Contacts of one colour.
+/// A group of contacts of one colour, in lanes.
 #[derive(Clone, Copy)]
 struct Group<T, const L: usize> {
     bodies: [[u32; 2]; L],
-    /// Whether all these bodies move.
+    /// Whether all bodies move.
     moves: bool,
     normal: [[T; L]; 3],
     gamma: [[T; L]; 3],
-    /// The arms' lengths.
+    /// Lengths of the arms, m.
     reach: [[T; L]; 2],
     offset: [T; L],
     friction: [T; L],
 }
 
-/// The motion of a body, with its reciprocal mass and moment of inertia: what a visit takes of it, in one cache line.
+/// The velocities of a body with its reciprocal mass and moment of inertia, in one cache line.
 #[derive(Clone, Copy, Default)]
 #[repr(C, align(32))]
 struct Motion<T> {
@@ -117,7 +117,7 @@ impl<T: Real> Motion<T> {
 /// All contacts in groups, and the motions of the bodies.
 pub struct Packed<T, const L: usize> {
     groups: Vec<Group<T, L>>,
-    /// Groups of each tile of both rounds, and of each colour of the contacts in none.
+    /// Number of groups of each tile of both rounds, and of each colour of the contacts in no tile.
     n_groups: [Vec<usize>; 3],
     motion: Vec<Motion<T>>,
 }
@@ -128,21 +128,21 @@ impl<T, const L: usize> Default for Packed<T, L> {
     }
 }
 
-/// Groups that are not worth a second thread.
-const LITTLE: usize = 512;
+/// Number of groups up to which one thread visits them.
+const SERIAL_LIMIT: usize = 512;
 
-/// What is done with a contact.
+/// The action of a visit on a contact.
 mod act {
-    /// Its bodies are given its impulse.
+    /// Apply its impulse to its bodies.
     pub const APPLY: u8 = 0;
-    /// Its problem is solved in the relaxed form.
+    /// Solve its problem with relaxed friction.
     pub const RELAXED: u8 = 1;
-    /// Its problem is solved in Coulomb's.
+    /// Solve its problem with exact friction.
     pub const EXACT: u8 = 2;
 }
 
 impl<T: Grouped<L>, const L: usize> Packed<T, L> {
-    /// Lay out the contacts, and take the motions of the bodies with the impulses γ, projected onto their cones.
+    /// Pack the contacts with the impulses γ, projected onto their cones, and compute the motions of the bodies with them.
     fn fill(&mut self, op: &BodyOperator, tiled: &Tiled, gamma: &[DVec3]) {
         let (masses, n_bodies) = (op.masses, op.masses.inv_mass.len());
         let groups_of = |color: &[u32]| color.len().div_ceil(L);
@@ -156,16 +156,16 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         let [first, second, shared] = self.parts();
         for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
             let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
-            tiles.for_each(|(groups, tile)| lay_out(groups, tile.colors(), op, gamma));
+            tiles.for_each(|(groups, tile)| pack(groups, tile.colors(), op, gamma));
         }
         let colors = shared.into_iter().zip(tiled.shared.colors());
-        colors.for_each(|(groups, color)| lay_out(groups, [color].into_iter(), op, gamma));
+        colors.for_each(|(groups, color)| pack(groups, [color].into_iter(), op, gamma));
         self.motion.resize(n_bodies + 1, Motion::default());
         fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
         self.visit::<{ act::APPLY }>(1.0);
     }
 
-    /// The groups of each tile of both rounds, and of each colour of the contacts in none.
+    /// The groups of each tile of both rounds, and of each colour of the contacts in no tile.
     fn parts(&mut self) -> [Vec<&mut [Group<T, L>]>; 3] {
         let mut rest = &mut self.groups[..];
         self.n_groups.each_ref().map(|lengths| {
@@ -175,43 +175,43 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
         })
     }
 
-    /// Take the motions of the bodies.
+    /// Load the motions of the bodies from a response.
     fn load(&mut self, response: &Response) {
         for (motion, twist) in self.motion.iter_mut().zip(&response.twist) {
             *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
         }
     }
 
-    /// Give the motions of the bodies back.
+    /// Store the motions of the bodies to a response.
     fn store(&self, response: &mut Response) {
         response.twist.resize(self.motion.len() - 1, Twist::default());
         fill_rows(&mut response.twist, |b| self.motion[b].twist());
     }
 
-    /// The greatest speed of a body, m/s.
-    fn fastest(&self) -> f64 {
-        self.motion.iter().fold(0.0f64, |most, m| most.max(m.twist().v.length_squared())).sqrt()
+    /// Maximum speed of a body, m/s.
+    fn max_speed(&self) -> f64 {
+        self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
     }
 
-    /// Sweep until contacts are good enough; `solve_joints` follows every sweep.
+    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations; `solve_joints` follows every sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
         n: usize,
-        enough: f64,
+        tolerance: f64,
         outcome: &mut Outcome,
         mut solve_joints: impl FnMut(&mut Self),
     ) {
         let omega = settings.omega.unwrap_or(1.0);
         while outcome.iterations < settings.max_iterations(n) {
-            // How far each block was off when it was visited, in the residual's units.
-            let missed = match settings.friction {
+            // The residual terms of the blocks at the time of their visits, squared and summed.
+            let residual2 = match settings.friction {
                 FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),
                 FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega),
             };
-            *outcome = Outcome { iterations: outcome.iterations + 1, residual: missed.sqrt() / n as f64 };
+            *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
-            if outcome.residual <= enough {
+            if outcome.residual <= tolerance {
                 break;
             }
         }
@@ -219,24 +219,24 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
 
     /// Visit all contacts once; returns the sum of `|Δγ/η|²`.
     fn visit<const ACT: u8>(&mut self, omega: f64) -> f64 {
-        /// Groups of a shared colour that one task visits.
+        /// Number of groups of a shared colour that one task visits.
         const TASK: usize = 128;
         let mut motion = std::mem::take(&mut self.motion);
         let cells = Cells::new(&mut motion);
-        // SAFETY: the tiles of a round, and the contacts of a shared colour, share no moving body.
+        // SAFETY: the tiles of a round, and the contacts of a shared colour, have no moving body in common.
         let visit = |groups: &mut [Group<T, L>]| [unsafe { visit::<T, L, ACT>(groups, &cells, omega) }];
-        let mut missed = [0.0];
+        let mut residual2 = [0.0];
         let [first, second, shared] = self.parts();
         for tiles in [first, second] {
-            let is_little = tiles.iter().map(|groups| groups.len()).sum::<usize>() < LITTLE;
-            missed = add(missed, reduce_tasks(tiles.into_par_iter(), is_little, visit));
+            let is_serial = tiles.iter().map(|groups| groups.len()).sum::<usize>() < SERIAL_LIMIT;
+            residual2 = add(residual2, reduce_tasks(tiles.into_par_iter(), is_serial, visit));
         }
         for color in shared {
-            let is_little = color.len() < LITTLE;
-            missed = add(missed, reduce_tasks(color.par_chunks_mut(TASK), is_little, visit));
+            let is_serial = color.len() < SERIAL_LIMIT;
+            residual2 = add(residual2, reduce_tasks(color.par_chunks_mut(TASK), is_serial, visit));
         }
         self.motion = motion;
-        missed[0]
+        residual2[0]
     }
 
     /// Read the impulses back.
@@ -263,8 +263,8 @@ impl<T: Grouped<L>, const L: usize> Packed<T, L> {
     }
 }
 
-/// Fill the groups of some colours.
-fn lay_out<'a, T: Real, const L: usize>(
+/// Pack the contacts of some colours into groups.
+fn pack<'a, T: Real, const L: usize>(
     groups: &mut [Group<T, L>],
     colors: impl Iterator<Item = &'a [u32]>,
     op: &BodyOperator,
@@ -282,7 +282,7 @@ fn lay_out<'a, T: Real, const L: usize>(
 }
 
 impl<T: Real, const L: usize> Group<T, L> {
-    /// What a group has no contact for is between the motion after the last body's, which is nobody's, and itself.
+    /// A group without contacts: its lanes refer to the motion after the last body's, which belongs to no body.
     fn empty(n_bodies: usize) -> Group<T, L> {
         Group {
             bodies: [[n_bodies as u32; 2]; L],
@@ -317,10 +317,10 @@ impl<T: Real, const L: usize> Group<T, L> {
 
 /// Lanes of as many contacts as a group has.
 pub trait Grouped<const L: usize>: Real {
-    /// In registers.
+    /// Lanes in registers.
     #[cfg(target_arch = "x86_64")]
     type Wide: Lanes<Self, L>;
-    /// In arrays.
+    /// Lanes in arrays.
     type Plain: Lanes<Self, L>;
 }
 
@@ -375,7 +375,7 @@ unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
 ) -> f64 {
     let (zero, one, third, omega) =
         (V::splat(T::of(0.0)), V::splat(T::of(1.0)), V::splat(T::of(1.0 / 3.0)), V::splat(T::of(omega)));
-    let mut missed = zero;
+    let mut residual2 = zero;
     for g in groups {
         let (mut rows_a, mut rows_b) = ([[T::default(); 8]; L], [[T::default(); 8]; L]);
         for l in 0..L {
@@ -407,7 +407,7 @@ unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
             let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
             let friction = V::load(&g.friction);
             let z = if ACT == act::EXACT {
-                // Coulomb's law itself parts into the two directions.
+                // Coulomb's law itself splits into the two directions.
                 let (kept, length) = (zero.select_le(normal, normal, zero), tangent.dot(tangent).sqrt());
                 let limit = friction * kept;
                 n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
@@ -422,7 +422,7 @@ unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
             g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
             // 1/η is a third of the trace of N_ii.
             let trace = (a + b + b) * third;
-            missed = missed + d.dot(d) * trace * trace;
+            residual2 = residual2 + d.dot(d) * trace * trace;
             d
         };
         let spin = n.cross(d);
@@ -432,7 +432,7 @@ unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
         let rows_b = V::rows([vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b]);
         for l in 0..L {
             let [a, b] = g.bodies[l];
-            // What is held in place may be in several contacts at once: it is never written.
+            // A body that is held in place may be in several groups that are visited concurrently: it is never written.
             if g.moves || rows_a[l][3] > T::default() {
                 unsafe { motion.set(a as usize, Motion { row: rows_a[l] }) };
             }
@@ -441,5 +441,5 @@ unsafe fn visit_lanes<T: Real, const L: usize, const ACT: u8, V: Lanes<T, L>>(
             }
         }
     }
-    missed.to_array().iter().map(|m| m.wide()).sum()
+    residual2.to_array().iter().map(|m| m.wide()).sum()
 }

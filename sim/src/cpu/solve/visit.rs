@@ -6,11 +6,11 @@ use super::operator::Operator;
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
-/// Projected gradient steps on a block's own 3×3 problem at each visit.
+/// Number of projected gradient steps on a block's own 3×3 problem at each visit.
 const INNER: usize = 12;
 
-/// Let blocks of one colour each minimise the objective over its own cone, the others held; returns the sum of the squares of
-/// what they were off, `|Δγ/η|²`, m²/s².
+/// Visit blocks of one colour: each minimises the objective over its own cone with the other multipliers fixed. Returns the sum of the
+/// squared residual terms `|Δγ/η|²`, m²/s².
 ///
 /// # Safety
 /// No other thread touches these blocks, or their moving bodies in the response.
@@ -21,7 +21,7 @@ pub unsafe fn visit(
     gamma: &Cells<DVec3>,
     omega: f64,
 ) -> f64 {
-    let mut missed = 0.0;
+    let mut residual2 = 0.0;
     for &i in blocks {
         let i = i as usize;
         // SAFETY: the caller's promise, here and below.
@@ -42,9 +42,9 @@ pub unsafe fn visit(
             gamma.set(i, before + d);
             op.apply(response, i, d);
         }
-        missed += (d / op.eta(i) * op.lever(i)).length_squared();
+        residual2 += (d / op.eta(i) * op.lever(i)).length_squared();
     }
-    missed
+    residual2
 }
 
 /// A bound of the largest eigenvalue: the largest sum of absolute values of a row.

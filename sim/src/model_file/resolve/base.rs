@@ -1,9 +1,10 @@
-//! The bodies of another run or model, as they stood at an instant.
+//! The base of a model: bodies, joints and springs of another run, at its last checkpoint.
 
 use super::*;
 
 impl Builder<'_> {
-    /// The bodies of another run as they were at its last checkpoint, with the joints, springs and loads among them.
+    /// Add the bodies of another run at its last checkpoint, with the joints and springs between them, their exclusions and groups that
+    /// pass through each other, and the materials. Loads are not carried over.
     pub(super) fn base(&mut self, base: &BaseFile) -> Result<(), Fault> {
         let doc = self.doc;
         let fail = |key: &str, message: String| doc.fault(&format!("base.{key}"), message);
@@ -11,19 +12,19 @@ impl Builder<'_> {
             .map_err(|f| fail("run", format!("its model: {}", f.message)))?;
         let latest = checkpoint::latest(&base.run).map_err(|f| fail("run", f.message.clone()))?;
         let Some(path) = latest else {
-            return Err(fail("run", format!("{} has no checkpoint to go on from", base.run.display())));
+            return Err(fail("run", format!("{} has no checkpoint", base.run.display())));
         };
         let (mut state, _) = checkpoint::read(&path).map_err(|f| fail("run", f.message.clone()))?;
         let other_model = other.model;
         if state.position.len() != other_model.n_bodies() {
-            return Err(fail("run", "its checkpoint is not of its model".into()));
+            return Err(fail("run", "its checkpoint and its model differ in the number of bodies".into()));
         }
         state.wake(&other_model);
         for (name, material) in file.materials {
             self.materials.entry(name).or_insert(material);
         }
         self.model.material_names = self.materials.keys().cloned().collect();
-        let wanted = |b: usize| {
+        let is_included = |b: usize| {
             let class = &other_model.class_names[other_model.class[b] as usize];
             !state.is_inactive(b) && base.classes.as_ref().is_none_or(|c| c.contains(class))
         };
@@ -34,20 +35,20 @@ impl Builder<'_> {
             }
         }
         let mut id = vec![u32::MAX; other_model.n_bodies()];
-        for b in (0..other_model.n_bodies()).filter(|b| wanted(*b)) {
+        for b in (0..other_model.n_bodies()).filter(|b| is_included(*b)) {
             id[b] = self.model.n_bodies() as u32;
             let class = self.class(&other_model.class_names[other_model.class[b] as usize]);
             let model = &mut self.model;
-            // What is still held in place there is fixed here.
+            // Bodies that are still held in place are fixed.
             model.inv_mass.push(if state.moves(b) { other_model.inv_mass[b] } else { 0.0 });
             model.inv_inertia.push(if state.moves(b) { other_model.inv_inertia[b] } else { DVec3::ZERO });
             model.class.push(class);
             model.body_frame.push(other_model.body_frame[b]);
             self.state.position.push(state.position[b]);
             self.state.orientation.push(state.orientation[b]);
-            let still = base.at_rest;
-            self.state.velocity.push(if still { DVec3::ZERO } else { state.velocity[b] });
-            self.state.angular_velocity.push(if still { DVec3::ZERO } else { state.angular_velocity[b] });
+            let at_rest = base.at_rest;
+            self.state.velocity.push(if at_rest { DVec3::ZERO } else { state.velocity[b] });
+            self.state.angular_velocity.push(if at_rest { DVec3::ZERO } else { state.angular_velocity[b] });
         }
         for (name, b) in other_model.body_names.iter().filter(|(_, b)| id[**b as usize] != u32::MAX) {
             self.model.body_names.insert(name.clone(), id[*b as usize]);
@@ -67,22 +68,22 @@ impl Builder<'_> {
             let new = NewShape { shape, pose: other_model.shape_pose[s], material, density, group };
             self.add_shape(id[other_model.shape_body[s] as usize], other_model.shape_pose[s], new);
         }
-        let kept = |bodies: [u32; 2]| {
+        let included = |bodies: [u32; 2]| {
             let pair = bodies.map(|b| id[b as usize]);
             (!pair.contains(&u32::MAX)).then_some(pair)
         };
         for j in &other_model.joints {
-            if let Some(bodies) = kept(j.bodies) {
+            if let Some(bodies) = included(j.bodies) {
                 self.model.joints.push(Joint { bodies, from: 0.0, ..j.clone() });
             }
         }
         for s in &other_model.springs {
-            if let Some(bodies) = kept(s.bodies) {
+            if let Some(bodies) = included(s.bodies) {
                 self.model.springs.push(Spring { bodies, from: 0.0, ..s.clone() });
             }
         }
         self.exclusions
-            .extend(other_model.exclusions.iter().filter_map(|p| kept(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
+            .extend(other_model.exclusions.iter().filter_map(|p| included(*p)).map(|[a, b]| [a.min(b), a.max(b)]));
         let n = other_model.group_names.len();
         for (k, _) in other_model.groups_pass.iter().enumerate().filter(|(_, pass)| **pass) {
             let names = [&other_model.group_names[k / n], &other_model.group_names[k % n]];

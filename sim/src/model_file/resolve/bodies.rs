@@ -1,4 +1,4 @@
-//! Bodies: their shapes, masses and frames; when they appear and begin to move.
+//! Bodies: their shapes, masses and frames, and the times at which they appear and begin to move.
 
 use super::*;
 
@@ -7,7 +7,7 @@ impl Builder<'_> {
         let doc = self.doc;
         let at = |part: &str| format!("{key}.{part}");
         if body.name == "world" {
-            return Err(doc.fault(&at("name"), "`world` is the ground's own name: choose another"));
+            return Err(doc.fault(&at("name"), "`world` is the name of the fixed world: choose another"));
         }
         if self.model.body_names.contains_key(&body.name) {
             return Err(doc.fault(&at("name"), format!("there is a body `{}` already", body.name)));
@@ -105,7 +105,7 @@ impl Builder<'_> {
         Ok(id)
     }
 
-    /// An inertia tensor of three or six numbers, about the centre of mass along the body's axes.
+    /// An inertia tensor from three or six numbers, about the centre of mass along the body's axes, kg m².
     pub(super) fn inertia(&self, key: &str, values: &[f64]) -> Result<DMat3, Fault> {
         finite(self.doc, key, values)?;
         let (d, o) = match values {
@@ -122,13 +122,13 @@ impl Builder<'_> {
         Ok(tensor)
     }
 
-    /// Put a body into the columns, its frame moved to the centre of mass and turned to the principal axes.
+    /// Add a body to the columns, with its frame at the centre of mass along the principal axes. Returns its id, or the message of a fault.
     pub(super) fn add(&mut self, body: NewBody, shapes: Vec<NewShape>) -> Result<u32, String> {
         let (mut volume_mass, mut first) = (0.0, DVec3::ZERO);
         let solids: Vec<_> = shapes
             .iter()
             .map(|s| {
-                let pose = s.pose.place(&Pose { position: s.shape.shift, orientation: s.shape.turn });
+                let pose = s.pose.place(&Pose { position: s.shape.shift, orientation: s.shape.rotation });
                 let solid = solid_of(s.shape.kind, s.shape.size, s.shape.hull.as_ref());
                 let mass = solid.volume * s.density;
                 volume_mass += mass;
@@ -136,8 +136,8 @@ impl Builder<'_> {
                 (pose, solid, mass)
             })
             .collect();
-        let natural = if volume_mass > 0.0 { first / volume_mass } else { DVec3::ZERO };
-        let centre = body.center.unwrap_or(natural);
+        let centroid = if volume_mass > 0.0 { first / volume_mass } else { DVec3::ZERO };
+        let centre = body.center.unwrap_or(centroid);
         let mass = body.mass.unwrap_or(volume_mass);
         let scale = if volume_mass > 0.0 { mass / volume_mass } else { 0.0 };
         let mut tensor = DMat3::ZERO;
@@ -151,7 +151,7 @@ impl Builder<'_> {
         let tensor = body.inertia.unwrap_or(tensor);
         let moves_ever = !body.fixed;
         let diagonal = tensor.x_axis.y == 0.0 && tensor.x_axis.z == 0.0 && tensor.y_axis.z == 0.0;
-        let (moments, turn) = if diagonal {
+        let (moments, rotation) = if diagonal {
             (DVec3::new(tensor.x_axis.x, tensor.y_axis.y, tensor.z_axis.z), DQuat::IDENTITY)
         } else {
             principal(tensor)
@@ -171,14 +171,14 @@ impl Builder<'_> {
         model.inv_mass.push(inv_mass);
         model.inv_inertia.push(inv_inertia);
         model.class.push(body.class);
-        // The principal frame in the file's frame, and the other way round.
-        let own = Pose { position: centre, orientation: turn };
+        // The principal frame in the file's frame, and its inverse.
+        let own = Pose { position: centre, orientation: rotation };
         model.body_frame.push(own.inverse());
         let world = body.place.place(&own);
         self.state.position.push(world.position);
         self.state.orientation.push(world.orientation.normalize());
         self.state.velocity.push(if moves_ever { body.velocity } else { DVec3::ZERO });
-        let spin = turn.inverse() * body.angular_velocity;
+        let spin = rotation.inverse() * body.angular_velocity;
         self.state.angular_velocity.push(if moves_ever { spin } else { DVec3::ZERO });
         for (s, (pose, _, _)) in shapes.into_iter().zip(solids) {
             self.add_shape(id, own.inverse().place(&pose), s);
@@ -214,7 +214,7 @@ impl Builder<'_> {
         match model.scheduled.iter_mut().find(|s| s.body == body) {
             Some(scheduled) => scheduled.moves = scheduled.moves.max(time),
             None if model.inv_mass[body as usize] == 0.0 => {
-                return Err(self.doc.fault(key, format!("`{name}` is fixed and cannot be let go")));
+                return Err(self.doc.fault(key, format!("`{name}` is fixed and cannot be released")));
             }
             None => model.scheduled.push(Scheduled { body, appears: 0.0, moves: time }),
         }

@@ -1,41 +1,40 @@
-//! What makes many bodies: regions filled with grains, grounds, assemblies.
+//! Fills, terrains and assemblies, which expand to many bodies.
 
 use super::*;
 
 impl Builder<'_> {
-    /// Draws radii.
+    /// The distribution of radii of a fill.
     fn radii(&self, key: &str, file: &RadiusFile) -> Result<Radii, Fault> {
         let doc = self.doc;
         let key = format!("{key}.radius");
         match file {
-            RadiusFile::Uniform([least, most]) => {
-                finite(doc, &key, &[*least, *most])?;
-                positive(doc, &key, *least)?;
-                if most < least {
-                    let message = format!("runs from {least} to {most}, expected the smaller radius first");
+            RadiusFile::Uniform([min, max]) => {
+                finite(doc, &key, &[*min, *max])?;
+                positive(doc, &key, *min)?;
+                if max < min {
+                    let message = format!("runs from {min} to {max}, expected the smaller radius first");
                     return Err(doc.fault(&key, message));
                 }
-                Ok(Radii::Uniform(*least, *most))
+                Ok(Radii::Uniform(*min, *max))
             }
             RadiusFile::Normal(n) => {
                 positive(doc, &format!("{key}.mean"), n.mean)?;
                 not_negative(doc, &format!("{key}.deviation"), n.deviation)?;
                 positive(doc, &format!("{key}.least"), n.least)?;
                 if !(n.least <= n.mean && n.mean <= n.greatest && n.greatest.is_finite()) {
-                    return Err(doc.fault(&key, "expected least ≤ mean ≤ greatest"));
+                    return Err(doc.fault(&key, "expected `least` ≤ `mean` ≤ `greatest`"));
                 }
                 Ok(Radii::Normal(n.clone()))
             }
             RadiusFile::Sieve(s) => {
                 let rises = s.sieve.windows(2).all(|p| p[1][0] > p[0][0] && p[1][1] >= p[0][1]);
-                let sound = s.sieve.len() >= 2
+                let is_valid = s.sieve.len() >= 2
                     && rises
                     && s.sieve[0][0] > 0.0
                     && s.sieve[0][1] >= 0.0
                     && s.sieve.last().is_some_and(|p| p[1] == 1.0 && p[0].is_finite());
-                if !sound {
-                    let message =
-                        "expected at least two pairs [mesh width, share passing], both rising, the last share 1";
+                if !is_valid {
+                    let message = "expected at least two pairs [mesh width, fraction passing], both ascending, the last fraction 1";
                     return Err(doc.fault(&format!("{key}.sieve"), message));
                 }
                 Ok(Radii::sieve(&s.sieve))
@@ -58,28 +57,28 @@ impl Builder<'_> {
         }
         let region = fill::Region { min: fill.min.into(), max: fill.max.into(), within: fill.within_radius };
         let count = fill.count.map_or(fill::Count::AllThatFit, fill::Count::Exactly);
-        let most = radii.greatest();
-        let places = match fill.packing {
-            Packing::Lattice => fill::lattice(&region, most, count, &mut self.random),
-            Packing::Hexagonal => fill::hexagonal(&region, most, count),
-            Packing::PoissonDisk => fill::poisson_disk(&region, most, count, &mut self.random),
+        let max = radii.max();
+        let sites = match fill.packing {
+            Packing::Lattice => fill::lattice(&region, max, count, &mut self.random),
+            Packing::Hexagonal => fill::hexagonal(&region, max, count),
+            Packing::PoissonDisk => fill::poisson_disk(&region, max, count, &mut self.random),
         }
         .map_err(|fits| {
-            let asked = fill.count.unwrap_or(0);
+            let count = fill.count.unwrap_or(0);
             doc.fault(
                 &format!("{key}.count"),
-                format!("{asked} spheres are asked for, but {fits} of radius {most} m fit in the region"),
+                format!("is {count}, but only {fits} spheres of radius {max} m fit in the region"),
             )
-            .hint("enlarge the region between `min` and `max`, or ask for fewer")
+            .hint("enlarge the region between `min` and `max`, or reduce the count")
         })?;
-        if places.is_empty() {
-            return Err(doc.fault(key, format!("no sphere of radius {most} m fits in the region")));
+        if sites.is_empty() {
+            return Err(doc.fault(key, format!("no sphere of radius {max} m fits in the region")));
         }
         let class = self.class(&fill.name);
         let group = self.group(fill.group.as_deref());
         let appears = fill.appears.unwrap_or(begins);
         not_negative(doc, &format!("{key}.appears"), appears)?;
-        for position in places {
+        for position in sites {
             let radius = radii.draw(&mut self.random);
             let orientation = self.random.rotation();
             let shape = Shape::simple(ShapeKind::Sphere, DVec3::splat(radius));
@@ -115,7 +114,9 @@ impl Builder<'_> {
         not_negative(doc, &at("flat_radius"), t.flat_radius)?;
         finite(doc, &at("position"), &t.position)?;
         if (t.size[0] / t.spacing) * (t.size[1] / t.spacing) > 2e7 {
-            return Err(doc.fault(&at("spacing"), "makes a grid of more than 20 million points: expected a wider one"));
+            return Err(
+                doc.fault(&at("spacing"), "makes a grid of more than 20 million points: expected a larger spacing")
+            );
         }
         for (i, d) in t.ditches.iter().enumerate() {
             positive(doc, &at(&format!("ditches.{i}.width")), d.width)?;
@@ -126,7 +127,7 @@ impl Builder<'_> {
         let surface = Surface::height_field(&heights, n, origin, spacing);
         let class = self.class(&t.name);
         let place = Pose { position: t.position.into(), orientation: DQuat::IDENTITY };
-        let still = |class: u32, place: Pose| NewBody {
+        let fixed = |class: u32, place: Pose| NewBody {
             class,
             place,
             velocity: DVec3::ZERO,
@@ -141,13 +142,15 @@ impl Builder<'_> {
         let pose = Pose::default();
         let shape = shape::surface_shape(ShapeKind::HeightField, surface);
         let id = self
-            .add(still(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
+            .add(fixed(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
             .map_err(|m| doc.fault(key, m))?;
         self.model.body_names.insert(t.name.clone(), id);
         if let Some(b) = &t.boulders {
             positive(doc, &at("boulders.radius"), b.radius[0])?;
             if !(b.radius[1] >= b.radius[0] && b.radius[1].is_finite()) {
-                return Err(doc.fault(&at("boulders.radius"), "expected the smaller radius first"));
+                let message =
+                    format!("runs from {} to {}, expected the smaller radius first", b.radius[0], b.radius[1]);
+                return Err(doc.fault(&at("boulders.radius"), message));
             }
             let (material, density) = match &b.material {
                 Some(name) => self.material(&at("boulders.material"), name)?,
@@ -156,10 +159,10 @@ impl Builder<'_> {
             let class = self.class(&format!("{}_boulder", t.name));
             for (position, radius) in ground.boulders(&mut self.random) {
                 let stretch = [0; 3].map(|_| self.random.between(0.75, 1.0));
-                let turn = self.random.rotation();
+                let orientation = self.random.rotation();
                 let shape = Shape::simple(ShapeKind::Ellipsoid, DVec3::from(stretch) * radius);
-                let place = Pose { position: place.position + position, orientation: turn };
-                self.add(still(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
+                let place = Pose { position: place.position + position, orientation };
+                self.add(fixed(class, place), vec![NewShape { shape, pose, material, density, group: 0 }])
                     .map_err(|m| doc.fault(key, m))?;
             }
         }
@@ -195,33 +198,33 @@ impl Builder<'_> {
     }
 }
 
-/// Radii to draw from.
+/// A distribution of radii, m.
 enum Radii {
     Uniform(f64, f64),
     Normal(NormalFile),
-    /// Pairs of radius and the share of all grains, by number, up to it.
+    /// Cumulative distribution by count: pairs of radius, m, and the fraction of all grains up to it.
     Sieve(Vec<[f64; 2]>),
 }
 
 impl Radii {
-    /// From shares of mass to shares of number: a fraction's grains are as many as its mass over the cube of its size.
+    /// The distribution by count of a sieve curve by mass: the count of a size is its mass over the cube of the size.
     fn sieve(curve: &[[f64; 2]]) -> Radii {
-        let mut number = vec![[0.5 * curve[0][0], 0.0]];
+        let mut by_count = vec![[0.5 * curve[0][0], 0.0]];
         for pair in curve.windows(2) {
             let ([d0, p0], [d1, p1]) = (pair[0], pair[1]);
-            // Sizes are spread evenly between two meshes: the mean of d⁻³ there.
+            // Mass is uniform in size between two meshes: the mean of d⁻³ there.
             let mean = 0.5 * (d0.powi(-2) - d1.powi(-2)) / (d1 - d0);
-            let before = number.last().map_or(0.0, |n| n[1]);
-            number.push([0.5 * d1, before + (p1 - p0) * mean]);
+            let before = by_count.last().map_or(0.0, |n| n[1]);
+            by_count.push([0.5 * d1, before + (p1 - p0) * mean]);
         }
-        let all = number.last().map_or(1.0, |n| n[1]);
-        number.iter_mut().for_each(|n| n[1] /= all);
-        Radii::Sieve(number)
+        let all = by_count.last().map_or(1.0, |n| n[1]);
+        by_count.iter_mut().for_each(|n| n[1] /= all);
+        Radii::Sieve(by_count)
     }
 
-    fn greatest(&self) -> f64 {
+    fn max(&self) -> f64 {
         match self {
-            Radii::Uniform(_, most) => *most,
+            Radii::Uniform(_, max) => *max,
             Radii::Normal(n) => n.greatest,
             Radii::Sieve(curve) => curve.last().map_or(0.0, |p| p[0]),
         }
@@ -229,7 +232,7 @@ impl Radii {
 
     fn draw(&self, random: &mut SplitMix64) -> f64 {
         match self {
-            Radii::Uniform(least, most) => random.between(*least, *most),
+            Radii::Uniform(min, max) => random.between(*min, *max),
             Radii::Normal(n) => loop {
                 let (u, v) = (1.0 - random.uniform(), random.uniform());
                 let z = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();
@@ -242,7 +245,7 @@ impl Radii {
                 let u = random.uniform();
                 let k = curve.partition_point(|p| p[1] <= u).clamp(1, curve.len() - 1);
                 let ([r0, p0], [r1, p1]) = (curve[k - 1], curve[k]);
-                // Within a fraction the share by mass is even, so the density by number falls with the cube of the size.
+                // Mass is uniform in size between two meshes, so that the density by count falls with the cube of the size.
                 let t = if p1 > p0 { (u - p0) / (p1 - p0) } else { 0.0 };
                 (r0.powi(-2) + t * (r1.powi(-2) - r0.powi(-2))).powf(-0.5)
             }

@@ -1,9 +1,9 @@
-//! Joints, motors and springs between bodies that were named.
+//! Joints, motors and springs between named bodies.
 
 use super::*;
 
 impl Builder<'_> {
-    /// A body by name; `world` is made when it is first asked for.
+    /// Id of a body by name; the fixed body `world` is added at its first use.
     pub(super) fn find(&mut self, key: &str, name: &str) -> Result<u32, Fault> {
         if let Some(id) = self.model.body_names.get(name) {
             return Ok(*id);
@@ -34,7 +34,7 @@ impl Builder<'_> {
     pub(super) fn ends(&mut self, key: &str, a: &str, b: &str) -> Result<[u32; 2], Fault> {
         let pair = [self.find(&format!("{key}.a"), a)?, self.find(&format!("{key}.b"), b)?];
         if pair[0] == pair[1] {
-            return Err(self.doc.fault(&format!("{key}.b"), format!("joins `{a}` to itself")));
+            return Err(self.doc.fault(&format!("{key}.b"), format!("connects `{a}` to itself")));
         }
         if pair.iter().all(|b| !self.moves_ever(*b)) {
             return Err(self.doc.fault(&format!("{key}.b"), format!("`{a}` and `{b}` are both held in place")));
@@ -57,7 +57,10 @@ impl Builder<'_> {
     ) -> Result<[f64; 2], Fault> {
         let (from, until) = (from.unwrap_or(begins), until.unwrap_or(f64::INFINITY));
         if !(from >= 0.0) || !(until > from) {
-            return Err(self.doc.fault(&format!("{key}.until"), format!("acts from {from} s until {until} s")));
+            return Err(self.doc.fault(
+                &format!("{key}.until"),
+                format!("acts from {from} s until {until} s, expected the earlier time first and not before 0 s"),
+            ));
         }
         Ok([from, until])
     }
@@ -71,13 +74,12 @@ impl Builder<'_> {
         let bodies = self.ends(key, &file.a, &file.b)?;
         finite(doc, &at("position"), &file.position)?;
         let z = direction(doc, &at("axis"), file.axis)?;
-        let turn = match file.axis_x {
+        let orientation = match file.axis_x {
             Some(x) => {
                 let x = direction(doc, &at("axis_x"), x)?;
-                let x =
-                    x.reject_from_normalized(z).try_normalize().filter(|_| x.dot(z).abs() < 0.999).ok_or_else(
-                        || doc.fault(&at("axis_x"), "is along `axis`: expected a direction square to it"),
-                    )?;
+                let x = x.reject_from_normalized(z).try_normalize().filter(|_| x.dot(z).abs() < 0.999).ok_or_else(
+                    || doc.fault(&at("axis_x"), "is along `axis`: expected a direction perpendicular to it"),
+                )?;
                 DQuat::from_mat3(&DMat3::from_cols(x, z.cross(x), z))
             }
             None => DQuat::from_rotation_arc(DVec3::Z, z),
@@ -102,7 +104,7 @@ impl Builder<'_> {
             return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
         }
         if file.kind == JointKind::RevoluteSpherical && (pb - pa).normalize().dot(z).abs() > 1e-6 {
-            return Err(doc.fault(&at("axis"), "is not square to the line between the joint's two points"));
+            return Err(doc.fault(&at("axis"), "is not perpendicular to the line between the joint's two points"));
         }
         let motor = match &file.motor {
             Some(m) => Some(self.motor(&at("motor"), file.kind, m)?),
@@ -122,7 +124,7 @@ impl Builder<'_> {
             None => None,
         };
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
-        let frame = |p: DVec3| Pose { position: p, orientation: turn };
+        let frame = |p: DVec3| Pose { position: p, orientation };
         let joint = Joint {
             name: file.name.clone(),
             kind: file.kind,
@@ -144,8 +146,8 @@ impl Builder<'_> {
 
     fn motor(&self, key: &str, kind: JointKind, m: &MotorFile) -> Result<Motor, Fault> {
         let doc = self.doc;
-        let turns = matches!(kind, JointKind::Revolute | JointKind::Cylindrical);
-        if !turns && kind != JointKind::Prismatic {
+        let rotates = matches!(kind, JointKind::Revolute | JointKind::Cylindrical);
+        if !rotates && kind != JointKind::Prismatic {
             return Err(doc
                 .fault(key, "only revolute, cylindrical and prismatic joints have motors")
                 .hint("a distance joint becomes a linear actuator by its `length`"));
@@ -153,10 +155,10 @@ impl Builder<'_> {
         match (&m.speed, &m.motion, &m.torque, &m.force) {
             (Some(f), None, None, None) => Ok(Motor::Speed(self.function(&format!("{key}.speed"), f)?)),
             (None, Some(f), None, None) => Ok(Motor::Position(self.function(&format!("{key}.motion"), f)?)),
-            (None, None, Some(f), None) if turns => Ok(Motor::Effort(self.function(&format!("{key}.torque"), f)?)),
-            (None, None, None, Some(f)) if !turns => Ok(Motor::Effort(self.function(&format!("{key}.force"), f)?)),
+            (None, None, Some(f), None) if rotates => Ok(Motor::Effort(self.function(&format!("{key}.torque"), f)?)),
+            (None, None, None, Some(f)) if !rotates => Ok(Motor::Effort(self.function(&format!("{key}.force"), f)?)),
             _ => {
-                let effort = if turns { "torque" } else { "force" };
+                let effort = if rotates { "torque" } else { "force" };
                 Err(doc.fault(key, format!("needs exactly one of `speed`, `motion` and `{effort}`")))
             }
         }
@@ -175,7 +177,7 @@ impl Builder<'_> {
         let pa = DVec3::from(file.position);
         let pb = file.position_b.map_or(pa, DVec3::from);
         finite(doc, &at("position_b"), &pb.to_array())?;
-        let turn = match file.about {
+        let orientation = match file.about {
             Some(axis) => DQuat::from_rotation_arc(DVec3::Z, direction(doc, &at("about"), axis)?),
             None => DQuat::IDENTITY,
         };
@@ -197,8 +199,8 @@ impl Builder<'_> {
         self.model.springs.push(Spring {
             name: file.name.clone(),
             bodies,
-            frame_a: self.in_body(bodies[0], Pose { position: pa, orientation: turn }),
-            frame_b: self.in_body(bodies[1], Pose { position: pb, orientation: turn }),
+            frame_a: self.in_body(bodies[0], Pose { position: pa, orientation }),
+            frame_b: self.in_body(bodies[1], Pose { position: pb, orientation }),
             rotational: file.about.is_some(),
             stiffness: file.stiffness,
             damping: file.damping,

@@ -8,7 +8,7 @@ impl Builder<'_> {
         let at = |part: &str| format!("{key}.{part}");
         let body = self.find(&at("body"), &file.body)?;
         if !self.moves_ever(body) {
-            return Err(doc.fault(&at("body"), format!("`{}` is held in place: a load does nothing to it", file.body)));
+            return Err(doc.fault(&at("body"), format!("`{}` is held in place: a load has no effect on it", file.body)));
         }
         let (torque, v) = match (file.force, file.torque) {
             (Some(f), None) => (false, f),
@@ -42,26 +42,26 @@ impl Builder<'_> {
 
     pub(super) fn function(&self, key: &str, file: &FunctionFile) -> Result<Function, Fault> {
         let doc = self.doc;
-        let sound = |values: &[f64]| finite(doc, key, values);
+        let check = |values: &[f64]| finite(doc, key, values);
         match file {
             FunctionFile::Constant(x) => {
-                sound(&[*x])?;
+                check(&[*x])?;
                 Ok(Function::Constant(*x))
             }
             FunctionFile::Step { step } => {
-                sound(&[step.before, step.after, step.at])?;
+                check(&[step.before, step.after, step.at])?;
                 Ok(Function::Step { before: step.before, after: step.after, at: step.at })
             }
             FunctionFile::Ramp { ramp } => {
-                sound(&ramp.values)?;
-                sound(&ramp.times)?;
+                check(&ramp.values)?;
+                check(&ramp.times)?;
                 if !(ramp.times[1] > ramp.times[0]) {
                     return Err(doc.fault(&format!("{key}.ramp.times"), "expected the earlier time first"));
                 }
                 Ok(Function::Ramp { values: ramp.values, times: ramp.times })
             }
             FunctionFile::Sine { sine } => {
-                sound(&[sine.mean, sine.amplitude, sine.frequency, sine.phase])?;
+                check(&[sine.mean, sine.amplitude, sine.frequency, sine.phase])?;
                 Ok(Function::Sine {
                     mean: sine.mean,
                     amplitude: sine.amplitude,
@@ -103,7 +103,9 @@ impl Builder<'_> {
             return Err(self.doc.fault(key, "has no points: expected pairs of time and value"));
         }
         match points.windows(2).find(|p| !(p[1][0] > p[0][0])) {
-            Some(p) => Err(self.doc.fault(key, format!("times must rise, but {} s follows {} s", p[1][0], p[0][0]))),
+            Some(p) => {
+                Err(self.doc.fault(key, format!("has times that do not ascend: {} s follows {} s", p[1][0], p[0][0])))
+            }
             None => Ok(Function::Table(points)),
         }
     }

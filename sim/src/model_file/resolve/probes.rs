@@ -1,4 +1,4 @@
-//! Which bodies, joints, springs and pairs of classes are written down.
+//! Probes: the bodies, joints, springs and pairs of classes of `probes.csv`.
 
 use super::*;
 

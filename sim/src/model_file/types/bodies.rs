@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// The geometry of a shape: exactly one of these.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeFile {
-    /// A ball.
+    /// A sphere.
     pub sphere: Option<SphereFile>,
     /// An ellipsoid.
     pub ellipsoid: Option<EllipsoidFile>,
@@ -14,7 +14,7 @@ pub struct ShapeFile {
     pub block: Option<BoxFile>,
     /// A cylinder about local z.
     pub cylinder: Option<CylinderFile>,
-    /// A cylinder about local z with half balls on its ends.
+    /// A capsule: a cylinder about local z with hemispheres on its ends.
     pub capsule: Option<CylinderFile>,
     /// A cone about local z, tip up; the local origin is half way up.
     pub cone: Option<CylinderFile>,
@@ -28,8 +28,7 @@ pub struct ShapeFile {
     pub height_field: Option<HeightFieldFile>,
 }
 
-// Fields that several types share are written out in each of them: a reader of flattened types could not say where a wrong
-// key stands.
+// Common fields are repeated in each type: with flattened types an unknown key would be reported without its line.
 
 /// A type with the fields of [`ShapeFile`] after its own.
 macro_rules! with_shape {
@@ -37,7 +36,7 @@ macro_rules! with_shape {
         $(#[$meta])*
         pub struct $name {
             $($own)*
-            /// A ball.
+            /// A sphere.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub sphere: Option<SphereFile>,
             /// An ellipsoid.
@@ -49,7 +48,7 @@ macro_rules! with_shape {
             /// A cylinder about local z.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub cylinder: Option<CylinderFile>,
-            /// A cylinder about local z with half balls on its ends.
+            /// A capsule: a cylinder about local z with hemispheres on its ends.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub capsule: Option<CylinderFile>,
             /// A cone about local z, tip up; the local origin is half way up.
@@ -70,7 +69,7 @@ macro_rules! with_shape {
         }
 
         impl $name {
-            /// Its geometry.
+            /// The geometry.
             pub fn shape(&self) -> ShapeFile {
                 ShapeFile {
                     sphere: self.sphere.clone(),
@@ -86,7 +85,7 @@ macro_rules! with_shape {
                 }
             }
 
-            /// Set its geometry.
+            /// Set the geometry.
             pub fn set_shape(&mut self, shape: ShapeFile) {
                 self.sphere = shape.sphere;
                 self.ellipsoid = shape.ellipsoid;
@@ -110,66 +109,66 @@ with_shape! {
     pub struct BodyFile {
         /// Name.
         pub name: String,
-        /// Class, by which pictures select; the name if not given.
+        /// Class, by which scenes select bodies for rendering; the name if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub class: Option<String>,
-        /// Material.
+        /// Name of the material.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub material: Option<String>,
-        /// Collision group.
+        /// Name of the collision group.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub group: Option<String>,
-        /// Its shapes, if there are several or none.
+        /// Shapes, if there are several or none.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub shapes: Option<Vec<PartFile>>,
-        /// Position of the body's frame, m.
+        /// Position of the body's frame, m, world.
         #[serde(default)]
         pub position: [f64; 3],
-        /// Orientation, as a turn about an axis.
+        /// Orientation, as a rotation about an axis.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub rotate: Option<RotateFile>,
         /// Orientation, as a quaternion w, x, y, z.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub orientation: Option<[f64; 4]>,
-        /// Velocity of the centre of mass, m/s.
+        /// Velocity of the centre of mass at the start, m/s, world.
         #[serde(default)]
         pub velocity: [f64; 3],
-        /// Angular velocity, rad/s, body frame.
+        /// Angular velocity at the start, rad/s, body frame.
         #[serde(default)]
         pub angular_velocity: [f64; 3],
-        /// Held in place: a static obstacle.
+        /// Whether the body is fixed: a static obstacle.
         #[serde(default)]
         pub fixed: bool,
         /// Mass, kg; from the density if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub mass: Option<f64>,
-        /// Moments of inertia about the centre of mass along the body's axes, kg m²: xx, yy, zz and if need be xy, xz, yz.
+        /// Moments of inertia about the centre of mass along the body's axes, kg m²: xx, yy, zz, and xy, xz, yz if they are not zero.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub inertia: Option<Vec<f64>>,
         /// Centre of mass in the body's frame, m; from the shapes if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub center: Option<[f64; 3]>,
-        /// When it appears, s.
+        /// Time at which it appears, s; the start of its stage if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub appears: Option<f64>,
-        /// Held in place until this time, s.
+        /// Time until which it is held in place, s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub held_until: Option<f64>,
     }
 }
 
 with_shape! {
-    /// One shape of several.
+    /// One of several shapes of a body.
     #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct PartFile {
-        /// Material; the body's if not given.
+        /// Name of the material; the body's if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub material: Option<String>,
         /// Position in the body's frame, m.
         #[serde(default)]
         pub position: [f64; 3],
-        /// Orientation in the body's frame.
+        /// Orientation in the body's frame, as a rotation about an axis.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub rotate: Option<RotateFile>,
         /// Orientation in the body's frame, as a quaternion w, x, y, z.
@@ -178,7 +177,7 @@ with_shape! {
     }
 }
 
-/// A ball.
+/// A sphere.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
@@ -208,11 +207,11 @@ pub struct BoxFile {
 pub struct CylinderFile {
     /// Radius, m.
     pub radius: f64,
-    /// Whole length along z, m; of a capsule without its round ends.
+    /// Length along z, m; of a capsule without its hemispheres.
     pub length: f64,
 }
 
-/// A convex hull: of `points`, or of the corners of a `file`.
+/// A convex hull: of `points`, or of the vertices of a `file`.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HullFile {
@@ -231,7 +230,7 @@ pub struct HullFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// The direction that is up.
+    /// Normal, out of the half space; its length is of no effect.
     pub normal: [f64; 3],
 }
 
@@ -239,7 +238,7 @@ pub struct PlaneFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// An OBJ or STL file; its triangles look outwards.
+    /// Path of an OBJ or STL file, whose triangles face outwards.
     pub file: PathBuf,
     /// Metres per unit of the file.
     #[serde(default = "one")]
@@ -250,20 +249,20 @@ pub struct MeshFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HeightFieldFile {
-    /// A PNG image; its brightness is the height.
+    /// Path of a PNG image; its brightness is the height.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<PathBuf>,
-    /// A text file: one line a row (from −y to +y), heights in metres, separated by commas or spaces.
+    /// Path of a text file: one line per row (from −y to +y), heights in metres, separated by commas or spaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<PathBuf>,
-    /// Length along x and y, m.
+    /// Lengths along x and y, m.
     pub size: [f64; 2],
     /// Heights of black and white, m (images).
     #[serde(default = "default_height")]
     pub height: [f64; 2],
 }
 
-/// A turn.
+/// A rotation.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotateFile {
@@ -273,13 +272,13 @@ pub struct RotateFile {
     pub angle: f64,
 }
 
-/// Words that come from code, as YAML.
+/// A text as a quoted YAML scalar.
 fn quoted(text: &str) -> String {
     serde_yaml::to_string(text).expect("text is plain data").trim_end().to_string()
 }
 
 impl BodyFile {
-    /// A body of a name, all else as if not given.
+    /// A body with a name, and the defaults of all other keys.
     pub fn named(name: &str) -> BodyFile {
         serde_yaml::from_str(&format!("name: {}", quoted(name))).expect("all other keys of a body have defaults")
     }

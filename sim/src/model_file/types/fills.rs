@@ -1,37 +1,37 @@
-//! Fills, terrains and ready-made machines, as a model file writes them.
+//! The types of fills, terrains and assemblies in a model file.
 
 use crate::assembly::{HelicalAnchor, TrackedVehicle};
 use serde::{Deserialize, Serialize};
 
-/// How a region is filled.
+/// The packing of a fill.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Packing {
-    /// A cubic lattice, each site moved a little at random, from the bottom up.
+    /// A cubic lattice with a small random jitter of each site, from the bottom up.
     #[default]
     Lattice,
-    /// Hexagonal layers, the closest of lattices, from the bottom up.
+    /// Hexagonal layers, the densest lattice, from the bottom up.
     Hexagonal,
-    /// At random, no two closer than they may be.
+    /// Random sites at a minimum distance (Poisson-disk sampling).
     PoissonDisk,
 }
 
-/// How radii are drawn.
+/// The distribution of radii, m.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
-    expecting = "expected [least, greatest], {mean, deviation, least, greatest} or {sieve: [[size, passing], …]}"
+    expecting = "expected [min, max], {mean, deviation, least, greatest} or {sieve: [[size, passing], …]}"
 )]
 pub enum RadiusFile {
-    /// Uniform between two.
+    /// Uniform between a minimum and a maximum.
     Uniform([f64; 2]),
-    /// Normal, cut off.
+    /// Truncated normal.
     Normal(NormalFile),
-    /// From a sieve curve.
+    /// Distribution of a sieve curve.
     Sieve(SieveFile),
 }
 
-/// Normal radii.
+/// A truncated normal distribution of radii.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NormalFile {
@@ -39,17 +39,17 @@ pub struct NormalFile {
     pub mean: f64,
     /// Standard deviation, m.
     pub deviation: f64,
-    /// Least, m.
+    /// Minimum, m.
     pub least: f64,
-    /// Greatest, m.
+    /// Maximum, m.
     pub greatest: f64,
 }
 
-/// A sieve curve: the share of mass, 0 to 1, that passes each mesh.
+/// A sieve curve: the fraction of mass, 0 to 1, that passes each mesh.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SieveFile {
-    /// Pairs of mesh width (a diameter), m, and share passing; both rise, the last share is 1.
+    /// Pairs of mesh width (a diameter), m, and fraction passing; both ascend, the last fraction is 1.
     pub sieve: Vec<[f64; 2]>,
 }
 
@@ -57,35 +57,35 @@ pub struct SieveFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FillFile {
-    /// Name, and the class of the spheres.
+    /// Name, also the class of the spheres.
     pub name: String,
-    /// Material.
+    /// Name of the material.
     pub material: String,
-    /// Collision group.
+    /// Name of the collision group.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// How many; as many as fit if not given.
+    /// Number of spheres; as many as fit if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<usize>,
-    /// Their radii, m.
+    /// Distribution of the radii, m.
     pub radius: RadiusFile,
-    /// Mass of each, kg; from the density if not given.
+    /// Mass of each sphere, kg; from the density if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// How they lie.
+    /// Packing.
     #[serde(default)]
     pub packing: Packing,
-    /// Least corner of the region, m.
+    /// Minimum corner of the region, m.
     pub min: [f64; 3],
-    /// Greatest corner of the region, m.
+    /// Maximum corner of the region, m.
     pub max: [f64; 3],
-    /// Only within this distance of the region's vertical axis, m: a cylinder.
+    /// Radius of a vertical cylinder about the region's middle that bounds the fill, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within_radius: Option<f64>,
-    /// Velocity at the start, m/s.
+    /// Velocity at the start, m/s, world.
     #[serde(default)]
     pub velocity: [f64; 3],
-    /// When they appear, s.
+    /// Time at which they appear, s; the start of their stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub appears: Option<f64>,
 }
@@ -94,30 +94,30 @@ pub struct FillFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TerrainFile {
-    /// Name and class.
+    /// Name, also the class.
     pub name: String,
-    /// Material.
+    /// Name of the material.
     pub material: String,
-    /// Middle, m.
+    /// Position of the middle, m.
     #[serde(default)]
     pub position: [f64; 3],
-    /// Length along x and y, m.
+    /// Lengths along x and y, m.
     pub size: [f64; 2],
-    /// Distance of the grid's points, m.
+    /// Spacing of the grid, m.
     pub spacing: f64,
-    /// Greatest height of the waves over the mean, m.
+    /// Maximum height of the waves over the mean, m.
     #[serde(default)]
     pub amplitude: f64,
-    /// Length of the longest waves, m.
+    /// Wavelength of the longest waves, m.
     #[serde(default = "default_wavelength")]
     pub wavelength: f64,
-    /// Flat around the middle to this distance, m.
+    /// Radius of the flat part about the middle, m.
     #[serde(default)]
     pub flat_radius: f64,
     /// Ditches.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ditches: Vec<DitchFile>,
-    /// Boulders that lie half sunk in the ground.
+    /// Boulders, half sunk in the ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boulders: Option<BouldersFile>,
 }
@@ -126,9 +126,9 @@ pub struct TerrainFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DitchFile {
-    /// Where it begins, m (x, y).
+    /// Start (x, y), m.
     pub from: [f64; 2],
-    /// Where it ends, m.
+    /// End (x, y), m.
     pub to: [f64; 2],
     /// Width, m.
     pub width: f64,
@@ -140,20 +140,20 @@ pub struct DitchFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BouldersFile {
-    /// How many.
+    /// Number of boulders.
     pub count: usize,
-    /// Least and greatest radius, m.
+    /// Minimum and maximum radius, m.
     pub radius: [f64; 2],
-    /// Material; the terrain's if not given.
+    /// Name of the material; the terrain's if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
 
-/// A machine: exactly one of these.
+/// An assembly: a parametric machine, exactly one of these.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblyFile {
-    /// Name: its bodies and joints are called NAME_PART.
+    /// Name, the prefix of the names of its bodies and joints: NAME_PART.
     pub name: String,
     /// A vehicle on two tracks.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,10 +1,10 @@
-//! Joints, springs, loads and functions of time, as a model file writes them.
+//! The types of joints, springs, loads and functions of time in a model file.
 
 use crate::joint::JointKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// A joint. Its frame stands at `position` with z along `axis` when the model starts.
+/// A joint. At the start its frame is at `position` with z along `axis`.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFile {
@@ -12,77 +12,78 @@ pub struct JointFile {
     pub name: String,
     /// Kind.
     pub kind: JointKind,
-    /// Body A; `world` is the ground.
+    /// Name of body A; `world` is the fixed world.
     pub a: String,
-    /// Body B.
+    /// Name of body B.
     pub b: String,
-    /// Where, m, world; for joints with two points, the one on A.
+    /// Position, m, world; for joints with two points, that of the point on A.
     #[serde(default)]
     pub position: [f64; 3],
-    /// The point on B, m, world, where it is another one.
+    /// Position of the point on B, m, world, for joints with two points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_b: Option<[f64; 3]>,
     /// The joint's z axis, world.
     #[serde(default = "default_axis")]
     pub axis: [f64; 3],
-    /// The joint's x axis, world; a universal joint turns about x on A and about y on B.
+    /// The joint's x axis, world; the axes of a universal joint are x on A and y on B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis_x: Option<[f64; 3]>,
-    /// Length over time, m (distance, revolute_spherical): a linear actuator. As the model starts if not given.
+    /// Length over time, m (distance, revolute_spherical): a linear actuator; that at the start if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<FunctionFile>,
-    /// Least and greatest coordinate: degrees for an angle, m for a distance, counted from the start.
+    /// Minimum and maximum coordinate: degrees for an angle, m for a distance; relative to the start, but for distance and
+    /// revolute_spherical joints, whose coordinate is the length itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
     /// Motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<MotorFile>,
-    /// Whether its two bodies may touch.
+    /// Whether its two bodies collide.
     #[serde(default)]
     pub collide: bool,
-    /// It holds from this time on, s.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
-    /// And until this, s.
+    /// Time until which it acts, s; for ever if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
 }
 
-/// A motor: exactly one of these. SI units: rad/s, rad, N m for turning; m/s, m, N for sliding.
+/// A motor: exactly one of these.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorFile {
-    /// Speed.
+    /// Rate of the coordinate over time, rad/s (revolute, cylindrical) or m/s (prismatic).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<FunctionFile>,
-    /// Angle or distance.
+    /// Coordinate over time, rad (revolute, cylindrical) or m (prismatic).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<FunctionFile>,
-    /// Torque, N m.
+    /// Torque over time, N m (revolute, cylindrical).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque: Option<FunctionFile>,
-    /// Force, N.
+    /// Force over time, N (prismatic).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<FunctionFile>,
 }
 
-/// A spring with a damper.
+/// A spring and damper.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
     /// Name.
     pub name: String,
-    /// Body A; `world` is the ground.
+    /// Name of body A; `world` is the fixed world.
     pub a: String,
-    /// Body B.
+    /// Name of body B.
     pub b: String,
-    /// The point on A, m, world.
+    /// Position of the point on A, m, world.
     #[serde(default)]
     pub position: [f64; 3],
-    /// The point on B, m, world.
+    /// Position of the point on B, m, world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_b: Option<[f64; 3]>,
-    /// Makes it a spring about this axis, world.
+    /// Axis of a rotational spring, world; a linear spring if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<[f64; 3]>,
     /// Stiffness, N/m or N m/rad.
@@ -91,16 +92,16 @@ pub struct SpringFile {
     /// Damping, N s/m or N m s/rad.
     #[serde(default)]
     pub damping: f64,
-    /// Length, m, without force, or angle, degrees; as the model starts if not given.
+    /// Free length, m, or free angle, degrees; that at the start if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<f64>,
-    /// Force or torque in addition, pulling B to A where positive.
+    /// Additional force, N, or torque, N m, over time; positive pulls B towards A.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preload: Option<FunctionFile>,
-    /// It acts from this time on, s.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
-    /// And until this, s.
+    /// Time until which it acts, s; for ever if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
 }
@@ -109,26 +110,26 @@ pub struct SpringFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
-    /// The body.
+    /// Name of the body.
     pub body: String,
-    /// Direction of a force; its length does not count.
+    /// Direction of a force, whose magnitude `value` is in N; its length is of no effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
-    /// Direction of a torque; its length does not count.
+    /// Direction of a torque, whose magnitude `value` is in N m; its length is of no effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque: Option<[f64; 3]>,
-    /// Its size over time, N or N m.
+    /// Magnitude over time, N (force) or N m (torque).
     pub value: FunctionFile,
-    /// The frame of the direction: `world`, or `body`, which turns with it.
+    /// Frame of the direction: `world` or `body`.
     #[serde(default)]
     pub frame: LoadFrame,
-    /// Where a force acts, in the body's frame, m; at the centre of mass if not given.
+    /// Point of application of a force, in the body's frame, m; the centre of mass if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
-    /// It acts from this time on, s.
+    /// Time from which it acts, s; the start of its stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
-    /// And until this, s.
+    /// Time until which it acts, s; for ever if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
 }
@@ -137,21 +138,21 @@ pub struct LoadFile {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LoadFrame {
-    /// The world's.
+    /// The world frame.
     #[default]
     World,
-    /// The body's.
+    /// The body's frame.
     Body,
 }
 
-/// A function of time: a number, or exactly one of the forms.
+/// A function of time: a number, or exactly one of these forms.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a number, {step: {…}}, {ramp: {…}}, {sine: {…}}, {table: [[time, value], …]} or {csv: FILE}"
 )]
 pub enum FunctionFile {
-    /// Constant.
+    /// A constant.
     Constant(f64),
     /// A step.
     Step {
@@ -168,14 +169,14 @@ pub enum FunctionFile {
         /// The sine.
         sine: SineFile,
     },
-    /// Points joined by straight lines.
+    /// Points with linear interpolation.
     Table {
-        /// Pairs of time, s, and value; times rise.
+        /// Pairs of time, s, and value; times ascend.
         table: Vec<[f64; 2]>,
     },
     /// Points from a CSV file of two columns, with or without a header.
     Csv {
-        /// The file.
+        /// Path of the file.
         csv: PathBuf,
     },
 }
@@ -184,7 +185,7 @@ pub enum FunctionFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepFile {
-    /// When, s.
+    /// Time of the step, s.
     pub at: f64,
     /// Value before.
     #[serde(default)]
@@ -197,9 +198,9 @@ pub struct StepFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RampFile {
-    /// Begin and end, s.
+    /// Times of start and end, s.
     pub times: [f64; 2],
-    /// Values there; constant outside.
+    /// Values at start and end; constant outside.
     pub values: [f64; 2],
 }
 
@@ -220,7 +221,7 @@ pub struct SineFile {
 }
 
 impl JointFile {
-    /// A joint between two bodies, all else as if not given.
+    /// A joint between two bodies, and the defaults of all other keys.
     pub fn named(name: &str, kind: JointKind, a: &str, b: &str) -> JointFile {
         let mut joint: JointFile = serde_yaml::from_str("{name: j, kind: fixed, a: a, b: b}")
             .expect("all other keys of a joint have defaults");
