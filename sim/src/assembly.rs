@@ -1,10 +1,8 @@
-//! Machines that are built from a few dimensions: parametric builders that write the bodies, joints, springs and loads that an
-//! engineer would have to write by hand.
+//! Assemblies: parametric machines that expand to the bodies, joints, springs and loads of a model file.
 
 mod helical_anchor;
 mod parts;
 mod tracked_vehicle;
 
 pub use helical_anchor::HelicalAnchor;
-pub use parts::Parts;
 pub use tracked_vehicle::TrackedVehicle;

@@ -63,15 +63,27 @@ impl Simulation {
         self.backend.name()
     }
 
-    /// Take one step of length `model.step`.
+    /// Take one step of length `model.step`. Debug builds check its columns.
     pub fn step(&mut self) -> StepReport {
-        // Inside the thread pool: a thread outside it would wake the pool's threads in every stage.
-        let mut report = StepReport::default();
-        rayon::scope(|_| report = self.advance());
-        report
+        self.in_pool(cfg!(debug_assertions)).expect("valid columns")
     }
 
-    fn advance(&mut self) -> StepReport {
+    /// Take one step, and check the columns after every stage that has run.
+    ///
+    /// # Errors
+    /// The first fault that [`stages::check`](crate::stages::check) finds.
+    pub fn checked_step(&mut self) -> Result<StepReport, String> {
+        self.in_pool(true)
+    }
+
+    fn in_pool(&mut self, is_checked: bool) -> Result<StepReport, String> {
+        // Inside the thread pool: a thread outside it would wake the pool's threads in every stage.
+        let mut result = Ok(StepReport::default());
+        rayon::scope(|_| result = self.advance(is_checked));
+        result
+    }
+
+    fn advance(&mut self, is_checked: bool) -> Result<StepReport, String> {
         let Simulation { model, state, plan, backend } = self;
         if state.wake(model) || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
@@ -84,17 +96,17 @@ impl Simulation {
             let now = Instant::now();
             if has_run {
                 *ms = (now - last).as_secs_f64() * 1e3;
-                if cfg!(debug_assertions) {
-                    check(stage, model, plan, state, |column| backend.column(state, column)).expect("valid columns");
+                if is_checked {
+                    check(stage, model, plan, state, |column| backend.column(state, column))?;
                 }
             }
-            last = now;
+            last = Instant::now();
         }
         let outcome = backend.outcome();
         let mut watch = std::mem::take(&mut state.watch);
         let (warnings, broken) = watch.check(model, state, &outcome);
         state.watch = watch;
-        StepReport {
+        Ok(StepReport {
             step: state.steps,
             time: state.time,
             contacts: state.contacts.len(),
@@ -104,6 +116,6 @@ impl Simulation {
             stage_ms,
             warnings,
             broken,
-        }
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! The anchor of the paper's sections 5.3 and 5.4: a sphere as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
 //! along a vertical line about which it may turn.
 
-use super::parts::{Parts, Wrong, body, joint, part, positive};
+use super::parts::{DimensionError, Parts, body, joint, part, positive};
 use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, LoadFile, ShapeFile, SphereFile};
 use serde::{Deserialize, Serialize};
@@ -66,7 +66,7 @@ impl HelicalAnchor {
     ///
     /// # Errors
     /// A dimension that is not above zero, or a blade that is no wider than the shaft.
-    pub fn build(&self, name: &str) -> Result<Parts, Wrong> {
+    pub fn build(&self, name: &str) -> Result<Parts, DimensionError> {
         positive(&[
             ("mass", self.mass),
             ("radius", self.radius),

@@ -1,9 +1,9 @@
-//! The bodies, joints, springs and loads that a builder makes.
+//! The parts that an assembly expands to: bodies, joints, springs and loads.
 
 use crate::joint::JointKind;
 use crate::model_file::{BodyFile, JointFile, LoadFile, PartFile, RotateFile, ShapeFile, SpringFile};
 
-/// What a builder makes, as it would stand in a model file.
+/// The parts of an assembly, in the types of a model file.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     /// Bodies.
@@ -18,10 +18,10 @@ pub struct Parts {
     pub pass_through: Vec<[String; 2]>,
 }
 
-/// What is wrong with a dimension: its key and why.
-pub type Wrong = (&'static str, String);
+/// The error of a dimension: its key and the message.
+pub type DimensionError = (&'static str, String);
 
-/// A body without shapes at a place.
+/// A body without shapes, at a position.
 pub(super) fn body(name: String, class: &str, material: &str, position: [f64; 3], mass: f64) -> BodyFile {
     let mut body = BodyFile::named(&name);
     (body.class, body.material) = (Some(class.into()), Some(material.into()));
@@ -29,7 +29,7 @@ pub(super) fn body(name: String, class: &str, material: &str, position: [f64; 3]
     body
 }
 
-/// A shape of a body.
+/// One shape of a body, at a position and orientation in the body's frame.
 pub(super) fn part(shape: ShapeFile, position: [f64; 3], rotate: Option<([f64; 3], f64)>) -> PartFile {
     let mut part: PartFile = serde_yaml::from_str("{}").expect("all of a part's keys have defaults");
     part.set_shape(shape);
@@ -38,15 +38,15 @@ pub(super) fn part(shape: ShapeFile, position: [f64; 3], rotate: Option<([f64; 3
     part
 }
 
-/// A joint of a kind.
+/// A joint between bodies A and B, at a position and with an axis in the world.
 pub(super) fn joint(name: String, kind: JointKind, [a, b]: [&str; 2], position: [f64; 3], axis: [f64; 3]) -> JointFile {
     let mut joint = JointFile::named(&name, kind, a, b);
     (joint.position, joint.axis) = (position, axis);
     joint
 }
 
-/// Refuse dimensions that are not above zero.
-pub(super) fn positive(values: &[(&'static str, f64)]) -> Result<(), Wrong> {
+/// Check that dimensions are finite and above zero.
+pub(super) fn positive(values: &[(&'static str, f64)]) -> Result<(), DimensionError> {
     match values.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
         Some((key, x)) => Err((key, format!("is {x}, expected a number above 0"))),
         None => Ok(()),

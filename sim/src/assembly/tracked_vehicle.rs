@@ -3,7 +3,7 @@
 //! The paper drops a ring of shoes on the wheels and tightens it with the idler. Here the ring is laid along the belt around
 //! the wheels, and the idler is moved until the last shoe meets the first: the track is tight and free of force at the start.
 
-use super::parts::{Parts, Wrong, body, joint, part, positive};
+use super::parts::{DimensionError, Parts, body, joint, part, positive};
 use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, MotorFile, RotateFile, ShapeFile, SpringFile};
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ impl TrackedVehicle {
     ///
     /// # Errors
     /// A dimension that is out of range, or too few shoes to go round the wheels.
-    pub fn build(&self, name: &str) -> Result<Parts, Wrong> {
+    pub fn build(&self, name: &str) -> Result<Parts, DimensionError> {
         self.check()?;
         let idler = self.place_idler()?;
         let mut parts = Parts::default();
@@ -134,7 +134,7 @@ impl TrackedVehicle {
         Ok(parts)
     }
 
-    fn check(&self) -> Result<(), Wrong> {
+    fn check(&self) -> Result<(), DimensionError> {
         positive(&[
             ("pitch", self.pitch),
             ("shoe_mass", self.shoe_mass),
@@ -260,7 +260,7 @@ impl TrackedVehicle {
     }
 
     /// x of the idler for which the ring closes, m.
-    fn place_idler(&self) -> Result<f64, Wrong> {
+    fn place_idler(&self) -> Result<f64, DimensionError> {
         let min = self.roller_x(self.rollers - 1) + 0.2 * self.roller_radius;
         let (mut lo, mut hi) = (min, min + self.shoes as f64 * self.pitch);
         // Too short a belt: the shoes go round more than once.

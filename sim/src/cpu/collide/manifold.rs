@@ -187,7 +187,9 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
             let (v, v_id) = f.corner[(i + 1) % f.n];
             let dv = (v - p).dot(outward);
             if (du <= 0.0) != (dv <= 0.0) {
-                clipped.push(u + (v - u) * (du / (du - dv)), (u_id * 53 + v_id) * 17 + k as u32 + 1);
+                // A hash of the two corners and the edge: it may overflow.
+                let id = u_id.wrapping_mul(53).wrapping_add(v_id).wrapping_mul(17).wrapping_add(k as u32 + 1);
+                clipped.push(u + (v - u) * (du / (du - dv)), id);
             }
         }
         f = clipped;
