@@ -7,7 +7,13 @@ use crate::state::State;
 use frame::{Fault, FaultKind, atomic};
 use std::path::{Path, PathBuf};
 
-const HEAD: &[u8] = b"scree checkpoint 5\n";
+/// The version of the format.
+const VERSION: u32 = 5;
+
+/// The first line of a checkpoint.
+fn head() -> String {
+    format!("scree checkpoint {VERSION}\n")
+}
 
 /// Folder of a run's checkpoints.
 pub fn folder(run: &Path) -> PathBuf {
@@ -25,7 +31,7 @@ pub fn file_name(steps: u64) -> String {
 /// A file that cannot be written.
 pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> {
     let body = postcard::to_stdvec(&(model_hash, state)).expect("a state is plain data");
-    let mut bytes = HEAD.to_vec();
+    let mut bytes = head().into_bytes();
     bytes.extend_from_slice(blake3::hash(&body).as_bytes());
     bytes.extend_from_slice(&body);
     atomic::write(path, &bytes)
@@ -38,7 +44,7 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
-    let rest = bytes.strip_prefix(HEAD).ok_or_else(|| {
+    let rest = bytes.strip_prefix(head().as_bytes()).ok_or_else(|| {
         let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
         match first.strip_prefix(b"scree checkpoint ") {
             Some(version) => {
@@ -46,7 +52,7 @@ pub fn read(path: &Path) -> Result<(State, String), Fault> {
                 Fault::whole(
                     FaultKind::Data,
                     path,
-                    format!("is a checkpoint of version {version}, this program reads version 5"),
+                    format!("is a checkpoint of version {version}, this program reads version {VERSION}"),
                 )
                 .hint("simulate again from the start, or resume with the program that wrote it")
             }

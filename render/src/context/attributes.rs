@@ -82,7 +82,7 @@ impl Context {
 
     /// An area light: the primitives after it shine.
     pub(super) fn add_area_light(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.in_world("AreaLightSource")?;
+        self.in_world("`AreaLightSource`")?;
         self.add_light(name, handle, params)?;
         if let Some((_, shader)) = self.known_lights.iter().find(|(h, _)| h == handle) {
             let samples = self.attributes.light_samples;

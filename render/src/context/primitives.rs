@@ -229,7 +229,10 @@ impl Context {
             params.iter().find(|p| p.decl.name == "constantwidth").and_then(|p| p.numbers().first().copied());
         let normals = params.iter().find(|p| p.decl.name == "N").map(|p| p.numbers().to_vec());
         let to_eye = self.transform.inverse()
-            * self.to_camera.ok_or(Fail::new("`Curves` stands between WorldBegin and WorldEnd"))?.inverse();
+            * self
+                .to_camera
+                .ok_or(Fail::new("`Curves` stands outside the world, expected between WorldBegin and WorldEnd"))?
+                .inverse();
         let eye = to_eye.transform_point3(Vec3::ZERO);
         let along = to_eye.transform_vector3(Vec3::Z);
         let perspective = self.options.fov.is_some();

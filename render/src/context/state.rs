@@ -86,11 +86,12 @@ impl Context {
         if self.options.hider == Hider::Depth { [open, open] } else { [open, close] }
     }
 
-    pub(super) fn in_world(&self, call: &str) -> RiResult {
+    /// Refuse what stands outside the world.
+    pub(super) fn in_world(&self, what: &str) -> RiResult {
         if self.to_camera.is_some() {
             Ok(())
         } else {
-            Err(Fail::new(format!("`{call}` stands between WorldBegin and WorldEnd")))
+            Err(Fail::new(format!("{what} stands outside the world, expected between WorldBegin and WorldEnd")))
         }
     }
 
