@@ -1,7 +1,8 @@
 //! The scene as shaders see it from one primitive: its lights, spaces, maps, and what rays find.
 //!
-//! A ray that asks for colour shades what it meets at that one point, with the surface shader of what was met and the lights
-//! that shine on it. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
+//! Rays that ask for colour are followed together, from layer to layer of what is translucent: the points of a layer where they
+//! meet one primitive are shaded in one run, with its surface shader and the lights that shine on it; where a shader looks at
+//! neighbouring points, which rays have not, each is a run of its own. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::cpu::bvh::Bvh;
@@ -78,39 +79,59 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The colour and opacity of an item where a ray meets it.
-    fn shade(&self, item: Item, from: Vec3, dir: Vec3, distance: f32, diffuse: bool) -> ([f32; 3], [f32; 3]) {
+    /// The colours and opacities of an item where rays meet it, one a hit.
+    fn shade(&self, item: Item, hits: &[Hit], diffuse: bool) -> Vec<[[f32; 3]; 2]> {
         let view = self.scene.view(item);
-        let a = view.attributes;
         let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
-        let met = meet(&view, from + dir * distance, from, dir);
-        (points.nu, points.nv) = (1, 1);
-        points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
-        view.fill_variables(&mut points);
-        if let Some((patch, [u, v])) = met.on {
-            fill_variables(&mut points, patch, u, v);
+        let met: Vec<Met> = hits.iter().map(|hit| meet(&view, hit)).collect();
+        let is_alone = view.attributes.reads_neighbours();
+        let mut answers = Vec::with_capacity(hits.len());
+        let mut first = 0;
+        for run in met.chunk_by(|a, b| !is_alone && a.has_uniform_of(b)) {
+            let hits = &hits[first..first + run.len()];
+            first += run.len();
+            self.shade_run(item, &view, (hits, run), diffuse, (&mut machine, &mut points));
+            let n = run.len();
+            let triple = |global: Global, k: usize| match points.get(global) {
+                Some(&[r, g, b]) => [r, g, b],
+                Some(v) if v.len() == 3 * n => [v[k], v[n + k], v[2 * n + k]],
+                _ => [0.0; 3],
+            };
+            answers.extend((0..n).map(|k| [triple(Global::Ci, k), triple(Global::Oi, k)]));
         }
-        let normal = if a.reversed { -met.normal } else { met.normal }.to_array();
-        let way = (dir * distance).to_array();
-        let values: [(Global, &[f32]); 7] = [
-            (Global::P, &met.place.to_array()),
-            (Global::N, &normal),
-            (Global::I, &way),
-            (Global::U, &[met.uv[0]]),
-            (Global::V, &[met.uv[1]]),
-            (Global::S, &[met.st[0]]),
-            (Global::T, &[met.st[1]]),
-        ];
-        for (global, value) in values {
-            points.refill(global).extend_from_slice(value);
-        }
-        surface_globals(&mut points, &view, from);
-        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, &view, self.bias) };
-        machine.run_with(&a.surface, &view.attached.surface, &mut points, &scene);
-        let three = |global| points.get(global).and_then(|v| v.try_into().ok()).unwrap_or([0.0; 3]);
-        let answer = (three(Global::Ci), three(Global::Oi));
         SPARE.with(|s| s.borrow_mut().push((machine, points)));
-        answer
+        answers
+    }
+
+    /// Shade points of an item that have its uniform variables in common.
+    fn shade_run(
+        &self,
+        item: Item,
+        view: &ItemView<'a>,
+        (hits, met): (&[Hit], &[Met]),
+        diffuse: bool,
+        (machine, points): (&mut Machine, &mut Points),
+    ) {
+        let a = view.attributes;
+        (points.nu, points.nv) = (met.len(), 1);
+        points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
+        view.fill_variables(points);
+        fill_patch_variables(points, met);
+        let side = if a.reversed { -1.0 } else { 1.0 };
+        fill_triples(points, Global::P, met.iter().map(|m| m.place));
+        fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
+        fill_triples(points, Global::I, hits.iter().map(|hit| hit.dir * hit.distance));
+        let numbers: [(Global, fn(&Met) -> f32); 4] =
+            [(Global::U, |m| m.uv[0]), (Global::V, |m| m.uv[1]), (Global::S, |m| m.st[0]), (Global::T, |m| m.st[1])];
+        for (global, of) in numbers {
+            points.refill(global).extend(met.iter().map(of));
+        }
+        surface_globals(points, view, Vec3::ZERO);
+        if a.surface.program.global(Global::E).is_some() {
+            fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));
+        }
+        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, view, self.bias) };
+        machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     }
 
     /// Where a ray starts. From a flat surface it is lifted off a little, and begun a little earlier, so that in a corner it meets
@@ -146,31 +167,29 @@ impl<'a> View<'a> {
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
         let dir = (to - from) / length;
-        let open = self.through(from, dir, length, |item, distance, _| self.opacity_at(item, from, dir, distance));
+        let open = self.through(from, dir, length, |item, distance| self.opacity_at(item, from, dir, distance));
         if nearly_none(open) { [0.0; 3] } else { open }
     }
 
-    /// Follow a ray for a length through the surfaces that it meets, as long as they let something through: `meet` is told the item,
-    /// how far it is and what came so far, and answers its opacity. What is left at the end.
-    fn through(
-        &self,
-        from: Vec3,
-        dir: Vec3,
-        length: f32,
-        mut meet: impl FnMut(Item, f32, [f32; 3]) -> [f32; 3],
-    ) -> [f32; 3] {
+    /// Follow a ray for a length through the surfaces that it meets, as long as they let something through: `meet` is told the item and
+    /// how far it is, and answers its opacity. What is left at the end.
+    fn through(&self, from: Vec3, dir: Vec3, length: f32, mut meet: impl FnMut(Item, f32) -> [f32; 3]) -> [f32; 3] {
         let (mut open, mut least) = ([1.0f32; 3], 0.0);
         for _ in 0..MAX_LAYERS {
             let found = self.bvh.nearest(self.item, from, dir, least, self.bias);
             let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
-            let opacity = meet(item, distance, open);
-            (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
-            if nearly_none(open) {
+            if !self.pass(&mut open, &mut least, distance, meet(item, distance)) {
                 break;
             }
-            least = distance + self.bias[0].max(1e-5 * distance);
         }
         open
+    }
+
+    /// Let a ray pass a surface at a distance: what is left of it, and how far it has come. Whether it goes on.
+    fn pass(&self, open: &mut [f32; 3], least: &mut f32, distance: f32, opacity: [f32; 3]) -> bool {
+        (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
+        *least = distance + self.bias[0].max(1e-5 * distance);
+        !nearly_none(*open)
     }
 
     /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
@@ -179,7 +198,10 @@ impl<'a> View<'a> {
         if attributes.surface.program.keeps_opacity || self.depth >= MAX_NESTED {
             return attributes.opacity;
         }
-        self.shade(item, from, dir, distance, false).1
+        let [[_, opacity]] = self.shade(item, &[Hit { from, dir, distance }], false)[..] else {
+            unreachable!("an answer a hit")
+        };
+        opacity
     }
 
     /// How deep rays are followed.
@@ -205,6 +227,24 @@ fn nearly_none(open: [f32; 3]) -> bool {
     open.iter().all(|o| *o < 1e-3)
 }
 
+/// Where a ray meets something, world space.
+#[derive(Clone, Copy)]
+struct Hit {
+    from: Vec3,
+    dir: Vec3,
+    distance: f32,
+}
+
+/// A ray on its way through what it meets.
+struct Path {
+    from: Vec3,
+    dir: Vec3,
+    /// What is left of it.
+    open: [f32; 3],
+    /// How far it has come.
+    least: f32,
+}
+
 /// A surface where a ray meets it, world space.
 struct Met<'a> {
     place: Vec3,
@@ -215,19 +255,43 @@ struct Met<'a> {
     on: Option<(&'a Patch, [f32; 2])>,
 }
 
-/// Fill the next slots of the variables of one point: those of a patch.
-fn fill_variables(points: &mut Points, patch: &Patch, u: f32, v: f32) {
-    for values in &patch.uniform {
-        points.next_variable().extend_from_slice(values);
-    }
-    for values in &patch.varying {
-        let width = values.len() / 4;
-        let corners = |c: usize| [0, 1, 2, 3].map(|k| values[k * width + c]);
-        points.next_variable().extend((0..width).map(|c| bilinear(corners(c), u, v)));
+impl Met<'_> {
+    /// Whether the uniform variables here are those of another place.
+    fn has_uniform_of(&self, other: &Met) -> bool {
+        match (self.on, other.on) {
+            (Some((a, _)), Some((b, _))) => a.uniform == b.uniform,
+            (a, b) => a.is_none() && b.is_none(),
+        }
     }
 }
 
-fn meet<'a>(view: &ItemView<'a>, place: Vec3, from: Vec3, dir: Vec3) -> Met<'a> {
+/// Fill a global with a vector a point.
+fn fill_triples(points: &mut Points, global: Global, vectors: impl Iterator<Item = Vec3> + Clone) {
+    let buffer = points.refill(global);
+    (0..3).for_each(|axis| buffer.extend(vectors.clone().map(|v| v[axis])));
+}
+
+/// Fill the next slots of the variables: those of the patches that were met, which have their uniform ones in common.
+fn fill_patch_variables(points: &mut Points, met: &[Met]) {
+    let Some((first, _)) = met[0].on else { return };
+    for values in &first.uniform {
+        points.next_variable().extend_from_slice(values);
+    }
+    for (slot, values) in first.varying.iter().enumerate() {
+        let width = values.len() / 4;
+        let buffer = points.next_variable();
+        for c in 0..width {
+            buffer.extend(
+                met.iter()
+                    .filter_map(|m| m.on)
+                    .map(|(patch, [u, v])| bilinear([0, 1, 2, 3].map(|k| patch.varying[slot][k * width + c]), u, v)),
+            );
+        }
+    }
+}
+
+fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> {
+    let place = from + dir * distance;
     let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
     match view.shape {
         Shape::Sphere => {
@@ -304,15 +368,36 @@ impl sl::machine::Scene for View<'_> {
         if !self.traces(many) {
             return colors.fill([0.0; 3]);
         }
-        for (ray, color) in rays.iter().zip(colors) {
+        colors.fill([0.0; 3]);
+        let start = |ray: &Ray| {
             let dir = Vec3::from(ray.direction);
-            let from = self.start(ray.from.into(), dir);
-            *color = [0.0; 3];
-            self.through(from, dir, f32::INFINITY, |item, distance, open| {
-                let (ci, oi) = self.shade(item, from, dir, distance, many);
-                (0..3).for_each(|c| color[c] += open[c] * ci[c]);
-                oi
-            });
+            Path { from: self.start(ray.from.into(), dir), dir, open: [1.0; 3], least: 0.0 }
+        };
+        let mut paths: Vec<Path> = rays.iter().map(start).collect();
+        let mut alive: Vec<usize> = (0..rays.len()).collect();
+        for _ in 0..MAX_LAYERS {
+            let nearest = |ray: &usize| {
+                let Path { from, dir, least, .. } = paths[*ray];
+                let (distance, item) = self.bvh.nearest(self.item, from, dir, least, self.bias)?;
+                (distance < f32::INFINITY).then_some((item, *ray, Hit { from, dir, distance }))
+            };
+            let mut layer: Vec<(Item, usize, Hit)> = alive.iter().filter_map(nearest).collect();
+            layer.sort_by_key(|(item, ray, _)| (item.source, item.index, *ray));
+            alive.clear();
+            for of_item in layer.chunk_by(|a, b| a.0 == b.0) {
+                let hits: Vec<Hit> = of_item.iter().map(|(_, _, hit)| *hit).collect();
+                let shaded = self.shade(of_item[0].0, &hits, many);
+                for ((_, ray, hit), [ci, oi]) in of_item.iter().zip(shaded) {
+                    let path = &mut paths[*ray];
+                    (0..3).for_each(|c| colors[*ray][c] += path.open[c] * ci[c]);
+                    if self.pass(&mut path.open, &mut path.least, hit.distance, oi) {
+                        alive.push(*ray);
+                    }
+                }
+            }
+            if alive.is_empty() {
+                break;
+            }
         }
     }
 
