@@ -478,7 +478,7 @@ mod tests {
             ("lib.rs", "mod state; mod user; mod other; pub use state::Model as M;"),
             ("state.rs", "mod parts; pub use parts::*; pub struct Model;"),
             ("state/parts.rs", "pub struct Part;"),
-            ("user.rs", "use crate::M; fn f() -> crate::state::Part { todo!() }"),
+            ("user.rs", "use crate::M; fn f() -> crate::state::Part { loop {} }"),
             ("other.rs", "use crate::state::*; fn f(_: Part) {}"),
         ]);
         let wanted =
