@@ -82,7 +82,7 @@ impl Observer for Console {
     }
 
     fn start(&mut self, expected: u64) {
-        self.progress = Some(Progress::start("simulating", expected));
+        self.progress = Some(Progress::start("simulating", expected, "frames"));
     }
 
     fn frame(&mut self, done: u64) {

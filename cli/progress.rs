@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 pub struct Progress {
     task: String,
     total: u64,
+    unit: &'static str,
     bar: Option<ProgressBar>,
     started: Instant,
     last_line: Mutex<Instant>,
@@ -18,18 +19,20 @@ pub struct Progress {
 const INTERVAL: Duration = Duration::from_secs(10);
 
 impl Progress {
-    /// Start the progress of a task of `total` steps.
-    pub fn start(task: &str, total: u64) -> Progress {
+    /// Start the progress of a task of `total` steps, which have a unit such as `frames`.
+    pub fn start(task: &str, total: u64, unit: &'static str) -> Progress {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{msg:>12} [{bar:32}] {pos}/{len}  {elapsed} elapsed, {eta} left");
+            let style = ProgressStyle::with_template(&format!(
+                "{{msg:>12}} [{{bar:32}}] {{pos}}/{{len}} {unit}  {{elapsed}} elapsed, {{eta}} left"
+            ));
             ProgressBar::new(total)
                 .with_style(style.unwrap_or(ProgressStyle::default_bar()).progress_chars("=> "))
                 .with_message(task.to_string())
         });
         if bar.is_none() {
-            eprintln!("{task}: {total} to do");
+            eprintln!("{task}: 0 of {total} {unit}");
         }
-        Progress { task: task.into(), total, bar, started: Instant::now(), last_line: Mutex::new(Instant::now()) }
+        Progress { task: task.into(), total, unit, bar, started: Instant::now(), last_line: Mutex::new(Instant::now()) }
     }
 
     /// Show that `done` steps are done.
@@ -41,9 +44,10 @@ impl Progress {
                 if last_line.elapsed() >= INTERVAL {
                     *last_line = Instant::now();
                     eprintln!(
-                        "{}: {done} of {} after {:.0} s",
+                        "{}: {done} of {} {} after {:.0} s",
                         self.task,
                         self.total,
+                        self.unit,
                         self.started.elapsed().as_secs_f64()
                     );
                 }

@@ -40,7 +40,7 @@ pub fn images(job: &ImageJob, shard: Option<Shard>, statistics: Statistics) -> O
     };
     let wanted = |f: &&u64| !(job.missing && exists(&job.image(**f)));
     let frames: Vec<u64> = job.frames.iter().filter(wanted).copied().collect();
-    let progress = Progress::start("rendering", frames.len() as u64);
+    let progress = Progress::start("rendering", frames.len() as u64, "frames");
     for (done, frame) in frames.iter().enumerate() {
         let result = image(job, *frame, shard)?;
         report_statistics(&result, *frame, &written(&job.image(*frame), shard), statistics)?;
@@ -71,7 +71,7 @@ fn context(files: &Files) -> Outcome<Context> {
 fn scene(job: &RenderScene) -> Outcome {
     let mut context = context(&job.files)?;
     context.shard = job.shard;
-    let progress = Arc::new(Progress::start("rendering", 100));
+    let progress = Arc::new(Progress::start("rendering", 100, "%"));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
     reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, _| Ok(()))?;

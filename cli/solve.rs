@@ -22,11 +22,12 @@ pub fn run(job: SolveJob) -> Outcome {
         println!("{result}");
     } else {
         println!(
-            "{}: {} contacts, error {:.3e} after {} iterations of {} in {seconds:.3} s",
+            "{}: {} contacts, error {:.3e} after {} iteration{} of {} in {seconds:.3} s",
             path.display(),
             problem.q.len(),
             solution.error,
             solution.iterations,
+            if solution.iterations == 1 { "" } else { "s" },
             solution.method
         );
     }

@@ -1,15 +1,15 @@
 //! Motion blur and depth of field against answers known on paper.
 
 use crate::cli::{scratch, scree};
-use crate::picture::{ORTHO, Picture, render_with};
+use crate::rendering::{ORTHO, Rendered, render_with};
 
 /// A parallel view of 80 × 80 pixels, 40 to a unit, while the shutter is open from 0 to 1.
-fn moving(world: &str) -> Picture {
+fn moving(world: &str) -> Rendered {
     render_with(&[], &format!("Shutter 0 1 {ORTHO}"), &format!("Surface \"constant\" {world}"))
 }
 
 /// The mean coverage of a pixel column, rows 30 to 50.
-fn column(p: &Picture, x: usize) -> f32 {
+fn column(p: &Rendered, x: usize) -> f32 {
     (30..50).map(|y| p.at(x, y)[3]).sum::<f32>() / 20.0
 }
 
@@ -166,8 +166,8 @@ output: {{resolution: [80, 80], samples: [8, 8], format: exr{more}}}
         scree(&["render", at(name).to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
         image::open(at("out/000001.exr")).unwrap().to_rgb32f()
     };
-    let widest = |picture: &image::Rgb32FImage| (0..80).filter(|x| picture.get_pixel(*x, 40).0[0] > 0.02).count();
-    let total = |picture: &image::Rgb32FImage| picture.pixels().map(|p| p.0[0]).sum::<f32>();
+    let widest = |image: &image::Rgb32FImage| (0..80).filter(|x| image.get_pixel(*x, 40).0[0] > 0.02).count();
+    let total = |image: &image::Rgb32FImage| image.pixels().map(|p| p.0[0]).sum::<f32>();
     let still = draw("still.yaml", metadata("", ""));
     let moved = draw("moved.yaml", metadata(", shutter: 0.5", ""));
     let blurred = draw("lens.yaml", metadata("", ", lens: {f_stop: 1, focal_length: 0.5, focus: 2}"));

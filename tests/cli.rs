@@ -81,7 +81,7 @@ fn foreign_tables_are_inspected_drawn_and_coloured() {
         .ok();
         image::open(out.join("000003.png")).unwrap().to_rgb8()
     };
-    let spread = |picture: &image::RgbImage| picture.pixels().map(|p| p[0].abs_diff(p[2]) as u32).max().unwrap();
+    let spread = |image: &image::RgbImage| image.pixels().map(|p| p[0].abs_diff(p[2]) as u32).max().unwrap();
     let plain = draw();
     let text = std::fs::read_to_string(&metadata).unwrap();
     let colored = text.replace("# color: {column: speed", "color: {column: speed");
@@ -96,7 +96,7 @@ fn usage_and_bad_input_have_their_exit_codes() {
     let work = scratch();
     let there = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     scree(&["simulate"]).fails(2);
-    assert!(scree(&["simulate", &there("no.yaml")]).fails(3).contains("no.yaml:1:1: cannot be read"));
+    assert!(scree(&["simulate", &there("no.yaml")]).fails(3).contains("no.yaml: cannot be read"));
     scree(&["render", &there("no.yaml")]).fails(3);
     scree(&["render", work.path().to_str().unwrap()]).fails(4);
     scree(&["simulate", "sim/models/pour.yaml", "--until", "-1", "-o", &there("r")]).fails(2);

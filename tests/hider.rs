@@ -1,9 +1,9 @@
 //! What is drawn at all and how closely it is looked at: levels of detail, hiders, bounds of displacement.
 
 use crate::cli::{scratch, scree};
-use crate::picture::{ORTHO, Picture, render_with};
+use crate::rendering::{ORTHO, Rendered, render_with};
 
-fn render(options: &str, world: &str) -> Picture {
+fn render(options: &str, world: &str) -> Rendered {
     render_with(&[], options, world)
 }
 

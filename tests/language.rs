@@ -14,13 +14,13 @@ fn covered(primitive: &str) -> f64 {
     );
     std::fs::write(&scene, rib).unwrap();
     scree(&["render", scene.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
-    let picture = image::open(work.path().join("a.png")).unwrap().to_rgb8();
-    picture.pixels().map(|p| p.0[0] as f64 / 255.0).sum::<f64>() * (4.0 / 128.0) * (4.0 / 128.0)
+    let image = image::open(work.path().join("a.png")).unwrap().to_rgb8();
+    image.pixels().map(|p| p.0[0] as f64 / 255.0).sum::<f64>() * (4.0 / 128.0) * (4.0 / 128.0)
 }
 
 #[test]
 fn primitives_cover_their_areas() {
-    // Turned so that z of the primitive is up in the picture.
+    // Turned so that z of the primitive is up in the image.
     let side = "Rotate 90 1 0 0";
     let circle = "NuPatch 9 3 [0 0 0 0.25 0.25 0.5 0.5 0.75 0.75 1 1 1] 0 1 2 2 [0 0 1 1] 0 1 \"Pw\" [1 0 0 1 0.70711 0.70711 0 0.70711 0 1 0 1 -0.70711 0.70711 0 0.70711 -1 0 0 1 -0.70711 -0.70711 0 0.70711 0 -1 0 1 0.70711 -0.70711 0 0.70711 1 0 0 1 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1 0 0 0 0.70711 0 0 0 1]";
     let square = "\"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
@@ -73,9 +73,9 @@ fn scenes_of_the_library_draw_data() {
             );
             std::fs::write(at("md.yaml"), yaml).unwrap();
             scree(&["render", at("md.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
-            let picture = image::open(at("out/000007.png")).unwrap().to_rgb8();
-            let corner = picture.get_pixel(0, 0).0;
-            let differ = picture.pixels().filter(|p| (0..3).any(|c| p.0[c].abs_diff(corner[c]) > 12)).count();
+            let image = image::open(at("out/000007.png")).unwrap().to_rgb8();
+            let corner = image.get_pixel(0, 0).0;
+            let differ = image.pixels().filter(|p| (0..3).any(|c| p.0[c].abs_diff(corner[c]) > 12)).count();
             assert!(differ > 15, "{scene} {camera}: {differ}");
             n += 1;
         }
@@ -107,8 +107,8 @@ fn jobs_of_chrono_render() {
     std::fs::write(at("light.rib"), "LightSource \"ambientlight\" 1\n").unwrap();
     std::fs::write(at("job.yaml"), JOB).unwrap();
     scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
-    let picture = image::open(at("out/000003.png")).unwrap().to_rgb8();
-    let of = |x: u32, y: u32| picture.get_pixel(x, y).0;
+    let image = image::open(at("out/000003.png")).unwrap().to_rgb8();
+    let of = |x: u32, y: u32| image.get_pixel(x, y).0;
     // The bar is thinner than the filter is wide.
     let green = |x: u32, y: u32| of(x, y)[1] > 200 && of(x, y)[0] == 0;
     assert_eq!(of(20, 20), [255, 0, 0]);
@@ -214,8 +214,8 @@ fn passes_processes_and_moving_cameras_of_chrono_render() {
     let said = scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
     assert!(said.contains("shade") && !at("out/shadows").exists(), "{said}");
     for (frame, middle) in [(4, 30), (5, 40)] {
-        let picture = image::open(at(&format!("out/00000{frame}.png"))).unwrap().to_rgb8();
-        let red = |x: u32| picture.get_pixel(x, 20).0 == [255, 0, 0];
+        let image = image::open(at(&format!("out/00000{frame}.png"))).unwrap().to_rgb8();
+        let red = |x: u32| image.get_pixel(x, 20).0 == [255, 0, 0];
         // The ball is 0.5 in radius, five pixels.
         assert!(
             red(middle - 3) && red(middle + 3) && !red(middle - 7) && !red(middle + 7) && !red(20),
@@ -255,8 +255,8 @@ b,4,0,1.5,0,1,0,0,0,cylinder,0.2,0.4
 ";
     std::fs::write(at("job.yaml"), job).unwrap();
     scree(&["render", at("job.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]).ok();
-    let picture = image::open(at("out/000000.png")).unwrap().to_rgb8();
-    let green = picture.pixels().filter(|p| p.0[1] > 128).count() as f64 / 400.0;
+    let image = image::open(at("out/000000.png")).unwrap().to_rgb8();
+    let green = image.pixels().filter(|p| p.0[1] > 128).count() as f64 / 400.0;
     // A circle, a box and a square; the cylinder is not among the rows.
     let expected = PI * 0.25 + 0.5 + 1.0;
     assert!((green - expected).abs() < 0.05 * expected, "{green}, expected {expected}");

@@ -1,13 +1,13 @@
 //! Lights that have a size, and what lets some of their light through, against answers known on paper.
 
-use crate::picture::{ORTHO, Picture, render_with};
+use crate::rendering::{ORTHO, Rendered, render_with};
 
-fn render(options: &str, world: &str) -> Picture {
+fn render(options: &str, world: &str) -> Rendered {
     render_with(&[], &ORTHO.replace("8 8", options), world)
 }
 
 /// The mean of a channel over a rectangle of pixels.
-fn mean(p: &Picture, x: std::ops::Range<usize>, y: std::ops::Range<usize>, channel: usize) -> f32 {
+fn mean(p: &Rendered, x: std::ops::Range<usize>, y: std::ops::Range<usize>, channel: usize) -> f32 {
     let n = (x.len() * y.len()) as f32;
     y.flat_map(|y| x.clone().map(move |x| (x, y))).map(|(x, y)| p.at(x, y)[channel]).sum::<f32>() / n
 }
@@ -126,10 +126,10 @@ fn what_a_shader_cuts_out_lets_light_through() {
 fn a_sky_lights_what_faces_it() {
     // The upper half of the sky shines 1, the lower one not at all: a wall shines as the cosine to the zenith has it.
     let sky = {
-        let mut picture = image::Rgb32FImage::new(64, 32);
-        picture.enumerate_pixels_mut().for_each(|(_, y, p)| p.0 = [if y < 16 { 1.0 } else { 0.0 }; 3]);
+        let mut image = image::Rgb32FImage::new(64, 32);
+        image.enumerate_pixels_mut().for_each(|(_, y, p)| p.0 = [if y < 16 { 1.0 } else { 0.0 }; 3]);
         let mut bytes = std::io::Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+        image.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
         bytes.into_inner()
     };
     // Seen along z, which is the sky's zenith: walls that face the eye look down, and are turned from there.

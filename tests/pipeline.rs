@@ -36,8 +36,8 @@ fn from_a_model_to_images_in_one_command() {
     assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("1 image is missing between 0 and 3: 2"));
     std::fs::write(&last, &whole).unwrap();
     for frame in 0..4 {
-        let picture = image::open(home.join(format!("images/{frame:06}.png"))).unwrap();
-        assert_eq!((picture.width(), picture.height()), (64, 36));
+        let image = image::open(home.join(format!("images/{frame:06}.png"))).unwrap();
+        assert_eq!((image.width(), image.height()), (64, 36));
     }
     // The run directory is as its format says.
     let index: serde_json::Value =

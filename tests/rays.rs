@@ -1,9 +1,9 @@
 //! Shaders that send rays, look up maps or work on pixels, against answers known on paper.
 
-use crate::picture::{ORTHO, Picture, render_with};
+use crate::rendering::{ORTHO, Rendered, render_with};
 
 /// Every pixel that is covered has a colour, within a tolerance.
-fn all_are(p: &Picture, color: [f32; 3], tolerance: f32) {
+fn all_are(p: &Rendered, color: [f32; 3], tolerance: f32) {
     let covered: Vec<_> = p.pixels.iter().filter(|p| p[3] > 0.999).collect();
     assert!(covered.len() > 500);
     for pixel in covered {
@@ -65,7 +65,7 @@ fn rays_end_between_two_mirrors() {
     }
 }
 
-/// A picture of one colour, as a file.
+/// An image of one colour, as a file.
 fn plain(color: [u8; 3]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image::RgbImage::from_pixel(4, 4, image::Rgb(color)).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
@@ -140,12 +140,12 @@ fn shaders_know_the_spaces_of_the_picture() {
 
 #[test]
 fn textures_in_files_look_as_those_in_memory() {
-    let mut picture = image::RgbImage::new(700, 500);
-    picture
+    let mut image = image::RgbImage::new(700, 500);
+    image
         .enumerate_pixels_mut()
         .for_each(|(x, y, p)| p.0 = [((x * 7) ^ (y * 3)) as u8, (x / 3 + y) as u8, (x * y / 50) as u8]);
     let mut png = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
     let png = png.into_inner();
     let draw = |kib: &str| {
         let options =

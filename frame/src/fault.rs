@@ -15,16 +15,16 @@ pub enum FaultKind {
     Machine,
 }
 
-/// A fault with its place. `line` and `column` count from 1.
+/// A fault with its place. `line` and `column` count from 1, and are 0 in a fault of a file as a whole.
 #[derive(Clone, Debug)]
 pub struct Fault {
     /// Who has to mend it.
     pub kind: FaultKind,
     /// The file.
     pub file: PathBuf,
-    /// Line, from 1.
+    /// Line, from 1; 0 for the file as a whole.
     pub line: usize,
-    /// Column, from 1.
+    /// Column, from 1; 0 for the file as a whole.
     pub column: usize,
     /// The offending line as it stands in the file; empty if there is none.
     pub text: String,
@@ -58,7 +58,7 @@ impl Fault {
 
     /// A fault of a file as a whole.
     pub fn whole(kind: FaultKind, file: &Path, message: impl Into<String>) -> Fault {
-        Fault::at(kind, file, "", 1, 1, message)
+        Fault { kind, file: file.into(), line: 0, column: 0, text: String::new(), message: message.into(), hint: None }
     }
 
     /// Add what to do about it.
@@ -81,7 +81,11 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: {}", self.file.display(), self.line, self.column, self.message)?;
+        write!(f, "{}:", self.file.display())?;
+        if self.line > 0 {
+            write!(f, "{}:{}:", self.line, self.column)?;
+        }
+        write!(f, " {}", self.message)?;
         if !self.text.is_empty() {
             let (text, before) = window(&self.text, self.column);
             write!(f, "\n  | {text}\n  | {}^", " ".repeat(before))?;

@@ -52,6 +52,13 @@ impl Document {
         Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
     }
 
+    /// A fault of another file that the value of a key names: told with that file's place and hint, at the key.
+    pub fn fault_of_named(&self, key: &str, other: Fault) -> Fault {
+        let hint = other.hint.clone();
+        let message = Fault { text: String::new(), hint: None, ..other }.to_string();
+        Fault { hint, ..self.fault(key, message) }
+    }
+
     /// Where a dotted path stands: line and column, from 1.
     pub fn place(&self, key: &str) -> (usize, usize) {
         let mut key = key;

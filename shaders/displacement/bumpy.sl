@@ -1,4 +1,4 @@
-// Bumps by a picture.
+// Bumps by a image.
 displacement bumpy(float Km = 1; string texturename = "";) {
     float amplitude = 0;
     if (texturename != "")

@@ -1,4 +1,4 @@
-// Plastic with a picture on it.
+// Plastic with a image on it.
 surface paintedplastic(float Ka = 1; float Kd = 0.5; float Ks = 0.5; float roughness = 0.1; color specularcolor = 1;
                        string texturename = "";) {
     normal Nf = faceforward(normalize(N), I);

@@ -34,7 +34,7 @@ pub enum ContactMethod {
 pub struct StepPlan {
     /// The narrow phase and the layout of the contact rows.
     pub narrow: Narrow,
-    /// The method of a step without joint limits.
+    /// The method of a step with contacts and without joint limits.
     pub method: ContactMethod,
     /// Whether a contact law has rolling or spinning friction, so that contacts have rolling impulses.
     pub rolls: bool,
@@ -83,9 +83,10 @@ impl StepPlan {
         self.settings == model.solver
     }
 
-    /// The method of a step in which `n_limits` joint limits may be met.
-    pub fn method_with(&self, n_limits: usize) -> ContactMethod {
-        if n_limits == 0 { self.method } else { ContactMethod::Blocks(self.settings.method) }
+    /// The method of a step with `n_contacts` contacts, in which `n_limits` joint limits may be met. Sweeps need contacts and know no
+    /// limits.
+    pub fn method_with(&self, n_contacts: usize, n_limits: usize) -> ContactMethod {
+        if n_contacts > 0 && n_limits == 0 { self.method } else { ContactMethod::Blocks(self.settings.method) }
     }
 
     /// Whether a method needs the slip feedback of exact friction in the gaps' rates.

@@ -79,10 +79,7 @@ pub fn run(
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
-    let method = match plan.method_with(limits.len()) {
-        ContactMethod::SphereSweeps if n == 0 => ContactMethod::Blocks(model.solver.method),
-        method => method,
-    };
+    let method = plan.method_with(n, limits.len());
     joints.prepare(masses);
     let has_offsets = work.fill_offsets(model, plan, state, contacts, limits, method);
     // Sweeps over spheres compute η themselves.

@@ -47,28 +47,29 @@ pub fn visit(ops: &[Op], f: &mut dyn FnMut(&Op)) {
     }
 }
 
-pub fn blocks(op: &Op) -> Vec<&[Op]> {
-    match op {
-        Op::If(_, a, b) => vec![a, b],
-        Op::Loop(a, _, b, c) => vec![a, b, c],
-        Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
-            vec![body]
+/// The inner blocks of an operation, by reference or by mutable reference as the operation is.
+macro_rules! inner_blocks {
+    ($op:expr) => {
+        match $op {
+            Op::If(_, a, b) => vec![a, b],
+            Op::Loop(a, _, b, c) => vec![a, b, c],
+            Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
+                vec![body]
+            }
+            Op::Gather { hit, miss, .. } => vec![hit, miss],
+            _ => vec![],
         }
-        Op::Gather { hit, miss, .. } => vec![hit, miss],
-        _ => vec![],
-    }
+    };
 }
 
+/// The inner blocks of an operation.
+pub fn blocks(op: &Op) -> Vec<&Vec<Op>> {
+    inner_blocks!(op)
+}
+
+/// The inner blocks of an operation, to be changed.
 pub fn blocks_mut(op: &mut Op) -> Vec<&mut Vec<Op>> {
-    match op {
-        Op::If(_, a, b) => vec![a, b],
-        Op::Loop(a, _, b, c) => vec![a, b, c],
-        Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
-            vec![body]
-        }
-        Op::Gather { hit, miss, .. } => vec![hit, miss],
-        _ => vec![],
-    }
+    inner_blocks!(op)
 }
 
 /// The registers that an operation reads, those of its inner blocks aside. Variables that it changes in part count. Long,

@@ -8,13 +8,14 @@ impl Builder<'_> {
     pub(super) fn base(&mut self, base: &BaseFile) -> Result<(), Fault> {
         let doc = self.doc;
         let fail = |key: &str, message: String| doc.fault(&format!("base.{key}"), message);
-        let (file, other): (ModelFile, Resolved) = crate::model_file::read(&base.run.join("model.yaml"))
-            .map_err(|f| fail("run", format!("its model: {}", f.message)))?;
-        let latest = checkpoint::latest(&base.run).map_err(|f| fail("run", f.message.clone()))?;
+        let named = |fault: Fault| doc.fault_of_named("base.run", fault);
+        let (file, other): (ModelFile, Resolved) =
+            crate::model_file::read(&base.run.join("model.yaml")).map_err(named)?;
+        let latest = checkpoint::latest(&base.run).map_err(named)?;
         let Some(path) = latest else {
             return Err(fail("run", format!("{} has no checkpoint", base.run.display())));
         };
-        let (mut state, _) = checkpoint::read(&path).map_err(|f| fail("run", f.message.clone()))?;
+        let (mut state, _) = checkpoint::read(&path).map_err(named)?;
         let other_model = other.model;
         if state.position.len() != other_model.n_bodies() {
             return Err(fail("run", "its checkpoint and its model differ in the number of bodies".into()));

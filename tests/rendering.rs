@@ -5,13 +5,13 @@ use crate::golden;
 use glam::DVec3;
 use std::path::Path;
 
-/// A rendered picture: floats, red green blue coverage.
-pub struct Picture {
+/// A rendered image: floats, red green blue coverage.
+pub struct Rendered {
     pub width: usize,
     pub pixels: Vec<[f32; 4]>,
 }
 
-impl Picture {
+impl Rendered {
     pub fn at(&self, x: usize, y: usize) -> [f32; 4] {
         self.pixels[y * self.width + x]
     }
@@ -22,12 +22,12 @@ impl Picture {
 }
 
 /// Render the world part of a RIB after options, as floats.
-fn render(options: &str, world: &str) -> Picture {
+fn render(options: &str, world: &str) -> Rendered {
     render_with(&[], options, world)
 }
 
 /// Render with shaders and other files beside the RIB.
-pub fn render_with(files: &[(&str, &[u8])], options: &str, world: &str) -> Picture {
+pub fn render_with(files: &[(&str, &[u8])], options: &str, world: &str) -> Rendered {
     let work = scratch();
     for (name, bytes) in files {
         std::fs::write(work.path().join(name), bytes).unwrap();
@@ -38,10 +38,10 @@ pub fn render_with(files: &[(&str, &[u8])], options: &str, world: &str) -> Pictu
     scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
     let image = image::open(work.path().join("t.exr")).unwrap().to_rgba32f();
     let width = image.width() as usize;
-    Picture { width, pixels: image.pixels().map(|p| p.0).collect() }
+    Rendered { width, pixels: image.pixels().map(|p| p.0).collect() }
 }
 
-/// Looking along z from −5, ±1 across the picture.
+/// Looking along z from −5, ±1 across the image.
 pub const ORTHO: &str =
     "Format 80 80 1 PixelSamples 8 8 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 5";
 
@@ -143,7 +143,7 @@ fn given_normals_are_shaded_with() {
     );
     let p = render(ORTHO, &world);
     for x in [2, 20, 40, 70] {
-        // The normal is (x, 0, −1) across the picture.
+        // The normal is (x, 0, −1) across the image.
         let nx = (x as f32 + 0.5) / 40.0 - 1.0;
         let expected = 1.0 / (1.0 + nx * nx).sqrt();
         assert!((p.at(x, 40)[0] - expected).abs() < 0.01, "{x}: {}, expected {expected}", p.at(x, 40)[0]);
@@ -203,7 +203,7 @@ fn every_library_surface_draws_spheres_of_all_sizes() {
 
 #[test]
 fn perspective_puts_points_where_they_belong() {
-    // fov 90°, picture 80×80: a ball at (1, 0.5, 2) shows at x/z = 0.5, y/z = 0.25.
+    // fov 90°, image 80×80: a ball at (1, 0.5, 2) shows at x/z = 0.5, y/z = 0.25.
     let p = render(
         "Format 80 80 1 PixelSamples 4 4 PixelFilter \"box\" 1 1 Projection \"perspective\" \"fov\" 90",
         "Surface \"constant\" Translate 1 .5 2 Sphere .08 -.08 .08 360",
