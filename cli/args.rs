@@ -13,7 +13,7 @@ pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload
 pub use data::{InspectArgs, PlotArgs};
 pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};
 pub use simulate::{Backend, Friction, Method, RunArgs, SimulateArgs, SolveArgs};
-pub use value::{Interval, ShardArg};
+pub use value::{Assignment, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};
 use value::whole;

@@ -48,9 +48,9 @@ fn sweep(job: Sweep) -> Outcome {
 /// Print the combinations, and write a job array that simulates them.
 fn plan(job: &Plan) -> Outcome {
     let Plan { combinations, model, folder } = job;
-    println!("index,run,{}", combinations[0].set.iter().map(|(p, _)| p.as_str()).collect::<Vec<_>>().join(","));
+    println!("index,run,{}", combinations[0].values.iter().map(|r| r.path.as_str()).collect::<Vec<_>>().join(","));
     for (i, combination) in combinations.iter().enumerate() {
-        let values: Vec<&str> = combination.set.iter().map(|(_, v)| v.as_str()).collect();
+        let values: Vec<&str> = combination.values.iter().map(|r| r.value.as_str()).collect();
         println!("{i},{},{}", folder.join(&combination.name).display(), values.join(","));
     }
     let quote = |p: &Path| format!("'{}'", p.display().to_string().replace('\'', "'\\''"));

@@ -2,10 +2,10 @@
 
 use super::output::default_folder;
 use super::sweep::SweepJob;
-use crate::args::{Backend, SimulateArgs};
+use crate::args::{Assignment, Backend, SimulateArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
-use sim::model_file::{self, ModelFile, Resolved};
+use sim::model_file::{self, ModelFile, Replacement, Resolved};
 use sim::run::Span;
 use std::path::PathBuf;
 
@@ -33,14 +33,15 @@ impl SimulateJob {
     /// Check the arguments: read the model with its values replaced.
     pub fn check(args: SimulateArgs) -> Outcome<SimulateJob> {
         cpu_only(args.backend)?;
-        let set: Vec<(String, String)> = args.set.iter().map(|a| (a.path.clone(), a.value.clone())).collect();
+        let of_argument = |a: &Assignment| Replacement { path: a.path.clone(), value: a.value.clone(), written: None };
+        let set: Vec<Replacement> = args.set.iter().map(of_argument).collect();
         let (mut file, doc) = model_file::load(&args.model, &set)?;
         if args.csv {
             file.format = FrameFormat::Csv;
         }
         let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.model));
         if !file.sweep.is_empty() {
-            return Ok(SimulateJob::Sweep(SweepJob::check(args, &file, set, folder)?));
+            return Ok(SimulateJob::Sweep(SweepJob::check(args, (&file, &doc), set, folder)?));
         }
         if args.plan || args.sweep_index.is_some() {
             return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));

@@ -4,7 +4,7 @@ use crate::args::SimulateArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
 use frame::yaml::Document;
-use sim::model_file::{self, ModelFile};
+use sim::model_file::{self, ModelFile, Replacement};
 use sim::run::Span;
 use std::path::{Path, PathBuf};
 
@@ -54,22 +54,20 @@ pub struct Plan {
 pub struct Combination {
     /// The name, which its run directory has.
     pub name: String,
-    /// The keys' paths with their values.
-    pub set: Vec<(String, String)>,
+    /// The values that take the place of the model's.
+    pub values: Vec<Replacement>,
 }
 
 impl SweepJob {
-    /// Check the arguments for a model with a sweep, in which the values of `set` are replaced.
+    /// Check the arguments for a model with a sweep, in which the values of `set` are replaced. Every combination that is chosen is
+    /// checked as a model, so that none fails after the others have run for hours.
     pub fn check(
         args: SimulateArgs,
-        file: &ModelFile,
-        set: Vec<(String, String)>,
+        (file, doc): (&ModelFile, &Document),
+        set: Vec<Replacement>,
         folder: PathBuf,
     ) -> Outcome<SweepJob> {
-        let combinations = combinations(file)?;
-        if args.plan {
-            return Ok(SweepJob::Plan(Plan { combinations, model: args.model, folder }));
-        }
+        let combinations = combinations(file, doc)?;
         let n = combinations.len();
         if let Some(i) = args.sweep_index.filter(|i| *i >= n) {
             let message = format!("--sweep-index {i}: the sweep has combinations 0 to {}", n - 1);
@@ -78,38 +76,45 @@ impl SweepJob {
         let is_chosen = |i: usize| args.sweep_index.is_none_or(|only| only == i);
         let chosen = combinations.into_iter().enumerate().filter(|(i, _)| is_chosen(*i));
         let runs = chosen.map(|(index, combination)| {
-            let (mut file, doc) = load(&args.model, &[&set[..], &combination.set].concat())?;
+            let (mut file, doc) = load(&args.model, &[&set[..], &combination.values].concat())?;
             if args.csv {
                 file.format = FrameFormat::Csv;
             }
+            file.resolve(&doc)?;
             let folder = folder.join(&combination.name);
-            Ok(SweepRun { index, name: combination.name, file, doc, folder })
+            let run = SweepRun { index, name: combination.name.clone(), file, doc, folder };
+            Ok((combination, run))
         });
-        let runs = runs.collect::<Outcome<_>>()?;
+        let (combinations, runs): (Vec<_>, Vec<_>) = runs.collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
+        if args.plan {
+            return Ok(SweepJob::Plan(Plan { combinations, model: args.model, folder }));
+        }
         let span = Span { until: args.until, resume: args.resume };
         Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
     }
 }
 
 /// Load the model of a combination, which has no sweep itself.
-fn load(model: &Path, set: &[(String, String)]) -> Outcome<(ModelFile, Document)> {
-    let (mut file, doc) = model_file::load(model, set)?;
+fn load(model: &Path, replacements: &[Replacement]) -> Outcome<(ModelFile, Document)> {
+    let (mut file, doc) = model_file::load(model, replacements)?;
     file.sweep.clear();
     Ok((file, doc))
 }
 
 /// All combinations of a sweep, the last key changing fastest.
-fn combinations(file: &ModelFile) -> Outcome<Vec<Combination>> {
-    let mut all = vec![Combination { name: String::new(), set: vec![] }];
+fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
+    let mut all = vec![Combination { name: String::new(), values: vec![] }];
     for (path, values) in &file.sweep {
+        let key = format!("sweep.{path}");
         if values.is_empty() {
-            return Err(Failure::new(Exit::Input, format!("sweep.{path} has no values")));
+            return Err(doc.fault(&key, "has no values: expected a list of at least one").into());
         }
         let mut next = vec![];
         for combination in &all {
-            for value in values {
-                let text = serde_json::to_string(value).map_err(|e| Failure::new(Exit::Input, e.to_string()))?;
-                next.push(combination.with(path, text));
+            for (k, value) in values.iter().enumerate() {
+                let value = serde_json::to_string(value).map_err(|e| doc.fault(&key, e.to_string()))?;
+                let written = Some(format!("{key}.{k}"));
+                next.push(combination.with(Replacement { path: path.clone(), value, written }));
             }
         }
         all = next;
@@ -119,16 +124,18 @@ fn combinations(file: &ModelFile) -> Outcome<Vec<Combination>> {
 
 impl Combination {
     /// This combination with one more value.
-    fn with(&self, path: &str, value: String) -> Combination {
-        let key = path.rsplit('.').next().unwrap_or(path);
-        let word: String = value
+    fn with(&self, replacement: Replacement) -> Combination {
+        let key = replacement.path.rsplit('.').next().unwrap_or(&replacement.path);
+        let word: String = replacement
+            .value
             .chars()
             .map(|c| if c == ',' { '_' } else { c })
             .filter(|c| c.is_alphanumeric() || matches!(c, '.' | '-' | '+' | '_'))
             .collect();
         let joint = if self.name.is_empty() { "" } else { "_" };
-        let mut set = self.set.clone();
-        set.push((path.into(), value));
-        Combination { name: format!("{}{joint}{key}={word}", self.name), set }
+        let name = format!("{}{joint}{key}={word}", self.name);
+        let mut values = self.values.clone();
+        values.push(replacement);
+        Combination { name, values }
     }
 }

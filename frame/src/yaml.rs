@@ -20,6 +20,8 @@ pub struct Document {
     places: HashMap<String, (usize, usize)>,
     /// Where a key stands for the second time.
     repeated: Option<(usize, usize)>,
+    /// Keys whose values were replaced after reading, each with the fault of its new value, which lacks only the message.
+    replaced: Vec<(String, Fault)>,
 }
 
 /// Read a YAML file into `T`.
@@ -34,20 +36,39 @@ pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Docum
         return Err(Fault::whole(FaultKind::Input, path, "is empty"));
     }
     let (places, repeated) = places(&text);
-    let doc = Document { path: path.into(), places, repeated, text };
-    let reader = serde_yaml::Deserializer::from_str(&doc.text);
-    match serde_path_to_error::deserialize::<_, T>(reader) {
-        Ok(value) => Ok((value, doc)),
-        Err(error) => {
-            let key = error.path().to_string();
-            Err(explain(&doc, &key, error.inner()))
-        }
-    }
+    let doc = Document { path: path.into(), places, repeated, text, replaced: vec![] };
+    let value = deserialize(&doc, serde_yaml::Deserializer::from_str(&doc.text))?;
+    Ok((value, doc))
+}
+
+/// Read a document again with values replaced. Faults of them are told where they come from: `replaced` has a fault for each key, to
+/// which the message is added.
+pub fn replace<T: DeserializeOwned>(
+    doc: Document,
+    value: serde_yaml::Value,
+    replaced: Vec<(String, Fault)>,
+) -> Result<(T, Document), Fault> {
+    let doc = Document { replaced, ..doc };
+    let value = deserialize(&doc, value)?;
+    Ok((value, doc))
+}
+
+fn deserialize<'a, T: DeserializeOwned>(
+    doc: &Document,
+    reader: impl serde::Deserializer<'a, Error = serde_yaml::Error>,
+) -> Result<T, Fault> {
+    serde_path_to_error::deserialize::<_, T>(reader)
+        .map_err(|error| explain(doc, &error.path().to_string(), error.inner()))
 }
 
 impl Document {
-    /// A fault at a dotted path (`bodies.2.mass`), or at the longest part of it that the file has.
+    /// A fault at a dotted path (`bodies.2.mass`), or at the longest part of it that the file has; of a replaced value, where that
+    /// comes from.
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
+        let is_within = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        if let Some((_, fault)) = self.replaced.iter().rev().find(|(path, _)| is_within(path)) {
+            return Fault { message: message.into(), ..fault.clone() };
+        }
         let (line, column) = self.place(key);
         Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
     }
@@ -84,37 +105,67 @@ impl Document {
 }
 
 /// A structural error as a fault: the place from the reader where it knows it, else from the path; the nearest key as a hint.
-fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
+fn explain(doc: &Document, path: &str, error: &serde_yaml::Error) -> Fault {
     let full = error.to_string();
     let message = full.split(" at line ").next().unwrap_or(&full);
-    let message = message.strip_prefix(&format!("{key}: ")).unwrap_or(message).to_string();
+    let message = message.strip_prefix(&format!("{path}: ")).unwrap_or(message);
     // The reader puts the path before some of its messages; the place says it already.
     let message = match message.split_once(": ") {
-        Some((path, rest)) if !path.contains(' ') && key.starts_with(path) => rest.to_string(),
+        Some((head, rest)) if !head.contains(' ') && path.starts_with(head) => rest,
         _ => message,
     };
-    let key: String = key.replace('[', ".").replace(']', "");
     let name = ["unknown field `", "unknown variant `"]
         .iter()
         .find_map(|head| message.split_once(head))
         .and_then(|(_, rest)| rest.split('`').next());
-    let (line, column) = match (
-        name.map(|n| {
-            if key == "." || key == n || key.ends_with(&format!(".{n}")) { key.clone() } else { format!("{key}.{n}") }
-        }),
-        error.location(),
-    ) {
-        (Some(k), _) if doc.places.contains_key(k.trim_start_matches("..")) => doc.place(k.trim_start_matches("..")),
-        (_, Some(at)) => (at.line(), at.column()),
-        _ => doc.place(&key),
-    };
-    let (line, column) = doc.repeated.filter(|_| message.starts_with("duplicate")).unwrap_or((line, column));
-    let fault = Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message.clone());
     let known: Vec<&str> = message.split('`').skip(1).step_by(2).filter(|k| Some(*k) != name).collect();
-    match name.and_then(|n| nearest(n, known)) {
+    let near = name.and_then(|n| nearest(n, known));
+    let fault = place(doc, path, name, error, in_plain_words(message));
+    match near {
         Some(near) => fault.hint(format!("did you mean `{near}`?")),
         None => fault,
     }
+}
+
+/// The fault of a structural error of the value at `path`, in which the key `name` may be unknown.
+fn place(doc: &Document, path: &str, name: Option<&str>, error: &serde_yaml::Error, message: String) -> Fault {
+    let path = path.replace('[', ".").replace(']', "");
+    let key = match name {
+        Some(n) if path != "." && path != n && !path.ends_with(&format!(".{n}")) => format!("{path}.{n}"),
+        _ => path,
+    };
+    let key = key.trim_start_matches('.');
+    // The file was sound before values were replaced: one of those is at fault.
+    let is_below = |replaced: &str| key.is_empty() || replaced.starts_with(&format!("{key}."));
+    if let Some((_, fault)) = doc.replaced.iter().rev().find(|(replaced, _)| is_below(replaced)) {
+        return Fault { message, ..fault.clone() };
+    }
+    let known_place = name.is_some() && doc.places.contains_key(key);
+    let (line, column) = match error.location() {
+        _ if message.starts_with("duplicate") && doc.repeated.is_some() => doc.repeated.unwrap_or_default(),
+        Some(at) if !known_place => (at.line(), at.column()),
+        _ => return doc.fault(key, message),
+    };
+    Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message)
+}
+
+/// A message of the reader without the names of the program's types.
+fn in_plain_words(message: &str) -> String {
+    let Some((head, expected)) = message.rsplit_once("expected ") else { return message.into() };
+    let words = match expected {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, 0 or more",
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
+        "f32" | "f64" => "a number",
+        "a string" | "str" => "a text",
+        "a boolean" => "true or false",
+        "a sequence" => "a list",
+        other if other.starts_with("struct ") => "keys with values",
+        other if other.starts_with("tuple ") || other.starts_with("an array of length") => {
+            return format!("{head}expected a list{}", other.find(" of ").map_or("", |at| &other[at..]));
+        }
+        _ => return message.into(),
+    };
+    format!("{head}expected {words}")
 }
 
 /// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came before the error.

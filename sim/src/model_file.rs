@@ -11,7 +11,7 @@ pub use types::*;
 
 use crate::{Model, State};
 use frame::yaml::Document;
-use frame::{Fault, FaultKind};
+use frame::{Fault, FaultKind, nearest};
 use std::path::Path;
 
 /// Read, check and resolve a model file.
@@ -19,33 +19,32 @@ use std::path::Path;
 /// # Errors
 /// The first fault of the file, with its line and column.
 pub fn read(path: &Path) -> Result<(ModelFile, Resolved), Fault> {
-    read_with(path, &[])
-}
-
-/// Read a model file with values of `--set` in place of its own: `solver.iterations=80`, `bodies.block.mass=3`.
-///
-/// # Errors
-/// The faults of [`read`], and a path of `--set` that leads to no key.
-pub fn read_with(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Resolved), Fault> {
-    let (file, doc) = load(path, set)?;
+    let (file, doc) = load(path, &[])?;
     let resolved = file.resolve(&doc)?;
     Ok((file, resolved))
 }
 
-/// Read a model file, with values of `--set` in place of its own, without resolving it.
+/// A value of a model file that another takes the place of.
+#[derive(Clone, Debug)]
+pub struct Replacement {
+    /// Dotted path of the key, in which an item of a list has its index or its `name`: `bodies.block.mass`.
+    pub path: String,
+    /// The value, YAML.
+    pub value: String,
+    /// Key of the file where the value is written, as `sweep.step.2`; that of `--set` on the command line if there is none.
+    pub written: Option<String>,
+}
+
+/// Read a model file, with values replaced, without resolving it.
 ///
 /// # Errors
-/// The faults of [`read_with`] that are found without resolving.
-pub fn load(path: &Path, set: &[(String, String)]) -> Result<(ModelFile, Document), Fault> {
-    let (mut file, mut doc): (ModelFile, Document) = if set.is_empty() {
-        frame::yaml::read(path)?
-    } else {
-        // The file itself must be valid, so that its faults are reported at their lines.
-        let (_, original): (ModelFile, Document) = frame::yaml::read(path)?;
-        let text = with_values(&original, set)?;
-        frame::yaml::parse(path, text)?
-    };
-    doc.path = path.into();
+/// The faults of [`read`] that are found without resolving; those of a replacement, where its value is written.
+pub fn load(path: &Path, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
+    // The file itself must be valid, so that the faults of others are those of the replacements.
+    let (mut file, mut doc): (ModelFile, Document) = frame::yaml::read(path)?;
+    if !replacements.is_empty() {
+        (file, doc) = replace(doc, replacements)?;
+    }
     file.anchor_paths(path.parent().unwrap_or(Path::new("")));
     if file.name.is_empty() {
         file.name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("model").into();
@@ -87,41 +86,66 @@ pub struct Probes {
     pub contact_tables: bool,
 }
 
-/// Text of a document with values replaced or added.
-fn with_values(doc: &Document, set: &[(String, String)]) -> Result<String, Fault> {
-    let usage = |message: String| Fault::whole(FaultKind::Input, &doc.path, message);
-    let mut root: serde_yaml::Value =
-        serde_yaml::from_str(&doc.text).map_err(|e| usage(format!("is not YAML: {e}")))?;
-    for (path, text) in set {
-        let value: serde_yaml::Value = serde_yaml::from_str(text)
-            .map_err(|e| usage(format!("--set {path}={text}: the value is not YAML: {e}")))?;
+/// Read a document again with values replaced or added.
+fn replace(doc: Document, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
+    let unreadable = |e: serde_yaml::Error| Fault::whole(FaultKind::Input, &doc.path, format!("is not YAML: {e}"));
+    let mut root: serde_yaml::Value = serde_yaml::from_str(&doc.text).map_err(unreadable)?;
+    let mut replaced = vec![];
+    for replacement in replacements {
+        let fault = fault_of(&doc, replacement);
+        let value: serde_yaml::Value = serde_yaml::from_str(&replacement.value)
+            .map_err(|e| Fault { message: format!("the value is not YAML: {e}"), ..fault.clone() })?;
         let mut at = &mut root;
-        for part in path.split('.') {
-            at = step_into(at, part)
-                .ok_or_else(|| usage(format!("--set {path}: there is no key, index or name `{part}`")))?;
+        let mut key = vec![];
+        for part in replacement.path.split('.') {
+            let (name, next) = step_into(at, part).map_err(|known| {
+                let fault = Fault { message: format!("there is no key, index or name `{part}`"), ..fault.clone() };
+                match nearest(part, known.iter().map(String::as_str)) {
+                    Some(near) => fault.hint(format!("did you mean `{near}`?")),
+                    None => fault,
+                }
+            })?;
+            key.push(name);
+            at = next;
         }
         *at = value;
+        replaced.push((key.join("."), fault));
     }
-    serde_yaml::to_string(&root).map_err(|e| usage(format!("--set: {e}")))
+    frame::yaml::replace(doc, root, replaced)
 }
 
-/// The value of a map's key, which is added if it is missing, or an item of a list by its index or its `name`.
-fn step_into<'a>(value: &'a mut serde_yaml::Value, part: &str) -> Option<&'a mut serde_yaml::Value> {
+/// The fault of a replacement, without a message: at the key where its value is written, or of the command line.
+fn fault_of(doc: &Document, replacement: &Replacement) -> Fault {
+    match &replacement.written {
+        Some(key) => doc.fault(key, ""),
+        None => {
+            let argument = format!("--set {}={}", replacement.path, replacement.value);
+            Fault::whole(FaultKind::Input, Path::new(&argument), "")
+        }
+    }
+}
+
+/// The value of a map's key, which is added if it is missing, or an item of a list by its index or its `name`, with its key or index;
+/// else the names that are known.
+fn step_into<'a>(
+    value: &'a mut serde_yaml::Value,
+    part: &str,
+) -> Result<(String, &'a mut serde_yaml::Value), Vec<String>> {
     use serde_yaml::Value;
     match value {
         Value::Sequence(items) => {
-            let index = part
-                .parse::<usize>()
-                .ok()
-                .filter(|i| *i < items.len())
-                .or_else(|| items.iter().position(|item| item.get("name").and_then(Value::as_str) == Some(part)))?;
-            items.get_mut(index)
+            let name_of = |item: &Value| item.get("name").and_then(Value::as_str).map(str::to_string);
+            let index = part.parse::<usize>().ok().filter(|i| *i < items.len());
+            match index.or_else(|| items.iter().position(|item| name_of(item).as_deref() == Some(part))) {
+                Some(index) => Ok((index.to_string(), &mut items[index])),
+                None => Err(items.iter().filter_map(name_of).collect()),
+            }
         }
-        Value::Mapping(map) => Some(map.entry(Value::String(part.into())).or_insert(Value::Null)),
+        Value::Mapping(map) => Ok((part.into(), map.entry(Value::String(part.into())).or_insert(Value::Null))),
         Value::Null => {
             *value = Value::Mapping(Default::default());
             step_into(value, part)
         }
-        _ => None,
+        _ => Err(vec![]),
     }
 }
