@@ -86,8 +86,8 @@ macro_rules! calls {
        $(=> $method:ident($($kind:ident $($what:literal)? ($($arg:ident: $ty:ty),+))*))?;)*) => {
         /// The RenderMan Interface (RISpec 3.2): one method per request, and the instance array, an extension.
         ///
-        /// Matrices are row-major for row vectors; angles are in degrees; bounds are minimum and maximum x, y and z. A method that
-        /// is not implemented returns an error that names the request as unsupported.
+        /// Matrices are row-major for row vectors; angles are in degrees; bounds are x_min, x_max, y_min, y_max, z_min, z_max. A method
+        /// that is not implemented returns an error that names the request as unsupported.
         #[allow(unused_variables)]
         pub trait Ri {
             $($(

@@ -89,7 +89,7 @@ macro_rules! requests {
             Quantize [options] => quantize(text (kind: &str) numbers "one, min, max and dither" (one: i32, min: i32, max: i32, dither: f32));
             /// add a display: file, type (`png`, `tiff`, `exr`, `file`) and mode (`rgb`, `rgba`, `a`, `z`, a variable …).
             Display [options] => display(text (name: &str) text (kind: &str) text (mode: &str) params (params: Params));
-            /// set the hidden-surface algorithm: `hidden`, `depth` or `null`.
+            /// set the hidden-surface algorithm: `hidden`, `z` or `null`.
             Hider [options] => hider(text (name: &str) params (params: Params));
             /// set an implementation-specific option.
             Option [options] => option(setting (name: &str, params: Params));

@@ -75,7 +75,8 @@ pub struct Emitter {
     pub part: f32,
 }
 
-/// A scene of lights alone, for tests: no coordinate system has a matrix, no surface blocks light, and printed text is dropped.
+/// A scene of lights alone, for shaders that run without a renderer: no coordinate system has a matrix, no surface blocks light,
+/// and printed text is dropped.
 pub struct Lights(pub Vec<Arc<BoundShader>>);
 
 impl Scene for Lights {
