@@ -1,6 +1,7 @@
 //! A frame as one Arrow IPC file (Feather v2), which pandas, polars, R and Julia read directly.
 //!
-//! The schema's metadata holds the frame's number and time (`frame`, `time`), each field's metadata the column's unit (`unit`).
+//! The schema's metadata holds the frame's number and time (key `scree`, text `frame=NUMBER time=SECONDS`), each field's metadata
+//! the column's unit (key `unit`). Columns are float64, float32, int64, or dictionaries of words with uint32 keys.
 
 use crate::{Column, Fault, FaultKind, Field, Frame};
 use arrow_array::types::UInt32Type;
@@ -47,7 +48,7 @@ pub fn encode(frame: &Frame) -> Vec<u8> {
 }
 
 /// Read a frame from an Arrow IPC file. A file that scree wrote holds the frame's number and time (s); of any other file they are
-/// `number` and 0. An error if the file cannot be read or is no Arrow file, or has columns of unsupported types.
+/// `number` and 0. An error if the file cannot be read, is no Arrow file or has columns of other types than those above.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     decode(path, bytes, number)

@@ -29,7 +29,7 @@ pub enum Column {
     Category {
         /// Index into `names`; `[n_rows]`.
         codes: Vec<u32>,
-        /// The words, each once.
+        /// The words of the categories.
         names: Vec<String>,
     },
 }
