@@ -118,7 +118,8 @@ fn explain(doc: &Document, key: &str, error: &serde_yaml::Error) -> Fault {
     }
 }
 
-/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came before the error.
+/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came
+/// before the error.
 fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)>) {
     enum Level {
         Map { path: String, key: Option<String> },
