@@ -1,6 +1,7 @@
-//! A frame as one Arrow IPC file (Feather v2), readable by pandas, polars, R and Julia as it is.
+//! A frame as one Arrow IPC file (Feather v2), which pandas, polars, R and Julia read directly.
 //!
-//! Frame number and time stand in the schema's metadata (`frame`, `time`), each column's unit in its field's (`unit`).
+//! The schema's metadata holds the frame's number and time (key `scree`, text `frame=NUMBER time=SECONDS`), each field's metadata
+//! the column's unit (key `unit`). Columns are float64, float32, int64, or dictionaries of words with uint32 keys.
 
 use crate::{Column, Fault, FaultKind, Field, Frame};
 use arrow_array::types::UInt32Type;
@@ -15,7 +16,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The frame as the bytes of an Arrow IPC file; the same frame gives the same bytes.
+/// Encode a frame as the bytes of an Arrow IPC file; equal frames give equal bytes.
 pub fn encode(frame: &Frame) -> Vec<u8> {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
@@ -46,13 +47,14 @@ pub fn encode(frame: &Frame) -> Vec<u8> {
     writer.into_inner().expect("writing to memory")
 }
 
-/// Read an Arrow IPC file. A frame that scree wrote carries its number and time; of any other, they are `number` and 0.
+/// Read a frame from an Arrow IPC file. A file that scree wrote holds the frame's number and time (s); of any other file they are
+/// `number` and 0. An error if the file cannot be read, is no Arrow file or has columns of other types than those above.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     decode(path, bytes, number)
 }
 
-/// Decode the bytes of an Arrow IPC file that came from `path`.
+/// Decode a frame from the bytes of an Arrow IPC file, which came from `path`; as [`read`] in all else.
 pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> {
     let damaged = |e: &dyn std::fmt::Display| {
         Fault::whole(FaultKind::Data, path, format!("is not a whole Arrow IPC file: {e}"))

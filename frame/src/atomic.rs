@@ -1,10 +1,11 @@
-//! Files written whole: first beside the goal, then renamed onto it, so that a reader never sees a part.
+//! Atomic writing of files: to a temporary file in the same folder, which is then renamed, so that a reader never sees a part of a
+//! file.
 
 use crate::Fault;
 use std::io::Write;
 use std::path::Path;
 
-/// Write `bytes` to `path`, creating its folder. On any failure the goal is as it was.
+/// Write `bytes` to the file `path`, creating its folder if it is missing. On an error the file is unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     write_io(path, bytes).map_err(|e| Fault::unwritable(path, &e))
 }

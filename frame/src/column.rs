@@ -23,19 +23,19 @@ pub enum Column {
     F64(Vec<f64>),
     /// Single precision.
     F32(Vec<f32>),
-    /// Whole numbers.
+    /// Integers.
     I64(Vec<i64>),
-    /// Words out of a short list: `names[codes[row]]`.
+    /// Words from a short list of categories: the word of a row is `names[codes[row]]`.
     Category {
-        /// Index into `names`, per row.
+        /// Index into `names`; `[n_rows]`.
         codes: Vec<u32>,
-        /// The words.
+        /// The words of the categories.
         names: Vec<String>,
     },
 }
 
 impl Column {
-    /// Number of rows.
+    /// Count of rows.
     pub fn len(&self) -> usize {
         match self {
             Column::F64(v) => v.len(),
@@ -50,7 +50,7 @@ impl Column {
         self.len() == 0
     }
 
-    /// The type's name, as `run.json` and messages give it.
+    /// The name of the column's type, as in `run.json` and messages: `f64`, `f32`, `i64` or `category`.
     pub fn kind(&self) -> &'static str {
         match self {
             Column::F64(_) => "f64",
@@ -80,7 +80,7 @@ impl Column {
         }
     }
 
-    /// Least and greatest number, `None` for words and empty columns; not-a-numbers are passed over.
+    /// Minimum and maximum of the column, NaN ignored; `None` for words and empty columns.
     pub fn range(&self) -> Option<(f64, f64)> {
         let mut range: Option<(f64, f64)> = None;
         for row in 0..self.len() {
@@ -94,10 +94,10 @@ impl Column {
     }
 }
 
-/// The table of one instant.
+/// The table of one instant: columns of equal length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// The frame's number: its identity, whatever its place in a listing.
+    /// The frame's number, which identifies it.
     pub number: u64,
     /// Time, s.
     pub time: f64,
@@ -106,18 +106,18 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// An empty table.
+    /// A frame without columns; `time` in s.
     pub fn new(number: u64, time: f64) -> Frame {
         Frame { number, time, columns: Vec::new() }
     }
 
-    /// Add a column. All columns of a frame have the same length.
+    /// Add a column. Its length is that of the frame's other columns.
     pub fn push(&mut self, name: &str, unit: &str, column: Column) {
         debug_assert!(self.columns.is_empty() || self.rows() == column.len());
         self.columns.push((Field::new(name, unit), column));
     }
 
-    /// Keep some rows, in the order in which they are given.
+    /// Reduce the frame to the rows of these indices, in this order.
     pub fn keep(&mut self, rows: &[usize]) {
         fn some<T: Copy>(v: &mut Vec<T>, rows: &[usize]) {
             *v = rows.iter().map(|r| v[*r]).collect();
@@ -132,12 +132,12 @@ impl Frame {
         }
     }
 
-    /// Number of rows.
+    /// Count of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, c)| c.len())
     }
 
-    /// The column of a name.
+    /// The column of this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|(f, _)| f.name == name).map(|(_, c)| c)
     }

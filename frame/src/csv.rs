@@ -1,27 +1,28 @@
-//! CSV of any columns: comma, semicolon, tab or blanks between them, with or without a header, read into a frame.
+//! CSV files as frames: any columns, separated by comma, semicolon, tab or blanks, with or without a header.
 //!
-//! A header cell may carry its unit in square brackets, `speed [m/s]`. Lines that start with `#` are remarks. A column
-//! whose every cell is a number is a number column, any other is a column of words.
+//! A header cell may have a unit in square brackets, `speed [m/s]`. Lines that start with `#` are comments. A column is a column of
+//! numbers if all its cells are numbers, otherwise a column of words. Without a header, columns are named `c1`, `c2` and so on.
 
 use crate::{Column, Fault, FaultKind, Field, Frame, read_text};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// How a CSV is laid out, where its owner has said so; `None` is found out from the file.
+/// The layout of a CSV file; what is `None` is detected from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
-    /// The byte between cells.
+    /// The delimiter of cells, an ASCII character.
     pub delimiter: Option<u8>,
     /// Whether the first line names the columns.
     pub header: Option<bool>,
-    /// The columns' names, which go before those of a header.
+    /// Names of the columns, which replace those of a header.
     pub names: Option<Vec<String>>,
-    /// Cells that every row has at least; numbers that are missing after them are 0. Without it, rows have all their cells.
+    /// Minimum count of cells in a row; numbers missing after these are 0. If not given, every row must have all its cells.
     pub min_cells: Option<usize>,
 }
 
-/// Read a CSV file as the frame of a number.
+/// Read a CSV file as the frame `number`, at time 0. An error, with its line and column, if the file cannot be read, has no rows or
+/// has a row with missing or surplus cells.
 pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
     let text = read_text(FaultKind::Data, path)?;
     parse(path, &text, number, layout)
@@ -144,7 +145,7 @@ fn column_of(cells: &[&str]) -> Column {
     Column::Category { codes, names }
 }
 
-/// The frame as CSV text: a header with units, then a line a row, numbers in their shortest exact form.
+/// Encode a frame as CSV text: a header with units, then one line per row, numbers in their shortest exact form.
 pub fn encode(frame: &Frame) -> String {
     let heads: Vec<String> = frame
         .columns

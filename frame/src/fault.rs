@@ -1,26 +1,26 @@
-//! What is wrong with a file, and where: the one error type of everything that reads input here.
+//! Errors in files, with their place: the error type of all readers of input.
 
 use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Whether the fault is in a file that a person wrote or in data that a program wrote.
+/// The cause of a fault: a file that a person wrote, data that a program wrote, or the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// A model, metadata or other hand-written file.
     Input,
-    /// A table, a run directory.
+    /// Data: a table or a run directory.
     Data,
     /// The machine: a full disk, an unwritable folder.
     Machine,
 }
 
-/// A fault with its place. `line` and `column` count from 1, and are 0 in a fault of a file as a whole.
+/// An error in a file, with its place. Its text shows the offending line with a caret under the column.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// Who has to mend it.
+    /// Cause of the fault.
     pub kind: FaultKind,
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
     /// Line, from 1; 0 for the file as a whole.
     pub line: usize,
@@ -30,12 +30,12 @@ pub struct Fault {
     pub text: String,
     /// What is wrong and what was expected.
     pub message: String,
-    /// What to do about it.
+    /// Advice on how to correct the fault, if any.
     pub hint: Option<String>,
 }
 
 impl Fault {
-    /// A fault at a place of `text`, the whole content of the file.
+    /// A fault at a line and column (from 1) of a file, whose whole content is `text`.
     pub fn at(
         kind: FaultKind,
         file: &Path,
@@ -56,23 +56,23 @@ impl Fault {
         }
     }
 
-    /// A fault of a file as a whole.
+    /// A fault of a file as a whole, without a line.
     pub fn whole(kind: FaultKind, file: &Path, message: impl Into<String>) -> Fault {
         Fault { kind, file: file.into(), line: 0, column: 0, text: String::new(), message: message.into(), hint: None }
     }
 
-    /// Add what to do about it.
+    /// Add advice on how to correct the fault.
     pub fn hint(mut self, hint: impl Into<String>) -> Fault {
         self.hint = Some(hint.into());
         self
     }
 
-    /// A file that could not be read.
+    /// The fault of a file that could not be read.
     pub fn unreadable(kind: FaultKind, file: &Path, error: &std::io::Error) -> Fault {
         Fault::whole(kind, file, format!("cannot be read: {error}"))
     }
 
-    /// A file that could not be written.
+    /// The fault of a file that could not be written; its cause is [`FaultKind::Machine`].
     pub fn unwritable(file: &Path, error: &std::io::Error) -> Fault {
         Fault::whole(FaultKind::Machine, file, format!("cannot be written: {error}"))
             .hint("check that the folder exists, may be written to, and that the disk is not full")
@@ -99,7 +99,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Read a file whole; `-` is the standard input.
+/// Read a whole file; `-` is the standard input. A fault of the given kind if it cannot be read.
 pub fn read_bytes(kind: FaultKind, path: &Path) -> Result<Vec<u8>, Fault> {
     if path == Path::new("-") {
         let mut all = Vec::new();
@@ -111,7 +111,8 @@ pub fn read_bytes(kind: FaultKind, path: &Path) -> Result<Vec<u8>, Fault> {
     std::fs::read(path).map_err(|e| Fault::unreadable(kind, path, &e))
 }
 
-/// Read a text file whole; one that is not UTF-8 is a fault with the place of the first byte that is not.
+/// Read a whole text file; `-` is the standard input. A fault of the given kind if it cannot be read, or, with the place of the
+/// first bad byte, if it is not UTF-8.
 pub fn read_text(kind: FaultKind, path: &Path) -> Result<String, Fault> {
     let bytes = read_bytes(kind, path)?;
     String::from_utf8(bytes).map_err(|e| {
@@ -132,7 +133,7 @@ fn window(line: &str, column: usize) -> (String, usize) {
     (shown.collect(), at - first)
 }
 
-/// The candidate nearest in spelling to `name`, if any is near enough to be a likely slip.
+/// The candidate nearest in spelling to `name`, if any is near enough for `name` to be a likely misspelling of it.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()

@@ -2,8 +2,8 @@
 //!
 //! A [`Frame`] is a list of named, typed, unit-carrying columns of equal length. Simulations write frames into a
 //! [`run`] directory; images, previews and plots read them back, or read a [`sequence`] of somebody else's files.
-//! Everything that is written is written whole and then renamed ([`atomic`]), but for [`series`] that grow; everything that is read answers bad
-//! input with a [`Fault`] that names file, line and column.
+//! Every file is written whole and then renamed ([`atomic`]), except [`series`], which grow. Every reader reports bad input as a
+//! [`Fault`] that names file, line and column.
 
 pub mod arrow;
 pub mod atomic;

@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::str::FromStr;
 
-/// A frame list as it is written; which of its frames exist is found by [`FrameList::select`].
+/// A parsed frame list (by [`str::parse`], which reports a malformed list); [`FrameList::select`] applies it to the frames that
+/// exist.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList {
     text: String,
@@ -54,7 +55,8 @@ fn range(text: &str) -> Result<Range, String> {
 }
 
 impl FrameList {
-    /// The frames of the list that exist, in the list's order and once each; `Err` is what is wrong with the list.
+    /// The frames of the list that are among `existing` (ascending), in the list's order and once each. An error if a frame that is
+    /// listed singly is missing, or if no listed frame exists.
     pub fn select(&self, existing: &[u64]) -> Result<Vec<u64>, String> {
         let mut out: Vec<u64> = Vec::new();
         for Range { text, first, last, step } in &self.ranges {
@@ -74,7 +76,7 @@ impl FrameList {
     }
 }
 
-/// A short description of the frames that exist.
+/// A short description of these frames (ascending) for messages, such as `20 frames from 0 to 19`.
 pub fn describe(frames: &[u64]) -> String {
     match (frames.first(), frames.last()) {
         (Some(a), Some(b)) if a == b => format!("frame {a}"),

@@ -1,23 +1,23 @@
-//! The run directory: where a simulation and its images meet.
+//! The run directory: the files that a simulation writes, and from which images are rendered.
 //!
 //! ```text
-//! run.json              what was run and which frames are there, rewritten whole after every frame
+//! run.json              index of the run and its frames, rewritten whole after every frame
 //! model.yaml            the model, enough to run it again
-//! frames/000042.arrow   one table a frame (or .csv)
-//! report.csv            per step: contacts, iterations, residual, worst penetration, milliseconds by stage
-//! metadata.yaml         what to draw for every class
+//! frames/000042.arrow   one table per frame (or .csv)
+//! report.csv            per step: contacts, iterations, residual, maximum penetration, milliseconds by stage
+//! metadata.yaml         geometry and shaders of every class
 //! ```
-//! A frame is identified by its number in `run.json`, never its place in a listing.
+//! A frame is identified by its number in `run.json`, never by its position in a listing.
 
 use crate::{Fault, FaultKind, Frame, arrow, atomic, csv};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The version of the run directory's format that this program writes and reads.
+/// The version of the run directory's format that [`RunWriter`] writes and [`RunReader`] reads.
 pub const FORMAT_VERSION: u32 = 1;
 
-/// How frames are stored.
+/// The file format of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrameFormat {
@@ -29,7 +29,7 @@ pub enum FrameFormat {
 }
 
 impl FrameFormat {
-    /// The file name's ending.
+    /// The extension of file names: `arrow` or `csv`.
     pub fn extension(self) -> &'static str {
         match self {
             FrameFormat::Arrow => "arrow",
@@ -38,77 +38,77 @@ impl FrameFormat {
     }
 }
 
-/// A column of the frames, as `run.json` lists it.
+/// A column of the frames, as listed in `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColumnEntry {
-    /// Name.
+    /// Name of the column.
     pub name: String,
-    /// `f64`, `f32`, `i64` or `category`.
+    /// Type of the values: `f64`, `f32`, `i64` or `category`.
     #[serde(rename = "type")]
     pub kind: String,
-    /// SI unit; empty for pure numbers and words.
+    /// Unit, SI; empty for pure numbers and words.
     pub unit: String,
 }
 
-/// A frame, as `run.json` lists it.
+/// A frame, as listed in `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameEntry {
     /// The frame's number.
     pub number: u64,
     /// Time, s.
     pub time: f64,
-    /// The file, from the run directory.
+    /// Path of the file, relative to the run directory.
     pub file: String,
-    /// Rows.
+    /// Count of rows.
     pub rows: usize,
-    /// blake3 of the file, hexadecimal.
+    /// BLAKE3 hash of the file, hexadecimal.
     pub hash: String,
 }
 
-/// The content of `run.json`.
+/// The index of a run: the content of `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Index {
-    /// [`FORMAT_VERSION`].
+    /// Version of the format, [`FORMAT_VERSION`].
     pub format_version: u32,
-    /// Program and version that wrote it.
+    /// Name and version of the program that wrote the run.
     pub program: String,
-    /// blake3 of the resolved model.
+    /// Hash of the resolved model, as [`hash_text`] gives it.
     pub model_hash: String,
-    /// Seed of the generators.
+    /// Seed of the random number generators.
     pub seed: u64,
     /// Step size, s.
     pub step_size: f64,
-    /// `cpu` or `gpu`.
+    /// Back end of the simulation: `cpu` or `gpu`.
     pub backend: String,
-    /// The processor or graphics adapter.
+    /// Name of the processor or graphics adapter.
     pub adapter: String,
     /// The unit system of all numbers.
     pub units: String,
-    /// Frames that the whole run has.
+    /// Count of frames of the complete run.
     pub expected_frames: u64,
-    /// Whether the run came to its end.
+    /// Whether the run was completed.
     pub complete: bool,
-    /// The frames' columns.
+    /// The columns of the frames.
     pub columns: Vec<ColumnEntry>,
-    /// What went wrong in its steps, by kind.
+    /// Warnings about steps, by kind.
     #[serde(default)]
     pub warnings: Vec<WarningEntry>,
     /// The frames written so far.
     pub frames: Vec<FrameEntry>,
 }
 
-/// Steps that went wrong in one way, as `run.json` lists them.
+/// A warning about the steps of a run, as listed in `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WarningEntry {
-    /// `residual`, `joint` or `energy`.
+    /// Kind of the warning: `residual`, `joint` or `energy`.
     pub kind: String,
-    /// Number of steps.
+    /// Count of steps that the warning concerns.
     pub steps: u64,
-    /// The first of them, from 1.
+    /// Index of the first such step, from 1.
     pub first_step: u64,
-    /// Time after it, s.
+    /// Time after the first such step, s.
     pub first_time: f64,
-    /// What went wrong in it.
+    /// Message about the first such step.
     pub message: String,
 }
 
@@ -120,7 +120,8 @@ pub struct RunWriter {
 }
 
 impl RunWriter {
-    /// Start a run in `folder`. Frames of an earlier run there are removed, so that no stale frame can be taken for a new one.
+    /// Start a run in `folder`. Frames of an earlier run there are removed, so that no stale frame can be mistaken for a new one.
+    /// An error if a file cannot be written or removed.
     pub fn create(folder: &Path, format: FrameFormat, index: Index) -> Result<RunWriter, Fault> {
         let frames = folder.join("frames");
         std::fs::create_dir_all(&frames).map_err(|e| Fault::unwritable(&frames, &e))?;
@@ -135,8 +136,9 @@ impl RunWriter {
         Ok(writer)
     }
 
-    /// Go on with a run: its first `keep` frames stay if they are whole, all later ones are removed. The last of them may be
-    /// missing still: a run that was to end at just its time did not write it.
+    /// Continue the run in `folder`: frames below number `keep` stay, later ones are removed. An error if a frame that stays is
+    /// damaged, or if more than the last of the `keep` frames is missing: a run that ended exactly at that frame's time has not
+    /// written it.
     pub fn reopen(folder: &Path, format: FrameFormat, mut index: Index, keep: u64) -> Result<RunWriter, Fault> {
         let before = RunReader::open(folder)?;
         for entry in &before.index.frames {
@@ -158,7 +160,7 @@ impl RunWriter {
         Ok(writer)
     }
 
-    /// Write a frame and list it.
+    /// Write a frame and list it in `run.json`.
     pub fn write_frame(&mut self, frame: &Frame) -> Result<(), Fault> {
         let file = format!("frames/{:06}.{}", frame.number, self.format.extension());
         let bytes = match self.format {
@@ -184,27 +186,27 @@ impl RunWriter {
         &self.folder
     }
 
-    /// Number of frames that are there.
+    /// Count of frames written.
     pub fn frames(&self) -> usize {
         self.index.frames.len()
     }
 
-    /// Write a file of the run's own, such as `model.yaml`, whole.
+    /// Write another file into the run directory, such as `model.yaml`.
     pub fn write_file(&self, name: &str, text: &str) -> Result<(), Fault> {
         atomic::write(&self.folder.join(name), text.as_bytes())
     }
 
-    /// List what went wrong; `run.json` has it from the next time that it is written.
+    /// Set the list of warnings, without writing `run.json`.
     pub fn set_warnings(&mut self, warnings: Vec<WarningEntry>) {
         self.index.warnings = warnings;
     }
 
-    /// Write `run.json` as it is.
+    /// Write `run.json` with the current index.
     pub fn write(&self) -> Result<(), Fault> {
         self.write_index()
     }
 
-    /// Mark the run complete.
+    /// Mark the run as complete and write `run.json`.
     pub fn finish(mut self) -> Result<(), Fault> {
         self.index.complete = true;
         self.write_index()
@@ -219,20 +221,20 @@ impl RunWriter {
 /// A run directory that is being read.
 #[derive(Clone, Debug)]
 pub struct RunReader {
-    /// The folder.
+    /// Path of the run directory.
     pub folder: PathBuf,
-    /// What `run.json` says.
+    /// The index of the run, from `run.json`.
     pub index: Index,
     by_number: BTreeMap<u64, usize>,
 }
 
 impl RunReader {
-    /// Whether a folder is a run directory.
+    /// Whether a folder is a run directory: whether it has a `run.json`.
     pub fn is_run(folder: &Path) -> bool {
         folder.join("run.json").is_file()
     }
 
-    /// Open a run directory.
+    /// Open a run directory. An error if `run.json` cannot be read, is malformed or is of another format version.
     pub fn open(folder: &Path) -> Result<RunReader, Fault> {
         let path = folder.join("run.json");
         let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
@@ -247,12 +249,13 @@ impl RunReader {
         Ok(RunReader { folder: folder.into(), index, by_number })
     }
 
-    /// Numbers of the frames that are there.
+    /// Numbers of the frames, ascending.
     pub fn numbers(&self) -> Vec<u64> {
         self.by_number.keys().copied().collect()
     }
 
-    /// Read a frame, checked against its hash: a truncated or swapped file is a fault, never an image.
+    /// Read a frame. An error if the run has no frame of this number, or if its file cannot be read or differs from the hash in
+    /// `run.json`, as a truncated or replaced file does.
     pub fn read_frame(&self, number: u64) -> Result<Frame, Fault> {
         let Some(&i) = self.by_number.get(&number) else {
             let path = self.folder.join("run.json");
@@ -278,7 +281,7 @@ impl RunReader {
     }
 }
 
-/// blake3 of a text, hexadecimal: the identity of a model.
+/// BLAKE3 hash of a text, hexadecimal; of a resolved model it is the identity.
 pub fn hash_text(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }

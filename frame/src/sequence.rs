@@ -1,10 +1,12 @@
-//! A sequence of data files, one a frame, found by a pattern with `*`; a frame's number is the last run of digits in its name.
+//! A sequence of data files, one file per frame, found by a pattern with `*`. A frame's number is the last run of digits in its
+//! file's name.
 
 use crate::{Fault, FaultKind};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The files that match `pattern`, by frame number. The pattern's last part may hold `*` (any characters).
+/// The files that match `pattern`, by frame number. The file name of the pattern may have `*` (any characters), its folders may
+/// not. An error if no file matches, or if two files have the same frame number.
 pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
     let folder = pattern.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = pattern.file_name().and_then(|n| n.to_str()).unwrap_or("");
@@ -47,7 +49,7 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// The last run of digits in a file name's stem.
+/// The frame number in a file name: the last run of digits before the extension, if any.
 pub fn number_in(file: &str) -> Option<u64> {
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;

@@ -1,5 +1,5 @@
-//! A time series as a CSV file that grows: lines are appended, some at a time, so that a long run costs no more a line than a short
-//! one, and whoever looks on sees whole lines.
+//! A time series as a CSV file that grows: lines are appended several at a time, so that the cost per line does not grow with the
+//! file, and a concurrent reader sees whole lines.
 
 use crate::{Fault, FaultKind, atomic, read_text};
 use std::fs::File;
@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 /// How long lines wait to be written.
 const WAIT: Duration = Duration::from_secs(1);
 
-/// A series that is being written.
+/// A time series that is being written. Lines wait in memory for up to about a second; those that wait are lost unless
+/// [`Series::flush`] is called.
 pub struct Series {
     path: PathBuf,
     file: File,
@@ -19,12 +20,13 @@ pub struct Series {
 }
 
 impl Series {
-    /// Start a series with its header, a line.
+    /// Start a series in the file `path` with its header, a line with its line break. A file that exists is replaced.
     pub fn create(path: &Path, header: &str) -> Result<Series, Fault> {
         Series::begin(path, header)
     }
 
-    /// Go on with a series: the lines whose value in `column` is at most `until` stay. A line that an interruption has cut off goes.
+    /// Continue a series: lines whose value in `column` (from 0) is at most `until` stay, others and truncated lines are removed.
+    /// An error if the file cannot be read or written.
     pub fn reopen(path: &Path, column: usize, until: f64) -> Result<Series, Fault> {
         let text = read_text(FaultKind::Data, path)?;
         let mut lines = text.lines();
@@ -44,13 +46,13 @@ impl Series {
         Ok(Series { path: path.into(), file, waiting: String::new(), written: Instant::now() })
     }
 
-    /// Add a line, with its end.
+    /// Append one or more lines, with their line breaks.
     pub fn push(&mut self, line: &str) -> Result<(), Fault> {
         self.waiting.push_str(line);
         if self.written.elapsed() > WAIT { self.flush() } else { Ok(()) }
     }
 
-    /// Write what waits.
+    /// Write the lines that wait in memory.
     pub fn flush(&mut self) -> Result<(), Fault> {
         self.written = Instant::now();
         let lines = std::mem::take(&mut self.waiting);

@@ -1,7 +1,7 @@
-//! Hand-written YAML read into types, with the place of everything that is wrong.
+//! Hand-written YAML read into types; every error has its place in the file.
 //!
-//! Structure (types, unknown and missing keys) is checked while reading; meaning is checked later by the reader's owner,
-//! who asks the [`Document`] where a value stands: `doc.fault("materials.stone.density", "must be positive")`.
+//! Structure (types, unknown and missing keys) is checked while reading. Meaning is checked later by the caller, who makes faults
+//! through the [`Document`], which knows the place of each key: `doc.fault("materials.stone.density", "must be positive")`.
 
 use crate::{Fault, FaultKind, nearest, read_text};
 use saphyr_parser::{Event, Parser};
@@ -9,10 +9,10 @@ use serde::de::DeserializeOwned;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// The text of a YAML file and where each of its values stands.
+/// The text of a YAML file, and the place of each of its keys.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
-    /// The file it came from.
+    /// Path of the file.
     pub path: PathBuf,
     /// The whole text.
     pub text: String,
@@ -24,13 +24,13 @@ pub struct Document {
     replaced: Vec<(String, Fault)>,
 }
 
-/// Read a YAML file into `T`.
+/// Read a YAML file into `T`. An error, with its place, if the file cannot be read or does not fit `T`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
     let text = read_text(FaultKind::Input, path)?;
     parse(path, text)
 }
 
-/// Read YAML text that came from `path` into `T`.
+/// Read YAML text, which came from `path`, into `T`. An error, with its place, if the text does not fit `T`.
 pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Document), Fault> {
     if text.trim().is_empty() {
         return Err(Fault::whole(FaultKind::Input, path, "is empty"));
@@ -41,8 +41,8 @@ pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Docum
     Ok((value, doc))
 }
 
-/// Read a document again with values replaced. Faults of them are told where they come from: `replaced` has a fault for each key, to
-/// which the message is added.
+/// Read a document again as `value`, in which values are replaced. `replaced` has their keys, each with the fault of its new value,
+/// which lacks only the message.
 pub fn replace<T: DeserializeOwned>(
     doc: Document,
     value: serde_yaml::Value,
@@ -62,10 +62,11 @@ fn deserialize<'a, T: DeserializeOwned>(
 }
 
 impl Document {
-    /// A fault at a dotted path (`bodies.2.mass`), or at the longest part of it that the file has; of a replaced value, where that
-    /// comes from.
+    /// A fault at the key of a dotted path (`bodies.2.mass`), or at the longest part of the path that the file has; of a replaced
+    /// value, where that is written.
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
-        let is_within = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let is_within =
+            |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         if let Some((_, fault)) = self.replaced.iter().rev().find(|(path, _)| is_within(path)) {
             return Fault { message: message.into(), ..fault.clone() };
         }
@@ -80,7 +81,7 @@ impl Document {
         Fault { hint, ..self.fault(key, message) }
     }
 
-    /// Where a dotted path stands: line and column, from 1.
+    /// The place of the key of a dotted path, or of the longest part of the path that the file has: line and column, from 1.
     pub fn place(&self, key: &str) -> (usize, usize) {
         let mut key = key;
         loop {
@@ -94,7 +95,8 @@ impl Document {
         }
     }
 
-    /// A fault for a name that is not among those known, with the nearest of them.
+    /// A fault at a dotted path for the unknown name `name` of a `what`, such as a material; its advice is the nearest of the known
+    /// names.
     pub fn unknown(&self, key: &str, what: &str, name: &str, known: &[&str]) -> Fault {
         let fault = self.fault(key, format!("unknown {what} `{name}`, expected one of {}", known.join(", ")));
         match nearest(name, known.iter().copied()) {

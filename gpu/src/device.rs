@@ -3,25 +3,25 @@
 use bytemuck::Pod;
 use wgpu::util::DeviceExt;
 
-/// What can go wrong with a device.
+/// An error of a graphics device.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// No adapter.
+    /// No suitable Vulkan adapter was found.
     #[error("no Vulkan adapter was found")]
     NoAdapter,
-    /// The adapter would not open, or a transfer failed.
+    /// The device could not be opened, or a transfer failed; the message is wgpu's.
     #[error("graphics device: {0}")]
     Device(String),
 }
 
-/// An adapter, as `scree doctor` lists it.
+/// A Vulkan adapter (a GPU or a software rasteriser), as `scree doctor` lists it.
 #[derive(Clone, Debug)]
 pub struct Adapter {
-    /// Its name.
+    /// Name of the adapter.
     pub name: String,
-    /// Driver and its version.
+    /// Name and version of the driver.
     pub driver: String,
-    /// Whether it is a software rasteriser, which is never chosen silently for real work.
+    /// Whether the adapter is a software rasteriser; [`Device::open`] takes one only where the caller allows it.
     pub software: bool,
 }
 
@@ -40,7 +40,7 @@ fn describe(adapter: &wgpu::Adapter) -> Adapter {
     }
 }
 
-/// All Vulkan adapters of this machine, real ones first.
+/// All Vulkan adapters of this machine, hardware before software.
 pub fn adapters() -> Vec<Adapter> {
     let found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::VULKAN));
     let mut list: Vec<Adapter> = found.iter().map(describe).collect();
@@ -48,16 +48,17 @@ pub fn adapters() -> Vec<Adapter> {
     list
 }
 
-/// An open device and its queue.
+/// An open graphics device and its queue.
 pub struct Device {
-    /// What was opened.
+    /// The adapter that the device belongs to.
     pub adapter: Adapter,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
 }
 
 impl Device {
-    /// Open the first real adapter, or the software one if `allow_software` and there is no other. Its own limits are asked for.
+    /// Open the first hardware adapter, or else, if `allow_software`, a software one, with the adapter's own limits. Errors:
+    /// [`GpuError::NoAdapter`], or [`GpuError::Device`] if the adapter does not open.
     pub fn open(allow_software: bool) -> Result<Device, GpuError> {
         let mut found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::VULKAN));
         found.sort_by_key(|a| describe(a).software);
@@ -69,7 +70,7 @@ impl Device {
         Ok(Device { adapter: describe(&adapter), device, queue })
     }
 
-    /// A storage buffer that holds `data`.
+    /// A new storage buffer that holds `data`.
     pub fn upload<T: Pod>(&self, data: &[T]) -> wgpu::Buffer {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: None,
@@ -78,7 +79,7 @@ impl Device {
         })
     }
 
-    /// A storage buffer of `n` zeros of type `T`.
+    /// A new storage buffer of `n` zeros of type `T`, at least one.
     pub fn zeros<T: Pod>(&self, n: usize) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -88,7 +89,7 @@ impl Device {
         })
     }
 
-    /// Read the first `n` values of a buffer back; waits for the work before it.
+    /// Read the first `n` values of a buffer; blocks until all submitted work is done. An error if the transfer fails.
     pub fn download<T: Pod>(&self, buffer: &wgpu::Buffer, n: usize) -> Result<Vec<T>, GpuError> {
         let size = (n * size_of::<T>()) as u64;
         if size == 0 {

@@ -8,13 +8,14 @@ const PARTS: &[(&str, &str)] = &[("block", include_str!("kernels/block.wgsl"))];
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
 const MAX_GROUPS: u32 = 65_535;
 
-/// A compiled compute kernel with the entry point `main` and its buffers in group 0.
+/// A compiled WGSL compute kernel: entry point `main`, buffers in bind group 0.
 pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
 }
 
 impl Kernel {
-    /// Compile a kernel; `name` stands in validation messages.
+    /// Compile the WGSL text `source`, after `#import NAME` lines are replaced by the shared parts of that name; `name` labels the
+    /// kernel in validation messages. Panics if the text is not valid.
     pub fn new(device: &Device, name: &str, source: &str) -> Kernel {
         let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),
@@ -31,7 +32,8 @@ impl Kernel {
         Kernel { pipeline }
     }
 
-    /// Run `n_groups` workgroups over `buffers`, bound in order from 0.
+    /// Submit `n_groups` workgroups over `buffers`, bound in order from binding 0. Beyond 65 535 workgroups the dispatch extends in
+    /// y, so that a kernel computes its index from both dimensions and ignores workgroups past its end.
     pub fn dispatch(&self, device: &Device, buffers: &[&wgpu::Buffer], n_groups: u32) {
         let entries: Vec<wgpu::BindGroupEntry> = buffers
             .iter()

@@ -1,7 +1,7 @@
 //! Headless wgpu device, kernels, and the primitives that simulation and rendering share.
 //!
 //! Each primitive ([`scan`], [`radix_sort`]) has a CPU twin in the same file, which is the one the CPU back end runs
-//! and the one that the kernel is compared with. Nothing here knows what a row means.
+//! and the one that tests compare the kernels with. This crate knows nothing of simulation or rendering.
 
 mod device;
 mod kernel;

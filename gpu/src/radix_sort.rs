@@ -1,4 +1,4 @@
-//! Stable sort of (key, value) pairs by a 32-bit key, least significant digit first.
+//! Stable radix sort of (key, value) pairs by a 32-bit key, least significant digit first.
 
 use crate::scan::{BLOCK, Scan};
 use crate::{Device, Kernel};
@@ -9,7 +9,8 @@ fn bits(max_key: u32) -> u32 {
     32 - max_key.leading_zeros()
 }
 
-/// The CPU twin: sorts in place; `max_key` bounds the keys and so the number of passes.
+/// The CPU twin of [`RadixSort::sort`]: sorts `keys` and `values` (of equal length) in place. `max_key` is at least every key; it
+/// determines the count of passes.
 pub fn sort_cpu(keys: &mut [u32], values: &mut [u32], max_key: u32) {
     /// Bits of a key that a pass may sort by: their counters stay in the cache.
     const DIGIT: u32 = 16;
@@ -33,8 +34,9 @@ pub fn sort_cpu(keys: &mut [u32], values: &mut [u32], max_key: u32) {
     }
 }
 
-/// Put items into buckets, in order: those of bucket b become `out[start[b]..start[b + 1]]`. Each thread goes through all items
-/// for a range of buckets, so that the result does not depend on their count.
+/// Stable counting sort of items, given as (bucket, item), into `n_buckets` buckets: those of bucket b become
+/// `out[start[b]..start[b + 1]]`; `start` gets `[n_buckets + 1]` entries. Each thread goes through all items for a range of
+/// buckets, so that the result does not depend on the count of threads.
 pub fn distribute_cpu<T: Copy + Default + Send, I: ExactSizeIterator<Item = (u32, T)>>(
     n_buckets: usize,
     items: impl Fn() -> I + Sync,
@@ -86,7 +88,7 @@ pub struct RadixSort {
 }
 
 impl RadixSort {
-    /// Compile.
+    /// Compile the kernels.
     pub fn new(device: &Device) -> RadixSort {
         RadixSort {
             count: Kernel::new(device, "radix_count", include_str!("kernels/radix_count.wgsl")),
@@ -95,7 +97,8 @@ impl RadixSort {
         }
     }
 
-    /// Sort the first `n` pairs of two buffers; returns the buffers that hold the sorted keys and values.
+    /// Sort the first `n` pairs of two buffers of `u32`; returns the buffers that hold the sorted keys and values. `max_key` is at
+    /// least every key; it determines the count of passes.
     pub fn sort(
         &self,
         device: &Device,

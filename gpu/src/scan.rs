@@ -5,7 +5,7 @@ use crate::{Device, Kernel};
 /// Values that one workgroup handles.
 pub(crate) const BLOCK: usize = 1024;
 
-/// The CPU twin: in place; returns the total.
+/// The CPU twin of [`Scan::exclusive`]: scans `values` in place and returns the total.
 pub fn exclusive_cpu(values: &mut [u32]) -> u32 {
     let mut sum = 0;
     for value in values {
@@ -21,7 +21,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Compile.
+    /// Compile the kernels.
     pub fn new(device: &Device) -> Scan {
         Scan {
             block: Kernel::new(device, "scan_block", include_str!("kernels/scan_block.wgsl")),
@@ -29,7 +29,7 @@ impl Scan {
         }
     }
 
-    /// Scan the first `n` values of a buffer in place.
+    /// Scan the first `n` values of a buffer of `u32` in place.
     pub fn exclusive(&self, device: &Device, values: &wgpu::Buffer, n: usize) {
         if n == 0 {
             return;

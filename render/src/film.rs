@@ -1,4 +1,4 @@
-//! The film: where samples lie, how they are filtered to pixels, and the displays and files that images go to.
+//! The film: sample positions, pixel filters, buckets and shards, displays, and image files.
 
 pub mod bucket;
 pub mod display;

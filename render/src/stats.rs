@@ -1,40 +1,40 @@
 //! Render statistics: counts of every stage, and its time.
 
-/// Render statistics.
+/// Render statistics: counts over all buckets of an image (or of its shard), and times.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Stats {
-    /// Primitives in the scene.
+    /// Count of primitives in the scene.
     pub items: u64,
-    /// Pieces of patches that were split, in all buckets.
+    /// Count of pieces of patches that were split rather than diced.
     pub splits: u64,
-    /// Grids diced.
+    /// Count of grids diced.
     pub grids: u64,
-    /// Grids found hidden or outside after dicing.
+    /// Count of grids culled after dicing: hidden, or outside the bucket.
     pub grids_hidden: u64,
-    /// Points shaded.
+    /// Count of points shaded.
     pub shaded_points: u64,
-    /// Micropolygons sampled.
+    /// Count of micropolygons sampled.
     pub micropolygons: u64,
-    /// Samples tried against micropolygons.
+    /// Count of tests of a sample against a micropolygon.
     pub samples: u64,
     /// Time by stage.
     pub seconds: Seconds,
 }
 
-/// Time by stage, seconds: of all threads together, or of the clock.
+/// Time by stage, s: summed over threads, or wall-clock time where a field says so.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Seconds {
-    /// Building the hierarchy for rays; of the clock, since several threads share it.
+    /// Building the bounding volume hierarchy for rays; wall-clock time, since several threads share it.
     pub hierarchy: f64,
-    /// Bounding primitives and sorting them to buckets; of the clock.
+    /// Bounding primitives and sorting them to buckets; wall-clock time.
     pub bound: f64,
     /// Splitting, dicing and displacing.
     pub dice: f64,
-    /// Sampling.
+    /// Sampling micropolygons.
     pub sample: f64,
-    /// Shading, rays included.
+    /// Shading, including the rays that shaders trace.
     pub shade: f64,
-    /// Compositing and filtering, the imager included.
+    /// Compositing, filtering and the imager shader.
     pub filter: f64,
 }
 

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3A};
 
-/// An axis-aligned bounding box, m, world frame, rounded outwards to single precision so that its coordinates are compared at once.
+/// An axis-aligned bounding box, m, world frame, rounded outwards to single precision so that all coordinates are compared in one
+/// vector operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Aabb {
     /// Minimum corner, m.
@@ -12,7 +13,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box about a centre with the given half lengths, m.
+    /// The box about a centre with given half lengths, m, rounded outwards.
     #[inline]
     pub fn about(centre: DVec3, half: DVec3) -> Aabb {
         /// A bound of the relative rounding error of single precision.
@@ -24,7 +25,7 @@ impl Aabb {
     /// The empty box, which overlaps no other.
     pub const EMPTY: Aabb = Aabb { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-    /// Whether another box lies inside; the empty box always does.
+    /// Whether another box lies inside this one; the empty box always does.
     #[inline]
     pub fn contains(&self, other: &Aabb) -> bool {
         (self.min.cmple(other.min) & other.max.cmple(self.max)).all()

@@ -6,21 +6,21 @@ use crate::plan::StepPlan;
 use crate::stages::{Column, Stage, View};
 use crate::state::State;
 
-/// A back end, which runs whole stages. It may divide the work of a stage as it likes; the columns that it writes are those of
-/// [`COLUMNS`](crate::stages::COLUMNS).
+/// A back end, which runs whole stages over columns of its own and of the state. The columns that it writes are those of
+/// [`COLUMNS`](crate::stages::COLUMNS); the division of a stage's work into tasks is its own.
 pub trait Backend: Send {
     /// Name of the back end, as in `run.json`.
     fn name(&self) -> &'static str;
 
-    /// Adopt a plan: before the first step, and whenever other bodies move or the settings have changed.
+    /// Adopt a plan: called before the first step, and whenever the activity of a body or the solver settings have changed.
     fn prepare(&mut self, model: &Model, state: &State, plan: &StepPlan);
 
     /// Run a stage. Returns false for a stage of the broad phase that was skipped because the pairs of an earlier step are still valid.
     fn run(&mut self, stage: Stage, model: &Model, plan: &StepPlan, state: &mut State) -> bool;
 
-    /// Outcome of the step's stages.
+    /// Outcome of the last step, once all its stages have run.
     fn outcome(&self) -> StepOutcome;
 
-    /// View of a column, after a stage that writes it.
+    /// View of a column for [`check`](crate::stages::check), after a stage that writes it.
     fn column<'a>(&'a self, state: &'a State, column: Column) -> View<'a>;
 }

@@ -42,21 +42,21 @@ pub struct ModelBuilder {
 }
 
 impl ModelBuilder {
-    /// An empty model with the defaults of a model file.
+    /// An empty model with a name and the defaults of a model file.
     pub fn new(name: &str) -> ModelBuilder {
         let mut file: ModelFile = serde_yaml::from_str("{}").expect("all keys of a model have defaults");
         file.name = name.into();
         ModelBuilder { file }
     }
 
-    /// Add a material: density, kg/m³, and coefficient of friction.
+    /// Add a material with a density, kg/m³, and a coefficient of friction.
     pub fn material(&mut self, name: &str, density: f64, friction: f64) -> &mut MaterialFile {
         let material = MaterialFile { density, friction, restitution: 0.0, cohesion: 0.0, rolling: 0.0, spinning: 0.0 };
         self.file.materials.insert(name.into(), material);
         self.file.materials.get_mut(name).expect("just put in")
     }
 
-    /// Add a body of one shape.
+    /// Add a body of one shape, made of a material.
     pub fn body(&mut self, name: &str, material: &str, shape: ShapeFile) -> &mut BodyFile {
         let mut body = BodyFile::named(name);
         body.material = Some(material.into());
@@ -65,7 +65,7 @@ impl ModelBuilder {
         self.file.bodies.last_mut().expect("just put in")
     }
 
-    /// Add a joint between two bodies, or `world` and a body.
+    /// Add a joint between the bodies named `a` and `b`; `world` is the fixed world.
     pub fn joint(&mut self, name: &str, kind: JointKind, a: &str, b: &str) -> &mut JointFile {
         self.file.joints.push(JointFile::named(name, kind, a, b));
         self.file.joints.last_mut().expect("just put in")
@@ -74,7 +74,7 @@ impl ModelBuilder {
     /// Check the model and make it ready to run.
     ///
     /// # Errors
-    /// The faults of a model file with this content.
+    /// The faults that a model file with this content would have.
     #[allow(clippy::field_reassign_with_default, reason = "a document's other fields are its own")]
     pub fn simulation(&self) -> Result<Simulation, Fault> {
         let mut doc = Document::default();

@@ -1,7 +1,7 @@
 //! Checkpoints: the state bit for bit, from which a run resumes as if it had never stopped.
 //!
-//! A file has a line `scree checkpoint 5`, the blake3 hash of what follows, and the state with the model's hash, encoded by
-//! postcard. It is written whole and then renamed.
+//! A file has a line `scree checkpoint VERSION`, the blake3 hash of the rest (32 bytes), and the model's hash and the state in the
+//! postcard encoding. It is written under another name and then renamed, so that a checkpoint is either whole or missing.
 
 use crate::state::State;
 use frame::{Fault, FaultKind, atomic};
@@ -15,17 +15,17 @@ fn head() -> String {
     format!("scree checkpoint {VERSION}\n")
 }
 
-/// Folder of a run's checkpoints.
+/// Folder of the checkpoints of the run directory `run`.
 pub fn folder(run: &Path) -> PathBuf {
     run.join("checkpoints")
 }
 
-/// File name of the checkpoint after a number of steps.
+/// File name of the checkpoint after `steps` steps.
 pub fn file_name(steps: u64) -> String {
     format!("{steps:09}.state")
 }
 
-/// Write a checkpoint: a state and the hash of its model.
+/// Write a checkpoint: a state and the hash of its model ([`model_hash`](crate::run::model_hash)).
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -40,7 +40,7 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 /// Read a checkpoint: the state and the hash of its model.
 ///
 /// # Errors
-/// A file that cannot be read, is no checkpoint or one of another version, is truncated, or differs from its hash.
+/// A file that cannot be read, is not a checkpoint, has another version of the format, is truncated, or differs from its hash.
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
     let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
@@ -68,7 +68,7 @@ pub fn read(path: &Path) -> Result<(State, String), Fault> {
     Ok((state, model_hash))
 }
 
-/// Path of the latest checkpoint of a run, by its steps; none if it has none.
+/// Path of the checkpoint of the run directory `run` with the most steps; none if there is no checkpoint.
 ///
 /// # Errors
 /// A folder that cannot be read.

@@ -4,29 +4,29 @@ use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The contacts of a step as columns (n_contacts each). Body A is the one with the lower id.
+/// The contacts of a step as columns (n_contacts each), ordered by tiles. Body A of a contact is the one with the lower id.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Contacts {
     /// Ids of bodies A and B.
     pub bodies: Vec<[u32; 2]>,
-    /// Identity of a contact from step to step: the shapes of A and B, and the feature id.
+    /// Identity of a contact from step to step: the ids of the shapes of A and B, and the feature id.
     pub key: Vec<[u32; 3]>,
     /// Index of the contact's sphere pair within its tile, `u32::MAX` for other contacts; those of sphere pairs come first in a tile.
     #[serde(skip)]
     pub pair: Vec<u32>,
     /// Unit normal, out of A, world.
     pub normal: Vec<DVec3>,
-    /// Contact arms, from the centres of mass of A and B to the contact point.
+    /// Contact arms, from the centres of mass of A and B to the contact point, m, world.
     pub arms: Arms,
     /// Gap Φ, m; negative where the bodies overlap.
     pub gap: Vec<f64>,
-    /// Index into the model's `laws`.
+    /// Contact law, an index into [`Model::laws`](crate::Model::laws).
     pub law: Vec<u32>,
-    /// Impulse on B, N s, world: A_p γ.
+    /// Impulse on B, N s, world: A_p γ, with the contact frame A_p of [`Contacts::gamma`].
     pub impulse: Vec<DVec3>,
     /// Rolling and spinning impulse on B, N m s, world (empty where no material has rolling or spinning friction).
     pub rolling_impulse: Vec<DVec3>,
-    /// Ranges of the contacts of each tile.
+    /// Partition of the contacts into tiles.
     #[serde(skip)]
     pub tiles: Tiles,
 }
@@ -34,8 +34,8 @@ pub struct Contacts {
 /// The entry of `pair` for a contact that is not between two spheres.
 pub const NO_SPHERE_PAIR: u32 = u32::MAX;
 
-/// The partition of the contacts into tiles that are solved in parallel: the tiles of one round have no moving body in common. The
-/// second round has the contacts between tiles of the first; the contacts in no tile come last.
+/// The partition of the contacts into tiles, the contacts of neighbouring bodies, which are solved in parallel: the tiles of one round
+/// have no moving body in common. The second round has the contacts between tiles of the first; the contacts in no tile come last.
 #[derive(Clone, Debug, Default)]
 pub struct Tiles {
     /// First contact of each tile and of the contacts in no tile, and the end (n_tiles + 2; empty before the first step).
@@ -45,7 +45,7 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// The starts of the tiles of each round, and the end of its last tile.
+    /// The tiles of each round: the first contact of each tile, and the end of the last one.
     pub fn rounds(&self) -> [&[u32]; 2] {
         match self.start.len() {
             0 => [&[], &[]],
@@ -62,13 +62,14 @@ impl Tiles {
     }
 }
 
-/// Contact arms: from the centres of mass of A and B to the contact point, m, world (n_contacts). Those of bodies that are held in
+/// Contact arms: from the centres of mass of A and B to the contact point, m, world (n_contacts). The arms of bodies that are held in
 /// place are not used.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Arms {
-    /// Vectors, for any shapes.
+    /// Arms as vectors on A and B, for any shapes.
     Any(Vec<[DVec3; 2]>),
-    /// Lengths along the normal, for spheres about their bodies' centres of mass; zero for a body that is held in place.
+    /// Lengths of the arms on A and B along the normal, for spheres about their bodies' centres of mass; zero for a body that is held
+    /// in place.
     Along(Vec<[f64; 2]>),
 }
 
@@ -79,7 +80,7 @@ impl Default for Arms {
 }
 
 impl Contacts {
-    /// The arms of a contact on A and B, m, world.
+    /// The arms of contact `i` on A and B, m, world.
     #[inline]
     pub fn arms(&self, i: usize) -> [DVec3; 2] {
         match &self.arms {
@@ -103,13 +104,13 @@ impl Contacts {
         self.gap.iter().fold(0.0, |worst: f64, gap| worst.max(-gap))
     }
 
-    /// The multipliers γ = (γ_n, γ_u, γ_w) of a contact, N s, in its frame A_p = [n u w].
+    /// The multipliers γ = (γ_n, γ_u, γ_w) of contact `i`, N s, in the contact frame A_p = [n u w] of the normal n and two tangents.
     pub fn gamma(&self, i: usize) -> DVec3 {
         let (u, w) = tangents(self.normal[i]);
         DVec3::new(self.impulse[i].dot(self.normal[i]), self.impulse[i].dot(u), self.impulse[i].dot(w))
     }
 
-    /// The velocity of B relative to A at a contact, m/s, world; `of` has the velocities of the bodies.
+    /// The velocity of B relative to A at contact `i`, m/s, world; `of` returns the velocity of a body by its id.
     pub fn velocity(&self, i: usize, of: impl Fn(usize) -> Twist) -> DVec3 {
         let [a, b] = self.bodies[i].map(|b| of(b as usize));
         let [arm_a, arm_b] = self.arms(i);

@@ -2,8 +2,11 @@
 
 use glam::DVec3;
 
-/// The splitmix64 pseudo-random generator: the same sequence for a seed on every machine.
-pub struct SplitMix64(pub u64);
+/// The splitmix64 pseudo-random generator (Steele, Lea, Flood 2014): the same sequence for a seed on every machine.
+pub struct SplitMix64(
+    /// State of the generator; at the start the seed.
+    pub u64,
+);
 
 impl SplitMix64 {
     /// The next number, uniform in [0, 1).

@@ -5,14 +5,14 @@ use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// A convex polyhedron.
+/// A convex polyhedron about its centroid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     /// Vertices, relative to the centroid, m.
     pub vertices: Vec<DVec3>,
-    /// Faces: indices of vertices, anticlockwise seen from outside.
+    /// Faces: polygons of indices into `vertices`, anticlockwise seen from outside (n_faces).
     pub faces: Vec<Vec<u32>>,
-    /// Outward unit normals of the faces.
+    /// Outward unit normals of the faces (n_faces).
     pub normals: Vec<DVec3>,
 }
 
@@ -26,7 +26,7 @@ impl Hull {
         Some((hull, centre))
     }
 
-    /// The triangles of the faces.
+    /// The triangles of the faces: indices into `vertices`, anticlockwise seen from outside.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|f| (1..f.len() - 1).map(move |k| [f[0], f[k], f[k + 1]]))
     }
@@ -127,10 +127,10 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
 pub struct Surface {
     /// Vertices, local, m.
     pub vertices: Vec<DVec3>,
-    /// Triangles: indices of vertices, anticlockwise seen from outside.
+    /// Triangles: indices into `vertices`, anticlockwise seen from outside (n_triangles).
     pub triangles: Vec<[u32; 3]>,
-    /// Bits of each triangle: bit e is set where its edge from corner e to e+1 is convex or a border and belongs to this triangle; bit
-    /// 3+k the same for corner k.
+    /// Convex edges and corners of each triangle, as bits (n_triangles): bit e, from 0 to 2, is set if the edge from corner e to
+    /// corner e+1 is convex or a border, and belongs to this triangle rather than to its neighbour; bit 3+k says the same of corner k.
     pub sharp: Vec<u8>,
     /// Spatial index of the triangles.
     index: Index,
@@ -218,7 +218,8 @@ impl Surface {
         self.triangles[triangle as usize].map(|v| self.vertices[v as usize])
     }
 
-    /// Visit the triangles whose boxes overlap a box, in a fixed order; of a height field also those above it, which the box is under.
+    /// Visit the triangles that a shape in the box from `min` to `max`, local, m, may touch, in a fixed order. In a mesh they are those
+    /// whose boxes overlap the box; in a height field also the triangles above it, since a shape below the ground is pushed out.
     pub fn visit(&self, min: DVec3, max: DVec3, found: &mut dyn FnMut(u32)) {
         match &self.index {
             Index::Tree { nodes, order } => {
@@ -258,7 +259,7 @@ impl Surface {
         }
     }
 
-    /// Minimum and maximum corner of the box of all vertices, local, m.
+    /// Minimum and maximum corner of the box that contains all vertices, local, m.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.vertices.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
     }
@@ -310,7 +311,7 @@ pub struct Solid {
     pub inertia: DMat3,
 }
 
-/// The solid inside a closed surface of triangles that face outwards, m, by signed tetrahedra from the origin.
+/// Mass properties of the solid inside a closed surface of triangles that face outwards (corners, m), by signed tetrahedra from the origin.
 pub fn solid(triangles: &[[DVec3; 3]]) -> Solid {
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
@@ -327,7 +328,8 @@ pub fn solid(triangles: &[[DVec3; 3]]) -> Solid {
     Solid { volume, centre, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - about }
 }
 
-/// The solid of a shape, relative to its own origin; `size` as [`ShapeKind`] has it. A surface has no volume.
+/// Mass properties of a shape, relative to the shape's origin; `size`, m, has the meaning of the [`ShapeKind`], and `hull` is given for a
+/// hull. A surface has no volume.
 pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
     let (r, h) = (size.x, size.z);
     let diagonal = |volume: f64, per_volume: DVec3| Solid {
@@ -376,7 +378,8 @@ pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
     }
 }
 
-/// Principal moments, and the rotation from the principal frame to the frame of the tensor, by Jacobi rotations.
+/// Principal moments of a symmetric inertia tensor, in the tensor's unit, and the rotation from the principal frame to the tensor's
+/// frame, by Jacobi rotations.
 pub fn principal(tensor: DMat3) -> (DVec3, DQuat) {
     let largest = tensor.to_cols_array().iter().fold(0f64, |m, x| m.max(x.abs()));
     let (mut a, mut v) = (tensor, DMat3::IDENTITY);

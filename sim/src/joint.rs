@@ -5,28 +5,31 @@
 //! | kind | locks |
 //! |---|---|
 //! | spherical | the frames' origins on each other |
-//! | revolute | origins, and z on z |
-//! | universal | origins, and A's x perpendicular to B's y |
-//! | fixed | origins and relative rotation |
-//! | cylindrical | B's origin on A's z axis, and z on z |
-//! | prismatic | as cylindrical, and rotation about z |
+//! | revolute | the origins on each other, and B's z parallel to A's z |
+//! | universal | the origins on each other, and A's x perpendicular to B's y |
+//! | fixed | the origins on each other, and the relative rotation |
+//! | cylindrical | B's origin on A's z axis, and B's z parallel to A's z |
+//! | prismatic | as cylindrical, and the rotation about z |
 //! | point_on_plane | B's origin in A's xy plane |
 //! | distance | the distance of the origins |
 //! | revolute_spherical | the distance of the origins, and B's origin in A's xy plane |
 //!
-//! Every locked motion is a row `Ψ = 0`, with `dΨ/dt = l·(v_B − v_A) + a_B·ω_B − a_A·ω_A`. Source: paper §2; Haug,
-//! Computer Aided Kinematics and Dynamics, ch. 9 for the forms of Ψ.
+//! Every locked motion is a row `Ψ = 0` ([`Row`]), with `dΨ/dt = l·(v_B − v_A) + a_B·ω_B − a_A·ω_A`. A motor or a limit acts on the
+//! joint's *coordinate*: a free angle or slide, or the length of a link.
+//!
+//! Source: Negrut et al. 2012, §2; E. J. Haug, *Computer Aided Kinematics and Dynamics of Mechanical Systems* (1989), ch. 9, for
+//! the forms of Ψ.
 
 use crate::load::Function;
 use crate::pose::Pose;
 use crate::twist::Twist;
 use glam::DVec3;
 
-/// The kind of a joint: which relative motions it locks.
+/// The kind of a joint, which defines the relative motions that are locked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
-    /// Spherical joint: a common point.
+    /// Spherical joint: a point of A on a point of B.
     Spherical,
     /// Revolute joint: a hinge about z.
     Revolute,
@@ -34,26 +37,26 @@ pub enum JointKind {
     Prismatic,
     /// Cylindrical joint: a slide along z with rotation about it.
     Cylindrical,
-    /// Universal (cardan) joint.
+    /// Universal (cardan) joint: a common point, with rotation about x of A and y of B.
     Universal,
-    /// Fixed joint: a weld.
+    /// Fixed joint: no relative motion.
     Fixed,
-    /// Two points at a given distance.
+    /// Distance joint: two points at a given distance.
     Distance,
-    /// A point in a plane.
+    /// Point on plane: a point of B in the xy plane of A.
     PointOnPlane,
-    /// A link of given length, with a revolute joint about z on A and a spherical joint on B.
+    /// Revolute–spherical joint: a link of given length, with a revolute joint about z on A and a spherical joint on B.
     RevoluteSpherical,
 }
 
 /// A motor, which drives a joint's coordinate: the angle about z of revolute and cylindrical, the distance along z of prismatic joints.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
-    /// Prescribed rate of the coordinate, rad/s or m/s, with any effort.
+    /// Prescribed rate of the coordinate, rad/s or m/s; the effort is unlimited.
     Speed(Function),
-    /// Prescribed coordinate, rad or m, with any effort.
+    /// Prescribed coordinate, rad or m; the effort is unlimited.
     Position(Function),
-    /// Torque, N m, or force, N, on B, and its reaction on A.
+    /// Prescribed torque, N m, or force, N, on B along the coordinate, and its reaction on A.
     Effort(Function),
 }
 
@@ -62,23 +65,23 @@ pub enum Motor {
 pub struct Joint {
     /// Name.
     pub name: String,
-    /// Kind.
+    /// Kind of the joint.
     pub kind: JointKind,
-    /// Bodies A and B.
+    /// Ids of bodies A and B.
     pub bodies: [u32; 2],
     /// The frame on A, in A's principal frame.
     pub frame_a: Pose,
     /// The frame on B, in B's principal frame.
     pub frame_b: Pose,
-    /// Length over time, m (distance and revolute_spherical); the joint is a linear actuator where it changes.
+    /// Length over time, m (distance and revolute_spherical); a joint whose length varies is a linear actuator.
     pub length: Function,
-    /// Minimum and maximum coordinate: angle, rad, or distance, m.
+    /// Minimum and maximum coordinate, rad for an angle, m for a distance.
     pub limits: Option<[f64; 2]>,
-    /// Motor.
+    /// Motor of the coordinate.
     pub motor: Option<Motor>,
-    /// Time from which it acts, s.
+    /// Time from which it acts, s, inclusive.
     pub from: f64,
-    /// Time until which it acts, s.
+    /// Time until which it acts, s, exclusive.
     pub until: f64,
 }
 
@@ -87,13 +90,13 @@ pub struct Joint {
 pub struct Spring {
     /// Name.
     pub name: String,
-    /// Bodies A and B.
+    /// Ids of bodies A and B.
     pub bodies: [u32; 2],
-    /// The frame on A, in A's principal frame; a linear spring uses its origin alone.
+    /// The frame on A, in A's principal frame; a linear spring uses the frame's origin alone.
     pub frame_a: Pose,
     /// The frame on B, in B's principal frame.
     pub frame_b: Pose,
-    /// Whether it is a rotational spring about z rather than a linear one.
+    /// Whether the spring is rotational, about z, rather than linear.
     pub rotational: bool,
     /// Stiffness, N/m or N m/rad.
     pub stiffness: f64,
@@ -101,15 +104,15 @@ pub struct Spring {
     pub damping: f64,
     /// Free length, m, or free angle, rad.
     pub rest: f64,
-    /// Additional force, N, or torque, N m, over time; positive pulls B towards A.
+    /// Additional force, N, or torque, N m, over time; positive pulls B towards A, or turns B back about z.
     pub preload: Function,
-    /// Time from which it acts, s.
+    /// Time from which it acts, s, inclusive.
     pub from: f64,
-    /// Time until which it acts, s.
+    /// Time until which it acts, s, exclusive.
     pub until: f64,
 }
 
-/// The reaction, coordinate and violation of a joint in the last step.
+/// The reaction, coordinate and constraint violation of a joint in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct JointState {
     /// Reaction force of B on A, N, in the joint's frame on A.
@@ -120,23 +123,23 @@ pub struct JointState {
     pub coordinate: f64,
     /// Rate of the coordinate, rad/s or m/s.
     pub rate: f64,
-    /// Constraint violation: the maximum |Ψ| of the rows, m or rad.
+    /// Constraint violation: the maximum |Ψ| of the joint's rows, locked and driven, m or rad.
     pub violation: f64,
 }
 
 /// The force and coordinate of a spring in the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpringState {
-    /// Force, N, or torque, N m; positive pulls the points together, or turns B back.
+    /// Force, N, or torque, N m; positive pulls B towards A, or turns B back about z.
     pub force: f64,
     /// Length, m, or angle, rad, unwrapped over full turns.
     pub coordinate: f64,
 }
 
-/// A row: a scalar constraint between two bodies, in the world frame.
+/// A row: a scalar constraint `Ψ = 0` between two bodies, in the world frame; [the module](self) has `dΨ/dt`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
-    /// Bodies A and B.
+    /// Ids of bodies A and B.
     pub bodies: [u32; 2],
     /// l: coefficient of the relative velocity, unit or zero.
     pub linear: DVec3,
@@ -144,11 +147,11 @@ pub struct Row {
     pub angular_a: DVec3,
     /// a_B: coefficient of B's angular velocity, m (lengths) or 1 (angles).
     pub angular_b: DVec3,
-    /// Ψ, m or rad: poses at the step's start, prescribed functions of time at its end.
+    /// Ψ, m or rad, of the poses at the step's start and the prescribed functions of time at its end.
     pub psi: f64,
     /// Prescribed dΨ/dt, m/s or rad/s.
     pub rate: f64,
-    /// Compliance over h², 1/kg or 1/(kg m²): zero for a locked motion.
+    /// Compliance divided by the squared step size, 1/kg or 1/(kg m²); zero for a locked motion.
     pub softness: f64,
 }
 
@@ -167,25 +170,25 @@ impl Row {
     }
 }
 
-/// The frames of a joint or a spring, in the world.
+/// The frames of a joint or a spring on its bodies A and B, world.
 pub struct Frames {
-    /// Frame on A.
+    /// Frame on A, world.
     pub a: Pose,
-    /// Frame on B.
+    /// Frame on B, world.
     pub b: Pose,
     /// From the centres of mass of A and B to the frames' origins, m.
     arm: [DVec3; 2],
 }
 
 impl Frames {
-    /// The frames in the world, from the poses of A and B and the frames on them.
+    /// The frames in the world, from the poses of A and B, world, and the frames on A and B, principal frames.
     pub fn of([a, b]: [Pose; 2], frame_a: &Pose, frame_b: &Pose) -> Frames {
         let (fa, fb) = (a.place(frame_a), b.place(frame_b));
         Frames { arm: [fa.position - a.position, fb.position - b.position], a: fa, b: fb }
     }
 
-    /// Reaction force, N, and torque, N m, on A of rows with the multipliers `lambda` over a step `h`, s; about the origin of the frame
-    /// on A and in that frame.
+    /// Reaction force, N, and torque, N m, on A of `rows` with the multipliers `lambda`, N s or N m s, over a step `h`, s. Both are in the
+    /// frame on A, and the torque is about its origin.
     pub fn reaction(&self, rows: &[Row], lambda: &[f64], h: f64) -> (DVec3, DVec3) {
         let sum =
             |part: &dyn Fn(&Row) -> DVec3| rows.iter().zip(lambda).map(|(r, l)| part(r) * (-l / h)).sum::<DVec3>();
@@ -240,7 +243,7 @@ impl Frames {
 }
 
 impl JointKind {
-    /// Kind of the joint's coordinate; none for kinds of joints without one.
+    /// Kind of the joint's coordinate; none for kinds of joints without a coordinate.
     pub fn coordinate(self) -> Option<Coordinate> {
         match self {
             JointKind::Revolute | JointKind::Cylindrical => Some(Coordinate::Angle),
@@ -251,14 +254,14 @@ impl JointKind {
     }
 }
 
-/// The kind of a joint's coordinate.
+/// The kind of a joint's coordinate, on which motors and limits act: a free motion, or the length of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
-    /// Angle about z, rad.
+    /// Angle of B relative to A about z, rad.
     Angle,
-    /// Distance along z, m.
+    /// Distance of B's origin from A's along z, m.
     Slide,
-    /// Distance of the origins, m.
+    /// Distance between the origins, m.
     Length,
 }
 
@@ -268,7 +271,8 @@ impl Joint {
         t >= self.from && t < self.until
     }
 
-    /// Append the rows of the locked and the driven motions; `known` is the joint's last state, `t` the time at the step's end, s.
+    /// Append the rows of the locked motions and of a motor of prescribed rate or coordinate to `rows`. `f` are the frames at the step's
+    /// start, `known` is the joint's state in the last step, and `t` the time at the step's end, s.
     pub fn rows(&self, f: &Frames, known: &JointState, t: f64, rows: &mut Vec<Row>) {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         let axes = [x, y, z].map(|e| f.a.orientation * e);
@@ -305,8 +309,9 @@ impl Joint {
         }
     }
 
-    /// Violation |Ψ|, m or rad, of row `k` of the joint's `n` at time `t`, the step's start; `row` has the prescribed length at the
-    /// step's end `t_end`. None for a motor's row, which is no locked motion.
+    /// Violation |Ψ|, m or rad, of `row` at the step's start; none for the row of a motor, which is not a locked motion. `row` is row `k`
+    /// of the `n` rows of [`Joint::rows`] and has the prescribed length at the step's end `t_end`, s; the violation is that of the length
+    /// at the step's start `t`, s.
     pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> Option<f64> {
         let is_motor = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_))) && k + 1 == n;
         let has_length = matches!(self.kind, JointKind::Distance | JointKind::RevoluteSpherical) && k == 0;
@@ -319,7 +324,8 @@ impl Joint {
         Row { psi: row.psi - self.length.at(t), ..row }
     }
 
-    /// Row of the free coordinate.
+    /// Row along the joint's coordinate, of the kind `coordinate`, on which limits and efforts of motors act; Ψ is the coordinate, rad
+    /// or m, not unwrapped.
     pub fn free_row(&self, f: &Frames, coordinate: Coordinate) -> Row {
         let row = match coordinate {
             Coordinate::Angle => f.about(),
@@ -329,7 +335,7 @@ impl Joint {
         Row { bodies: self.bodies, ..row }
     }
 
-    /// The free coordinate, rad or m; an angle is unwrapped from that of the last state.
+    /// The coordinate, rad or m, unwrapped over full turns from that of the last step's state `known`; 0 for a joint without a coordinate.
     pub fn coordinate(&self, f: &Frames, known: &JointState) -> f64 {
         match self.kind.coordinate() {
             Some(Coordinate::Angle) => unwrapped(f.angle(), known.coordinate),
@@ -338,7 +344,7 @@ impl Joint {
         }
     }
 
-    /// Torque, N m, or force, N, of the motor on B along the coordinate at a time, s.
+    /// Torque, N m, or force, N, of the motor on B along the coordinate at a time, s; 0 without a motor of prescribed effort.
     pub fn effort(&self, t: f64) -> f64 {
         match &self.motor {
             Some(Motor::Effort(effort)) => effort.at(t),
@@ -359,12 +365,13 @@ impl Spring {
         t >= self.from && t < self.until
     }
 
-    /// Force, N, or torque, N m, without damping, at a length, m, or angle, rad, and a time, s; positive pulls B towards A.
+    /// Force, N, or torque, N m, of stiffness and preload at a length, m, or angle, rad, `psi` and a time `t`, s; positive pulls B
+    /// towards A, or turns B back about z.
     pub fn tension(&self, psi: f64, t: f64) -> f64 {
         self.stiffness * (psi - self.rest) + self.preload.at(t)
     }
 
-    /// Row along which it acts; Ψ is its length, m, or its angle, rad, unwrapped from that of the last state.
+    /// Row along which the spring acts; Ψ is the length, m, or the angle, rad, unwrapped from that of the last step's state `known`.
     pub fn row(&self, f: &Frames, known: &SpringState) -> Row {
         let row = if self.rotational { f.about() } else { f.distance() };
         let psi = if self.rotational { unwrapped(row.psi, known.coordinate) } else { row.psi };

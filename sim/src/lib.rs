@@ -1,9 +1,18 @@
-//! Multibody dynamics: many rigid bodies with Coulomb friction cones, joints, motors and loads.
+//! Multibody dynamics: many rigid bodies with Coulomb friction cones, joints, motors, springs and loads.
 //!
 //! A YAML file ([`model_file`]) or code ([`ModelBuilder`]) becomes a [`Model`] and a mutable [`State`]; [`Simulation`] advances
-//! the state by running the [`stages`] in order. Equations: `D` collects the contact Jacobians, `γ` the contact impulses,
-//! `N = Dᵀ M̃⁻¹ D` with the joints eliminated; a step minimises `½ γᵀNγ + rᵀγ` over the product of friction cones (Negrut et
-//! al. 2012, §2).
+//! the state by running the [`stages`] in order. [`run`] writes a whole simulation to a run directory.
+//!
+//! Units are SI: m, kg, s, N, rad. Bodies, shapes, joints and contacts are rows of columns, and their ids are indices of rows;
+//! `(n_bodies)` behind a column's meaning is its length. A body's *principal frame* has its origin at the centre of mass and its
+//! axes along the principal axes of inertia.
+//!
+//! Equations of a step of length h: `D` collects the contact Jacobians, `γ` (N s) the contact impulses, `M̃⁻¹` is the inverse mass
+//! matrix with the joints eliminated, and `r` (m/s) the velocities at the contacts without contact impulses plus the gaps over h.
+//! With `N = Dᵀ M̃⁻¹ D`, a step minimises `½ γᵀNγ + rᵀγ` over the product of friction cones.
+//!
+//! Source: D. Negrut et al., *Investigating the mobility of light autonomous tracked vehicles using a high performance computing
+//! simulation capability* (2012), §2; cited below as Negrut et al. 2012.
 
 mod aabb;
 mod assembly;

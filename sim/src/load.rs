@@ -2,25 +2,25 @@
 
 use glam::DVec3;
 
-/// A function of time, s.
+/// A function of time, s; its values have the unit of the driven quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Function {
     /// A constant value.
     Constant(f64),
     /// `before` until time `at`, then `after`.
     Step {
-        /// Value before.
+        /// Value before the step.
         before: f64,
-        /// Value after.
+        /// Value from the step on.
         after: f64,
         /// Time of the step, s.
         at: f64,
     },
-    /// A linear ramp between two values, constant outside.
+    /// A linear ramp between two values, constant before and after.
     Ramp {
-        /// Values at the ends.
+        /// Values at the start and at the end.
         values: [f64; 2],
-        /// Times of the ends, s.
+        /// Times of the start and of the end, s.
         times: [f64; 2],
     },
     /// `mean + amplitude sin(2π frequency t + phase)`.
@@ -34,7 +34,7 @@ pub enum Function {
         /// Phase, rad.
         phase: f64,
     },
-    /// Points (time, value) with linear interpolation, constant outside; times ascend.
+    /// Points (time, s, and value) with linear interpolation, constant before the first and after the last; times ascend.
     Table(Vec<[f64; 2]>),
 }
 
@@ -71,24 +71,25 @@ impl Function {
 pub struct Load {
     /// Id of the body.
     pub body: u32,
-    /// Whether it is a torque, N m, rather than a force, N.
+    /// Whether the load is a torque, N m, rather than a force, N.
     pub torque: bool,
-    /// Unit direction, world; of the model file's body frame where `follows`.
+    /// Unit direction, world; in the model file's body frame if `follows`.
     pub direction: DVec3,
-    /// Whether the direction is fixed to the body.
+    /// Whether the direction turns with the body.
     pub follows: bool,
-    /// Point of application of a force from the centre of mass, m, principal frame.
+    /// Point of application of a force, m, principal frame: relative to the centre of mass.
     pub point: DVec3,
     /// Magnitude over time, N or N m.
     pub value: Function,
-    /// Time from which it acts, s.
+    /// Time from which it acts, s, inclusive.
     pub from: f64,
-    /// Time until which it acts, s.
+    /// Time until which it acts, s, exclusive.
     pub until: f64,
 }
 
 impl Load {
-    /// Force, N, or torque, N m, at a time, world, for an orientation of the model file's body frame; zero while it does not act.
+    /// Force, N, or torque, N m, world, at time `t`, s, with the orientation `frame` of the model file's body frame, body to world; zero
+    /// while the load does not act.
     pub fn vector(&self, t: f64, frame: glam::DQuat) -> DVec3 {
         if t < self.from || t >= self.until {
             return DVec3::ZERO;

@@ -24,7 +24,7 @@ pub struct ContactLaw {
     pub spinning: f64,
 }
 
-/// A scheduled body: inactive, then held in place, then moving.
+/// The schedule of a body that is first inactive, then held in place, then moving.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheduled {
     /// Id of the body.
@@ -35,7 +35,8 @@ pub struct Scheduled {
     pub moves: f64,
 }
 
-/// The constant model of a run, as columns; a step changes the [`State`](crate::State) alone.
+/// The constant model of a run, as columns with a row per body (n_bodies) or shape (n_shapes); a step changes the
+/// [`State`](crate::State) alone.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Name, for messages.
@@ -52,16 +53,16 @@ pub struct Model {
     pub seed: u64,
     /// Settings of the contact solver.
     pub solver: SolverSettings,
-    /// Envelope δ: maximum gap at which contacts are generated, m; the margin of moving shapes adds |v| h.
+    /// Envelope δ: maximum gap at which contacts are generated, m; the margin of a moving shape is δ + |v| h.
     pub envelope: f64,
 
     /// Reciprocal mass, 1/kg; zero for a fixed body (n_bodies).
     pub inv_mass: Vec<f64>,
-    /// Reciprocal principal moments of inertia, 1/(kg m²), body frame (n_bodies).
+    /// Reciprocal principal moments of inertia, 1/(kg m²); zero for a fixed body (n_bodies).
     pub inv_inertia: Vec<DVec3>,
-    /// Index into `class_names` (n_bodies).
+    /// Class of the body, an index into `class_names` (n_bodies).
     pub class: Vec<u32>,
-    /// The model file's body frame, in the body's principal frame (n_bodies).
+    /// Pose of the model file's body frame in the body's principal frame (n_bodies).
     pub body_frame: PoseColumn,
     /// Names of the classes.
     pub class_names: Vec<String>,
@@ -70,7 +71,7 @@ pub struct Model {
     /// Bodies that appear, or begin to move, at a later time; by ascending id.
     pub scheduled: Vec<Scheduled>,
 
-    /// Body of the shape (n_shapes).
+    /// Id of the shape's body (n_shapes).
     pub shape_body: Vec<u32>,
     /// Kind of the shape (n_shapes).
     pub shape_kind: Vec<ShapeKind>,
@@ -82,7 +83,7 @@ pub struct Model {
     pub shape_material: Vec<u32>,
     /// Collision group of the shape, an index into `group_names` (n_shapes).
     pub shape_group: Vec<u32>,
-    /// Index into `hulls` or `surfaces`, for shapes of those kinds (n_shapes).
+    /// Index into `hulls` for a hull, into `surfaces` for a mesh or a height field (n_shapes).
     pub shape_part: Vec<u32>,
 
     /// Convex hulls.
@@ -119,7 +120,7 @@ impl Model {
         self.shape_body.len()
     }
 
-    /// Index into `laws` of the materials of two shapes.
+    /// Index into `laws` of the contact law of shapes `s` and `t`.
     #[inline]
     pub fn law(&self, s: usize, t: usize) -> u32 {
         self.shape_material[s] * self.material_names.len() as u32 + self.shape_material[t]

@@ -1,7 +1,7 @@
 //! The model file: its types, its checks, and its resolution into a [`Model`] and a [`State`].
 //!
-//! Units are SI (m, kg, s, N, rad) but for angles in the file, which are in degrees. Almost everything has a default;
-//! [`ModelFile::to_yaml`] writes the model with its defaults filled in.
+//! Units of the file are SI (m, kg, s, N, rad) but for rotations, limits of angles, free angles of springs and phases of sines, which are
+//! in degrees. Most keys have a default; [`ModelFile::to_yaml`] writes the model with its defaults filled in.
 
 mod resolve;
 mod shape;
@@ -14,7 +14,7 @@ use frame::yaml::Document;
 use frame::{Fault, FaultKind, nearest};
 use std::path::Path;
 
-/// Read, check and resolve a model file.
+/// Read, check and resolve a model file; returns the file as written and the resolved model.
 ///
 /// # Errors
 /// The first fault of the file, with its line and column.
@@ -61,24 +61,24 @@ pub struct Resolved {
     pub state: State,
     /// The quantities of `probes.csv`.
     pub probes: Probes,
-    /// Names and end times, s, of the stages.
+    /// Name and end time, s, of each stage.
     pub stages: Vec<(String, f64)>,
-    /// Warnings, as of deep overlaps at the start.
+    /// Warnings for the user, as of deep overlaps at the start.
     pub warnings: Vec<String>,
 }
 
-/// The quantities of `probes.csv`, resolved.
+/// The quantities of `probes.csv`, resolved to ids.
 #[derive(Clone, Debug, Default)]
 pub struct Probes {
     /// Time between lines, s.
     pub interval: f64,
-    /// Ids of bodies.
+    /// Ids of the probed bodies.
     pub bodies: Vec<u32>,
-    /// Ids of joints.
+    /// Ids of the probed joints.
     pub joints: Vec<u32>,
-    /// Ids of springs.
+    /// Ids of the probed springs.
     pub springs: Vec<u32>,
-    /// Pairs of classes whose contact forces are summed, with their names.
+    /// Name of each total contact force, and its two classes, indices into [`Model::class_names`]; the force is on the second.
     pub contacts: Vec<(String, [u32; 2])>,
     /// Whether energies are written.
     pub energies: bool,

@@ -8,17 +8,18 @@ use glam::DVec3;
 pub struct Outcome {
     /// Number of iterations.
     pub iterations: u32,
-    /// Residual of the cone complementarity problem, m/s: `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks` with g = 10⁻³ η; terms of rolling
-    /// blocks, rad/s, are multiplied by their radius of gyration.
+    /// Residual of the cone complementarity problem, m/s: `‖(γ − Π(γ − g (Nγ + r))) / g‖₂ / n_blocks`. Π is the projection onto the
+    /// friction cones, and g = 10⁻³ η, with η_i = 3 / trace(N_ii) for block i. The terms of blocks of rolling and spinning impulses,
+    /// rad/s, are multiplied by a radius of gyration.
     pub residual: f64,
 }
 
-/// The maximum joint errors at a step's start.
+/// The maximum errors of the joints' locked motions at a step's start.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JointErrors {
-    /// Id of the joint with the maximum error of a length, and the error, m.
+    /// Id of the joint with the maximum error of a length, and that error, m.
     pub length: (usize, f64),
-    /// Id of the joint with the maximum error of an angle, and the error, rad.
+    /// Id of the joint with the maximum error of an angle, and that error, rad.
     pub angle: (usize, f64),
 }
 
@@ -32,15 +33,17 @@ impl JointErrors {
     }
 }
 
-/// The outcome of a step.
+/// The outcome of a step: of its contact solve, its joints and its springs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepOutcome {
     /// Outcome of the contact solver.
     pub solver: Outcome,
-    /// Bodies of the block with the maximum residual, where the step's is above [`crate::watch::residual_bound`].
+    /// Ids of the bodies of the block with the maximum residual; none if the step's residual is within
+    /// [`residual_bound`](crate::watch::residual_bound).
     pub worst: Option<[u32; 2]>,
     /// Maximum joint errors.
     pub joints: JointErrors,
-    /// Bound of the energy oscillation of springs that are integrated explicitly: h |F·v|, summed, J.
+    /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F
+    /// and its velocity v.
     pub spring_oscillation: f64,
 }

@@ -1,4 +1,4 @@
-//! Overlaps of the bodies of a model.
+//! Overlaps of the bodies of a model, by the broad and the narrow phase of a step.
 
 use crate::backend::Backend;
 use crate::cpu::Cpu;
@@ -9,16 +9,16 @@ use crate::state::State;
 
 /// An overlap of two shapes.
 pub struct Overlap {
-    /// Ids of the bodies.
+    /// Ids of bodies A and B.
     pub bodies: [u32; 2],
-    /// Ids of the shapes.
+    /// Ids of the overlapping shapes of A and B.
     pub shapes: [u32; 2],
     /// Maximum penetration, m.
     pub depth: f64,
 }
 
-/// The overlaps of a state, one per pair of shapes. Inactive bodies are left out: the poses of the others when they appear are not
-/// known yet.
+/// The overlaps of a state, one per pair of shapes that penetrate each other. Inactive bodies are left out: the poses that the other
+/// bodies will have when these appear are not known.
 pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
     let mut state = State { contacts: Default::default(), fat_aabb: None, ..state.clone() };
     state.wake(model);

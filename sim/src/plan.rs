@@ -11,30 +11,31 @@ use crate::shape::ShapeKind;
 /// The narrow phase, and the layout of the contact rows that goes with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Narrow {
-    /// All moving shapes are spheres about their bodies' centres of mass with isotropic inertia: spheres have a column of their own,
-    /// pairs of them are tested four at a time, and a contact's arms are lengths along its normal.
+    /// For models in which all moving shapes are spheres about their bodies' centres of mass with isotropic inertia: spheres have a
+    /// column of their own, pairs of spheres are tested four at a time, and a contact's arms are lengths along its normal.
     Spheres,
-    /// Any shapes: pairs are tested one by one, and a contact's arms are vectors.
+    /// For any shapes: pairs are tested one by one, and a contact's arms are vectors.
     #[default]
     Any,
 }
 
-/// The method that solves for contact impulses.
+/// The method of a step's contact solve: sweeps for spheres alone, or a [`Method`] on general blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
     /// Gauss–Seidel sweeps on packed contacts between spheres, which solve either law of friction contact by contact; for steps in which
-    /// no joint limit may be met.
+    /// no joint limit may be met, and laws without cohesion, rolling and spinning friction.
     SphereSweeps,
-    /// A method on blocks of three multipliers.
+    /// A method on blocks of three multipliers, for any shapes, contact laws and joint limits.
     Blocks(Method),
 }
 
-/// The plan of a step.
+/// The plan of a step: the layout of its columns and its method, which follow from the model and hold for many steps. It is resolved
+/// again when the activity of a body or the solver's settings change.
 #[derive(Clone, Debug)]
 pub struct StepPlan {
     /// The narrow phase and the layout of the contact rows.
     pub narrow: Narrow,
-    /// The method of a step with contacts and without joint limits.
+    /// The method of a step with contacts in which no joint limit may be met; [`StepPlan::method_with`] has that of other steps.
     pub method: ContactMethod,
     /// Whether a contact law has rolling or spinning friction, so that contacts have rolling impulses.
     pub rolls: bool,
@@ -42,7 +43,7 @@ pub struct StepPlan {
     pub coheres: bool,
     /// Whether a contact law has restitution.
     pub bounces: bool,
-    /// Whether velocities without contacts and joints are a column; else they are evaluated where they are read, twice a step.
+    /// Whether the velocities without contacts and joints are a column; else each reader evaluates them, which happens twice a step.
     pub has_free_column: bool,
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
@@ -78,7 +79,7 @@ impl StepPlan {
         }
     }
 
-    /// Whether the plan fits the model's solver settings.
+    /// Whether the plan was resolved from the solver settings that the model has now.
     pub fn is_current(&self, model: &Model) -> bool {
         self.settings == model.solver
     }
@@ -89,7 +90,7 @@ impl StepPlan {
         if n_contacts > 0 && n_limits == 0 { self.method } else { ContactMethod::Blocks(self.settings.method) }
     }
 
-    /// Whether a method needs the slip feedback of exact friction in the gaps' rates.
+    /// Whether `method` reaches exact friction by adding the slip feedback μ |v_t| to the gaps' rates, rather than contact by contact.
     pub fn has_slip_feedback(&self, method: ContactMethod) -> bool {
         self.settings.friction == FrictionLaw::Exact && method != ContactMethod::SphereSweeps
     }

@@ -3,17 +3,17 @@
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
-/// A pose: position and orientation.
+/// A pose: position and orientation of a frame in an outer frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// Position, m.
+    /// Position of the frame's origin, m, in the outer frame.
     pub position: DVec3,
-    /// Orientation, unit.
+    /// Orientation, frame to outer frame, unit.
     pub orientation: DQuat,
 }
 
 impl Pose {
-    /// Composition of poses: `local`, given in this pose's frame, in the frame that this pose is given in.
+    /// Composition of poses: the pose in the outer frame of a pose `local` that is given in this pose's frame.
     #[inline]
     pub fn place(&self, local: &Pose) -> Pose {
         Pose {
@@ -29,7 +29,7 @@ impl Pose {
     }
 }
 
-/// A column of poses that stores each distinct pose once: most rows are equal, as those of the grains of a bed.
+/// A column of poses, read as `column[row]`, that stores each distinct pose once: most rows are equal, as those of the grains of a bed.
 #[derive(Clone, Debug, Default)]
 pub struct PoseColumn {
     distinct: Vec<Pose>,
@@ -41,7 +41,7 @@ pub struct PoseColumn {
 }
 
 impl PoseColumn {
-    /// Add a row.
+    /// Append a row.
     pub fn push(&mut self, pose: Pose) {
         let (p, q) = (pose.position, pose.orientation);
         let bits = [p.x, p.y, p.z, q.x, q.y, q.z, q.w].map(f64::to_bits);

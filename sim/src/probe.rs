@@ -1,10 +1,4 @@
 //! Probes: the quantities of `probes.csv`, one line per instant, with units in the header.
-//!
-//! Per body `b`: position and orientation of its frame in the model file, velocity of its centre of mass, angular velocity in the
-//! body's frame. Per joint `j`: the reaction force and torque of body B on body A, at the joint's frame on A and in that frame
-//! (x, y, z; its z axis is the joint's), the coordinate and its rate, and the constraint violation. Per spring: its force and length,
-//! or torque and angle. Per pair of classes: number of contacts with an impulse, and total force on the second. Energies: kinetic,
-//! potential in gravity; the maximum penetration, and the mean slip speed of contacts with an impulse.
 
 use crate::joint::Coordinate;
 use crate::model_file::Probes;
@@ -12,7 +6,13 @@ use crate::{Model, Pose, State};
 use glam::DVec3;
 use std::fmt::Write;
 
-/// Header of `probes.csv`: names of the quantities with their units.
+/// Header of `probes.csv`, with its line break: the names of the quantities with their units.
+///
+/// After the time come, per body: position and orientation of the model file's body frame, velocity of the centre of mass (world), and
+/// angular velocity (body frame). Per joint: the reaction force and torque of body B on body A, about the origin of the joint's frame on
+/// A and in that frame, the coordinate and its rate if the kind of joint has one, and the constraint violation. Per spring: force and
+/// length, or torque and angle. Per pair of classes: number of contacts with an impulse, and total force on the second class (world).
+/// With energies: kinetic and potential energy, maximum penetration, and mean slip speed of the contacts with an impulse.
 pub fn probe_header(model: &Model, probes: &Probes) -> String {
     let mut h = String::from("time [s]");
     let mut add = |name: &str, parts: &[(&str, &str)]| {
@@ -75,7 +75,7 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
     h
 }
 
-/// Line of `probes.csv` at the state's time.
+/// Line of `probes.csv` at the state's time, with its line break; the values are in the order of [`probe_header`].
 pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     let mut line = format!("{:.9}", state.time);
     let mut add = |values: &[f64]| {

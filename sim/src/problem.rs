@@ -1,5 +1,8 @@
 //! Friction problems as data: `u = Wr + q`, `K* ∋ u + g(u) ⊥ r ∈ K` with g = (μ|u_t|, 0, 0) for exact friction, or 0.
 //!
+//! The unknowns are the multipliers r (`gamma` in code) and the contact velocities u, with the components normal, tangent, tangent per
+//! contact; W is symmetric, K is the product of the friction cones, and K* its dual. Values have the units of the problem's file.
+//!
 //! Solvers: the methods of the CPU back end, and Gauss–Seidel sweeps on the matrix.
 
 mod matrix;
@@ -16,14 +19,14 @@ use crate::cpu::solve::{exact, solve as solve_with};
 use crate::settings::{FrictionLaw, Method, SolverSettings};
 use glam::{DMat3, DVec3};
 
-/// Friction law, method and termination criteria of a solve.
+/// The settings of a solve: friction law, method and termination criteria.
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
     /// Law of friction.
     pub friction: FrictionLaw,
-    /// Tolerance of the error.
+    /// Error, as in [`Solution::error`], at which the solve ends.
     pub tolerance: f64,
-    /// Maximum number of iterations, or sweeps.
+    /// Maximum number of iterations, or of sweeps for Gauss–Seidel.
     pub iterations: u32,
     /// Method; Gauss–Seidel and APGD in alternation if not given.
     pub method: Option<Method>,
@@ -32,17 +35,17 @@ pub struct Law {
 /// The solution of a problem.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Multipliers γ: normal, tangent, tangent (n_contacts).
+    /// Multipliers γ with the lowest error: normal, tangent, tangent (n_contacts).
     pub gamma: Vec<DVec3>,
-    /// Error `‖F_nat‖/‖q‖`.
+    /// Error `‖F_nat‖/‖q‖` of the multipliers ([`MatrixOperator::error`]).
     pub error: f64,
-    /// Number of iterations, or sweeps.
+    /// Number of iterations, or of sweeps for Gauss–Seidel.
     pub iterations: u32,
-    /// Name of the method.
+    /// Name of the method that found the multipliers.
     pub method: &'static str,
 }
 
-/// Solve a problem, from zero multipliers.
+/// Solve a problem from zero multipliers; a solve that does not converge returns the multipliers with the lowest error.
 pub fn solve(op: &mut MatrixOperator, law: &Law) -> Solution {
     match law.method {
         Some(Method::GaussSeidel) => sweeps(op, law, vec![DVec3::ZERO; op.q.len()]),

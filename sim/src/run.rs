@@ -14,30 +14,30 @@ use std::path::Path;
 /// The part of a run to simulate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
-    /// Time to stop at, s; the model's duration if not given.
+    /// Time to stop at, s; the model's duration if not given, and at most that.
     pub until: Option<f64>,
-    /// Whether to resume from the last checkpoint.
+    /// Whether to resume from the last checkpoint; a run without a checkpoint starts from time 0.
     pub resume: bool,
 }
 
-/// The observer of a run: callbacks at its events.
+/// The observer of a run: callbacks at the events of the run.
 pub trait Observer {
-    /// A new run begins: its first frame is about to be written. Files beside it may be written now.
+    /// A new run begins: its first frame is about to be written. Other files of the run directory may be written now.
     ///
     /// # Errors
     /// A fault ends the run.
     fn begin(&mut self, _sim: &Simulation, _first: &Frame, _writer: &RunWriter) -> Result<(), Fault> {
         Ok(())
     }
-    /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist.
+    /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist already.
     fn resume(&mut self, _checkpoint: &Path, _time: f64, _written: u64, _expected: u64) {}
-    /// Stepping starts, for `expected` frames in total.
+    /// The first step is about to be taken; the run has `expected` frames in total.
     fn start(&mut self, _expected: u64) {}
-    /// A frame has been written, the `written`-th.
+    /// A frame has been written; `written` frames exist.
     fn frame(&mut self, _written: u64) {}
-    /// A step has the first warning of its kind.
+    /// A step has the first warning of a kind in this run.
     fn warn(&mut self, _warning: &Warning) {}
-    /// The run is complete.
+    /// The run is complete: all its frames are written. `_last` is the frame at its end.
     ///
     /// # Errors
     /// A fault ends the run.
@@ -49,7 +49,7 @@ pub trait Observer {
 /// The error that ends a run early.
 #[derive(Debug)]
 pub enum RunError {
-    /// A file could not be read or written.
+    /// A file cannot be read or written, or a checkpoint belongs to another model.
     Fault(Fault),
     /// The simulation diverged; the message for the user.
     Diverged(String),
@@ -67,7 +67,7 @@ pub fn model_hash(file: &ModelFile) -> String {
     frame::run::hash_text(&file.to_yaml())
 }
 
-/// Whether a folder has a complete run of a model.
+/// Whether a folder has a complete run of a model, by the model's hash and the number of frames.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     RunReader::open(folder).is_ok_and(|run| {
         run.index.complete
@@ -76,7 +76,7 @@ pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     })
 }
 
-/// Simulate a model into the run directory `folder`.
+/// Simulate a model, `file` with its resolution `resolved`, into the run directory `folder`.
 ///
 /// # Errors
 /// A file that cannot be read or written, a checkpoint of another model, or a simulation that diverged.

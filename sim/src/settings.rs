@@ -1,13 +1,14 @@
 //! Settings of the contact solver: the `solver` section of a model file.
 
-/// The form of Coulomb's law that a step satisfies.
+/// The law of friction: the form of Coulomb's law that a step satisfies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum FrictionLaw {
-    /// The convex relaxation of the paper: a sliding contact separates at `μ |v_t|`.
+    /// The convex relaxation of Negrut et al. 2012: a contact that slides at the speed `|v_t|` separates at `μ |v_t|`.
     #[default]
     Relaxed,
-    /// Coulomb's law itself, by a fixed point on the slip feedback `μ |v_t|`.
+    /// Coulomb's law without relaxation: contact by contact in Gauss–Seidel sweeps over spheres, else by a fixed point on the slip
+    /// feedback `μ |v_t|` (Cadoux 2009; Acary et al. 2011).
     Exact,
 }
 
@@ -15,13 +16,13 @@ pub enum FrictionLaw {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Projected Jacobi, the paper's Algorithm 1.
+    /// Projected Jacobi (Negrut et al. 2012, Algorithm 1).
     Jacobi,
     /// Projected Gauss–Seidel on coloured blocks.
     GaussSeidel,
-    /// Accelerated projected gradient descent with adaptive restart.
+    /// Accelerated projected gradient descent with adaptive restart (Mazhar, Heyn, Negrut, Tasora 2015).
     Apgd,
-    /// Spectral projected gradients with Barzilai–Borwein step lengths.
+    /// Spectral projected gradients with Barzilai–Borwein step lengths (Birgin, Martínez, Raydan 2000).
     BarzilaiBorwein,
 }
 
@@ -46,24 +47,24 @@ impl Method {
 pub struct SolverSettings {
     /// Method: `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.
     pub method: Method,
-    /// Law of friction: `relaxed` (the paper's convex form) or `exact`.
+    /// Law of friction: `relaxed` (the convex form) or `exact` (Coulomb's law).
     pub friction: FrictionLaw,
-    /// Maximum number of iterations per step; if not given, 50,000 over the number of contacts, and at least 50.
+    /// Maximum number of iterations per step; if not given, 50,000 divided by the number of contacts, and at least 50.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<u32>,
-    /// Residual (as in `report.csv`) below which the iteration stops, m/s; 0 does all iterations.
+    /// Residual (as in `report.csv`) below which the iteration stops, m/s; with 0 all iterations are done.
     pub tolerance: f64,
-    /// Relaxation factor ω of Jacobi and Gauss–Seidel; 0.3 and 1 if not given.
+    /// Relaxation factor ω of Jacobi and Gauss–Seidel; if not given, 0.3 for Jacobi and 1 for Gauss–Seidel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub omega: Option<f64>,
     /// Smoothing factor λ of Jacobi.
     pub lambda: f64,
     /// Whether the iteration starts from the impulses of the last step.
     pub warm_start: bool,
-    /// Maximum speed of overlap recovery, m/s.
+    /// Maximum speed at which overlapping bodies are pushed apart, m/s.
     pub recovery_speed: f64,
-    /// Maximum gap at which contacts are generated, m, and more for fast bodies; if not given, a fiftieth of the smallest half length of a
-    /// moving shape.
+    /// Maximum gap at which contacts are generated, m, to which the motion of a body in a step is added; if not given, a fiftieth of the
+    /// smallest half length of a moving shape.
     pub envelope: Option<f64>,
 }
 
@@ -84,7 +85,7 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
-    /// Maximum number of iterations of a problem with `n_blocks` blocks.
+    /// Maximum number of iterations of a problem with `n_blocks` blocks of three multipliers: `iterations`, or its default.
     pub fn max_iterations(&self, n_blocks: usize) -> u32 {
         self.iterations.unwrap_or((50_000 / n_blocks.max(1)).max(50) as u32)
     }

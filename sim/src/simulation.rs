@@ -15,13 +15,13 @@ use std::time::Instant;
 pub struct StepReport {
     /// Number of the step, from 1.
     pub step: u64,
-    /// Time at its end, s.
+    /// Time at the step's end, s.
     pub time: f64,
     /// Number of contacts.
     pub contacts: usize,
     /// Number of solver iterations.
     pub iterations: u32,
-    /// Residual of the contact solver, m/s.
+    /// Residual of the contact solver, m/s, as in [`Outcome::residual`](crate::Outcome::residual).
     pub residual: f64,
     /// Maximum penetration at the step's start, m.
     pub worst_penetration: f64,
@@ -29,11 +29,11 @@ pub struct StepReport {
     pub stage_ms: [f64; Stage::ALL.len()],
     /// Warnings of the step.
     pub warnings: Vec<Warning>,
-    /// Reason why the run cannot go on, if there is one.
+    /// Reason why the run cannot go on; none if it can.
     pub broken: Option<Broken>,
 }
 
-/// A simulation: a model and its state. The model is constant but for its solver's settings, which may be changed between steps.
+/// A simulation: a model and its state. The model is constant but for its solver settings, which may be changed between steps.
 pub struct Simulation {
     /// The model.
     pub model: Model,
@@ -44,7 +44,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A simulation of a model from a state, on the CPU.
+    /// A simulation of a model from a state, on the CPU back end.
     pub fn new(model: Model, mut state: State) -> Simulation {
         state.joints.resize(model.joints.len(), JointState::default());
         state.springs.resize(model.springs.len(), SpringState::default());
@@ -63,12 +63,15 @@ impl Simulation {
         self.backend.name()
     }
 
-    /// Take one step of length `model.step`. Debug builds check its columns.
+    /// Take one step of length `model.step`.
+    ///
+    /// # Panics
+    /// Debug builds check the columns as [`Simulation::checked_step`] does, and panic at a fault, which is a defect of the back end.
     pub fn step(&mut self) -> StepReport {
         self.in_pool(cfg!(debug_assertions)).expect("valid columns")
     }
 
-    /// Take one step, and check the columns after every stage that has run.
+    /// Take one step of length `model.step`, and check the columns after every stage that has run.
     ///
     /// # Errors
     /// The first fault that [`stages::check`](crate::stages::check) finds.

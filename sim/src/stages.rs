@@ -21,7 +21,7 @@ use std::mem::size_of;
 pub enum Stage {
     /// Margins and fat AABBs of the shapes.
     Bounds,
-    /// Pairs of a bin and a shape whose box overlaps it.
+    /// Pairs of a bin and a shape, for every bin that the shape's box overlaps.
     BinEmit,
     /// Sort of the pairs by bin.
     BinSort,
@@ -37,14 +37,14 @@ pub enum Stage {
     Force,
     /// Rows of joints, motors, springs and limits.
     JointWrite,
-    /// Impulses of contacts and joints, and the velocities with them.
+    /// Impulses of contacts and joints, and the velocities at the step's end with these impulses.
     ContactSolve,
-    /// Integration of the poses.
+    /// Integration of the poses, and the states of joints and springs.
     Integrate,
 }
 
 impl Stage {
-    /// The stages in their order.
+    /// All stages, in the order in which a step runs them.
     pub const ALL: [Stage; 11] = [
         Stage::Bounds,
         Stage::BinEmit,
@@ -80,34 +80,34 @@ impl Stage {
 /// The number of rows of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// One per body.
+    /// One row per body.
     Bodies,
-    /// One per shape.
+    /// One row per shape.
     Shapes,
-    /// One per joint, and one more.
+    /// One row per joint, and one more.
     JointStarts,
-    /// That of another column.
+    /// The length of another column.
     As(Column),
-    /// Found by the stage.
+    /// Any number of rows, found by the stage that writes the column.
     Found,
 }
 
-/// The condition on a column's values.
+/// The condition on a column's values that [`check`] verifies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Values {
-    /// Finite.
+    /// Finite numbers.
     Finite,
-    /// Finite, which is checked by the watch over the run rather than here.
+    /// Finite numbers, verified by the [`watch`](crate::watch) over the run instead.
     Watched,
-    /// Starts of the rows of a column of items.
+    /// Starts of the rows of a column of items: from 0, never decreasing, to the number of items.
     StartsOf(Column),
     /// Ids of bodies.
     Bodies,
     /// Ids of shapes.
     Shapes,
-    /// Indices of laws.
+    /// Indices into [`Model::laws`].
     Laws,
-    /// Any.
+    /// No condition.
     Any,
 }
 
@@ -120,15 +120,15 @@ pub struct Spec {
     pub name: &'static str,
     /// Size of a row, bytes.
     pub width: usize,
-    /// Unit, where it has one.
+    /// Unit of the values; empty for values without a unit.
     pub unit: &'static str,
     /// Number of rows.
     pub length: Length,
     /// Condition on the values.
     pub values: Values,
-    /// Stages that write it.
+    /// Stages that write the column.
     pub writers: &'static [Stage],
-    /// Stages that read it, in this step or the next.
+    /// Stages that read the column, in the same step or in the next.
     pub readers: &'static [Stage],
 }
 
@@ -136,7 +136,7 @@ pub struct Spec {
 macro_rules! columns {
     ($($(#[$doc:meta])* $column:ident $name:literal: $type:ty, $length:expr, $values:expr, $unit:literal,
         [$($writer:ident),*] => [$($reader:ident),*];)*) => {
-        /// A column between stages.
+        /// A column between stages. Width, unit, length, writers and readers are in its entry of [`COLUMNS`] ([`Column::spec`]).
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Column {
             $($(#[$doc])* $column,)*
@@ -171,7 +171,7 @@ columns! {
         [Integrate] => [Bounds, Force, ContactSolve];
     /// Distance from a shape's surface within which contacts are generated.
     Margin "margin": f32, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
-    /// The spheres, where the plan has spheres only.
+    /// Spheres (centre, world, and radius) with their bodies and materials, where the plan has [`Narrow::Spheres`].
     Sphere "sphere": crate::sphere::Sphere, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
     /// Fat AABBs, grown by a margin for motion; a plane's is unbounded.
     FatAabb "fat_aabb": crate::aabb::Aabb, Length::Shapes, Values::Any, "m", [Bounds] => [BinEmit, PairWrite];
@@ -179,21 +179,21 @@ columns! {
     BinLevel "bin_level": u8, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
     /// Bin coordinates of the minimum corner of a shape's box.
     BinLow "bin_low": glam::UVec3, Length::Shapes, Values::Any, "", [BinEmit] => [PairWrite];
-    /// Bin of each pair of a bin and a shape.
+    /// Index of the bin of each pair of a bin and a shape.
     Bin "bin": u32, Length::Found, Values::Any, "", [BinEmit, BinSort] => [BinSort, BinStart, PairWrite];
-    /// Shape of each pair of a bin and a shape.
+    /// Id of the shape of each pair of a bin and a shape.
     BinShape "bin_shape": u32, Length::As(Column::Bin), Values::Shapes, "", [BinEmit, BinSort] => [BinSort, PairWrite];
-    /// First pair of each bin with more than one shape, and the end.
+    /// First pair and end of the pairs of each bin with more than one shape.
     BinStart "bin_start": [u32; 2], Length::Found, Values::Any, "", [BinStart] => [PairWrite];
     /// First pair of spheres of each tile and of the pairs in no tile, and the end.
     SpherePairStart "sphere_pair_start": u32, Length::Found, Values::StartsOf(Column::SpherePair), "",
         [PairWrite] => [ContactWrite];
     /// Candidate pairs of spheres, the lower id first.
     SpherePair "sphere_pair": [u32; 2], Length::Found, Values::Shapes, "", [PairWrite] => [ContactWrite];
-    /// First other pair of each tile and of the pairs in no tile, and the end.
+    /// First pair other than of spheres of each tile and of the pairs in no tile, and the end.
     OtherPairStart "other_pair_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::OtherPair), "",
         [PairWrite] => [ContactWrite];
-    /// Other candidate pairs, the lower id first, and the triangle where one is a mesh or a height field.
+    /// Candidate pairs other than of spheres, the lower id first, and the triangle where one is a mesh or a height field.
     OtherPair "other_pair": [u32; 3], Length::Found, Values::Any, "", [PairWrite] => [ContactWrite];
     /// First contact of each tile and of the contacts in no tile, and the end.
     ContactStart "contact_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::ContactBodies), "",
@@ -207,27 +207,27 @@ columns! {
     /// Unit normals, out of A, world.
     ContactNormal "contact_normal": DVec3, Length::As(Column::ContactBodies), Values::Finite, "",
         [ContactWrite] => [ContactSolve];
-    /// Arms from the centres of mass of A and B to the contact, world, where the plan has any shapes.
+    /// Arms from the centres of mass of A and B to the contact point, world, where the plan has [`Narrow::Any`].
     ContactArms "contact_arms": [DVec3; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
         [ContactWrite] => [ContactSolve];
-    /// Lengths of the arms along the normal, where the plan has spheres only.
+    /// Lengths of the arms along the normal, where the plan has [`Narrow::Spheres`].
     ContactReach "contact_reach": [f64; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
         [ContactWrite] => [ContactSolve];
     /// Gaps Φ, negative in overlap.
     ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [ContactSolve];
-    /// Index of the contact law.
+    /// Contact law, an index into [`Model::laws`].
     ContactLaw "contact_law": u32, Length::As(Column::ContactBodies), Values::Laws, "", [ContactWrite] => [ContactSolve];
     /// Impulses on B, world.
     Impulse "impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N s",
         [WarmStart, ContactSolve] => [WarmStart, ContactSolve];
-    /// Rolling and spinning impulses on B, world, where the plan has them.
+    /// Rolling and spinning impulses on B, world, where the plan has [`StepPlan::rolls`].
     RollingImpulse "rolling_impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N m s",
         [WarmStart, ContactSolve] => [WarmStart, ContactSolve];
-    /// Velocities at the step's end without contacts and joints, world, where the plan has them as a column.
+    /// Velocities at the step's end without contacts and joints, world, where the plan has [`StepPlan::has_free_column`].
     Free "free": Twist, Length::Bodies, Values::Finite, "m/s, rad/s", [Force, JointWrite] => [JointWrite, ContactSolve];
-    /// Inverse inertia tensors of the bodies with anisotropic inertia, and the tensors, world.
+    /// Inverse inertia tensor and inertia tensor of each body with anisotropic inertia, world.
     Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force] => [JointWrite, ContactSolve];
-    /// First row of each joint, and of the springs.
+    /// First joint row of each joint, and of the implicit springs.
     JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [Integrate];
     /// Rows of joints, motors and implicit springs.
     JointRow "joint_row": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
@@ -235,9 +235,9 @@ columns! {
     JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite] => [ContactSolve];
     /// Rows of joint limits that may be met in the step.
     Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve];
-    /// Velocities with contacts and joints, world.
+    /// Velocities at the step's end with contacts and joints, world.
     Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
-    /// Multipliers of the joints' rows.
+    /// Multipliers of the joint rows.
     JointImpulse "joint_impulse": f64, Length::As(Column::JointRow), Values::Watched, "N s, N m s",
         [ContactSolve] => [Integrate];
 }
@@ -281,17 +281,17 @@ impl<'a> View<'a> {
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::U32(bytemuck::cast_slice(column)) }
     }
 
-    /// A column of single precision.
+    /// A column of numbers in single precision.
     pub fn of_f32(column: &'a [f32]) -> View<'a> {
         View { rows: column.len(), width: size_of::<f32>(), numbers: Numbers::F32(column) }
     }
 
-    /// A column of double precision.
+    /// A column of rows of numbers in double precision.
     pub fn of_f64<T: NoUninit>(column: &'a [T]) -> View<'a> {
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(bytemuck::cast_slice(column).into()) }
     }
 
-    /// A column of records, of which `numbers` are checked.
+    /// A column of records, of which the numbers that `numbers` returns are checked.
     pub fn of_rows<T, const K: usize>(column: &'a [T], numbers: impl Fn(&T) -> [f64; K]) -> View<'a> {
         let numbers: Vec<f64> = column.iter().flat_map(numbers).collect();
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::F64(numbers.into()) }
@@ -302,7 +302,7 @@ impl<'a> View<'a> {
         View { rows: column.len(), width: size_of::<T>(), numbers: Numbers::Opaque }
     }
 
-    /// A column of the state; none for the columns of a back end.
+    /// A column of the state; none for a column that a back end keeps.
     pub fn of_state(state: &'a State, column: Column) -> Option<View<'a>> {
         let c = &state.contacts;
         Some(match (column, &c.arms) {

@@ -9,12 +9,12 @@ use crate::twist::Twist;
 use crate::warning::WatchState;
 use glam::{DQuat, DVec3};
 
-/// The activity of a body.
+/// The activity of a body: whether it moves, and whether it takes part in contacts and frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Activity {
-    /// Moving.
+    /// Moving: its velocity and its pose are integrated.
     Moving,
-    /// Held in place: fixed, or until it is scheduled to move.
+    /// Held in place: a fixed body, or one that is scheduled to move later; it has contacts with moving bodies.
     Held,
     /// Inactive: it has not appeared yet, has no contacts and is in no frame.
     Inactive,
@@ -23,15 +23,15 @@ pub enum Activity {
 /// The mutable state of a simulation, as columns.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct State {
-    /// Time, s.
+    /// Simulated time, s.
     pub time: f64,
     /// Number of steps taken.
     pub steps: u64,
-    /// Centre of mass, m, world (n_bodies).
+    /// Position of the centre of mass, m, world (n_bodies).
     pub position: Vec<DVec3>,
     /// Orientation of the principal frame, body to world, unit (n_bodies).
     pub orientation: Vec<DQuat>,
-    /// Velocity, m/s, world (n_bodies).
+    /// Velocity of the centre of mass, m/s, world (n_bodies).
     pub velocity: Vec<DVec3>,
     /// Angular velocity ω̄, rad/s, principal frame (n_bodies).
     pub angular_velocity: Vec<DVec3>,
@@ -47,12 +47,13 @@ pub struct State {
     pub springs: Vec<SpringState>,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
-    /// State of the watch over the run.
+    /// State of the [`watch`](crate::watch) over the run.
     pub watch: WatchState,
 }
 
 impl State {
-    /// Wake the bodies that are scheduled to appear or to move by now. Returns whether any activity has changed.
+    /// Wake the scheduled bodies for the step that begins now: a body appears, or begins to move, in the first step whose middle is not
+    /// before the scheduled time. Returns whether any activity has changed.
     pub fn wake(&mut self, model: &Model) -> bool {
         let now = self.time + 0.5 * model.step;
         let mut has_changed = false;

@@ -9,7 +9,7 @@ use crate::state::State;
 use frame::{Column, Frame};
 use glam::DVec3;
 
-/// The frame of an instant, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes.
+/// The frame of the state's time, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes.
 ///
 /// Columns: id (of the body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
 /// omega_x..z (rad/s, shape's frame), size_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
@@ -79,7 +79,10 @@ fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
     (names, codes)
 }
 
-/// The contact table of a frame: body_a, body_b, class_a, class_b, pos_x..z (m), normal_x..z, force_x..z on B (N, world), gap (m).
+/// The contact table of the frame with index `index`: one row per contact of the last step.
+///
+/// Columns: body_a, body_b (ids), class_a, class_b, pos_x..z (m, world) of the contact point, normal_x..z (out of A, world),
+/// force_x..z (N, world) on B, the mean over the step, and gap (m).
 pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
     let mut frame = Frame::new(index, state.time);
     let c = &state.contacts;
@@ -103,13 +106,13 @@ pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
     frame
 }
 
-/// Header of `report.csv`.
+/// Header of `report.csv`, with its line break: names and units of the quantities of a [`StepReport`], a column for each stage's time.
 pub fn report_header() -> String {
     let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
     format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
 }
 
-/// Line of `report.csv` of a step.
+/// Line of `report.csv` for a step, with its line break; the values are in the order of [`report_header`].
 pub fn report_line(r: &StepReport) -> String {
     let stages: Vec<String> = r.stage_ms.iter().map(|ms| format!("{ms:.4}")).collect();
     format!(

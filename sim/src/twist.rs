@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// The twist of a body: its linear and angular velocity, or impulse, in the world frame.
+/// The twist of a body: linear and angular part of a velocity, or of an impulse, about the centre of mass in the world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Twist {

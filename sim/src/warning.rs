@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The kind of a warning.
+/// The kind of a warning; [`watch`](crate::watch) has the bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningKind {
     /// The contact solver has not converged.
     Residual,
-    /// A joint's constraints are violated.
+    /// A locked motion of a joint is violated.
     Joint,
     /// Energy has grown without a cause.
     Energy,
@@ -35,7 +35,7 @@ pub struct Warning {
     pub kind: WarningKind,
     /// Number of the step, from 1.
     pub step: u64,
-    /// Time at its end, s.
+    /// Time at the step's end, s.
     pub time: f64,
     /// Message, with the body's or joint's name, the value and its bound.
     pub message: String,
@@ -52,16 +52,16 @@ impl std::fmt::Display for Warning {
 pub struct WarningCount {
     /// Number of steps.
     pub count: u64,
-    /// The first warning.
+    /// The first warning of the kind.
     pub first: Warning,
 }
 
-/// The reason why a run cannot go on.
+/// The reason why a run cannot go on: a value that is not finite, or a body that is too fast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// Id of the body concerned, if it is one.
+    /// Id of the body whose state is out of bounds; none for a residual or a joint error.
     pub body: Option<usize>,
-    /// Message.
+    /// Message for the user, without the body's name.
     pub why: String,
 }
 

@@ -2,15 +2,16 @@
 //!
 //! | warning | when |
 //! |---|---|
-//! | residual | the step's residual is above 100 tolerances and above g h |
+//! | residual | the step's residual is above 100 tolerances and above gravity times step size |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
 //! the model: energy is compared with its minimum since the last step with a cause. Available energy is kinetic energy, elastic
 //! energy, and each body's potential energy over the bottom of the initial bounding box, or over its own lowest position if that is
-//! lower, plus its weight times its size. Steps that are explicit in positions let energy oscillate by h F·v/2, F being weight and
-//! springs' forces: twice that is tolerated. A velocity, a position or a residual that is not finite ends a run ([`Broken`]).
+//! lower, plus its weight times its minimum radius of gyration. Steps that are explicit in the positions let energy oscillate by h F·v/2,
+//! where F are weight and springs' forces: an oscillation of twice that is tolerated. A position, velocity, residual or joint error that
+//! is not finite, or a speed above 10⁵ m/s, ends a run ([`Broken`]).
 
 use crate::inertia::is_isotropic;
 use crate::joint::Motor;
@@ -19,10 +20,9 @@ use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::rows::fold_rows;
 use crate::state::State;
-use crate::warning::WatchState;
 use glam::DVec3;
 
-pub use crate::warning::{Broken, Warning, WarningCount, WarningKind};
+pub use crate::warning::{Broken, Warning, WarningCount, WarningKind, WatchState};
 
 /// Speed of a body above which a run has diverged, m/s.
 const MAX_SPEED: f64 = 1e5;
@@ -33,7 +33,7 @@ const JOINT_ANGLE: f64 = 1e-2;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
 
-/// The residual above which a step counts as not converged, m/s.
+/// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size.
 pub fn residual_bound(model: &Model) -> f64 {
     let tolerance = if model.solver.tolerance > 0.0 { model.solver.tolerance } else { 1e-7 };
     (100.0 * tolerance).max(model.gravity.length() * model.step)

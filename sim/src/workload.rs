@@ -4,12 +4,12 @@ use crate::fill::SplitMix64;
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
-/// A benchmark workload.
+/// A benchmark workload: the spheres of a bed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Workload {
-    /// Spheres of radius 0.075 m and density 1900 kg/m³; μ = 0.4.
+    /// Workload S: spheres of radius 0.075 m and density 1900 kg/m³; μ = 0.4.
     S,
-    /// Spheres as in the anchor's bed: radius 0.025 to 0.036 m, 0.005 kg each; μ = 0.4.
+    /// Workload A: spheres of radius 0.025 to 0.036 m and mass 0.005 kg, as in the bed of the anchor model; μ = 0.4.
     A,
 }
 
@@ -69,7 +69,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
     (model, state)
 }
 
-/// Solver settings of the workloads: a method and a fixed number of iterations.
+/// Solver settings of the workloads: a method and a fixed number of iterations, whatever the residual.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
     SolverSettings {
         method,

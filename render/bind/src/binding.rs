@@ -1,11 +1,12 @@
-//! A binding: what to draw of which data, checked and resolved; the one form that the emitter reads.
+//! Bindings: data, objects, camera and output of images, checked and resolved. A binding is the one form that [`crate::emit`]
+//! reads.
 //!
-//! Metadata files ([`crate::metadata`]) and jobs of Chrono::Render ([`crate::chronorender`]) both end as bindings, and neither
-//! knows the other. Whatever stands in a file as text, names or nested keys is here a value: shapes are one of a kind, colour
-//! maps and shader parameters are found, and expressions are programs ([`Formula`]), compiled once for all frames.
+//! Metadata files ([`crate::metadata`]) and jobs of Chrono::Render ([`crate::chronorender`]) both become bindings, and neither
+//! module depends on the other. What a file has as text, names or nested keys is a value here: a shape is one variant of [`Shape`],
+//! colour maps and shader parameters are looked up, and expressions are programs ([`Formula`]), compiled once for all frames.
 //!
-//! Keys (`objects.2.select`) are those of metadata files. The file's [`frame::yaml::Document`] finds the place of a key, or of the longest part
-//! of it that the file has.
+//! Keys (`objects.2.select`) are those of metadata files. The file's [`frame::yaml::Document`] finds the place of a key, or of the
+//! longest part of it that the file has. "The file" below is the metadata file or job; relative paths start from its folder.
 
 mod check;
 mod object;

@@ -1,8 +1,8 @@
-//! Metadata of Chrono::Render (Python, 2011–2014): its jobs as bindings.
+//! Jobs of Chrono::Render (Python, 2011–2014), its metadata files, as bindings.
 //!
-//! What the original does differently from what it means is done as it means: matrices come from whole quaternions, angles may be
-//! negative, sizes hold for every shape, and a frame's number is the last one in its file's name. Every element may be one map or a
-//! list of them. Python hooks cannot be run: the message says what to use instead.
+//! Known defects of the original are not reproduced: matrices are made from all four components of quaternions, angles may be
+//! negative, sizes apply to every shape, and a frame's number is the last number in its file's name. Every element may be one map
+//! or a list of maps. Python hooks are unsupported: the error names what to use instead.
 
 mod data;
 mod job;

@@ -1,6 +1,6 @@
 //! Named colour maps: from a number in [0, 1] to a linear colour.
 
-/// A colour map.
+/// A colour map: colours at even steps of [0, 1], interpolated between.
 #[derive(Clone, Copy, Debug)]
 pub struct Map {
     /// Colours at even steps, as sRGB hexadecimal.
@@ -30,13 +30,13 @@ pub fn names() -> Vec<&'static str> {
     MAPS.iter().map(|(n, _)| *n).collect()
 }
 
-/// The map of a name.
+/// The colour map of this name, if there is one.
 pub fn named(name: &str) -> Option<Map> {
     MAPS.iter().find(|(n, _)| *n == name).map(|(_, stops)| Map { stops })
 }
 
 impl Map {
-    /// The colour of `t`, clamped to [0, 1]; not-a-number is magenta, which no map has.
+    /// The linear colour at `t`, which is clamped to [0, 1]; NaN gives magenta, which no map has.
     pub fn color(self, t: f64) -> [f32; 3] {
         if t.is_nan() {
             return [1.0, 0.0, 1.0];

@@ -1,4 +1,4 @@
-//! Where frames come from: a run directory, or CSV files found by a pattern.
+//! Sources of frames: a run directory, or CSV files found by a pattern.
 
 use crate::expr::Expr;
 use frame::csv::Layout;
@@ -7,27 +7,27 @@ use frame::{Column, Fault, FaultKind, Frame, sequence};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A source of frames, and what is done to each.
+/// A source of frames, with the operations on each frame: derived columns, then the selection of rows.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Where they are.
+    /// The stored frames.
     pub store: Store,
-    /// Columns that are computed from others, in order; of a name that is there already, they take its place.
+    /// Derived columns, in order: name and expression. A derived column replaces one of the same name.
     pub derive: Vec<(String, Expr)>,
-    /// The rows that count.
+    /// Condition on the rows to keep; all rows if not given.
     pub select: Option<Expr>,
 }
 
-/// Where frames are.
+/// Stored frames: a run directory or CSV files.
 #[derive(Clone, Debug)]
 pub enum Store {
     /// A run directory.
     Run(RunReader),
     /// CSV files by frame number.
     Csv {
-        /// The files.
+        /// Paths of the files by frame number.
         files: BTreeMap<u64, PathBuf>,
-        /// How they are laid out.
+        /// Layout of the files.
         layout: Layout,
         /// New names of columns, by their old ones.
         rename: BTreeMap<String, String>,
@@ -41,7 +41,7 @@ impl From<Store> for Source {
 }
 
 impl Source {
-    /// The source at a path: a run directory, or a file or pattern of CSV files.
+    /// Open the source at a path: a run directory, or a CSV file or pattern of CSV files. An error if there is none.
     pub fn open(path: &Path) -> Result<Source, Fault> {
         let store = if path.is_dir() {
             Store::Run(RunReader::open(path)?)
@@ -51,7 +51,7 @@ impl Source {
         Ok(store.into())
     }
 
-    /// The frames that are there.
+    /// Numbers of the stored frames, ascending.
     pub fn numbers(&self) -> Vec<u64> {
         match &self.store {
             Store::Run(run) => run.numbers(),
@@ -59,7 +59,7 @@ impl Source {
         }
     }
 
-    /// Frames that should be there and are not: those that an interrupted simulation did not come to.
+    /// Numbers of the missing frames: those that an interrupted simulation did not reach. Empty for CSV files.
     pub fn missing(&self) -> Vec<u64> {
         match &self.store {
             Store::Run(run) => {
@@ -70,7 +70,7 @@ impl Source {
         }
     }
 
-    /// The hash of the model whose run this is, if it is one.
+    /// The hash of the model that was run; `None` for CSV files.
     pub fn run_hash(&self) -> Option<&str> {
         match &self.store {
             Store::Run(run) => Some(&run.index.model_hash),
@@ -78,7 +78,8 @@ impl Source {
         }
     }
 
-    /// Read a frame.
+    /// Read a frame, compute its derived columns and select its rows. An error if the file is bad or an expression cannot be
+    /// evaluated. Panics if a CSV source has no frame of this number.
     pub fn read(&self, number: u64) -> Result<Frame, Fault> {
         let (mut frame, path) = match &self.store {
             Store::Run(run) => (run.read_frame(number)?, run.folder.clone()),

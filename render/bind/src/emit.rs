@@ -1,6 +1,6 @@
-//! A frame's table and its binding → RenderMan calls, injected into a scene.
+//! Emission of a frame: its table and a binding → RenderMan calls, injected into a scene.
 //!
-//! A scene is an ordinary RIB file; structured comments say where the data goes, so that any renderer still opens it:
+//! A scene is an ordinary RIB file, which any renderer reads; comments mark where the data goes:
 //! ```text
 //! #scree inject camera              the binding's camera
 //! #scree inject lights              the binding's lights, or the default ones
@@ -20,12 +20,12 @@ use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
 
-/// Why a frame could not be emitted.
+/// An error in emitting a frame.
 #[derive(Debug)]
 pub enum EmitError {
-    /// Something in the file that says what to draw, or in the data.
+    /// A fault in the metadata file or job, or in the data.
     Fault(Fault),
-    /// Something in a RIB file.
+    /// An error in a RIB file.
     Rib(RibError),
 }
 
@@ -38,7 +38,9 @@ impl From<Fault> for EmitError {
 /// What is left of settings that no directive has placed yet.
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
 
-/// Emit a frame: read the scene, and make the calls of its directives. `image` is the image's file.
+/// Emit a frame to `ri`: read the binding's scene through the search path `files`, and make the calls of its directives. `image` is
+/// the path of the image file. An error if the scene lacks a directive that the binding needs, if a column is missing or not
+/// finite, or if a RIB file is bad.
 pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &mut dyn Ri) -> Result<(), EmitError> {
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Conditions and derived columns: small typed expressions over a frame's columns. Nothing is executed but arithmetic.
+//! Expressions over the columns of a frame, for conditions and derived columns: typed arithmetic and comparisons, without side
+//! effects.
 //!
 //! `class == 'stones' and 0.02 <= size_x < 0.05`, `sqrt(vel_x*vel_x + vel_y*vel_y)`. Operators by falling precedence: unary `-`
 //! (so that `-x ** 2` is `(-x) ** 2`), `**`, `* / %`, `+ -`, comparisons (which chain), `not`, `and`, `or`. Functions: sqrt abs sin
@@ -14,31 +15,32 @@ pub use parse::ExprError;
 use frame::Frame;
 use program::{Program, Value};
 
-/// An expression.
+/// A compiled expression. Its value for a row is a number or a word; conditions are true where the number is not 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
-    /// The text that it was read from.
+    /// Text of the expression.
     pub text: String,
     program: Program,
 }
 
 impl Expr {
-    /// Parse.
+    /// Parse an expression. An error, with its byte in the text, if it is malformed.
     pub fn parse(text: &str) -> Result<Expr, ExprError> {
         Ok(Expr { text: text.into(), program: parse::parse(text)? })
     }
 
-    /// The value of a column.
+    /// The expression whose value is that of a column; unlike in [`Expr::parse`], the name may have any characters.
     pub fn column(name: &str) -> Expr {
         Expr { text: name.into(), program: Program::column(name) }
     }
 
-    /// The columns that it reads, as they come.
+    /// Names of the columns that the expression reads, each once, in the order of the text.
     pub fn columns(&self) -> &[String] {
         &self.program.columns
     }
 
-    /// Its value for each row. Every column must be there; words that are no numbers count nowhere.
+    /// The value of the expression for each of the rows of these indices. An error if the frame lacks a column, or a word that is
+    /// not a number stands where a number is needed.
     pub fn numbers(&self, frame: &Frame, rows: &[usize]) -> Result<Vec<f64>, String> {
         let mut run = self.program.run(frame);
         rows.iter()
@@ -51,7 +53,7 @@ impl Expr {
             .collect()
     }
 
-    /// The rows for which it is true.
+    /// Indices of the rows for which the expression is true. Errors as in [`Expr::numbers`].
     pub fn select(&self, frame: &Frame) -> Result<Vec<usize>, String> {
         let all: Vec<usize> = (0..frame.rows()).collect();
         let truth = self.numbers(frame, &all)?;

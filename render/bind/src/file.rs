@@ -1,4 +1,4 @@
-//! A file that says what to draw, of either kind → its binding.
+//! Reading of a file, a metadata file or a job of Chrono::Render → its binding.
 
 use crate::binding::Binding;
 use crate::{chronorender, metadata};
@@ -6,7 +6,7 @@ use frame::Fault;
 use frame::yaml::Document;
 use std::path::Path;
 
-/// Read and check a metadata file, or a job of Chrono::Render.
+/// Read and check a metadata file or a job of Chrono::Render. An error has its place in the file.
 pub fn read(path: &Path) -> Result<Binding, Fault> {
     let (any, doc): (serde_yaml::Value, Document) = frame::yaml::read(path)?;
     if let Some(job) = any.get(chronorender::ROOT) {

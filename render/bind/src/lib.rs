@@ -1,9 +1,9 @@
-//! Metadata that binds data columns to geometry and shaders, and the injection into scenes.
+//! Metadata, which binds columns of data to geometry and shaders, and its injection into RIB scenes.
 //!
-//! A file says where the data is, which rows are which object and what each object looks like: a [`metadata::Metadata`] file, or a
-//! job of [`chronorender`]. [`read`] makes a [`Binding`] of either, checked and resolved. [`data::Source`] reads the frames;
-//! [`emit`] reads a predefined scene and, at its `#scree inject` directives, makes the RenderMan calls that draw a frame as the
-//! binding says. [`suggest`] writes a starting metadata file for data that has none.
+//! A metadata file ([`metadata::Metadata`]), or a job of [`chronorender`], names the data, the rows that make up each object, and
+//! each object's geometry and shaders. [`read`] makes a checked and resolved [`Binding`] of either. [`data::Source`] reads the
+//! frames; [`emit`] reads a scene and, at its `#scree inject` directives, makes the RenderMan calls that draw a frame by the
+//! binding. [`suggest`] makes a first metadata file for data that has none.
 
 pub mod binding;
 pub mod chronorender;

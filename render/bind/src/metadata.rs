@@ -1,4 +1,4 @@
-//! Metadata files: [`Metadata`] is what stands in one, and [`check`] makes a [`crate::binding::Binding`] of it.
+//! Metadata files: [`Metadata`] is the content of a file as written, and [`check`] makes a [`crate::binding::Binding`] of it.
 
 mod resolve;
 mod types;

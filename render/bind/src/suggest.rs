@@ -1,4 +1,4 @@
-//! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
+//! A first metadata file for data that has none: columns are recognised by their names, and the camera is placed to see all rows.
 
 use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
@@ -18,7 +18,8 @@ fn column(name: &str) -> Quantity {
     Quantity::Expression(name.into())
 }
 
-/// Metadata for frames of the data, the first and the last, say; or what is missing.
+/// Suggest metadata for data, from some of its frames (such as the first and the last). An error if there is no frame, or if no
+/// columns of positions are recognised.
 pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     let frame = *frames.first().ok_or("the data has no frames")?;
     let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
@@ -261,7 +262,7 @@ fn rounded(x: f32) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x as f64)
 }
 
-/// Metadata as YAML, with a commented line that colours the first object by a column of the frame.
+/// Write metadata as YAML, with a line, commented out, that colours the first object by a column of the frame.
 pub fn to_yaml(metadata: &Metadata, frame: &Frame) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
     let head = "# What to draw, found out from the data; change what you like.\n";

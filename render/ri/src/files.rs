@@ -1,31 +1,33 @@
-//! Where scenes, archives and shaders are looked for: folders in order, then what is built into the program.
+//! The search path of scenes, archives, shaders and textures: folders in order, then files built into the program.
 
 use std::path::{Path, PathBuf};
 
-/// A search path.
+/// A search path: folders, then files built into the program.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// Folders, first one first.
+    /// Folders, in the order of the search.
     pub folders: Vec<PathBuf>,
-    /// Files built into the program: path and text.
+    /// Files built into the program: paths, as `scenes/studio.rib`, and texts.
     pub built_in: Vec<(&'static str, &'static str)>,
 }
 
 impl Files {
-    /// With files of its own besides.
+    /// The search path with these built-in files added: paths and texts.
     pub fn with(mut self, files: &[(&'static str, &'static str)]) -> Files {
         self.built_in.extend_from_slice(files);
         self
     }
 
-    /// A file of that name (in a folder itself or below its `room`, as `scenes` or `shaders/surface`): its path and text.
+    /// Find and read the text file `name`: its path and text. Each folder is searched itself and in the subfolders `rooms`, such as
+    /// `scenes` or `shaders/surface`; an absolute path is taken as it is. An error if there is no such file, or it cannot be read
+    /// or is not UTF-8.
     pub fn read(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, String), String> {
         let (path, bytes) = self.read_bytes(name, rooms)?;
         let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", path.display()))?;
         Ok((path, text))
     }
 
-    /// The same for a file of any kind.
+    /// Find and read the file `name`, as [`Files::read`] does: its path and bytes.
     pub fn read_bytes(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, Vec<u8>), String> {
         let path = Path::new(name);
         let mut places: Vec<PathBuf> = vec![path.into()];
@@ -47,7 +49,8 @@ impl Files {
         }
     }
 
-    /// A file that a shader includes: from the folder of the file that asks, or as [`Files::read`] finds it.
+    /// Find and read a file that the shader file `from` includes: in that file's own folder, or as [`Files::read`] does in
+    /// `shaders/include` and `shaders`.
     pub fn include(&self, name: &str, from: &Path) -> Result<(PathBuf, String), String> {
         let beside = from.parent().map(|folder| folder.join(name)).filter(|p| p.is_file());
         match beside {

@@ -1,46 +1,48 @@
-//! The instance array: one gprim or object in many places, as columns; the one call that is ours.
+//! The instance array: one gprim or object in many places, as columns. It is an extension of the RenderMan Interface.
 
 use crate::params::{Param, Values};
 use glam::{Mat4, Quat, Vec3};
 
-/// What is repeated.
+/// The shape that an instance array repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InstanceShape {
     /// The unit sphere.
     Sphere,
-    /// An object made by `ObjectBegin` with this handle.
+    /// The retained object (`ObjectBegin`) with this handle.
     Object(String),
 }
 
-/// Many instances of one shape. A column has a row an instance, or is empty for its default.
+/// An instance array: many instances of one shape. A column has one row per instance, or is empty where it has a default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instances {
-    /// What is repeated.
+    /// The shape that is repeated.
     pub shape: InstanceShape,
-    /// Places.
+    /// Position of each instance, object space; `[n]`.
     pub position: Vec<[f32; 3]>,
-    /// Unit quaternions (x, y, z, w); empty: unturned.
+    /// Orientation of each instance as a unit quaternion (x, y, z, w); `[n]`, empty for no rotation.
     pub orientation: Vec<[f32; 4]>,
-    /// Scale along the shape's own axes; empty: 1.
+    /// Scale of each instance along the shape's own axes; `[n]`, empty for 1.
     pub scale: Vec<[f32; 3]>,
-    /// Primitive variables, one value an instance.
+    /// Primitive variables, with one value per instance.
     pub params: Vec<Param>,
-    /// Two times, and the places at the second one; `position` is then of the first. None: they stand still.
+    /// Motion: two times, and the positions `[n]` at the second; `position` then holds those at the first. `None` if the instances
+    /// do not move.
     pub moved: Option<([f32; 2], Vec<[f32; 3]>)>,
 }
 
 impl Instances {
-    /// Number of instances.
+    /// Count of instances, n.
     pub fn len(&self) -> usize {
         self.position.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no instances.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
 
-    /// Shape to object space for column vectors; its columns read as an RI matrix's rows.
+    /// The matrix of instance `i` from the shape's space to object space, for column vectors; stored by columns it is the row-major
+    /// matrix of the RenderMan Interface.
     pub fn matrix(&self, i: usize) -> Mat4 {
         Mat4::from_scale_rotation_translation(
             self.scale.get(i).map_or(Vec3::ONE, |s| Vec3::from(*s)),
@@ -49,7 +51,7 @@ impl Instances {
         )
     }
 
-    /// The values of an instance of a primitive variable.
+    /// The primitive variable `param` with only the value of instance `i`.
     pub fn param_of(&self, param: &Param, i: usize) -> Param {
         let width = param.decl.width();
         let values = match &param.values {

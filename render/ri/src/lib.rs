@@ -1,9 +1,9 @@
 //! The RenderMan Interface: one trait, the RIB reader and the RIB writer.
 //!
-//! [`Ri`] is the only door to a renderer: the [`reader`] makes its calls from RIB, a binder makes them from tables, Rust callers
-//! make them by hand, and the [`writer`] is one more `Ri`, which turns them back into RIB. All three, and the trait itself, come
-//! from one table of requests (`table.rs`). Conventions are those of the RenderMan Interface Specification 3.2 (RISpec): row
-//! vectors, left-handed camera space, angles in degrees.
+//! [`Ri`] is the only interface to a renderer: the [`reader`] makes its calls from RIB, the crate `bind` makes them from tables of
+//! data, Rust callers make them directly, and the [`writer`] implements `Ri` by writing the calls as RIB. The trait, the reader and
+//! the writer are generated from one table of requests (`table.rs`). Conventions are those of the RenderMan Interface Specification
+//! 3.2 (RISpec): row vectors, left-handed camera space, angles in degrees.
 
 mod arguments;
 mod binary;

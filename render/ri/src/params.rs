@@ -2,28 +2,28 @@
 
 use std::collections::HashMap;
 
-/// How often a value is given over a primitive.
+/// The storage class of a primitive variable (RISpec section 3): the count of its values over a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// Once.
+    /// One value per primitive.
     Constant,
-    /// Once a facet.
+    /// One value per facet of the primitive.
     Uniform,
-    /// At every corner, bilinear between.
+    /// One value per parametric corner, interpolated bilinearly.
     Varying,
-    /// At every control vertex, as the surface itself.
+    /// One value per control vertex, interpolated as the surface itself is.
     Vertex,
-    /// At every corner of every face.
+    /// One value per corner of each face, interpolated bilinearly.
     FaceVarying,
 }
 
 impl Class {
-    /// Whether there is one value for a face or for all.
+    /// Whether a value is constant over a facet or the whole primitive.
     pub fn is_whole(self) -> bool {
         matches!(self, Class::Constant | Class::Uniform)
     }
 
-    /// The name in declarations.
+    /// The class's name in declarations.
     pub fn name(self) -> &'static str {
         match self {
             Class::Constant => "constant",
@@ -35,14 +35,14 @@ impl Class {
     }
 }
 
-/// What a value is.
+/// The type of a parameter's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
-    /// A number.
+    /// A floating-point number.
     Float,
     /// A whole number.
     Integer,
-    /// Text.
+    /// A string.
     String,
     /// A colour, three numbers.
     Color,
@@ -59,7 +59,7 @@ pub enum Type {
 }
 
 impl Type {
-    /// The name in declarations.
+    /// The type's name in declarations.
     pub fn name(self) -> &'static str {
         match self {
             Type::Float => "float",
@@ -74,7 +74,7 @@ impl Type {
         }
     }
 
-    /// Numbers (or strings) in one value.
+    /// Count of numbers (or strings) in one value.
     pub fn width(self) -> usize {
         match self {
             Type::Float | Type::Integer | Type::String => 1,
@@ -85,32 +85,32 @@ impl Type {
     }
 }
 
-/// A parameter's name and what it holds.
+/// The declaration of a parameter: name, storage class, type and array length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration {
-    /// Name.
+    /// Name of the parameter.
     pub name: String,
-    /// How often.
+    /// Storage class.
     pub class: Class,
-    /// What.
+    /// Type of the values.
     pub ty: Type,
-    /// Elements of an array; 1 for a single value.
+    /// Count of elements of an array; 1 for a single value.
     pub array: usize,
 }
 
 impl Declaration {
-    /// A declaration of a single value.
+    /// The declaration of a single value, not an array.
     pub fn new(name: &str, class: Class, ty: Type) -> Declaration {
         Declaration { name: name.into(), class, ty, array: 1 }
     }
 
-    /// `class type[n] name`, as an inline declaration has it.
+    /// The inline form of the declaration: `class type[n] name`.
     pub fn inline(&self) -> String {
         let array = if self.array > 1 { format!("[{}]", self.array) } else { String::new() };
         format!("{} {}{array} {}", self.class.name(), self.ty.name(), self.name)
     }
 
-    /// Numbers (or strings) in one value of this declaration.
+    /// Count of numbers (or strings) in one value of this declaration, array elements included.
     pub fn width(&self) -> usize {
         self.ty.width() * self.array
     }
@@ -119,28 +119,28 @@ impl Declaration {
 /// The values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers, `width` for each value.
+    /// Numbers; [`Declaration::width`] of them for each value.
     Floats(Vec<f32>),
-    /// Strings.
+    /// Strings, one for each value and array element.
     Strings(Vec<String>),
 }
 
 /// A parameter: its declaration and its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Param {
-    /// What it is.
+    /// The declaration.
     pub decl: Declaration,
-    /// What it holds.
+    /// The values.
     pub values: Values,
 }
 
 impl Param {
-    /// A parameter of numbers.
+    /// A parameter of numbers, not an array.
     pub fn floats(name: &str, class: Class, ty: Type, values: impl Into<Vec<f32>>) -> Param {
         Param { decl: Declaration::new(name, class, ty), values: Values::Floats(values.into()) }
     }
 
-    /// A uniform string.
+    /// A uniform parameter of one string.
     pub fn string(name: &str, value: &str) -> Param {
         Param {
             decl: Declaration::new(name, Class::Uniform, Type::String),
@@ -148,7 +148,7 @@ impl Param {
         }
     }
 
-    /// The numbers; empty for strings.
+    /// The numbers; empty if the values are strings.
     pub fn numbers(&self) -> &[f32] {
         match &self.values {
             Values::Floats(v) => v,
@@ -156,7 +156,7 @@ impl Param {
         }
     }
 
-    /// The first string, if it holds strings.
+    /// The first string, if the values are strings.
     pub fn text(&self) -> Option<&str> {
         match &self.values {
             Values::Strings(v) => v.first().map(String::as_str),
@@ -203,14 +203,15 @@ impl Default for Declarations {
 }
 
 impl Declarations {
-    /// `Declare "name" "class type[n]"`.
+    /// Add a declaration, as `Declare "name" "class type[n]"` does. An error if its text is malformed.
     pub fn declare(&mut self, name: &str, declaration: &str) -> Result<(), String> {
         let decl = parse_inline(&format!("{declaration} {name}"))?;
         self.0.insert(name.into(), decl);
         Ok(())
     }
 
-    /// What a token of a parameter list declares: inline, or the name of a known one. `None` for an undeclared name.
+    /// The declaration that a token of a parameter list stands for: an inline declaration, or the name of one in force; `None` for
+    /// an undeclared name. An error if an inline declaration is malformed.
     pub fn resolve(&self, token: &str) -> Result<Option<Declaration>, String> {
         if let Some(known) = self.0.get(token) {
             return Ok(Some(known.clone()));
@@ -218,7 +219,7 @@ impl Declarations {
         if token.contains(char::is_whitespace) { parse_inline(token).map(Some) } else { Ok(None) }
     }
 
-    /// All declared names.
+    /// All declared names, in no particular order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.keys().map(String::as_str)
     }

@@ -1,4 +1,4 @@
-//! RIB text → calls of an [`Ri`]. Every error has file, line, column and the offending line.
+//! The RIB reader: RIB, as text or bytestream → calls of an [`Ri`]. Every error has file, line, column and the offending line.
 
 use crate::arguments::{Arguments, Known, Spot, describe};
 use crate::dispatch::{self, Placed};
@@ -16,18 +16,18 @@ use std::path::{Path, PathBuf};
 /// A place in a file; line and column count from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// File.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Line.
+    /// Line, from 1.
     pub line: usize,
-    /// Column.
+    /// Column, from 1.
     pub column: usize,
 }
 
-/// What is wrong with a RIB stream, and where.
+/// An error in a RIB stream, with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RibError {
-    /// Where.
+    /// Place of the error.
     pub place: Place,
     /// The line as it stands in the file.
     pub text: String,
@@ -46,11 +46,12 @@ impl std::error::Error for RibError {}
 /// Maximum depth of archives that read each other.
 const MAX_DEPTH: usize = 32;
 
-/// What is done with a directive: a comment that starts with `scree`, given without that word. `Err` stops the reading.
+/// A function that handles a directive, a comment `#scree …` of the stream. It gets the [`Ri`] and the directive's text after
+/// `scree`; an error stops the reading.
 pub type Directive<'a> = dyn FnMut(&mut dyn Ri, &str) -> RiResult + 'a;
 
-/// Read RIB that came from `path` into `ri`: ASCII or binary, packed by gzip or not. Archives are looked for in `files`;
-/// `on_directive` sees `#scree` comments.
+/// Read the RIB stream `rib`, which came from `path`, and make its calls of `ri`. The stream is ASCII or binary, and may be
+/// compressed by gzip. Archives are found through `files`; `on_directive` handles `#scree` comments.
 pub fn read(
     path: &Path,
     rib: &[u8],

@@ -1,37 +1,37 @@
-//! The requests that are known, by name, and what the table says of each besides its arguments.
+//! The table of known RIB requests: the name of each, where it may stand, and whether it begins or ends a block.
 
 use crate::table::requests;
 
-/// Where a request may stand.
+/// The part of a stream in which a request may stand (RISpec sections 4 and 5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stands {
-    /// Before WorldBegin: it sets an option.
+    /// Before `WorldBegin`: the request sets an option.
     BeforeWorld,
-    /// Between WorldBegin and WorldEnd.
+    /// Between `WorldBegin` and `WorldEnd`.
     InWorld,
-    /// Anywhere.
+    /// Anywhere in the stream.
     Anywhere,
 }
 
 /// Whether a request begins or ends a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bracket {
-    /// It begins a block.
+    /// The request begins a block.
     Opens,
-    /// It ends a block.
+    /// The request ends a block.
     Closes,
-    /// It stands alone.
+    /// The request neither begins nor ends a block.
     Alone,
 }
 
-/// What the table says of a request.
+/// A row of the table of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// The request's name in the stream.
+    /// Name of the request in the stream.
     pub name: &'static str,
-    /// Where it may stand.
+    /// The part of the stream in which the request may stand.
     pub stands: Stands,
-    /// Whether it begins or ends a block.
+    /// Whether the request begins or ends a block.
     pub bracket: Bracket,
 }
 
@@ -68,7 +68,7 @@ macro_rules! names {
             $(#[doc = $doc] $name),*
         }
 
-        /// Every request that is known, in the table's order.
+        /// Every known request, in the table's order.
         pub const ROWS: &[Row] = &[
             $(Row { name: stringify!($name), stands: stands!($stands), bracket: bracket!($($bracket)?) }),*
         ];

@@ -7,64 +7,64 @@ use crate::params::{Class, Declaration, Param, Params, Type};
 use crate::table::requests;
 use glam::{Mat4, Quat, Vec3};
 
-/// Numbers of a NURBS patch along one parameter.
+/// Order, knots and range of a NURBS patch along one parameter (`NuPatch`, RISpec 5.3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knots {
-    /// Control points.
+    /// Count of control points.
     pub n: i32,
-    /// Order: degree plus one.
+    /// Order: the degree plus one.
     pub order: i32,
-    /// Knots (n + order).
+    /// Knots; `[n + order]`.
     pub knots: Vec<f32>,
     /// Minimum and maximum parameter.
     pub range: [f32; 2],
 }
 
-/// Loops of NURBS curves in u, v, w. Columns but the last three have a row a curve.
+/// Trim curves (`TrimCurve`, RISpec 5.3): closed loops of NURBS curves in the parameter plane of a patch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrimCurves {
-    /// Curves of each loop.
+    /// Count of curves in each loop; `[n_loops]`.
     pub n_curves: Vec<i32>,
-    /// Orders.
+    /// Order of each curve; one entry for each curve of all loops.
     pub order: Vec<i32>,
-    /// Knots, one curve after the other.
+    /// Knots of the curves, one curve after the other; n + order for each.
     pub knot: Vec<f32>,
-    /// Minimum parameters.
+    /// Minimum parameter of each curve.
     pub min: Vec<f32>,
-    /// Maximum parameters.
+    /// Maximum parameter of each curve.
     pub max: Vec<f32>,
-    /// Control points.
+    /// Count of control points of each curve.
     pub n: Vec<i32>,
-    /// Their u.
+    /// Homogeneous u of all control points, one curve after the other.
     pub u: Vec<f32>,
-    /// Their v.
+    /// Homogeneous v of all control points.
     pub v: Vec<f32>,
-    /// Their weights.
+    /// Weight of all control points.
     pub w: Vec<f32>,
 }
 
-/// Tags of a subdivision mesh: names, and for each its numbers of integers and of floats.
+/// Tags of a subdivision mesh (`SubdivisionMesh`, RISpec 5.4), such as `crease`, with their arguments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tags {
-    /// Names.
+    /// Names of the tags; `[n_tags]`.
     pub names: Vec<String>,
-    /// Two numbers for each.
+    /// Counts of integer and of float arguments of each tag; `[2 n_tags]`.
     pub n_args: Vec<i32>,
-    /// All integers.
+    /// Integer arguments of all tags, one tag after the other.
     pub integers: Vec<i32>,
-    /// All floats.
+    /// Float arguments of all tags, one tag after the other.
     pub floats: Vec<f32>,
 }
 
-/// Why a call failed; who made it adds the place.
+/// The error of a call of [`Ri`]. It has no place in a file: the caller adds that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fail {
-    /// What is wrong.
+    /// The error message.
     pub message: String,
 }
 
 impl Fail {
-    /// A failure with its message.
+    /// An error with this message.
     pub fn new(message: impl Into<String>) -> Fail {
         Fail { message: message.into() }
     }
@@ -78,13 +78,16 @@ impl std::fmt::Display for Fail {
 
 impl std::error::Error for Fail {}
 
-/// The result of a call.
+/// The result of a call of [`Ri`].
 pub type RiResult = Result<(), Fail>;
 
 macro_rules! calls {
     ($(#[doc = $doc:literal] $name:ident [$($where:ident)+]
        $(=> $method:ident($($kind:ident $($what:literal)? ($($arg:ident: $ty:ty),+))*))?;)*) => {
-        /// The RenderMan Interface. Matrices are 16 numbers, row after row, for row vectors.
+        /// The RenderMan Interface (RISpec 3.2): one method per request, and the instance array, an extension.
+        ///
+        /// Matrices are row-major for row vectors; angles are in degrees; bounds are x_min, x_max, y_min, y_max, z_min, z_max. A method
+        /// that is not implemented returns an error that names the request as unsupported.
         #[allow(unused_variables)]
         pub trait Ri {
             $($(
@@ -94,22 +97,24 @@ macro_rules! calls {
                 }
             )?)*
 
-            /// A structured comment or any other record: kind `comment` or `structure`, and its text.
+            /// `ArchiveRecord`: write a comment into an archive; `kind` is `comment` or `structure`.
             fn archive_record(&mut self, kind: &str, text: &str) -> RiResult {
                 Err(unsupported("ArchiveRecord"))
             }
 
-            /// Be told of something odd that does not stop the reading.
+            /// Take a warning of the reader; by default it goes to the standard error.
             fn warn(&mut self, message: String) {
                 eprintln!("warning: {message}");
             }
 
-            /// How large a bound is on the raster, square pixels: what programs that make geometry are told.
+            /// The area of a bound (object space) on the raster, square pixels: the level of detail that `Procedural` programs are
+            /// given.
             fn detail(&self, bound: [f32; 6]) -> f32 {
                 1e6
             }
 
-            /// Many instances of one shape; by default as standard calls.
+            /// Draw many instances of one shape, an extension of the interface; by default each instance becomes standard calls in
+            /// an attribute block.
             fn instances(&mut self, instances: Instances) -> RiResult {
                 expand(&instances, self)
             }

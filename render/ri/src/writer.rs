@@ -1,6 +1,7 @@
-//! An [`Ri`] that writes the calls as RIB, in ASCII (indented) or as the bytestream; instance arrays become standard calls.
+//! The RIB writer: an [`Ri`] that writes its calls as RIB, in indented ASCII or as the binary bytestream. Instance arrays become
+//! standard calls.
 //!
-//! Its methods come from the table: a request's name, and after it each argument as its kind is written.
+//! Its methods are generated from the table of requests: the request's name, then each argument.
 
 use crate::binary::Encoder;
 use crate::line::{InRow, Line};
@@ -10,7 +11,7 @@ use crate::ri::{Fail, Knots, Ri, RiResult, Tags, TrimCurves};
 use crate::table::requests;
 use std::io::Write;
 
-/// Writes RIB to `out`.
+/// A RIB writer onto a byte stream. Every call returns an error if the stream cannot be written.
 pub struct Writer<W: Write> {
     out: W,
     indent: usize,
@@ -22,7 +23,7 @@ pub struct Writer<W: Write> {
 }
 
 impl<W: Write> Writer<W> {
-    /// A writer onto `out`; starts with the structure comment and the version.
+    /// A writer of ASCII RIB onto `out`; writes the structure comment and the version.
     pub fn new(out: W) -> Result<Writer<W>, Fail> {
         let mut writer = Writer::archive(out);
         writer.put("##RenderMan RIB-Structure 1.1")?;
@@ -30,19 +31,19 @@ impl<W: Write> Writer<W> {
         Ok(writer)
     }
 
-    /// A writer of an archive, which is read into other RIB and has no head of its own.
+    /// A writer of an ASCII archive, which other RIB reads in place and which has no header.
     pub fn archive(out: W) -> Writer<W> {
         Writer { out, indent: 0, line: String::new(), handles: vec![], encoder: None }
     }
 
-    /// A writer of the binary bytestream.
+    /// A writer of the binary bytestream (RISpec appendix C) onto `out`; writes the version.
     pub fn binary(out: W) -> Result<Writer<W>, Fail> {
         let mut writer = Writer { encoder: Some(Encoder::default()), ..Writer::archive(out) };
         writer.put("version 3.04")?;
         Ok(writer)
     }
 
-    /// What it wrote onto.
+    /// The byte stream that was written.
     pub fn into_inner(self) -> W {
         self.out
     }

@@ -1,8 +1,8 @@
 //! The RenderMan shading language: front end, typed IR, and the grid machine.
 //!
-//! [`compile`] takes the text of a shader through lexer, parser, and check-and-lower to an [`ir::Program`], whose
-//! invariants [`ir::validate`] holds before any back end sees it. [`machine::Machine`] runs a program over a whole grid of
-//! points at a time. Nothing here knows what renders: what a shader asks of the scene goes through [`machine::Scene`].
+//! [`compile`] takes the text of a shader through lexer, parser, type check and lowering to an [`ir::Program`], whose invariants
+//! [`ir::validate`] checks before any back end sees it. [`machine::Machine`] runs a program over a whole grid of points at a time.
+//! The crate knows no renderer: a shader queries the scene through [`machine::Scene`]. Source: RISpec sections 10 to 17.
 
 mod back;
 mod front;

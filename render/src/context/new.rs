@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 impl Context {
-    /// A renderer that finds shaders through `files`.
+    /// A renderer in its initial state (RISpec default options and attributes) that searches `files` for shaders and textures.
     pub fn new(files: Files) -> Result<Context, Fail> {
         let nothing = Arc::new(BoundShader::given(
             Arc::new(

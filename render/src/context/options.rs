@@ -49,7 +49,7 @@ impl Context {
                 return Err(Fail::new(format!("unknown projection `{other}`, expected perspective or orthographic")));
             }
         }
-        // The projection starts the camera's transformation afresh (RISpec 4.1.2).
+        // The projection starts the camera's transformation again (RISpec 4.1.1).
         (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
         Ok(())
     }

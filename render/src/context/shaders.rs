@@ -28,7 +28,8 @@ impl sl::machine::Scene for BindScene<'_> {
 }
 
 impl Context {
-    /// The names of a shader's parameters.
+    /// The names of the parameters of the shader `name`, in their order. `kind` is `surface`, `displacement`, `light`, `volume` or
+    /// `imager`. An error if the shader is not found or does not compile.
     pub fn shader_parameters(&mut self, name: &str, kind: &str) -> Result<Vec<String>, Fail> {
         Ok(self.shader(name, kind, vec![])?.program.params.iter().map(|p| p.name.clone()).collect())
     }

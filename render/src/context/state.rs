@@ -25,7 +25,8 @@ use std::sync::Arc;
 /// A function that is called with the buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
 
-/// The renderer's state between calls.
+/// The renderer: takes the calls of the RenderMan Interface ([`ri::Ri`]), holds options, attributes and the scene between them, and
+/// renders an image at each `WorldEnd`.
 pub struct Context {
     pub(super) files: Files,
     pub(super) programs: HashMap<String, Arc<Program>>,
@@ -54,23 +55,24 @@ pub struct Context {
     pub(super) objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
     pub(super) open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
     pub(super) progress: Progress,
-    /// The shard of each image that is rendered.
+    /// The shard of each image to render; the whole image if not given.
     pub shard: Option<Shard>,
-    /// Metadata that is written into the images' files, by key.
+    /// Metadata for the image files, as keys and values.
     pub about: Vec<(String, String)>,
-    /// Take all calls but render nothing: for checking a scene.
+    /// Take all calls but render nothing: a check of a scene.
     pub dry: bool,
-    /// Render results, for the caller to take.
+    /// Render results, one pushed at each `WorldEnd`; the caller takes them out.
     pub results: Vec<RenderResult>,
 }
 
 impl Context {
-    /// Have a function called with the buckets done and in all.
+    /// Set a function that is called after each bucket with the count of buckets done and the count of all; it is called from any
+    /// thread.
     pub fn on_progress(&mut self, progress: impl Fn(usize, usize) + Sync + Send + 'static) {
         self.progress = Box::new(progress);
     }
 
-    /// Warnings about what was read so far.
+    /// The warnings about the scene so far.
     pub fn warnings(&self) -> Vec<String> {
         self.scene.warnings.list()
     }

@@ -11,7 +11,7 @@ impl Context {
             return Err(Fail::new(format!("the angle of Perspective is {fov}, expected 0 to 179.9 degrees")));
         }
         let f = 1.0 / (0.5 * fov.to_radians()).tan();
-        // x and y over z; z between 0 and 1 of the near and far plane 1 and infinity (RISpec 4.1.2).
+        // x and y over z; z between 0 and 1 of the near and far plane 1 and infinity (RISpec 4.3).
         let m = [f, 0.0, 0.0, 0.0, 0.0, f, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0];
         self.concat(Mat4::from_cols_array(&m))
     }

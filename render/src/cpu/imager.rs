@@ -1,4 +1,4 @@
-//! Imager shaders: the filtered pixels of a bucket go through them before exposure (RISpec 4.1.6, 15.5).
+//! Imager shaders: the filtered pixels of a bucket go through them before exposure (RISpec 4.1.2).
 
 use crate::scene::world::Scene;
 use sl::Global;

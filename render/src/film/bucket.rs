@@ -1,30 +1,32 @@
-//! Buckets: the rectangles that an image is rendered by, and the shards that they are dealt out to.
+//! Buckets, the rectangles of pixels that are rendered one at a time, and shards, the sets of buckets that separate processes
+//! render.
 
-/// A shard of an image: one of several equal parts of its buckets.
+/// A shard of an image: every `parts`-th of its buckets, beginning with bucket `part`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which shard, from 1.
+    /// Index of the shard, from 1.
     pub part: usize,
-    /// Number of shards.
+    /// Count of shards.
     pub parts: usize,
 }
 
-/// A bucket: a rectangle of pixels.
+/// A bucket: a rectangle of pixels, of the bucket size or less at the image's right and lower edges.
 #[derive(Clone, Copy, Debug)]
 pub struct Bucket {
-    /// First pixel along x.
+    /// First column, pixels from the image's left edge.
     pub x: usize,
-    /// First pixel along y.
+    /// First row, pixels from the image's top edge.
     pub y: usize,
-    /// Pixels along x.
+    /// Width, pixels.
     pub width: usize,
-    /// Pixels along y.
+    /// Height, pixels.
     pub height: usize,
     /// Its index, row by row.
     pub(crate) index: usize,
 }
 
-/// The buckets of an image, or of a shard of it: every n-th of n shards, so that shards take about as long.
+/// The buckets of an image of `width` by `height` pixels, row by row, each `size` pixels along its edges; with a shard, only its
+/// buckets: of n shards every n-th bucket, so that all shards take about the same time.
 pub fn buckets(width: usize, height: usize, size: usize, shard: Option<Shard>) -> impl Iterator<Item = Bucket> {
     let (columns, rows) = (width.div_ceil(size), height.div_ceil(size));
     let (first, step) = shard.map_or((0, 1), |s| (s.part - 1, s.parts));

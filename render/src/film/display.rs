@@ -1,28 +1,28 @@
-//! Displays and what goes to them: colour and coverage, depth, and other values of surfaces, all in one pass (RISpec 4.1.9).
+//! Displays (RISpec 4.1.2) and their layers: colour, coverage, depth and arbitrary output variables, all rendered in one pass.
 
 use sl::ir::Kind;
 use std::collections::HashMap;
 
-/// A value of surfaces that goes to a display besides colour: an "arbitrary output variable".
+/// An arbitrary output variable (AOV): a value of surfaces, other than colour and coverage, that goes to a display.
 ///
-/// Its name is one of a shading variable (`P`, `N`, `Ng`, `I`, `u`, `v`, `s`, `t`, `Cs`, `Os`, `Ci`, `Oi`; points and directions in
-/// world space), of a surface shader's output parameter or of a primitive variable, or one of these:
-/// `z`, the depth before the camera; `id`, the id of the primitive or instance, from 1; `motion`, how far it moves on the
-/// raster while the shutter is open, pixels to the right and down.
+/// It is named after a shading variable (`P`, `N`, `Ng`, `I`, `u`, `v`, `s`, `t`, `Cs`, `Os`, `Ci`, `Oi`; points and directions in
+/// world space), an output parameter of the surface shader or a primitive variable, or it is one of these: `z`, the depth in camera
+/// space; `id`, the id of the primitive or instance, from 1; `motion`, the displacement on the raster while the shutter is open,
+/// pixels to the right and down.
 ///
-/// Colours are filtered and composited like Ci. Other values are means over what covers the pixel, seen through nothing that is
-/// more than half opaque. `z` is the least in the pixel, infinity where nothing is; `id` that of the sample nearest its middle, 0
-/// where nothing is.
+/// Colours are filtered and composited like `Ci`. Other values are means over the surfaces that cover the pixel and are not behind
+/// a surface more than half opaque. `z` is the minimum in the pixel, infinity where no surface is; `id` is that of the sample
+/// nearest the pixel's centre, 0 where no surface is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aov {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
-    /// Its type.
+    /// Type of the variable.
     pub kind: Kind,
 }
 
 impl Aov {
-    /// Numbers of a value.
+    /// Count of numbers in a value: 1 for a float, 3 for a colour, point, vector or normal.
     pub fn width(&self) -> usize {
         self.kind.width()
     }
@@ -66,34 +66,34 @@ impl Aov {
     }
 }
 
-/// What goes to a display.
+/// A layer of a display: colour, coverage or an arbitrary output variable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layer {
     /// Red, green, blue.
     Rgb,
-    /// And coverage.
+    /// Red, green, blue and coverage.
     Rgba,
     /// Coverage alone.
     Alpha,
-    /// Something else.
+    /// An arbitrary output variable.
     Aov(Aov),
 }
 
-/// Where an image goes.
+/// A display (`Display`, RISpec 4.1.2): a file, and the layers that are written to it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Display {
     /// File name. EXR displays of one name are layers of one file.
     pub name: String,
-    /// The driver: `png`, `exr`, `tiff`, or `file`, which goes by the name's ending.
+    /// Type of the display: `png`, `exr`, `tiff`, or `file`, which leaves the format to the file name's extension.
     pub kind: String,
-    /// What it takes: `rgb`, `rgba`, `a`, `z`, `rgbz`, `rgbaz`, or an [`Aov`] with its type.
+    /// Mode: `rgb`, `rgba`, `a`, `z`, `rgbz`, `rgbaz`, or the type and name of an [`Aov`].
     pub mode: String,
-    /// Floats of EXR have 16 bits.
+    /// Whether colour and coverage of an EXR file are 16-bit floats, otherwise 32-bit.
     pub half: bool,
 }
 
 impl Display {
-    /// The file's kind: by its driver's name, else by its own ending; PNG if neither says.
+    /// The file format, `png`, `exr` or `tiff`: from the file name's extension, else from the type of the display, else `png`.
     pub fn format(&self) -> &'static str {
         let of = |name: &str| match name.to_lowercase().as_str() {
             "png" => Some("png"),
@@ -105,7 +105,8 @@ impl Display {
         of(ending).or(of(&self.kind)).unwrap_or("png")
     }
 
-    /// Hold a mode to what is known, and write the type of its variable out; an error says what is wrong with it.
+    /// Check a mode and return it with the type of its variable written out. `declared` has the types that `Declare` gave to names.
+    /// An error if the mode is empty, is malformed or names a variable without a type.
     pub fn with_type(mode: &str, declared: &HashMap<String, Kind>) -> Result<String, String> {
         let plain = matches!(mode, "rgb" | "rgba" | "a" | "rgbz" | "rgbaz");
         if plain {
@@ -115,7 +116,7 @@ impl Display {
         Ok(format!("{} {}", aov.kind.name(), aov.name))
     }
 
-    /// What goes to it.
+    /// The layers that the mode stands for.
     pub fn layers(&self) -> Vec<Layer> {
         let depth = || Layer::Aov(Aov { name: "z".into(), kind: Kind::Float });
         match self.mode.as_str() {
@@ -129,7 +130,7 @@ impl Display {
     }
 }
 
-/// The files of some displays, and the displays of each: EXR displays of one name share a file.
+/// Group displays by file name, in their order: EXR displays of one name are layers of one file.
 pub fn files(displays: &[Display]) -> Vec<(&str, Vec<&Display>)> {
     let mut files: Vec<(&str, Vec<&Display>)> = vec![];
     for display in displays {
@@ -141,7 +142,7 @@ pub fn files(displays: &[Display]) -> Vec<(&str, Vec<&Display>)> {
     files
 }
 
-/// All values besides colour that some displays take, each once.
+/// The arbitrary output variables of all displays, each once, in their order.
 pub fn aovs(displays: &[Display]) -> Vec<Aov> {
     let mut all: Vec<Aov> = vec![];
     for layer in displays.iter().flat_map(Display::layers) {
@@ -154,7 +155,7 @@ pub fn aovs(displays: &[Display]) -> Vec<Aov> {
     all
 }
 
-/// Some values with the places of their first numbers among those of a point or a pixel.
+/// Each variable with the offset of its first number among the [`depth`] numbers of a point or pixel.
 pub fn placed(aovs: &[Aov]) -> impl Iterator<Item = (usize, &Aov)> {
     aovs.iter().scan(0, |next, aov| {
         let first = *next;
@@ -163,25 +164,25 @@ pub fn placed(aovs: &[Aov]) -> impl Iterator<Item = (usize, &Aov)> {
     })
 }
 
-/// The place of the first number of a value of some name.
+/// The offset of the variable `name` among the [`depth`] numbers of a point or pixel.
 pub fn place_of(aovs: &[Aov], name: &str) -> Option<usize> {
     placed(aovs).find(|(_, aov)| aov.name == name).map(|(first, _)| first)
 }
 
-/// Count of the numbers of some values.
+/// Count of numbers that all these variables have at a point or pixel.
 pub fn depth(aovs: &[Aov]) -> usize {
     aovs.iter().map(Aov::width).sum()
 }
 
-/// A channel of a file: its name, and which number of a pixel it is.
+/// A channel of an image file: its name and its index among the numbers of a pixel.
 pub struct Channel {
-    /// Its name: R, G, B, A, Z, or the variable's with a suffix.
+    /// Channel name: `R`, `G`, `B`, `A`, `Z`, or the variable's name with a suffix.
     pub name: String,
-    /// 0 to 3 for red, green, blue and coverage, from 4 on the values besides colour.
+    /// Index of the number in a pixel: 0 to 3 are red, green, blue and coverage, from 4 on the arbitrary output variables.
     pub at: usize,
 }
 
-/// The channels of a file that takes some layers of an image with these values besides colour.
+/// The channels of a file with these layers, of an image with these arbitrary output variables.
 pub fn channels(layers: &[Layer], aovs: &[Aov]) -> Vec<Channel> {
     let channel = |name: &str, at: usize| Channel { name: name.into(), at };
     let alone = layers.len() == 1;

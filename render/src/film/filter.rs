@@ -1,24 +1,24 @@
-//! Pixel filters (RISpec 4.1.5), separable, from a table.
+//! Pixel filters (RISpec 4.1.2): separable, evaluated from a table along each axis.
 
-/// Which filter.
+/// The kind of a pixel filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterKind {
-    /// Constant.
+    /// Constant over the filter's width.
     Box,
-    /// Falls linearly.
+    /// Falls linearly from the centre to 0 at half the width.
     Triangle,
-    /// A bell cut at the width.
+    /// Gaussian, cut off at half the width.
     Gaussian,
-    /// Interpolating cubic.
+    /// Catmull and Rom's interpolating cubic.
     CatmullRom,
-    /// Windowed sinc.
+    /// Sinc times a window.
     Sinc,
-    /// Mitchell and Netravali's, B = C = 1/3.
+    /// Mitchell and Netravali's cubic, B = C = 1/3.
     Mitchell,
 }
 
 impl FilterKind {
-    /// The filter of a name.
+    /// The filter of a name: `box`, `triangle`, `gaussian`, `catmull-rom`, `sinc` or `mitchell`; `None` for others.
     pub fn of_name(name: &str) -> Option<FilterKind> {
         Some(match name {
             "box" => FilterKind::Box,
@@ -31,7 +31,7 @@ impl FilterKind {
         })
     }
 
-    /// Its value at `x` pixels from the centre, for a full width of `width`; 0 from the half width on.
+    /// The filter's value at `x` pixels from its centre, for a full width of `width` pixels; 0 from half the width on.
     pub fn value(self, x: f32, width: f32) -> f32 {
         let half = 0.5 * width;
         let x = x.abs();
@@ -77,7 +77,7 @@ impl FilterKind {
     }
 }
 
-/// A filter along one axis, tabulated.
+/// A pixel filter along one axis, tabulated.
 #[derive(Clone, Debug)]
 pub struct Filter {
     table: Vec<f32>,
@@ -89,7 +89,7 @@ impl Filter {
     /// Entries of the table for a pixel.
     const STEPS: f32 = 256.0;
 
-    /// Tabulate.
+    /// Tabulate a filter of a full width of `width` pixels.
     pub fn new(kind: FilterKind, width: f32) -> Filter {
         let n = (0.5 * width * Self::STEPS).ceil() as usize + 2;
         Filter {
@@ -99,19 +99,19 @@ impl Filter {
         }
     }
 
-    /// Its value at `x` pixels from the centre.
+    /// The filter's value at `x` pixels from its centre.
     #[inline]
     pub fn at(&self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.half { 0.0 } else { self.table[(x * Self::STEPS) as usize] }
     }
 
-    /// Whether it is a box of one pixel.
+    /// Whether the filter is a box of one pixel's width.
     pub fn is_pixel(&self) -> bool {
         self.kind == FilterKind::Box && self.half == 0.5
     }
 
-    /// Count of pixels beyond its own that a pixel takes samples from.
+    /// The filter's reach beyond the pixel on either side, pixels, rounded up.
     pub fn margin(&self) -> usize {
         (self.half - 0.5).max(0.0).ceil() as usize
     }

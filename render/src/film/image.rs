@@ -1,52 +1,52 @@
-//! Images: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.2).
+//! Images: exposure, quantization, and PNG, TIFF and EXR bytes (RISpec 4.1.2).
 
 use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
-/// An image: rows from the top, red, green, blue (premultiplied) and coverage, and what else was asked for.
+/// An image: colour, coverage and arbitrary output variables of each pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// Pixels.
+    /// Width, pixels.
     pub width: usize,
-    /// Pixels.
+    /// Height, pixels.
     pub height: usize,
-    /// The pixels.
+    /// Red, green, blue (premultiplied, linear before exposure) and coverage; `[width × height]`.
     pub pixels: Vec<[f32; 4]>,
-    /// Values besides colour.
+    /// The arbitrary output variables.
     pub aovs: Vec<Aov>,
-    /// Their numbers, one pixel's after another's.
+    /// Numbers of the arbitrary output variables, pixel after pixel; `[width × height × depth]`, see [`Image::depth`].
     pub extra: Vec<f32>,
 }
 
-/// How an image is written to a file: what the options of its frame say of that.
+/// Settings of an image file's encoding: window, quantization and metadata.
 pub struct Encoding<'a> {
-    /// The pixels that are written: the first along x and y, and one after the last.
+    /// The pixels to write, `[[x0, y0], [x1, y1]]`: the first pixel and one past the last.
     pub window: [[usize; 2]; 2],
-    /// Width of a pixel over its height.
+    /// Pixel aspect ratio: width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    /// Maximum quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
     pub quantize_one: i32,
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
-    /// Metadata that is written into the file, by key.
+    /// Metadata for the file, as keys and values.
     pub about: &'a [(String, String)],
 }
 
 impl Image {
-    /// A black image.
+    /// A black image without coverage.
     pub fn new(width: usize, height: usize, aovs: Vec<Aov>) -> Image {
         let mut image = Image { width, height, pixels: vec![[0.0; 4]; width * height], aovs, extra: vec![] };
         image.extra.resize(width * height * image.depth(), 0.0);
         image
     }
 
-    /// Numbers of a pixel besides colour and coverage.
+    /// Count of numbers that the arbitrary output variables have in a pixel.
     pub fn depth(&self) -> usize {
         display::depth(&self.aovs)
     }
 
-    /// Expose the colours: (gain · c)^(1/gamma).
+    /// Expose the colours (`Exposure`): (gain · c)^(1/gamma).
     pub fn expose(&mut self, gain: f32, gamma: f32) {
         for p in &mut self.pixels {
             for c in &mut p[..3] {
@@ -58,8 +58,9 @@ impl Image {
         }
     }
 
-    /// The image as the bytes of the file of some displays that have one name. EXR has floats, and so has TIFF where colours
-    /// are not quantized; only EXR has several layers.
+    /// Encode the image as the bytes of the one file that these displays share; the first display gives the format. EXR stores
+    /// floats, and so does TIFF where `quantize_one` is 0. An error if no display is given, or if a PNG or TIFF file would not have
+    /// 1, 3 or 4 channels (TIFF of floats: 3 or 4).
     pub fn encode(&self, displays: &[&Display], encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
         let Some(display) = displays.first() else { return Err("no display takes the image".into()) };
         let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
@@ -73,7 +74,7 @@ impl Image {
         }
     }
 
-    /// The numbers of a pixel for a value besides colour that the image has.
+    /// The numbers of an arbitrary output variable, one of the image's own, at the pixel of this index.
     pub fn values(&self, pixel: usize, aov: &Aov) -> &[f32] {
         let first = display::place_of(&self.aovs, &aov.name).unwrap_or_default();
         &self.extra[pixel * self.depth() + first..][..aov.width()]
@@ -199,7 +200,7 @@ impl Image {
 /// The program and its version, as it is written into images.
 const SOFTWARE: &str = concat!("scree ", env!("CARGO_PKG_VERSION"));
 
-/// Width and height of an image file, if it can be decoded whole.
+/// Width and height, pixels, of an image file; `None` if the file cannot be decoded whole.
 pub fn decode_size(path: &std::path::Path) -> Option<(u32, u32)> {
     ::image::open(path).ok().map(|i| (i.width(), i.height()))
 }

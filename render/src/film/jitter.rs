@@ -1,32 +1,33 @@
-//! Where and when samples are taken: jittered places in the strata of a pixel, moments while the shutter is open, places on the
-//! lens. All depend on the pixel alone, so that every bucket sees the same samples.
+//! Sample positions, times and lens positions: jittered in the strata of a pixel. All depend on the pixel alone, so that every
+//! bucket sees the same samples.
 
-/// Pixels after which the pattern repeats, a power of two.
+/// Period of the sample pattern along x and y, pixels; a power of two.
 pub const PERIOD: usize = 32;
 
 /// Steps of a pixel that samples lie on.
 const STEPS: f32 = 1024.0;
 
-/// The pattern.
+/// The sample pattern of an image.
 pub struct Jitter {
-    /// Samples along x and y of a pixel.
+    /// Count of samples along x and y of a pixel, one in each stratum.
     pub strata: [usize; 2],
     /// For each stratum of the pattern, the sample's place from its pixel's corner on.
     offset: Vec<[f32; 2]>,
-    /// Whether there is a lens.
+    /// Whether the camera has a lens, and so depth of field.
     pub lens: bool,
-    /// Where images are blurred by motion or a lens.
+    /// Times and lens positions; none if neither motion nor a lens blurs the image.
     pub moments: Option<Moments>,
 }
 
-/// Times and places on the lens. Time has as many strata as a pixel has samples, and each of them a cell of the lens of its own;
-/// which sample of a pixel has which stratum is shuffled from pixel to pixel.
+/// Times and lens positions of samples. The shutter's time has as many strata as a pixel has samples, each paired with one cell of
+/// the lens; the assignment of these strata to the samples of a pixel is shuffled from pixel to pixel.
 pub struct Moments {
     /// For each pixel of the pattern and each stratum of time, the sample's column and row in the pixel.
     order: Vec<[u8; 2]>,
     /// Likewise its time, 0 to 1, and its place on the lens, a disk of radius 1.
     moment: Vec<[f32; 3]>,
-    /// For each stratum, least and greatest time, lens x and lens y.
+    /// For each stratum of time, the minimum and maximum over all pixels of time (0 to 1 of the shutter), lens x and lens y (unit
+    /// disk).
     pub bounds: Vec<[[f32; 2]; 3]>,
 }
 
@@ -51,7 +52,8 @@ fn on_disk(x: f32, y: f32) -> [f32; 2] {
 }
 
 impl Jitter {
-    /// For a number of samples along x and y, before a lens or what moves.
+    /// The pattern for `strata` samples along x and y of a pixel; `lens` and `moves` say whether the camera has a lens and whether
+    /// the scene moves.
     pub fn new(strata: [usize; 2], lens: bool, moves: bool) -> Jitter {
         let (nx, ny) = (PERIOD * strata[0], PERIOD * strata[1]);
         // Of steps that single precision adds to any pixel's number without rounding, so that it matters to no sum whether places
@@ -65,7 +67,8 @@ impl Jitter {
         Jitter { strata, offset, lens, moments: (lens || moves).then(|| Moments::new(strata)) }
     }
 
-    /// The place of the sample in a stratum of an absolute pixel, from the pixel's corner on.
+    /// The position of the sample in a stratum of a pixel, counted from the image's corner; 0 to 1 from the pixel's upper left
+    /// corner.
     #[inline]
     pub fn in_pixel(&self, pixel: [i64; 2], stratum: [usize; 2]) -> [f32; 2] {
         let [column, row] = [0, 1].map(|c| (pixel[c] & (PERIOD as i64 - 1)) as usize * self.strata[c] + stratum[c]);
@@ -102,8 +105,8 @@ impl Moments {
         moments
     }
 
-    /// The sample of an absolute pixel that is taken in a stratum of time: its column and row in the pixel, its time, its place on
-    /// the lens.
+    /// The sample of pixel (`x`, `y`), counted from the image's corner, that falls in a stratum of time: its column and row among
+    /// the pixel's strata, and its time (0 to 1 of the shutter), lens x and lens y (unit disk).
     #[inline]
     pub fn of(&self, x: i64, y: i64, stratum: usize) -> ([u8; 2], [f32; 3]) {
         let last = PERIOD as i64 - 1;

@@ -18,7 +18,7 @@ pub struct Piece {
     pub depth: u32,
 }
 
-/// Fill a grid with a piece of a patch, of so many micropolygons along u and v, and with its apron if it has one.
+/// Fill a grid with a piece of a patch: `nu` by `nv` micropolygons along u and v, and the grid's apron if it has one.
 pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize; 2], grid: &mut Grid) {
     let view = subject.view;
     let ring = grid.apron as i32;

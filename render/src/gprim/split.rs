@@ -268,7 +268,7 @@ impl Fineness {
     }
 }
 
-/// How much wider micropolygons may be that are blurred over so many pixels.
+/// The factor by which a micropolygon's edges may lengthen where motion or the lens blurs it over `blur` pixels.
 pub fn coarsening(blur: f32) -> f32 {
     1.0 + blur / 5.0
 }

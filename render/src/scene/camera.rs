@@ -69,7 +69,7 @@ impl Camera {
         let to_world = to_camera.inverse();
         let scale = per_unit / half;
         let center = Vec2::new(-left, top) * per_unit;
-        // The aperture's radius is half the focal length over the f-stop (RISpec 4.1.3); parallel rays have no focus.
+        // The aperture's radius is half the focal length over the f-stop (RISpec 4.1.1); parallel rays have no focus.
         let lens = options
             .lens
             .filter(|_| options.fov.is_some())

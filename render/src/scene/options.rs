@@ -8,7 +8,7 @@ use crate::texture::texels;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
-/// Hider (RISpec 4.1.8).
+/// Hider (RISpec 4.1.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hider {
     /// All samples, lights and layers.
@@ -19,36 +19,37 @@ pub enum Hider {
     Null,
 }
 
-/// Options of the image.
+/// Options of the image, fixed at `WorldBegin` (RISpec section 4).
 #[derive(Clone)]
 pub struct Options {
-    /// Pixels.
+    /// Width of the whole image, pixels.
     pub width: usize,
-    /// Pixels.
+    /// Height of the whole image, pixels.
     pub height: usize,
-    /// Width of a pixel over its height.
+    /// Pixel aspect ratio: width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// Left, right, bottom, top of the screen; from the format if not given.
+    /// Left, right, bottom and top of the screen window (`ScreenWindow`), screen space; from the aspect ratio of the image if not
+    /// given.
     pub screen_window: Option<[f32; 4]>,
-    /// Full angle of view, degrees; `None` is orthographic.
+    /// Full angle of view, degrees, of a perspective projection; `None` is orthographic.
     pub fov: Option<f32>,
-    /// Near and far.
+    /// Distances of the near and far clipping planes, camera space.
     pub clipping: [f32; 2],
-    /// When the shutter opens and closes, in the time of motion blocks.
+    /// Times at which the shutter opens and closes, in the unit of motion blocks' times.
     pub shutter: [f32; 2],
-    /// f-stop, focal length and distance of what is sharp; `None` is a pinhole.
+    /// f-stop, focal length and focal distance (`DepthOfField`), lengths in camera space; `None` is a pinhole.
     pub lens: Option<[f32; 3]>,
-    /// Samples along x and y of a pixel.
+    /// Count of samples along x and y of a pixel.
     pub samples: [usize; 2],
     /// Pixel filter.
     pub filter: FilterKind,
-    /// Its widths, pixels.
+    /// Widths of the pixel filter along x and y, pixels.
     pub filter_width: [f32; 2],
-    /// Exposure's gain.
+    /// Gain of the exposure.
     pub gain: f32,
-    /// Exposure's gamma.
+    /// Gamma of the exposure.
     pub gamma: f32,
-    /// Greatest quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    /// Maximum quantized value (`one` of `Quantize`): 255 for 8 bits, 65535 for 16, 0 for floats.
     pub quantize_one: i32,
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
@@ -56,21 +57,22 @@ pub struct Options {
     pub displays: Vec<Display>,
     /// An unsupported display was named: without another, nothing is rendered.
     pub unsupported_display: bool,
-    /// Pixels along a bucket's edge.
+    /// Edge of a bucket, pixels.
     pub bucket_size: usize,
-    /// Crop window, the part of the image that is rendered and written: left, right, top and bottom, parts of its width and height.
+    /// Crop window, the part of the image that is rendered and written: left, right, top and bottom as fractions, 0 to 1, of its
+    /// width and height.
     pub crop: [f32; 4],
-    /// The shard that is rendered; all buckets if not given.
+    /// The shard to render; all buckets if not given.
     pub shard: Option<Shard>,
-    /// Bytes that textures may take in memory; what finds no room is read from a file as it is needed.
+    /// Memory limit of textures, bytes; tiles beyond it are read from files as they are needed.
     pub texture_memory: usize,
-    /// Factor of all levels of detail.
+    /// Factor on all levels of detail (`RelativeDetail`).
     pub relative_detail: f32,
-    /// Hider.
+    /// Hider: the hidden-surface algorithm (RISpec 4.1.3).
     pub hider: Hider,
-    /// Metadata that is written into the files, by key.
+    /// Metadata for the image files, as keys and values.
     pub about: Vec<(String, String)>,
-    /// Imager shader.
+    /// Imager shader, if any.
     pub imager: Option<Arc<BoundShader>>,
 }
 
@@ -107,7 +109,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The pixels that are drawn: the first along x and y, and one after the last (RISpec 4.1.1).
+    /// The pixels inside the crop window (RISpec 4.1.1): `[[x0, y0], [x1, y1]]`, the first pixel and one past the last.
     pub fn window(&self) -> [[usize; 2]; 2] {
         let range = |n: usize, lo: f32, hi: f32| {
             let pixel = |part: f32| ((n as f32 * part).ceil().max(0.0) as usize).min(n);
@@ -119,7 +121,7 @@ impl Options {
         [[x0, y0], [x1, y1]]
     }
 
-    /// How the image is written to files.
+    /// The settings with which the image is encoded to files.
     pub fn encoding(&self) -> Encoding<'_> {
         Encoding {
             window: self.window(),

@@ -1,4 +1,4 @@
-//! The anchor of the paper's sections 5.3 and 5.4: a sphere as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
+//! The anchor of Negrut et al. 2012, sections 5.3 and 5.4: a sphere as tip, a cylinder as shaft and a helix of thin boxes as blade, guided
 //! along a vertical line about which it may turn.
 
 use super::parts::{DimensionError, Parts, body, joint, part, positive};
@@ -6,13 +6,14 @@ use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, LoadFile, ShapeFile, SphereFile};
 use serde::{Deserialize, Serialize};
 
-/// A helical anchor. The tip's lowest point is at `position`; the axis is vertical.
+/// A helical anchor (Negrut et al. 2012, §5.3): a sphere as tip, a cylinder as shaft and a helix of boxes as blade. The tip's lowest
+/// point is at `position`; the axis is vertical.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HelicalAnchor {
-    /// Material.
+    /// Name of the material.
     pub material: String,
-    /// Position of the lowest point, m.
+    /// Position of the lowest point, m, world.
     pub position: [f64; 3],
     /// Mass, kg.
     pub mass: f64,
@@ -66,7 +67,7 @@ impl HelicalAnchor {
     ///
     /// # Errors
     /// A dimension that is not above zero, or a blade that is no wider than the shaft.
-    pub fn build(&self, name: &str) -> Result<Parts, DimensionError> {
+    pub(crate) fn build(&self, name: &str) -> Result<Parts, DimensionError> {
         positive(&[
             ("mass", self.mass),
             ("radius", self.radius),

@@ -1,4 +1,4 @@
-//! The vehicle of the paper's sections 5.1 and 5.2: a chassis on two tracks of shoes, each with rollers, an idler and a sprocket.
+//! The vehicle of Negrut et al. 2012, sections 5.1 and 5.2: a chassis on two tracks of shoes, each with rollers, an idler and a sprocket.
 //!
 //! The paper drops a ring of shoes on the wheels and tightens it with the idler. Here the ring is laid along the belt around
 //! the wheels, and the idler is moved until the last shoe meets the first: the track is tight and free of force at the start.
@@ -9,15 +9,16 @@ use crate::model_file::{BoxFile, CylinderFile, FunctionFile, MotorFile, RotateFi
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// A tracked vehicle. It heads along x, its tracks touch the plane z = `position[2]`, the middle of its rollers is at `position`.
+/// A tracked vehicle (Negrut et al. 2012, §5.1): a chassis on two tracks of shoes, each with rollers, an idler and a sprocket. The vehicle
+/// heads along x, and its tracks touch the plane z = `position[2]` below the middle of the rollers.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackedVehicle {
-    /// Material of the wheels and the chassis.
+    /// Name of the material of the wheels and the chassis.
     pub material: String,
-    /// Material of the shoes.
+    /// Name of the material of the shoes.
     pub shoe_material: String,
-    /// Position, m: the middle of the rollers along x and y, the ground under the tracks along z.
+    /// Position, m, world: the middle of the rollers along x and y, the ground under the tracks along z.
     pub position: [f64; 3],
     /// Number of shoes of a track.
     pub shoes: usize,
@@ -107,7 +108,7 @@ impl TrackedVehicle {
     ///
     /// # Errors
     /// A dimension that is out of range, or too few shoes to go round the wheels.
-    pub fn build(&self, name: &str) -> Result<Parts, DimensionError> {
+    pub(crate) fn build(&self, name: &str) -> Result<Parts, DimensionError> {
         self.check()?;
         let idler = self.place_idler()?;
         let mut parts = Parts::default();

@@ -24,17 +24,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 impl ModelFile {
-    /// The model as YAML, with its defaults.
+    /// The model as YAML, with its defaults filled in.
     pub fn to_yaml(&self) -> String {
         serde_yaml::to_string(self).expect("a model is plain data")
     }
 
-    /// Duration of the run with all stages, s.
+    /// Duration of the run, s: `duration`, or the sum of the stages' durations if there are stages.
     pub fn whole_duration(&self) -> f64 {
         if self.stages.is_empty() { self.duration } else { self.stages.iter().map(|s| s.duration).sum() }
     }
 
-    /// Check every value and build the columns.
+    /// Check every value and build the columns; `doc` is the document that the file was read from.
     ///
     /// # Errors
     /// The first fault, with the line and column of its key in `doc`.

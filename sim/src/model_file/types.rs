@@ -13,22 +13,22 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The content of a model or a stage.
+/// The content of a model file or of one of its stages: the lists of bodies, joints and loads that both have.
 #[derive(Clone, Copy, Debug)]
 pub struct Content<'a> {
-    /// `bodies`.
+    /// Bodies.
     pub bodies: &'a [BodyFile],
-    /// `fills`.
+    /// Regions filled with spheres.
     pub fills: &'a [FillFile],
-    /// `terrains`.
+    /// Terrains: parametric grounds.
     pub terrains: &'a [TerrainFile],
-    /// `assemblies`.
+    /// Assemblies: parametric machines.
     pub assemblies: &'a [AssemblyFile],
-    /// `joints`.
+    /// Joints.
     pub joints: &'a [JointFile],
-    /// `springs`.
+    /// Springs and dampers.
     pub springs: &'a [SpringFile],
-    /// `loads`.
+    /// Loads: forces and torques.
     pub loads: &'a [LoadFile],
 }
 
@@ -64,7 +64,7 @@ macro_rules! with_content {
         }
 
         impl $name {
-            /// Bodies, joints and all else that it adds.
+            /// The content: the lists from `bodies` to `loads`.
             pub fn content(&self) -> Content<'_> {
                 Content {
                     bodies: &self.bodies,
@@ -81,7 +81,7 @@ macro_rules! with_content {
 }
 
 with_content! {
-    /// A model file.
+    /// A model file: the keys of its YAML document.
     #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct ModelFile {
@@ -94,7 +94,7 @@ with_content! {
         /// Step size, s.
         #[serde(default = "default_step")]
         pub step: f64,
-        /// Time to simulate, s; with `stages`, the sum of theirs.
+        /// Time to simulate, s; with `stages`, the sum of their durations.
         #[serde(default = "default_duration")]
         pub duration: f64,
         /// Frames per second of simulated time.
@@ -103,7 +103,7 @@ with_content! {
         /// Seed of the pseudo-random generator.
         #[serde(default)]
         pub seed: u64,
-        /// File format of frames.
+        /// File format of frames: `arrow` or `csv`.
         #[serde(default)]
         #[schemars(with = "String")]
         pub format: frame::run::FrameFormat,
@@ -123,7 +123,7 @@ with_content! {
         /// Materials by name.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         pub materials: BTreeMap<String, MaterialFile>,
-        /// Contact laws of pairs of materials that differ from the rule.
+        /// Contact laws of pairs of materials that differ from the combination of the two materials' values.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub contacts: Vec<PairFile>,
         /// Pairs of collision groups that pass through each other.
@@ -132,24 +132,24 @@ with_content! {
         /// Stages of the run, one after the other; the content of a stage appears when it begins.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         pub stages: Vec<StageFile>,
-        /// Quantities of probes.csv.
+        /// Quantities of `probes.csv`.
         #[serde(default)]
         pub probes: ProbesFile,
-        /// Parameter sweep: lists of values by key, with one run for each combination.
+        /// Parameter sweep: lists of values by the path of a key, with one run for each combination.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         #[schemars(schema_with = "lists")]
     pub sweep: BTreeMap<String, Vec<serde_yaml::Value>>,
     }
 }
 
-/// Reaction to a step out of bounds.
+/// Reaction to a step whose residual, joint error or energy is out of bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OnDivergence {
-    /// Warn and continue.
+    /// Warn the user and continue.
     #[default]
     Warn,
-    /// Stop the run; its last checkpoint stays.
+    /// Stop the run; its last checkpoint is kept.
     Stop,
 }
 
@@ -165,37 +165,37 @@ impl OnDivergence {
 pub struct BaseFile {
     /// Run directory, relative to this file's folder.
     pub run: PathBuf,
-    /// Classes of the bodies; all if not given.
+    /// Classes whose bodies are included; all if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Vec<String>>,
-    /// Whether the velocities are set to zero.
+    /// Whether the velocities of the bodies are set to zero.
     #[serde(default)]
     pub at_rest: bool,
 }
 
-/// A material.
+/// A material: density and contact law. The contact law of two materials is combined from the values of both.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     /// Density, kg/m³.
     pub density: f64,
-    /// Coefficient of friction; a contact takes the smaller of its two.
+    /// Coefficient of friction; two materials have the smaller value.
     pub friction: f64,
-    /// Coefficient of restitution, 0 to 1; a contact takes the greater.
+    /// Coefficient of restitution, 0 to 1; two materials have the greater value.
     #[serde(default)]
     pub restitution: f64,
-    /// Cohesion: maximum tensile force of a contact, N; a contact takes the smaller.
+    /// Cohesion: maximum tensile force of a contact, N; two materials have the smaller value.
     #[serde(default)]
     pub cohesion: f64,
-    /// Rolling friction, m: maximum rolling torque over normal force; a contact takes the smaller.
+    /// Rolling friction, m: maximum rolling torque over normal force; two materials have the smaller value.
     #[serde(default)]
     pub rolling: f64,
-    /// Spinning friction, m: maximum torque about the normal over normal force; a contact takes the smaller.
+    /// Spinning friction, m: maximum torque about the normal over normal force; two materials have the smaller value.
     #[serde(default)]
     pub spinning: f64,
 }
 
-/// The contact law of a pair of materials; keys that are not given follow the rule.
+/// The contact law of a pair of materials; values that are not given are combined from the values of the two materials.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
@@ -219,11 +219,11 @@ pub struct PairFile {
 }
 
 with_content! {
-    /// A stage of the run; its content appears when it begins, and its loads and joints act from then on.
+    /// A stage of the run: its bodies appear when the stage begins, and its joints, springs and loads act from then on.
     #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct StageFile {
-        /// Name, also of its checkpoint.
+        /// Name of the stage, also of the checkpoint at its end.
         pub name: String,
         /// Duration, s.
         pub duration: f64,
@@ -233,7 +233,7 @@ with_content! {
     }
 }
 
-/// Quantities of probes.csv.
+/// Quantities of `probes.csv`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ProbesFile {
@@ -249,13 +249,13 @@ pub struct ProbesFile {
     /// Total contact forces between pairs of classes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactProbeFile>,
-    /// Whether energies are left out.
+    /// Whether the energies are left out.
     pub no_energies: bool,
     /// Whether a table of all contacts is written with every frame.
     pub contact_tables: bool,
 }
 
-/// Total contact force between two classes.
+/// Total contact force between two classes, a quantity of `probes.csv`.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactProbeFile {

@@ -9,16 +9,16 @@ use crate::rows::{fill_rows, sum_rows};
 use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 
-/// The operator of a friction problem, with W in compressed rows of blocks.
+/// The operator of a friction problem, with W in compressed rows of 3×3 blocks.
 #[derive(Clone, Debug)]
 pub struct MatrixOperator {
-    /// Blocks of row i: `start[i]..start[i+1]` (n_contacts + 1).
+    /// First block of each row of blocks, and the end: row i has the blocks `start[i]..start[i+1]` (n_contacts + 1).
     pub start: Vec<u32>,
     /// Block column of each block (n_blocks).
     pub column: Vec<u32>,
     /// The 3×3 blocks of W (n_blocks).
     pub block: Vec<DMat3>,
-    /// Velocities q without impulses (n_contacts).
+    /// Contact velocities q without multipliers (n_contacts).
     pub q: Vec<DVec3>,
     /// Coefficients of friction μ (n_contacts).
     pub friction: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct MatrixOperator {
 }
 
 impl MatrixOperator {
-    /// An operator from blocks row by row; the columns of a row ascend.
+    /// An operator from blocks row by row, as in the fields of the same names; the columns of a row ascend.
     pub fn new(start: Vec<u32>, column: Vec<u32>, block: Vec<DMat3>, q: Vec<DVec3>, friction: Vec<f64>) -> Self {
         let n = q.len();
         let row = |i: usize| start[i] as usize..start[i + 1] as usize;
@@ -51,7 +51,8 @@ impl MatrixOperator {
         self.row(i).map(|p| self.block[p] * gamma[self.column[p] as usize]).sum::<DVec3>() + self.q[i]
     }
 
-    /// The error measure `‖F_nat‖/‖q‖`, F_nat = γ − Π(γ − (u + g)), with g = (μ|u_t|, 0, 0) if friction is exact.
+    /// The error measure `‖F_nat‖/‖q‖`, F_nat = γ − Π(γ − (u + g)), with the projection Π onto the friction cones, and g = (μ|u_t|, 0, 0)
+    /// if `exact`, else 0.
     pub fn error(&self, gamma: &[DVec3], exact: bool) -> f64 {
         let [residual, scale] = sum_rows(self.q.len(), |i| {
             let mut u = self.velocity(gamma, i);

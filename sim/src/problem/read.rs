@@ -56,7 +56,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Read a problem.
+/// Read a friction problem from a text file in the format of the collection of Acary et al. (2011), with W dense or in blocks.
 ///
 /// # Errors
 /// A file that cannot be read or is not in the format, with the line and column of the fault.

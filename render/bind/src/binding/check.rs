@@ -6,7 +6,7 @@ use frame::Fault;
 use frame::yaml::Document;
 
 impl Output {
-    /// Check images: sizes, counts and names that can be.
+    /// Check resolution, samples, shading rate, shutter, bits, layers and filter. An error is at the key of the first bad value.
     pub fn check(&self, doc: &Document) -> Result<(), Fault> {
         if self.resolution.iter().any(|n| !(1..=65_536).contains(n)) {
             return Err(doc.fault("output.resolution", "expected two numbers from 1 to 65536"));
@@ -43,7 +43,7 @@ impl Output {
     }
 }
 
-/// The character between cells, as a byte.
+/// The delimiter of CSV cells as a byte. An error if it is not an ASCII character.
 pub fn delimiter(doc: &Document, given: Option<char>) -> Result<Option<u8>, Fault> {
     let byte = |c: char| {
         u8::try_from(c)
@@ -54,13 +54,14 @@ pub fn delimiter(doc: &Document, given: Option<char>) -> Result<Option<u8>, Faul
     given.map(byte).transpose()
 }
 
-/// An error if nothing is drawn.
+/// Check that a file has objects; `n` is their count.
 pub fn some_objects(doc: &Document, n: usize) -> Result<(), Fault> {
     if n == 0 { Err(doc.fault("objects", "draws nothing: expected at least one object")) } else { Ok(()) }
 }
 
 impl Data {
-    /// Compile what is done to the data: formulas of columns by their names, and a condition.
+    /// Compile derived columns, given by name and expression, and the condition on rows. An error is at the key of the first bad
+    /// expression.
     pub fn compile(
         doc: &Document,
         place: Option<Place>,

@@ -1,4 +1,4 @@
-//! Objects of a binding: rows of the data, and what they look like.
+//! Objects of a binding: rows of the data, with their geometry and shaders.
 //!
 //! An object is made with its formulas as texts (`Object<String>`), and [`Object::compile`] makes programs of these.
 
@@ -8,29 +8,30 @@ use frame::Fault;
 use frame::yaml::Document;
 use ri::Params;
 
-/// An expression, and the key where the file has it.
+/// A compiled expression and its key in the file.
 #[derive(Clone, Debug)]
 pub struct Formula {
-    /// The key.
+    /// Key of the expression, such as `objects.2.select`.
     pub key: String,
     /// The expression.
     pub expr: Expr,
 }
 
-/// Rows of the data, and what they look like. `F` is what formulas are: texts or programs.
+/// An object: rows of the data, with their geometry and shaders. `F` is the type of its formulas: `String` before
+/// [`Object::compile`], [`Formula`] after it; `M` is the type of its colour map likewise.
 #[derive(Clone, Debug)]
 pub struct Object<F = Formula, M = Map> {
-    /// Name, for `#scree inject objects NAME`.
+    /// Name of the object, for `#scree inject objects NAME`.
     pub name: String,
-    /// Which rows; all if not given.
+    /// Condition on the object's rows; all rows if not given.
     pub select: Option<F>,
-    /// What stands at each row.
+    /// Shape drawn at each row.
     pub shape: Shape<F>,
     /// Position, m.
     pub position: [F; 3],
-    /// The quaternion's w, x, y, z. If not given: quat_w … quat_z where the data has them.
+    /// Orientation as a quaternion w, x, y, z; if not given, the columns `quat_w` … `quat_z` where the data has them.
     pub orientation: Option<[F; 4]>,
-    /// Velocity, m/s, for motion blur. If not given: vel_x, vel_y, vel_z where the data has them.
+    /// Velocity, m/s, for motion blur; if not given, the columns `vel_x`, `vel_y` and `vel_z` where the data has them.
     pub velocity: Option<[F; 3]>,
     /// Surface shader; `matte` if not given.
     pub surface: Option<Shader>,
@@ -42,7 +43,7 @@ pub struct Object<F = Formula, M = Map> {
     pub opacity: Option<f32>,
 }
 
-/// What stands at a row; lengths in m.
+/// The shape drawn at a row; lengths in m.
 #[derive(Clone, Debug)]
 pub enum Shape<F = Formula> {
     /// A sphere by its radius.
@@ -59,22 +60,22 @@ pub enum Shape<F = Formula> {
     Cone([F; 2]),
     /// A square in the local xy plane, by half its edge.
     Plane(F),
-    /// Geometry from a RIB or OBJ file, and its scale.
+    /// Geometry from a RIB or OBJ file, and its scale factor.
     Archive(String, F),
 }
 
-/// Colour: red, green and blue, or a value through a map.
+/// A colour: constant, or a value of each row through a colour map.
 #[derive(Clone, Debug)]
 pub enum Color<F = Formula, M = Map> {
     /// Linear red, green and blue.
     Rgb([f32; 3]),
-    /// A value through a map.
+    /// The value of each row through a colour map.
     By {
         /// The value.
         value: F,
-        /// The map.
+        /// The colour map.
         map: M,
-        /// Values at the map's ends; the frame's own if not given.
+        /// Values at the two ends of the map; the frame's minimum and maximum if not given.
         range: Option<[f64; 2]>,
     },
 }
@@ -82,16 +83,16 @@ pub enum Color<F = Formula, M = Map> {
 /// A shader and its parameters.
 #[derive(Clone, Debug)]
 pub struct Shader {
-    /// Its name: `gravel` is the library's or a file `gravel.sl` beside the file.
+    /// Name of the shader: `gravel` is a file `gravel.sl` beside the file, or a shader of the library.
     pub name: String,
     /// Maximum displacement, m (displacement shaders).
     pub bound: Option<f32>,
-    /// Its parameters, by name.
+    /// Parameters of the shader, with their values.
     pub params: Params,
 }
 
 impl Formula {
-    /// Compile the text of a key.
+    /// Compile the expression `text` of a key. An error if it is malformed.
     pub fn compile(doc: &Document, key: String, text: &str) -> Result<Formula, Fault> {
         match Expr::parse(text) {
             Ok(expr) => Ok(Formula { key, expr }),
@@ -101,7 +102,7 @@ impl Formula {
 }
 
 impl Object<String, String> {
-    /// Check the object, the `i`th of the file, and compile its formulas.
+    /// Check the object, which has index `i` in the file, and compile its formulas. An error is at the key of the first bad value.
     pub fn compile(self, doc: &Document, i: usize) -> Result<Object, Fault> {
         let key = format!("objects.{i}");
         let color = match self.color {
@@ -170,7 +171,7 @@ impl Shape<String> {
 }
 
 impl Object {
-    /// All its formulas, in the order in which their faults are told.
+    /// All formulas of the object, in the order in which faults in them are reported.
     pub fn formulas(&self) -> Vec<&Formula> {
         let mut all: Vec<&Formula> = self.select.iter().collect();
         match &self.shape {

@@ -10,56 +10,56 @@ use ri::files::Files;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What to draw, and where the file said it.
+/// A binding of data to images: data, scene, camera, lights, objects and output.
 #[derive(Clone, Debug)]
 pub struct Binding {
-    /// The file, so that faults found later still have their place.
+    /// The file's text, for the place of faults that are found later.
     pub doc: Document,
-    /// A model to simulate first; its run directory is then the data. From the file's folder.
+    /// Path of a model to simulate first, relative to the file's folder; its run directory is then the data.
     pub model: Option<PathBuf>,
-    /// Where the data is.
+    /// The data, if the file names any.
     pub data: Option<Data>,
-    /// The scene: a RIB file from the file's folder, or one of the library's.
+    /// The scene: a RIB file, relative to the file's folder, or the name of a scene of the library.
     pub scene: String,
-    /// The camera, if the scene does not have its own.
+    /// The camera; none if the scene has its own.
     pub camera: Option<Camera>,
-    /// A RIB file of lights for the scene's `#scree inject lights`.
+    /// A RIB file of lights for the scene's `#scree inject lights`; default lights if not given.
     pub lights: Option<String>,
-    /// What is drawn.
+    /// The objects to draw, at least one.
     pub objects: Vec<Object>,
-    /// Images.
+    /// Resolution, sampling and file format of the images.
     pub output: Output,
-    /// Images a second of the movie.
+    /// Frame rate of the movie, 1/s.
     pub frame_rate: f64,
-    /// Files that it brings itself: names and texts.
+    /// Generated files that the scene reads: names and texts.
     pub made: Vec<(String, String)>,
-    /// Folders to look in besides its own.
+    /// Folders to search besides the file's own.
     pub folders: Vec<PathBuf>,
-    /// Other images of the same data, by the names of the folders that they go to.
+    /// Bindings of further images of the same data (render passes), each with the name of its output folder.
     pub passes: Vec<(String, Binding)>,
 }
 
-/// Where the data is, and what is done to each frame of it.
+/// The place of the data, and the operations on each of its frames.
 #[derive(Clone, Debug)]
 pub struct Data {
-    /// Where it is; none if the file does not say just one place, which is a fault once the data is opened.
+    /// The place of the data; none if the file does not give exactly one, which is a fault when the data is opened.
     pub place: Option<Place>,
-    /// Columns computed from others, in order.
+    /// Derived columns, in order: name and expression.
     pub derive: Vec<(String, Expr)>,
-    /// Which rows there are at all.
+    /// Condition on the rows to keep; all rows if not given.
     pub select: Option<Expr>,
 }
 
-/// Where data is; paths are from the file's folder.
+/// The place of data; paths are relative to the file's folder.
 #[derive(Clone, Debug)]
 pub enum Place {
     /// A run directory.
     Run(PathBuf),
     /// CSV files.
     Csv {
-        /// Their names, `*` standing for any characters.
+        /// Path of the files, in which `*` stands for any characters.
         pattern: PathBuf,
-        /// How they are laid out.
+        /// Layout of the files.
         layout: Layout,
         /// New names of columns, by their old ones.
         rename: BTreeMap<String, String>,
@@ -75,65 +75,65 @@ pub enum Camera {
     Placed(Placed),
 }
 
-/// A camera by its place.
+/// A camera by its position and a point to look at.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    /// Where it stands, m.
+    /// Position of the camera, m.
     pub eye: [f32; 3],
-    /// What it looks at, m.
+    /// Point that the camera looks at, m.
     pub look_at: [f32; 3],
     /// The direction that is up in the image.
     pub up: [f32; 3],
-    /// Projection.
+    /// Perspective or parallel projection.
     pub projection: Projection,
-    /// Degrees a frame by which it goes around what it looks at, about `up`.
+    /// Angle per frame, degrees, by which the camera orbits `look_at` about `up`.
     pub orbit: Option<f32>,
-    /// The rows that it goes with: `eye` and `look_at` are then from the middle of these.
+    /// Condition on the rows that the camera follows: `eye` and `look_at` are then relative to the mean position of these rows.
     pub follow: Option<Formula>,
-    /// A lens; without it all is sharp.
+    /// The lens, for depth of field; a pinhole if not given.
     pub lens: Option<Lens>,
 }
 
 /// A camera's projection.
 #[derive(Clone, Copy, Debug)]
 pub enum Projection {
-    /// Parallel, this many metres across the shorter side.
+    /// Parallel projection; extent across the image's shorter side, m.
     Parallel(f32),
-    /// Perspective, this many degrees across the shorter side.
+    /// Perspective projection; angle of view across the image's shorter side, degrees.
     Perspective(f32),
 }
 
 /// A camera's lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Lens {
-    /// f-stop: the focal length over the width of the opening.
+    /// f-stop: the focal length over the diameter of the aperture.
     pub f_stop: f32,
     /// Focal length, m.
     pub focal_length: f32,
-    /// How far away it is sharp, m; if not given, as far as what the camera looks at.
+    /// Focal distance, m: the distance at which the image is sharp; if not given, the distance of `look_at`.
     pub focus: Option<f32>,
 }
 
-/// Images.
+/// Resolution, sampling and file format of images.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// Pixels along x and y.
+    /// Width and height of the image, pixels.
     pub resolution: [u32; 2],
-    /// Samples along x and y of a pixel.
+    /// Count of samples along x and y of a pixel.
     pub samples: [u32; 2],
-    /// Pixels a micropolygon.
+    /// Shading rate: maximum area of a micropolygon on the raster, pixels.
     pub shading_rate: f32,
     /// File format.
     pub format: ImageFormat,
-    /// Bits of a colour: 8 or 16 in a PNG, 16 or 32, both floats, in an EXR; 8 and 32 if not given.
+    /// Bits of a colour component: 8 (default) or 16 in a PNG, 16 or 32 (default), both floats, in an EXR.
     pub bits: Option<u32>,
-    /// What else goes into an EXR, each a layer of it.
+    /// Additional layers of an EXR file: names of arbitrary output variables, with types where needed.
     pub channels: Vec<String>,
-    /// How long the shutter is open, s.
+    /// Duration for which the shutter is open, s; 0 for no motion blur.
     pub shutter: f64,
-    /// Frames to draw, as a list; all if not given.
+    /// Frame list ([`frame::list`]) of the frames to draw; all if not given.
     pub frames: Option<String>,
-    /// Name and width (pixels) of the pixel filter.
+    /// Name of the pixel filter and its full width, pixels.
     pub filter: (String, f32),
 }
 
@@ -163,7 +163,7 @@ impl Default for Output {
 }
 
 impl Binding {
-    /// A search path that also has what the file brings itself.
+    /// The search path `files` with the binding's folders and generated files added.
     pub fn files(&self, mut files: Files) -> Files {
         for (name, text) in &self.made {
             // A handful of texts for the program's whole life.
@@ -178,7 +178,7 @@ impl Binding {
         self.doc.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()
     }
 
-    /// Open the data that it names.
+    /// Open the data. An error if the binding names no data, or not exactly one place of it, or the data cannot be opened.
     pub fn open_data(&self) -> Result<Source, Fault> {
         let Some(data) = &self.data else {
             return Err(self.doc.fault("data", "names no data: expected `data: {run: …}` or `data: {csv: …}`"));
@@ -194,7 +194,7 @@ impl Binding {
         Ok(Source { store, derive: data.derive.clone(), select: data.select.clone() })
     }
 
-    /// Check that every column that is named exists in the data.
+    /// Check that `frame` has every column that the objects and the camera use. The error is at the key that names a missing one.
     pub fn check_columns(&self, frame: &Frame) -> Result<(), Fault> {
         let names = frame.names();
         let follow = match &self.camera {

@@ -5,7 +5,7 @@ use frame::yaml::Document;
 use serde_yaml::Value;
 use std::collections::BTreeMap;
 
-/// The key that makes a file one of these.
+/// The top-level key by which a file is recognised as a job of Chrono::Render.
 pub const ROOT: &str = "chronorender";
 
 /// A map of the file.

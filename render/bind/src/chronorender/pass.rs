@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 /// Keys of a render pass.
 const PASS: [&str; 8] = ["name", "type", "settings", "shader", "camera", "scene", "lighting", "renderobject"];
 
-/// Check a file that was read: the first render pass, and the others as further images of the same data.
+/// Make the binding of a job: that of its first render pass, with the other passes in [`Binding::passes`]. An error is at the place
+/// of the first unknown key or bad value.
 pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
     let job = Job { doc: &doc };
     let top = job.map(

@@ -2,12 +2,12 @@
 
 use super::program::{Arithmetic, Comparison, Function, Program, Step};
 
-/// What is wrong with an expression: the byte in its text, and the message.
+/// A syntax or type error in an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExprError {
-    /// Byte.
+    /// Byte offset of the error in the text, from 0.
     pub at: usize,
-    /// What is wrong.
+    /// The error message.
     pub message: String,
 }
 

@@ -11,7 +11,7 @@ use frame::csv::Layout;
 use frame::yaml::Document;
 use ri::{Class, Param, Type};
 
-/// Check a metadata file that was read.
+/// Check a metadata file and make its binding; `doc` is the file's text. An error is at the key of the first bad value.
 pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     let output = output(metadata.output);
     output.check(&doc)?;

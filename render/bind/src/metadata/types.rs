@@ -8,24 +8,24 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Metadata {
-    /// A model to simulate first; its run directory is then the data. From this file's folder.
+    /// A model file to simulate first, relative to this file's folder; its run directory is then the data.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<PathBuf>,
-    /// Where the data is.
+    /// The data.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub data: Option<Data>,
-    /// The scene: a RIB file from this file's folder, or one of the library's.
+    /// The scene: a RIB file, relative to this file's folder, or the name of a scene of the library.
     #[serde(default = "default_scene")]
     pub scene: String,
-    /// The camera.
+    /// The camera, if the scene does not have its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraSpec>,
-    /// A RIB file of lights for the scene's `#scree inject lights`.
+    /// A RIB file of lights for the scene's `#scree inject lights`; default lights if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<String>,
-    /// What is drawn.
+    /// The objects to draw.
     pub objects: Vec<Object>,
-    /// Images.
+    /// The images.
     #[serde(default)]
     pub output: Output,
     /// The movie.
@@ -33,81 +33,82 @@ pub struct Metadata {
     pub movie: Movie,
 }
 
-/// Where the data is: exactly one of `run` and `csv`.
+/// The place of the data, exactly one of `run` and `csv`, and the operations on each frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Data {
     /// A run directory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<PathBuf>,
-    /// CSV files, `*` standing for any characters; the last number in a file's name is its frame.
+    /// CSV files, in whose name `*` stands for any characters; the last number in a file's name is its frame number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub csv: Option<PathBuf>,
-    /// The character between cells, if it should not be detected.
+    /// Delimiter of cells; detected if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delimiter: Option<char>,
-    /// Whether the first line names the columns, if it should not be detected.
+    /// Whether the first line is a header; detected if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub header: Option<bool>,
-    /// Column names, which go before those of a header.
+    /// Names of the columns, which replace those of a header.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub columns: Option<Vec<String>>,
-    /// Cells that every row of a CSV file has at least; what is missing after them is 0. Without it, rows have all their cells.
+    /// Minimum count of cells in a row of a CSV file; numbers missing after these are 0. If not given, every row must have all its
+    /// cells.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_cells: Option<usize>,
     /// New names for columns: `old: new`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rename: BTreeMap<String, String>,
-    /// Columns computed from others, one after the other.
+    /// Derived columns, computed in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub derive: Vec<Derive>,
-    /// Which rows there are at all: a condition on columns.
+    /// Condition on the rows to keep; all rows if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub select: Option<String>,
 }
 
-/// A column computed from others.
+/// A derived column, computed from other columns.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Derive {
-    /// Its name.
+    /// Name of the derived column.
     pub column: String,
-    /// An expression over the columns before it.
+    /// Expression over the columns of the data and those derived before.
     pub formula: String,
 }
 
-/// The camera: a RIB file, or a place and a point to look at.
+/// The camera: a RIB file, or a position and a point to look at.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct CameraSpec {
     /// A RIB file of camera calls; `{frame}` in its name stands for the frame's number, `{frame:04}` for it with four digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Where it stands, m.
+    /// Position of the camera, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub eye: Option<[f32; 3]>,
-    /// What it looks at, m.
+    /// Point that the camera looks at, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look_at: Option<[f32; 3]>,
     /// The direction that is up in the image.
     #[serde(default = "default_up")]
     pub up: [f32; 3],
-    /// Angle of view across the shorter side, degrees.
+    /// Angle of view across the image's shorter side, degrees.
     #[serde(default = "default_fov")]
     pub fov: f32,
-    /// Instead of `eye`: straight from the `front`, the `side` or the `top`, in parallel projection.
+    /// A standard view in parallel projection, `front`, `side` or `top`, instead of `eye`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
-    /// Degrees a frame by which it goes around what it looks at, about `up`.
+    /// Angle per frame, degrees, by which the camera orbits `look_at` about `up`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orbit: Option<f32>,
-    /// Rows that it goes with: `eye` and `look_at` are then from the middle of these.
+    /// Condition on the rows that the camera follows: `eye` and `look_at` are then relative to the mean position of these rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follow: Option<String>,
-    /// A lens: what is not where it is sharp is blurred. Without it all is sharp.
+    /// The lens, for depth of field; a pinhole if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<Lens>,
-    /// Parallel projection, this many metres across the shorter side.
+    /// Parallel projection: the extent across the image's shorter side, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f32>,
 }
@@ -116,45 +117,46 @@ pub struct CameraSpec {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Lens {
-    /// f-stop: the focal length over the width of the opening.
+    /// f-stop: the focal length over the diameter of the aperture.
     pub f_stop: f32,
     /// Focal length, m.
     pub focal_length: f32,
-    /// How far away it is sharp, m; if not given, as far as what the camera looks at.
+    /// Focal distance, m: the distance at which the image is sharp; if not given, the distance of `look_at`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub focus: Option<f32>,
 }
 
-/// A straight view.
+/// A standard view along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum View {
-    /// Towards −x.
+    /// View towards −x.
     Front,
-    /// Towards y: the side elevation.
+    /// View towards +y, the side elevation.
     Side,
-    /// Towards −z, y up in the image.
+    /// View towards −z, with y up in the image.
     Top,
 }
 
-/// Rows of the data, and what they look like.
+/// An object: rows of the data, with their geometry and shaders.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Object {
-    /// Name, for `#scree inject objects NAME`.
+    /// Name of the object, for `#scree inject objects NAME`.
     pub name: String,
-    /// Which rows: a condition on columns; all if not given.
+    /// Condition on the object's rows; all rows if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub select: Option<String>,
-    /// What stands at each row.
+    /// Geometry drawn at each row.
     pub geometry: Geometry,
-    /// Three columns or expressions, m.
+    /// Position, m: three columns or expressions.
     #[serde(default = "default_position")]
     pub position: [Quantity; 3],
-    /// The quaternion's w, x, y, z: columns or expressions. If not given: quat_w … quat_z where the data has them.
+    /// Orientation as a quaternion w, x, y, z: columns or expressions; if not given, `quat_w` … `quat_z` where the data has them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[Quantity; 4]>,
-    /// Three columns or expressions, m/s, for motion blur. If not given: vel_x, vel_y, vel_z where the data has them.
+    /// Velocity, m/s, for motion blur: three columns or expressions; if not given, `vel_x`, `vel_y` and `vel_z` where the data has
+    /// them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[Quantity; 3]>,
     /// Surface shader and its parameters; `matte` if not given.
@@ -171,7 +173,7 @@ pub struct Object {
     pub opacity: Option<f32>,
 }
 
-/// Geometry: exactly one of these.
+/// The geometry of an object: exactly one of these.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Geometry {
@@ -196,12 +198,12 @@ pub struct Geometry {
     /// A square in the local xy plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSpec>,
-    /// Geometry from a RIB archive, drawn at every row.
+    /// Geometry from a RIB or OBJ file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub archive: Option<ArchiveSpec>,
 }
 
-/// A sphere's size.
+/// The size of a sphere.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct SphereSpec {
@@ -209,11 +211,11 @@ pub struct SphereSpec {
     pub radius: Quantity,
 }
 
-/// Half lengths.
+/// The size of a box or an ellipsoid.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct BoxSpec {
-    /// Along the local axes, m.
+    /// Half lengths along the local axes, m.
     pub half: [Quantity; 3],
 }
 
@@ -223,36 +225,36 @@ pub struct BoxSpec {
 pub struct RoundSpec {
     /// Radius, m.
     pub radius: Quantity,
-    /// Half its length along z, m; of a capsule without its round ends.
+    /// Half the length along local z, m; of a capsule without its half spheres.
     pub half: Quantity,
 }
 
-/// A square.
+/// The size of a square.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct PlaneSpec {
-    /// Half its edge, m.
+    /// Half the edge, m.
     pub half: Quantity,
 }
 
-/// An archive.
+/// A geometry file and its scale.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct ArchiveSpec {
-    /// The RIB file.
+    /// The RIB or OBJ file.
     pub file: String,
-    /// Scale.
+    /// Scale factor.
     #[serde(default = "one")]
     pub scale: Quantity,
 }
 
-/// A number, or an expression over columns.
+/// A quantity: a number, or an expression over columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected a number or an expression over columns")]
 pub enum Quantity {
     /// A number.
     Number(f64),
-    /// An expression.
+    /// A column or an expression over columns.
     Expression(String),
 }
 
@@ -260,17 +262,17 @@ pub enum Quantity {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(expecting = "a map")]
 pub struct Shader {
-    /// Its name: `gravel` is the library's or a file `gravel.sl` beside the metadata.
+    /// Name of the shader: `gravel` is a file `gravel.sl` beside the metadata, or a shader of the library.
     pub name: String,
     /// Maximum displacement, m (displacement shaders).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<f32>,
-    /// Its parameters by name.
+    /// Values of the shader's parameters, by name.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, Parameter>,
 }
 
-/// A shader parameter: a number, three numbers, or text.
+/// The value of a shader parameter: a number, three numbers, or text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected a number, three numbers or text")]
 pub enum Parameter {
@@ -282,55 +284,54 @@ pub enum Parameter {
     Text(String),
 }
 
-/// Colour: red, green, blue, or a column through a map.
+/// A colour: red, green and blue, or a column through a colour map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected [red, green, blue] or {column: …, map: …, range: [low, high]}")]
 pub enum Color {
     /// Linear red, green and blue.
     Rgb([f32; 3]),
-    /// A column through a named map.
+    /// A column through a named colour map.
     Column(ColorBy),
 }
 
-/// A column through a named map.
+/// A column through a named colour map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct ColorBy {
     /// Column or expression.
     pub column: Quantity,
-    /// The map.
+    /// Name of the colour map.
     #[serde(default = "default_map")]
     pub map: String,
-    /// Values at the map's ends; of the frame's own range if not given.
+    /// Values at the two ends of the map; the frame's minimum and maximum if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
 }
 
-/// Images.
+/// The images: resolution, sampling and file format.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a map")]
 pub struct Output {
-    /// Pixels along x and y.
+    /// Width and height of the image, pixels.
     pub resolution: [u32; 2],
-    /// Samples along x and y of a pixel.
+    /// Count of samples along x and y of a pixel.
     pub samples: [u32; 2],
-    /// Pixels a micropolygon.
+    /// Shading rate: maximum area of a micropolygon on the raster, pixels.
     pub shading_rate: f32,
-    /// `png` or `exr`.
+    /// File format, `png` or `exr`.
     pub format: ImageFormat,
-    /// Bits of a colour: 8 or 16 in a PNG, 16 or 32, both floats, in an EXR; 8 and 32 if not given.
+    /// Bits of a colour component: 8 (default) or 16 in a PNG, 16 or 32 (default), both floats, in an EXR.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bits: Option<u32>,
-    /// What else goes into an EXR, each a layer of it: `z`, `N`, `P`, `id`, `motion`, or another variable with its type, such as
-    /// `color diffuse`.
+    /// Additional layers of an EXR file: `z`, `N`, `P`, `id`, `motion`, or another variable with its type, such as `color diffuse`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<String>,
-    /// How long the shutter is open, s: what moves is blurred by as far as it comes in that time.
+    /// Duration for which the shutter is open, s: moving objects are blurred over the distance that they move in it.
     pub shutter: f64,
-    /// Frames to draw, as for `-f`; all if not given.
+    /// Frame list of the frames to draw, as for `-f`; all if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<String>,
-    /// Pixel filter.
+    /// The pixel filter.
     pub filter: PixelFilter,
 }
 
@@ -345,13 +346,13 @@ pub enum ImageFormat {
     Exr,
 }
 
-/// Pixel filter.
+/// The pixel filter: its kind and width.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a map")]
 pub struct PixelFilter {
-    /// box, triangle, gaussian, catmull-rom, sinc or mitchell.
+    /// Kind of the filter: `box`, `triangle`, `gaussian`, `catmull-rom`, `sinc` or `mitchell`.
     pub name: String,
-    /// Width, pixels.
+    /// Full width, pixels.
     pub width: f32,
 }
 
@@ -359,7 +360,7 @@ pub struct PixelFilter {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "a map")]
 pub struct Movie {
-    /// Images a second.
+    /// Frame rate, 1/s.
     pub frame_rate: f64,
 }
 

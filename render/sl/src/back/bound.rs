@@ -3,10 +3,10 @@
 use crate::ir::Program;
 use std::sync::Arc;
 
-/// A shader with its parameters given.
+/// A shader bound to values of its parameters.
 #[derive(Clone, Debug)]
 pub struct BoundShader {
-    /// The program.
+    /// The compiled shader.
     pub program: Arc<Program>,
     /// Values of parameters by their slots, numbers in the current space; what has none is computed whenever the shader runs.
     values: Vec<Option<Answer>>,
@@ -15,7 +15,8 @@ pub struct BoundShader {
 }
 
 impl BoundShader {
-    /// A program with values for some of its parameters, by their slots; the first that is given counts.
+    /// Bind values to some of a program's parameters, by slot (the index in [`Program::params`]). Of several values for one slot
+    /// the first counts; parameters without a value are computed whenever the shader runs.
     pub fn given(program: Arc<Program>, numbers: Vec<(usize, Vec<f32>)>, texts: Vec<(usize, String)>) -> BoundShader {
         let mut values = vec![None; program.params.len()];
         let numbers = numbers.into_iter().map(|(slot, v)| (slot, Answer::Numbers(v)));
@@ -27,23 +28,24 @@ impl BoundShader {
         bound
     }
 
-    /// The value of a parameter, by its slot.
+    /// The value bound to a parameter, by slot.
     pub fn value(&self, slot: usize) -> Option<&Answer> {
         self.values[slot].as_ref()
     }
 
-    /// Give a parameter another value.
+    /// Bind another value to a parameter, by slot.
     pub fn set(&mut self, slot: usize, value: Answer) {
         self.values[slot] = Some(value);
         self.find_categories();
     }
 
-    /// The values of a parameter, by its name: of the whole shader, not of a point.
+    /// The value bound to a parameter, by name: the shader's, not that of a point.
     pub fn parameter(&self, name: &str) -> Option<Answer> {
         self.value(self.program.params.iter().position(|p| p.name == name)?).cloned()
     }
 
-    /// Whether a light is of a category: its parameter `__category` names its own, separated by commas; `-` asks for all others.
+    /// Whether a light is of the category `asked`: its parameter `__category` lists its categories, separated by commas. An empty
+    /// `asked` is every category; `-name` is every light that is not of the category `name`.
     pub fn in_category(&self, asked: &str) -> bool {
         let has = |name: &str| self.categories.iter().any(|c| c == name);
         match asked.strip_prefix('-') {
@@ -61,7 +63,7 @@ impl BoundShader {
     }
 }
 
-/// An answer of the scene, or the value of a parameter.
+/// The answer to a query of the scene, or the value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
     /// Numbers, in the current space.

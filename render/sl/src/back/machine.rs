@@ -1,8 +1,8 @@
-//! The grid machine: runs a program over a whole grid of points, an operation at a time.
+//! The grid machine: runs a program over a whole grid of points, one operation at a time.
 //!
-//! A register holds one value (uniform) or one a point (varying), a triple as three runs: all x, all y, all z. Temporaries are
-//! computed at every point; only assignments to variables look at which points are active, and costly calls skip the others.
-//! One machine serves one thread and is used again for grid after grid, so that its memory is taken once.
+//! A register holds one value (uniform) or one value per point (varying); a varying triple is stored as three runs: all x, all y,
+//! all z. Temporaries are computed at every point; only assignments to variables depend on which points are active, and costly
+//! calls skip inactive points. One machine serves one thread and is used for grid after grid, so that its memory is allocated once.
 
 mod bind;
 mod call;

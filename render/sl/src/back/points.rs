@@ -2,14 +2,15 @@
 
 use crate::ir::Global;
 
-/// The points to be shaded: `n = nu · nv`, in rows of `nu`.
+/// The points of a grid to shade, with their global and primitive variables: n = `nu` · `nv` points, row by row. A variable holds
+/// one value (uniform) or n values (varying); a varying triple is stored as three runs, all x, all y, all z.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
-    /// Points in a row.
+    /// Count of points in a row.
     pub nu: usize,
-    /// Rows.
+    /// Count of rows.
     pub nv: usize,
-    /// 1, or −1 where the rows' cross product points into the surface.
+    /// 1, or −1 where the cross product of the directions along rows and columns points into the surface.
     pub orientation: f32,
     /// Globals by their slots: values, one or one a point, a triple as three runs.
     globals: [Vec<f32>; Global::COUNT],
@@ -22,12 +23,12 @@ pub struct Points {
 }
 
 impl Points {
-    /// Points in `nv` rows of `nu`, without values.
+    /// A grid of `nv` rows of `nu` points, without variables.
     pub fn new(nu: usize, nv: usize, orientation: f32) -> Points {
         Points { nu, nv, orientation, ..Points::default() }
     }
 
-    /// Number of points.
+    /// Count of points, n.
     pub fn n(&self) -> usize {
         self.nu * self.nv
     }
@@ -36,23 +37,23 @@ impl Points {
         self.given >> global.slot() & 1 == 1
     }
 
-    /// A global's values.
+    /// The values of a global variable, if it has any.
     pub fn get(&self, global: Global) -> Option<&[f32]> {
         self.has(global).then(|| self.globals[global.slot()].as_slice())
     }
 
-    /// A global's buffer.
+    /// The buffer of a global variable, if it has values.
     pub fn get_mut(&mut self, global: Global) -> Option<&mut Vec<f32>> {
         if self.has(global) { Some(&mut self.globals[global.slot()]) } else { None }
     }
 
-    /// The buffers of all globals that have values.
+    /// The buffers of all global variables that have values.
     pub fn globals_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
         let given = self.given;
         self.globals.iter_mut().enumerate().filter(move |(k, _)| given >> k & 1 == 1).map(|(_, v)| v)
     }
 
-    /// A global's buffer, emptied, for new values.
+    /// The buffer of a global variable, cleared, for new values.
     pub fn refill(&mut self, global: Global) -> &mut Vec<f32> {
         self.given |= 1 << global.slot();
         let buffer = &mut self.globals[global.slot()];
@@ -60,12 +61,12 @@ impl Points {
         buffer
     }
 
-    /// Take all primitive variables away.
+    /// Remove all primitive variables; their buffers keep their memory.
     pub fn clear_variables(&mut self) {
         self.n_variables = 0;
     }
 
-    /// The buffer, emptied, of the primitive variable in the next slot.
+    /// Add a primitive variable in the next slot, and return its cleared buffer.
     pub fn next_variable(&mut self) -> &mut Vec<f32> {
         if self.n_variables == self.variables.len() {
             self.variables.push(Vec::new());
@@ -81,19 +82,19 @@ impl Points {
         self.variables[..self.n_variables].get(slot).map(Vec::as_slice)
     }
 
-    /// The values of all primitive variables, slot by slot.
+    /// The values of all primitive variables, by slot.
     pub fn variables(&self) -> &[Vec<f32>] {
         &self.variables[..self.n_variables]
     }
 
-    /// Give a global the values of the primitive variable in a slot, or others where there is none.
+    /// Set a global variable to the values of the primitive variable in `slot`, or to `others` if there is none.
     pub fn refill_from(&mut self, global: Global, slot: Option<usize>, others: &[f32]) {
         let mut buffer = std::mem::take(self.refill(global));
         buffer.extend_from_slice(slot.and_then(|slot| self.variable(slot)).unwrap_or(others));
         *self.refill(global) = buffer;
     }
 
-    /// Give a global values.
+    /// Set the values of a global variable.
     pub fn set(&mut self, global: Global, values: Vec<f32>) {
         *self.refill(global) = values;
     }

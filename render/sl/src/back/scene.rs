@@ -4,76 +4,79 @@ use super::bound::{Answer, BoundShader};
 use crate::ir::{Ask, Lookup};
 use std::sync::Arc;
 
-/// What a shader asks of the scene around the grid. Where a question is asked at many points it comes once for all of them, so
-/// that it may be answered in bulk; answers go to a slice of the same length.
+/// The queries that a shader makes of the scene. A query for many points is one call, so that it can be answered in bulk; its
+/// answers go to a slice of the same length as the queries. All positions and directions are in the current space.
 pub trait Scene {
-    /// The lights that shine on the grid.
+    /// The lights that illuminate the grid.
     fn lights(&self) -> &[Arc<BoundShader>];
-    /// The matrix from one named space to another, 16 numbers column after column for column vectors.
+    /// The matrix from one named coordinate system to another, column-major for column vectors; `None` if a name is unknown.
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]>;
-    /// How much light gets along segments: 1 all, 0 none.
+    /// The fraction of light that passes along each segment, by colour channel: 1 all, 0 none.
     fn transmission(&self, _segments: &[Segment], light: &mut [[f32; 3]]) {
         light.fill([1.0; 3]);
     }
-    /// Where on an area light its light of an index in [`Scene::lights`] is, for `n` places that it lights.
+    /// Sample points on an area light, for `n` points that it lights: `_light` is the light's index in [`Scene::lights`], `_place`
+    /// gives the position of a lit point by its index. `None` if the light is no area light.
     fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         None
     }
-    /// What the scene knows under some names.
+    /// Answer a query by name; `None` if the scene has no answer.
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
         None
     }
-    /// Four channels of a map, for queries that differ in their places alone.
+    /// Look up four channels of a map for each query; the queries of one call differ only in position.
     fn map(&self, _queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
         values.fill([0.0; 4]);
     }
-    /// How far along rays the nearest surface is.
+    /// The distance along each ray to the nearest surface; `None` where it hits no surface.
     fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
         distances.fill(None);
     }
-    /// Whether rays from here are followed at all: not where they have come too deep.
+    /// Whether rays from this grid are traced: not where the maximum ray depth is reached. `_many` as for [`Scene::trace`].
     fn traces(&self, _many: bool) -> bool {
         false
     }
-    /// The colours that rays bring back; `many` says that each is one of many from its point, as for light from all around.
+    /// The colour that each ray brings back. `_many` says that each ray is one of many from its point, as for indirect diffuse
+    /// light.
     fn trace(&self, _rays: &[Ray], _many: bool, colors: &mut [[f32; 3]]) {
         colors.fill([0.0; 3]);
     }
-    /// Take what `printf` prints.
+    /// Take the text that `printf` prints; by default to the standard error.
     fn print(&self, text: &str) {
         eprint!("{text}");
     }
 }
 
-/// A ray.
+/// A ray, in the current space.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Origin of the ray.
     pub from: [f32; 3],
-    /// Its direction, of unit length.
+    /// Direction of the ray, of unit length.
     pub direction: [f32; 3],
 }
 
-/// From one point to another.
+/// The segment from one point to another, in the current space.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// Where it starts.
+    /// Start point.
     pub from: [f32; 3],
-    /// Where it ends.
+    /// End point.
     pub to: [f32; 3],
 }
 
-/// Points of an area light, one for each place that it lights.
+/// Sample points on an area light, one for each of the n points that it lights.
 pub struct Emitter {
-    /// The points, as three runs.
+    /// The sample points as three runs, all x, all y, all z; `[3 n]`.
     pub points: Vec<f32>,
-    /// The normals there, likewise.
+    /// The area light's normals at the sample points, as three runs; `[3 n]`.
     pub normals: Vec<f32>,
-    /// The part of the light that they stand for.
+    /// The fraction of the area light's emission that one sample stands for: 1 over the count of samples.
     pub part: f32,
 }
 
-/// A scene of lights alone: every space is the world, nothing is in the way, and what is printed is dropped.
+/// A scene of lights alone, for shaders that run without a renderer: no coordinate system has a matrix, no surface blocks light,
+/// and printed text is dropped.
 pub struct Lights(pub Vec<Arc<BoundShader>>);
 
 impl Scene for Lights {
@@ -86,27 +89,27 @@ impl Scene for Lights {
     fn print(&self, _: &str) {}
 }
 
-/// A question for a map.
+/// A lookup in a map at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct MapQuery<'a> {
-    /// How it is looked up.
+    /// The kind of the lookup.
     pub how: Lookup,
-    /// Its name.
+    /// Name of the map.
     pub name: &'a str,
-    /// The first channel.
+    /// The first of the four channels, from 0.
     pub channel: usize,
-    /// s and t, a direction, or a place.
+    /// s and t, a direction, or a position.
     pub at: [f32; 3],
-    /// How that changes to the next point of the grid, along its rows and its columns.
+    /// Change of `at` to the next point of the grid, along its rows and along its columns; the filter's area is made from these.
     pub change: [[f32; 3]; 2],
-    /// Factor of the filter's width.
+    /// Factor on the filter's width.
     pub width: f32,
-    /// Blur, a part of the whole map.
+    /// Blur, as a fraction of the map's width.
     pub blur: f32,
-    /// Samples, where the map is sampled.
+    /// Count of samples, for maps that are sampled.
     pub samples: f32,
-    /// Bias of a shadow map.
+    /// Bias of a shadow lookup.
     pub bias: f32,
-    /// In a light shader: where the light comes from.
+    /// In a light shader, the position that the light comes from.
     pub light: Option<[f32; 3]>,
 }

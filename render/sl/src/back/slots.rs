@@ -2,8 +2,8 @@
 
 use crate::ir::{Operand, Program};
 
-/// The slots of the primitive variables that go before the parameters of a program: names are looked up once, when a shader and
-/// the variables of a primitive are brought together, and not for each grid.
+/// The slots of the primitive variables that override the parameters of a program: names are looked up once per primitive and
+/// shader, not once per grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VariableSlots {
     /// By the slots of parameters; empty if no variable has the name of one.
@@ -11,7 +11,8 @@ pub struct VariableSlots {
 }
 
 impl VariableSlots {
-    /// The slots for a program, by the names of the variables in the order of their slots; of two of a name the first counts.
+    /// Match the parameters of a program with primitive variables, whose names are given in the order of their slots; of two
+    /// variables of one name the first counts.
     pub fn of(program: &Program, names: &[String]) -> VariableSlots {
         let slot = |name: &str| names.iter().position(|n| n == name);
         let of_parameter: Vec<Option<usize>> = if names.is_empty() {

@@ -11,12 +11,12 @@ use super::source::Sources;
 use crate::ir::{self, Program};
 use std::path::Path;
 
-/// Compile the shader in `source`, which came from `path` and includes nothing.
+/// Compile the shader in the text `source`, read from `path`; `#include` is an error. The program is optimised and valid.
 pub fn compile(path: &Path, source: &str) -> Result<Program, Diagnostic> {
     compile_with(path, source, &|name, _| Err(format!("`{name}` was not found: nothing is looked up here")))
 }
 
-/// Compile the shader in `source`, which came from `path`; `include` finds what `#include` names.
+/// Compile the shader in the text `source`, read from `path`; `include` finds the files that `#include` names.
 pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<Program, Diagnostic> {
     let mut sources = Sources::default();
     let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;

@@ -1,19 +1,19 @@
 //! Errors and their places.
 
-/// An error in a shader and its place; line and column count from 1.
+/// An error in a shader, with its file, line and column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     /// The shader's file.
     pub file: std::path::PathBuf,
-    /// Line.
+    /// Line, from 1.
     pub line: usize,
-    /// Column.
+    /// Column, from 1.
     pub column: usize,
     /// The line as it stands in the file.
     pub text: String,
     /// What is wrong and what was expected.
     pub message: String,
-    /// How it may be corrected, if that is known.
+    /// A possible correction, if one is known.
     pub hint: Option<String>,
 }
 

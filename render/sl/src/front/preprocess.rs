@@ -7,7 +7,8 @@ use super::source::Sources;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Finds an included file: its name and the file that asks, to its path and text.
+/// A function that finds an included file: from the name in the `#include` line and the path of the file with that line to the path
+/// and text of the included file, or a message for the diagnostic.
 pub type Include<'a> = dyn Fn(&str, &Path) -> Result<(PathBuf, String), String> + 'a;
 
 type Tokens = Vec<(Tok, usize)>;

@@ -1,4 +1,4 @@
-//! The table of shading functions: everything that a shader can call and that it did not define itself.
+//! The table of shading functions: the built-in functions that shaders call, and those that operators are lowered to.
 //!
 //! A row is one form of a function: its name, its arguments, its result and how it is computed. Lowering finds a call's row here,
 //! [`super::validate()`] checks the registers of [`super::Op::Call`] against it, the optimiser reads what it depends on, and a back
@@ -12,7 +12,7 @@ use crate::shadeop::call::Evaluator;
 use crate::shadeop::number::{Binary, Unary};
 use crate::shadeop::{grid, matrix, numbers, pattern, triple};
 
-/// What an argument may be.
+/// The types that an argument of a shading function may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arg {
     /// A number.
@@ -23,7 +23,7 @@ pub enum Arg {
     Direction,
     /// A number or a triple.
     Any,
-    /// A matrix, or a number, which is made one.
+    /// A matrix, or a number, which becomes the diagonal of a matrix.
     Matrix,
     /// A number, a triple or a matrix.
     Value,
@@ -42,10 +42,10 @@ impl Arg {
     }
 }
 
-/// What a function returns.
+/// The type of a shading function's result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gives {
-    /// A value of this kind.
+    /// A value of this type.
     Is(Kind),
     /// A value of the first argument's type.
     First,
@@ -56,7 +56,7 @@ pub enum Gives {
 }
 
 impl Gives {
-    /// Whether a register of this width may take the result, if the first argument has width `first`.
+    /// Whether a register of this width may hold the result, if the first argument has width `first`.
     pub fn has_width(self, width: usize, first: usize) -> bool {
         match self {
             Gives::Is(kind) => width == kind.width(),
@@ -66,27 +66,27 @@ impl Gives {
     }
 }
 
-/// A function that asks the scene, and is computed by the back end with what the scene answers.
+/// A shading function that the back end computes from queries of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneCall {
-    /// Sum of the lights that have no direction.
+    /// `ambient`: the sum of the ambient lights.
     Ambient,
-    /// How much light gets from one point to another.
+    /// `transmission`: the fraction of light, by colour channel, that passes from one point to another.
     Transmission,
-    /// Colour of the light that a ray meets, or how far that is: trace(P, R).
+    /// `trace(P, R)`: the colour that a ray brings back, or, as a float, the distance to its hit.
     Trace,
-    /// Part of the hemisphere about N that is hidden: occlusion(P, N, samples).
+    /// `occlusion(P, N, samples)`: the fraction of the hemisphere about N that surfaces hide.
     Occlusion,
-    /// Light that surfaces around send: indirectdiffuse(P, N, samples).
+    /// `indirectdiffuse(P, N, samples)`: the mean colour of the surfaces that the hemisphere about N sees.
     IndirectDiffuse,
 }
 
-/// A function whose arguments no row describes, or that becomes several operations: lowering has a rule for each.
+/// A shading function with a lowering rule of its own, since no row describes its arguments or it becomes several operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Noise from −1 to 1.
+    /// `snoise` and its kin: noise from −1 to 1.
     SignedNoise,
-    /// A random number, one a point or one a grid.
+    /// `random`: a random number, one per point, or one per grid where it is assigned to a uniform variable.
     Random,
     /// `mix`
     Mix,
@@ -102,9 +102,9 @@ pub enum Form {
     Deriv,
     /// `comp`
     Component,
-    /// `setcomp`, or one of its kin for a component that is known.
+    /// `setcomp`, or `setxcomp`, `setycomp` and `setzcomp` with their component.
     SetComponent(Option<u8>),
-    /// `transform` and its kin.
+    /// `transform`, `vtransform` and `ntransform`.
     Transform(Transform),
     /// `mtransform`
     MatrixTransform,
@@ -120,52 +120,52 @@ pub enum Form {
     Print,
     /// `match`
     Match,
-    /// A question by name.
+    /// A query by name, such as `attribute` or `rayinfo`.
     Ask(Ask),
-    /// A map.
+    /// A lookup in a map: `texture`, `environment` or `shadow`.
     Map(Lookup),
-    /// `bake` and its kin: what is baked is not kept, and so nothing is found of it.
+    /// `bake` and its kin, which have no effect: baked values are not kept.
     Bake,
 }
 
-/// How a function is computed.
+/// The way a shading function is computed.
 #[derive(Clone, Copy, Debug)]
 pub enum How {
-    /// By an operation of its own, component by component.
+    /// By a unary operation of the IR, component by component.
     Unary(Unary),
-    /// By an operation of its own, component by component.
+    /// By a binary operation of the IR, component by component.
     Binary(Binary),
-    /// A component of a triple.
+    /// By taking this component of a triple.
     Component(u8),
-    /// By its evaluator, over a grid at once.
+    /// By an evaluator, over a whole grid at once.
     Grid(Evaluator),
-    /// By what the scene answers.
+    /// By queries of the scene.
     Scene(SceneCall),
-    /// By a rule of lowering.
+    /// By a lowering rule.
     Form(Form),
-    /// By this function of the prelude, for calls with as many arguments.
+    /// By the function of the prelude with this name, for calls with this count of arguments.
     Prelude(&'static str, usize),
 }
 
-/// One form of a shading function.
+/// One form of a shading function: one list of argument types and its result.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Its name in shaders; empty for what operators and rules of lowering become.
+    /// The function's name in shaders; empty for functions that only operators and lowering rules produce.
     pub name: &'static str,
-    /// Its name in the IR.
+    /// The function's name in the IR.
     pub ir: &'static str,
-    /// Arguments.
+    /// Types of the arguments.
     pub takes: &'static [Arg],
-    /// Result.
+    /// Type of the result.
     pub gives: Gives,
-    /// How it is computed.
+    /// The way the function is computed.
     pub how: How,
-    /// What its calls look like, for messages. Where this is empty the arguments tell, which are then also what the arguments of
-    /// a call are expected to be.
+    /// The form of calls, for messages. Where empty, messages name the types in `takes`, and the arguments of a call are checked
+    /// against these.
     pub usage: &'static str,
-    /// Its value at a point depends on the points beside it.
+    /// Whether the value at a point depends on neighbouring points of the grid.
     pub neighbours: bool,
-    /// Its value differs from point to point even where its arguments do not.
+    /// Whether the value differs from point to point even for uniform arguments.
     pub varying: bool,
 }
 
@@ -191,15 +191,15 @@ impl Row {
     }
 }
 
-/// The functions that operators and rules of lowering become.
+/// The functions that operators and lowering rules become.
 impl Builtin {
-    /// a · b
+    /// Dot product, a · b.
     pub const DOT: Builtin = Builtin::named("dot", 2);
-    /// a × b
+    /// Cross product, a × b.
     pub const CROSS: Builtin = Builtin::named("cross", 2);
-    /// Interpolation.
+    /// Linear interpolation.
     pub const MIX: Builtin = Builtin::named("mix", 3);
-    /// A normal turned against a direction.
+    /// A normal, flipped to face against a direction.
     pub const FACE_FORWARD: Builtin = Builtin::named("faceforward", 3);
     /// Component of a triple by index.
     pub const COMPONENT: Builtin = Builtin::named("comp", 2);
@@ -209,37 +209,38 @@ impl Builtin {
     pub const SET_COMPONENT: Builtin = Builtin::named("setcomp", 3);
     /// A matrix with one component replaced.
     pub const SET_MATRIX_COMPONENT: Builtin = Builtin::named("setcomp", 4);
-    /// A number on a matrix's diagonal.
+    /// A matrix with a number on its diagonal.
     pub const DIAGONAL: Builtin = Builtin::named("diagonal", 1);
-    /// Product of matrices.
+    /// Product of two matrices.
     pub const MATRIX_MULTIPLY: Builtin = Builtin::named("matrixmultiply", 2);
-    /// Product with the inverse.
+    /// Product of a matrix with the inverse of another.
     pub const MATRIX_DIVIDE: Builtin = Builtin::named("matrixdivide", 2);
-    /// Equality of matrices.
+    /// Whether two matrices are equal, 1 or 0.
     pub const MATRIX_EQUAL: Builtin = Builtin::named("matrixequal", 2);
-    /// A point by a matrix.
+    /// A point transformed by a matrix.
     pub const MATRIX_POINT: Builtin = Builtin::named("matrixpoint", 2);
-    /// A vector by a matrix.
+    /// A vector transformed by a matrix.
     pub const MATRIX_VECTOR: Builtin = Builtin::named("matrixvector", 2);
-    /// A normal by a matrix.
+    /// A normal transformed by a matrix.
     pub const MATRIX_NORMAL: Builtin = Builtin::named("matrixnormal", 2);
-    /// A random number at a place.
+    /// A random number per point.
     pub const RANDOM: Builtin = Builtin::named("random", 2);
-    /// A random number for the grid.
+    /// A random number per grid.
     pub const RANDOM_OF_GRID: Builtin = Builtin::named("random", 1);
     /// Derivative along u.
     pub const DU: Builtin = Builtin::named("du", 3);
     /// Derivative along v.
     pub const DV: Builtin = Builtin::named("dv", 3);
-    /// Change from point to point.
+    /// Filter width: the change of a value from one point of the grid to the next.
     pub const WIDTH: Builtin = Builtin::named("width", 1);
 
-    /// Its row.
+    /// The function's row in [`TABLE`].
     pub fn row(self) -> &'static Row {
         &TABLE[self.index()]
     }
 
-    /// The function of this name in the IR that takes `n_args` arguments; for constants.
+    /// The function with an evaluator that has this name in the IR and takes `n_args` arguments. Panics if there is none: meant for
+    /// constants.
     pub const fn named(ir: &str, n_args: usize) -> Builtin {
         let mut k = 0;
         while k < TABLE.len() {
@@ -252,7 +253,7 @@ impl Builtin {
     }
 }
 
-/// The rows of a name, with the functions that they stand for in the IR.
+/// The rows of the shading function `name`, one per form, with their handles in the IR.
 pub fn rows(name: &str) -> impl Iterator<Item = (Builtin, &'static Row)> + Clone {
     let named = TABLE.iter().enumerate().filter(move |(_, row)| row.name == name && !name.is_empty());
     named.map(|(k, row)| (Builtin::of_index(k), row))

@@ -1,53 +1,54 @@
-//! The global variables of shaders (RISpec section 14).
+//! The global variables of shaders (RISpec section 12).
 
 use super::types::Kind;
 
-/// A global variable; its index is its slot in the points of a grid.
+/// A global variable of shaders (RISpec section 12); its discriminant is its slot in
+/// [`crate::machine::Points`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Global {
-    /// Position.
+    /// Surface position.
     P,
     /// Shading normal.
     N,
-    /// Normal of the surface itself.
+    /// Geometric normal.
     Ng,
-    /// Incident direction.
+    /// Incident ray direction, from the eye to the point.
     I,
     /// Position of the eye.
     E,
-    /// Colour of the primitive.
+    /// Surface colour of the primitive.
     Cs,
-    /// Opacity of the primitive.
+    /// Surface opacity of the primitive.
     Os,
-    /// Colour that comes out.
+    /// Output colour.
     Ci,
-    /// Opacity that comes out.
+    /// Output opacity.
     Oi,
-    /// Texture coordinate.
+    /// First texture coordinate.
     S,
-    /// Texture coordinate.
+    /// Second texture coordinate.
     T,
-    /// Surface parameter.
+    /// First surface parameter.
     U,
-    /// Surface parameter.
+    /// Second surface parameter.
     V,
-    /// Direction of light.
+    /// Light direction: towards the light in surface shaders, from it in light shaders.
     L,
-    /// Colour of light.
+    /// Light colour.
     Cl,
-    /// Opacity of light.
+    /// Light opacity.
     Ol,
-    /// Point that is lit.
+    /// Position of the point that is lit, in light shaders.
     Ps,
-    /// Time of the shutter.
+    /// Shutter time.
     Time,
-    /// How long the shutter is open.
+    /// Duration for which the shutter is open.
     Dtime,
-    /// Velocity.
+    /// Change of P per unit of time, the velocity.
     DPdtime,
-    /// Coverage of a pixel.
+    /// Coverage of a pixel, in imager shaders.
     Alpha,
-    /// Components of a colour.
+    /// Count of components of a colour.
     Ncomps,
 }
 
@@ -78,31 +79,31 @@ const TABLE: [(Global, &str, Kind); Global::COUNT] = [
 ];
 
 impl Global {
-    /// Count of globals.
+    /// Count of global variables.
     pub const COUNT: usize = 22;
 
-    /// Its slot.
+    /// The variable's slot, from 0.
     #[inline(always)]
     pub const fn slot(self) -> usize {
         self as usize
     }
 
-    /// Its name in shaders.
+    /// The variable's name in shaders.
     pub const fn name(self) -> &'static str {
         TABLE[self.slot()].1
     }
 
-    /// Its type.
+    /// The variable's type.
     pub const fn kind(self) -> Kind {
         TABLE[self.slot()].2
     }
 
-    /// The global of a name.
+    /// The global variable of a name.
     pub fn of_name(name: &str) -> Option<Global> {
         Global::all().find(|g| g.name() == name)
     }
 
-    /// All of them.
+    /// All global variables, by slot.
     pub fn all() -> impl Iterator<Item = Global> {
         TABLE.iter().map(|row| row.0)
     }

@@ -3,7 +3,7 @@
 use super::register::{FloatReg, Operand, Reg, TextReg, TripleReg};
 use crate::shadeop::number::{Binary, Unary};
 
-/// A shading function: the index of its row in [`super::builtins::TABLE`].
+/// Handle of a shading function: the index of its row in [`super::builtins::TABLE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Builtin(u16);
 
@@ -17,202 +17,203 @@ impl Builtin {
     }
 }
 
-/// What is asked of the scene by name; answers are numbers or text, or nothing.
+/// The kind of a query by name (message passing and information functions, RISpec 15.8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
-    /// A parameter of the primitive's surface shader.
+    /// `surface`: a parameter of the primitive's surface shader.
     Surface,
-    /// Of its displacement shader.
+    /// `displacement`: a parameter of the primitive's displacement shader.
     Displacement,
-    /// Of its atmosphere.
+    /// `atmosphere`: a parameter of the primitive's atmosphere shader.
     Atmosphere,
-    /// Of the light whose turn it is in an `illuminance` loop.
+    /// `lightsource`: a parameter of the current light of an `illuminance` loop.
     LightSource,
-    /// Of the shader at the other end of a ray.
+    /// `incident`: a parameter of the volume shader on the side that the incident ray comes from.
     Incident,
-    /// Of the shader on the other side of the surface.
+    /// `opposite`: a parameter of the volume shader on the opposite side of the surface.
     Opposite,
-    /// An attribute.
+    /// `attribute`: an attribute of the primitive.
     Attribute,
-    /// An option.
+    /// `option`: an option of the image.
     Option,
-    /// What the renderer says of itself.
+    /// `rendererinfo`: name and version of the renderer.
     RendererInfo,
-    /// What is known of the ray that is followed.
+    /// `rayinfo`: type and depth of the ray that is shaded.
     RayInfo,
-    /// What is known of a texture, whose name goes before.
+    /// `textureinfo`: a property of a texture; two names, the texture and the property.
     TextureInfo,
 }
 
-/// How a map is looked up.
+/// The kind of a map lookup (RISpec 15.7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
-    /// By s and t.
+    /// `texture`: by s and t.
     Texture,
-    /// By a direction.
+    /// `environment`: by a direction.
     Environment,
-    /// By a place: how much is in shadow.
+    /// `shadow`: by a position; the value is the fraction in shadow, 0 to 1.
     Shadow,
 }
 
-/// Which way a triple changes with the space.
+/// The rule by which a value changes with the coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transform {
-    /// With translation.
+    /// A point: with translation.
     Point,
-    /// Without.
+    /// A vector: without translation.
     Vector,
-    /// By the inverse transpose.
+    /// A normal: by the inverse transpose.
     Normal,
-    /// The matrix from one space to the other, after a matrix.
+    /// A matrix: the transformation is applied after it.
     Matrix,
 }
 
-/// An operation.
+/// An operation. The register of the result comes first.
 #[derive(Clone, Debug)]
 pub enum Op {
-    /// A constant: one number, the same for all components.
+    /// A constant: result, and the number for all its components.
     Const(Reg, f32),
-    /// A constant string.
+    /// A constant string: result, text.
     TextConst(TextReg, String),
-    /// Copy a string.
+    /// Copy a string: result, operand.
     TextCopy(TextReg, TextReg),
-    /// Whether two strings are the same: 1 or 0.
+    /// Whether two strings are equal: result (1 or 0), and the strings.
     TextEqual(FloatReg, TextReg, TextReg),
-    /// Component by component; an operand of width 1 is spread over a wider result.
+    /// A unary operation, component by component: operation, result, operand. An operand of width 1 is repeated for a wider result.
     Unary(Unary, Reg, Reg),
-    /// Component by component; an operand of width 1 is spread over a wider result.
+    /// A binary operation, component by component: operation, result, operands. An operand of width 1 is repeated for a wider
+    /// result.
     Binary(Binary, Reg, Reg, Reg),
-    /// Where condition: then, else otherwise.
+    /// Select by a condition: result, condition, the value where the condition is not 0, the value where it is 0.
     Select(Reg, FloatReg, Reg, Reg),
-    /// Three numbers to a triple, or sixteen to a matrix.
+    /// A triple of three numbers, or a matrix of sixteen: result, numbers.
     Pack(Reg, Vec<FloatReg>),
-    /// A component of a triple.
+    /// A component of a triple: result, triple, index of the component.
     Component(FloatReg, TripleReg, u8),
-    /// Assign to a variable, where the points are active.
+    /// Assign to a variable at active points: variable, value.
     Assign(Reg, Reg),
-    /// An element of an array: result, first element, length, index.
+    /// Load an element of an array: result, first element, length, index.
     Load(Reg, Reg, u16, FloatReg),
-    /// Assign to an element of an array: first element, length, index, value.
+    /// Assign to an element of an array at active points: first element, length, index, value.
     Store(Reg, u16, FloatReg, Reg),
-    /// The same of strings.
+    /// Load an element of an array of strings: result, first element, length, index.
     TextLoad(TextReg, TextReg, u16, FloatReg),
-    /// The same of strings.
+    /// Assign to an element of an array of strings: first element, length, index, value.
     TextStore(TextReg, u16, FloatReg, TextReg),
-    /// A colour from one colour space to another.
+    /// Convert a colour between colour spaces: result, colour, from, to.
     ColorSpace(TripleReg, TripleReg, TextReg, TextReg),
-    /// A spline: result, basis, the value and the knots.
+    /// Evaluate a spline: result, basis, then the parameter and the knots.
     Spline(Reg, TextReg, Vec<Reg>),
     /// Whether a string matches a pattern: result, pattern, string.
     Match(FloatReg, TextReg, TextReg),
-    /// Text of a format and its values.
+    /// `format`: result, then the format and its values.
     Format(TextReg, Vec<Operand>),
-    /// Print a format and its values.
+    /// `printf`: the format and its values.
     Print(Vec<Operand>),
-    /// Ask the scene: whether there is an answer, what, by which strings, and where the answer goes (an array's first, its length).
+    /// Query the scene by name.
     Ask {
-        /// 1 if there is an answer.
+        /// Result: 1 if there is an answer, else 0.
         dst: FloatReg,
-        /// What.
+        /// The kind of the query.
         what: Ask,
-        /// Names.
+        /// The names that are queried.
         names: Vec<TextReg>,
-        /// Where the answer goes.
+        /// The register that takes the answer; of an array its first.
         out: Operand,
-        /// Elements there.
+        /// Count of elements of the array; 1 for a single value.
         len: u16,
     },
-    /// Look a map up: result, how, name, channel, where, and options by name.
+    /// Look up a map.
     Map {
         /// The result.
         dst: Reg,
-        /// How.
+        /// The kind of the lookup.
         how: Lookup,
         /// Name of the map.
         name: TextReg,
-        /// First channel (1).
+        /// The first channel, from 0.
         channel: FloatReg,
-        /// s and t, a direction, or a place.
+        /// s and t, a direction, or a position; or four of these, the corners of the filter's area.
         at: Vec<Reg>,
-        /// `width`, `blur` and the like.
+        /// Optional parameters by name, such as `width` and `blur`.
         options: Vec<(TextReg, Operand)>,
     },
-    /// A built-in function.
+    /// Call a shading function: function, result, arguments.
     Call(Builtin, Reg, Vec<Reg>),
-    /// Change space: result, operand, from, to (string registers).
+    /// Change the coordinate system: rule, result, operand, name of the system it is in, name of the new one.
     Transform(Transform, Reg, Reg, TextReg, TextReg),
-    /// `if`
+    /// `if`: condition, block where it is not 0, block where it is 0.
     If(FloatReg, Vec<Op>, Vec<Op>),
-    /// Repeat: condition's operations, condition, body, step.
+    /// `for` and `while`: operations that compute the condition, condition, body, step.
     Loop(Vec<Op>, FloatReg, Vec<Op>, Vec<Op>),
-    /// Leave this number of loops.
+    /// `break`: leave this count of enclosing loops.
     Break(u16),
-    /// Leave all but the last of this number of loops, and go to that one's step.
+    /// `continue`: of this count of enclosing loops, leave all but the outermost, and go to the step of that one.
     Continue(u16),
-    /// A function's body in place of its call.
+    /// The inlined body of a function that the shader defines.
     Inline(Vec<Op>),
-    /// Leave the function's body.
+    /// `return`: leave the inlined body.
     Return,
-    /// For rays from position about an axis within an angle: those that hit something, then those that do not.
+    /// `gather`: trace rays from a position within a cone.
     Gather {
-        /// Position.
+        /// Origin of the rays.
         position: TripleReg,
-        /// Axis.
+        /// Axis of the cone.
         axis: TripleReg,
-        /// Angle.
+        /// Half angle of the cone, radians.
         angle: FloatReg,
-        /// Number of rays.
+        /// Count of rays.
         samples: FloatReg,
-        /// Where what is asked of a ray or a hit goes, by name.
+        /// Values of a ray or hit that are wanted, such as `ray:length` or `surface:Ci`, and the registers that take them.
         out: Vec<(String, Reg)>,
-        /// For a hit.
+        /// Block for rays that hit a surface.
         hit: Vec<Op>,
-        /// For a miss.
+        /// Block for rays that hit no surface.
         miss: Vec<Op>,
     },
-    /// For every light that reaches position within an angle about an axis: L and Cl are set.
+    /// `illuminance`: for every light that reaches a position from within a cone, set L and Cl and run a block.
     Illuminance {
-        /// Position.
+        /// Position that is lit.
         position: TripleReg,
-        /// Axis.
+        /// Axis of the cone.
         axis: TripleReg,
-        /// Angle.
+        /// Half angle of the cone, radians.
         angle: FloatReg,
         /// Register of L.
         l: TripleReg,
         /// Register of Cl.
         cl: TripleReg,
-        /// Which lights: a category, or one with `-` before it for all others.
+        /// Category of the lights to take; with `-` before it, all lights but those. All lights if not given.
         category: Option<TextReg>,
-        /// Parameters of the lights that are wanted, and where they go.
+        /// Parameters of the lights that are wanted, and the registers that take them.
         wanted: Vec<(String, Reg)>,
-        /// What is done for each.
+        /// Block for each light.
         body: Vec<Op>,
     },
-    /// Light from everywhere along an axis.
+    /// `solar`: light from infinitely far away, along directions within a cone.
     Solar {
-        /// Axis.
+        /// Axis of the cone.
         axis: TripleReg,
-        /// Angle.
+        /// Half angle of the cone, radians.
         angle: FloatReg,
         /// Register of L.
         l: TripleReg,
-        /// The light's doing.
+        /// Block at the points that the light reaches.
         body: Vec<Op>,
     },
-    /// Light from a point, within an angle about an axis.
+    /// `illuminate`: light from a position, within a cone.
     Illuminate {
-        /// Position.
+        /// Position of the light.
         position: TripleReg,
-        /// Axis.
+        /// Axis of the cone.
         axis: TripleReg,
-        /// Angle.
+        /// Half angle of the cone, radians.
         angle: FloatReg,
         /// Register of L.
         l: TripleReg,
         /// Register of Ps.
         ps: TripleReg,
-        /// The light's doing.
+        /// Block at the points that the light reaches.
         body: Vec<Op>,
     },
 }

@@ -8,49 +8,50 @@ use super::types::{Kind, ShaderKind};
 /// A shader parameter.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// Name.
+    /// Name of the parameter.
     pub name: String,
-    /// Type.
+    /// Type of the parameter.
     pub kind: Kind,
-    /// Declared varying.
+    /// Whether the parameter is declared `varying`.
     pub varying: bool,
-    /// Declared an output.
+    /// Whether the parameter is declared `output`.
     pub output: bool,
-    /// Elements of an array.
+    /// Count of elements of an array; none for a single value.
     pub array: Option<u16>,
-    /// Its register; an array's elements follow each other.
+    /// Register of the parameter; the elements of an array are in consecutive registers from this one.
     pub reg: Operand,
-    /// Computes the default.
+    /// Operations that compute the default value.
     pub default: Vec<Op>,
 }
 
-/// A compiled shader.
+/// A compiled shader; [`validate`](super::validate()) has the invariants.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What it is for.
+    /// Type of the shader.
     pub kind: ShaderKind,
-    /// Its name.
+    /// Name of the shader.
     pub name: String,
-    /// Width (1, 3 or 16) of each number register.
+    /// Width (1, 3 or 16) of each register of numbers.
     pub widths: Vec<u8>,
-    /// Number of string registers.
+    /// Count of string registers.
     pub n_texts: usize,
-    /// Parameters, in their order.
+    /// Parameters, in the order of their declaration.
     pub params: Vec<Parameter>,
-    /// The globals that it reads or writes, with their registers.
+    /// Global variables that the shader reads or writes, with their registers.
     pub globals: Vec<(Global, Reg)>,
-    /// What it does.
+    /// Operations of the shader's body.
     pub body: Vec<Op>,
-    /// A light without `solar` and `illuminate`.
+    /// Whether it is an ambient light: a light shader without `solar` and `illuminate`.
     pub is_ambient: bool,
-    /// It leaves Oi as Os, so that what is opaque stays opaque.
+    /// Whether the shader keeps Oi equal to Os, so that an opaque surface stays opaque.
     pub keeps_opacity: bool,
-    /// What it does at a point depends on the points beside it in the grid: by derivatives, or maps, whose filters go by them.
+    /// Whether values at a point depend on neighbouring points of the grid: through derivatives, or through maps, whose filters use
+    /// them.
     pub reads_neighbours: bool,
 }
 
 impl Program {
-    /// The register of a global, if the program uses it.
+    /// The register of a global variable, if the program uses it.
     pub fn global(&self, global: Global) -> Option<Reg> {
         self.globals.iter().find(|(g, _)| *g == global).map(|(_, r)| *r)
     }

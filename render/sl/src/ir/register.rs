@@ -14,19 +14,19 @@ macro_rules! handles {
                 $name(index)
             }
 
-            /// Its index.
+            /// The register's index.
             #[inline(always)]
             pub const fn index(self) -> usize {
                 self.0 as usize
             }
 
-            /// The register of the element `k` of an array that starts here.
+            /// The register of element `k` of the array whose first element is in this one.
             #[inline]
             pub const fn element(self, k: u16) -> $name {
                 $name(self.0 + k)
             }
 
-            /// The registers of an array that starts here.
+            /// The registers of the array of `len` elements whose first element is in this one.
             pub fn array(self, len: u16) -> impl Iterator<Item = $name> {
                 (0..len).map(move |k| self.element(k))
             }
@@ -41,29 +41,29 @@ macro_rules! handles {
 }
 
 handles! {
-    /// A register of one number.
+    /// Handle of a register of one number.
     FloatReg "r";
-    /// A register of three numbers: a colour, a point, a vector or a normal.
+    /// Handle of a register of three numbers: a colour, a point, a vector or a normal.
     TripleReg "r";
-    /// A register of sixteen numbers.
+    /// Handle of a register of sixteen numbers, a 4×4 matrix.
     MatrixReg "r";
-    /// A register of a string.
+    /// Handle of a register of a string.
     TextReg "t";
 }
 
-/// A register of numbers, of any width.
+/// Handle of a register of numbers, of any width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reg {
     /// One number.
     Float(FloatReg),
-    /// Three.
+    /// Three numbers.
     Triple(TripleReg),
-    /// Sixteen.
+    /// Sixteen numbers.
     Matrix(MatrixReg),
 }
 
 impl Reg {
-    /// The register of an index and a width.
+    /// The register of an index and a width of 1, 3 or 16.
     pub const fn of(index: u16, width: usize) -> Reg {
         match width {
             1 => Reg::Float(FloatReg(index)),
@@ -72,7 +72,7 @@ impl Reg {
         }
     }
 
-    /// Its index.
+    /// The register's index.
     #[inline(always)]
     pub const fn index(self) -> usize {
         match self {
@@ -82,7 +82,7 @@ impl Reg {
         }
     }
 
-    /// Components of a value: 1, 3 or 16.
+    /// The register's width, the count of numbers in a value: 1, 3 or 16.
     #[inline(always)]
     pub const fn width(self) -> usize {
         match self {
@@ -92,13 +92,13 @@ impl Reg {
         }
     }
 
-    /// The register of the element `k` of an array that starts here.
+    /// The register of element `k` of the array whose first element is in this one.
     #[inline]
     pub const fn element(self, k: u16) -> Reg {
         Reg::of(self.index() as u16 + k, self.width())
     }
 
-    /// The registers of an array that starts here.
+    /// The registers of the array of `len` elements whose first element is in this one.
     pub fn array(self, len: u16) -> impl Iterator<Item = Reg> {
         (0..len).map(move |k| self.element(k))
     }
@@ -135,17 +135,17 @@ widths! {
     MatrixReg Matrix;
 }
 
-/// A number or a string register.
+/// Handle of a register of numbers or of a string.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operand {
-    /// Numbers.
+    /// A register of numbers.
     Number(Reg),
-    /// Text.
+    /// A register of a string.
     Text(TextReg),
 }
 
 impl Operand {
-    /// The register of the element `k` of an array that starts here.
+    /// The register of element `k` of the array whose first element is in this one.
     pub fn element(self, k: u16) -> Operand {
         match self {
             Operand::Number(r) => Operand::Number(r.element(k)),
@@ -153,7 +153,7 @@ impl Operand {
         }
     }
 
-    /// The registers of an array that starts here.
+    /// The registers of the array of `len` elements whose first element is in this one.
     pub fn array(self, len: u16) -> impl Iterator<Item = Operand> {
         (0..len).map(move |k| self.element(k))
     }

@@ -1,22 +1,22 @@
 //! The kinds of shaders and of values.
 
-/// What a shader is for.
+/// The type of a shader (RISpec section 9).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShaderKind {
-    /// Colour and opacity of a surface.
+    /// `surface`: colour and opacity of a surface.
     Surface,
-    /// Moves the surface.
+    /// `displacement`: displaced positions and normals of a surface.
     Displacement,
-    /// A source of light.
+    /// `light`: the light that a source emits.
     Light,
-    /// What fills space.
+    /// `volume`: colour and opacity through a volume, such as fog.
     Volume,
-    /// A last step on pixels.
+    /// `imager`: colour and opacity of filtered pixels, before exposure.
     Imager,
 }
 
 impl ShaderKind {
-    /// The keyword.
+    /// The keyword that declares such a shader.
     pub fn name(self) -> &'static str {
         match self {
             ShaderKind::Surface => "surface",
@@ -33,27 +33,27 @@ impl ShaderKind {
     }
 }
 
-/// What a value means, for parameters and globals.
+/// The type of a parameter or global variable (RISpec section 11).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A number.
+    /// `float`: a number.
     Float,
-    /// A colour.
+    /// `color`: red, green and blue.
     Color,
-    /// A position.
+    /// `point`: a position.
     Point,
-    /// A direction.
+    /// `vector`: a direction.
     Vector,
-    /// A normal.
+    /// `normal`: a surface normal.
     Normal,
-    /// A matrix.
+    /// `matrix`: a 4×4 matrix.
     Matrix,
-    /// Text.
+    /// `string`: text.
     Text,
 }
 
 impl Kind {
-    /// The keyword.
+    /// The keyword of the type.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Float => "float",
@@ -66,7 +66,7 @@ impl Kind {
         }
     }
 
-    /// Numbers in a value.
+    /// Count of numbers in a value: 1, 3 or 16. A string counts as 1.
     pub fn width(self) -> usize {
         match self {
             Kind::Float | Kind::Text => 1,

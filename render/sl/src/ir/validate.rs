@@ -5,7 +5,7 @@ use super::program::Program;
 use super::register::{Operand, Reg, TextReg};
 use super::types::{Kind, ShaderKind};
 
-/// Check a program for the invariants that stand at the head of [`crate::ir`].
+/// Check the invariants of [`crate::ir`]. The error describes the first violation.
 pub fn validate(program: &Program) -> Result<(), String> {
     let written = vec![false; program.widths.len()];
     let text_written = vec![false; program.n_texts];

@@ -37,7 +37,7 @@ pub fn writes_besides(op: &Op, f: &mut dyn FnMut(Reg)) {
     }
 }
 
-/// Visit all operations, those of inner blocks too.
+/// Call `f` for every operation of a block, including those of inner blocks.
 pub fn visit(ops: &[Op], f: &mut dyn FnMut(&Op)) {
     for op in ops {
         f(op);

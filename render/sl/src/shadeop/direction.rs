@@ -3,8 +3,8 @@
 use super::noise::cell_noise;
 use super::runs::dot;
 
-/// Two numbers in [0, 1) for sample `i` of `n`: an (R₂) low-discrepancy sequence (Roberts 2018), moved by the place so that
-/// neighbours differ.
+/// A sample point of the unit square, [0, 1)²: element `i` of the R₂ low-discrepancy sequence (Roberts 2018), shifted by a hash of
+/// the position `p`, so that neighbouring points of a surface have different samples.
 pub fn spread(i: usize, p: [f32; 3]) -> [f32; 2] {
     let salt = |c: u32| cell_noise(p.map(|x| (x * 8192.0).round()), c);
     let i = i as f32 + 1.0;

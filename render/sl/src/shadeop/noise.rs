@@ -1,4 +1,4 @@
-//! Repeatable noise (RISpec 15.1): gradient noise with range [0, 1] and mean ½, and constant noise of unit cells.
+//! Noise functions (RISpec 15.1), the same in every run: gradient noise in [0, 1] with mean ½, and cell noise.
 
 /// A well-mixed number of three whole coordinates and a channel.
 #[inline]
@@ -37,19 +37,20 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a + t * (b - a)
 }
 
-/// Gradient noise of a place, in [0, 1]; channels are independent of each other.
+/// Gradient noise at a point, in [0, 1]; channels are independent of each other.
 #[inline]
 pub fn noise(p: [f32; 3], channel: u32) -> f32 {
     lattice(p, channel, |c, _| c)
 }
 
-/// The same, repeating after whole periods along each axis.
+/// Gradient noise at a point, in [0, 1], that repeats with a whole period (at least 1) along each axis.
 pub fn periodic_noise(p: [f32; 3], period: [f32; 3], channel: u32) -> f32 {
     let period = period.map(|x| (x.abs() as i32).max(1));
     lattice(p, channel, |c, axis| c.rem_euclid(period[axis]))
 }
 
-/// Noise of four numbers: of the place, and smooth along the fourth, between two of three numbers.
+/// Gradient noise in four dimensions, in [0, 1]: three-dimensional noise at `p`, interpolated smoothly along `t`. With `period`, it
+/// repeats along each of the four axes.
 pub fn noise4(p: [f32; 3], t: f32, period: Option<[f32; 4]>, channel: u32) -> f32 {
     let cell = t.floor();
     let layer = |k: f32| {
@@ -82,7 +83,7 @@ fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
     (0.5 + 0.5 * lerp(w, near, far)).clamp(0.0, 1.0)
 }
 
-/// A number in [0, 1) that is constant over each unit cell.
+/// Cell noise: a number in [0, 1) that is constant over each unit cell; channels are independent of each other.
 #[inline]
 pub fn cell_noise(p: [f32; 3], channel: u32) -> f32 {
     let [i, j, k] = p.map(|c| c.floor() as i32);

@@ -7,15 +7,15 @@ pub enum Unary {
     Copy,
     /// −x
     Negate,
-    /// 1 where x is 0, else 0.
+    /// Logical not: 1 where x is 0, else 0.
     Not,
     /// |x|
     Abs,
-    /// −1, 0 or 1.
+    /// Sign of x: −1, 0 or 1.
     Sign,
-    /// Square root, 0 below 0.
+    /// Square root; 0 where x is negative.
     Sqrt,
-    /// 1/√x, 0 at 0.
+    /// Inverse square root, 1/√x; 0 where x is 0.
     InverseSqrt,
     /// Sine.
     Sin,
@@ -33,11 +33,11 @@ pub enum Unary {
     Exp,
     /// ln x
     Log,
-    /// Greatest whole number not above x.
+    /// Maximum integer not above x.
     Floor,
-    /// Least whole number not below x.
+    /// Minimum integer not below x.
     Ceil,
-    /// Nearest whole number.
+    /// Nearest integer.
     Round,
     /// Degrees to radians.
     Radians,
@@ -56,27 +56,27 @@ pub enum Binary {
     Mul,
     /// a / b, 0 where b is 0.
     Div,
-    /// Lesser.
+    /// Minimum of a and b.
     Min,
-    /// Greater.
+    /// Maximum of a and b.
     Max,
     /// aᵇ
     Pow,
     /// a − b ⌊a/b⌋
     Mod,
-    /// Angle of (b, a).
+    /// Angle of the direction (b, a), radians: atan(a, b).
     Atan2,
-    /// 0 below a, 1 from it on: step(a, b).
+    /// step(a, b): 0 where b is below a, else 1.
     Step,
-    /// a < b
+    /// a < b, 1 or 0.
     Less,
-    /// a ≤ b
+    /// a ≤ b, 1 or 0.
     LessEqual,
-    /// a = b
+    /// a = b, 1 or 0.
     Equal,
-    /// Both not 0.
+    /// Logical and: 1 where both are not 0, else 0.
     And,
-    /// Either not 0.
+    /// Logical or: 1 where either is not 0, else 0.
     Or,
 }
 

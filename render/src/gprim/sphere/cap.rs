@@ -31,7 +31,7 @@ const INWARDS: f32 = 2e-3;
 const ROUND: f32 = 0.5;
 
 impl Cap {
-    /// Of a sphere of so many micropolygons' radius; none where the eye is too near or moves too far.
+    /// The cap of a sphere whose radius on the raster is `radius` micropolygons; none where the eye is too near or moves too far.
     pub fn new(subject: &Subject<'_>, sphere: &LatticeSphere, radius: f32) -> Option<Cap> {
         let Subject { camera, instants, .. } = *subject;
         let eye = eye_in_lattice(camera, sphere, &instants[0]);

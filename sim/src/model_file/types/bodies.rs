@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The geometry of a shape: exactly one of these.
+/// The geometry of a shape: exactly one of the fields is given.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeFile {
     /// A sphere.
@@ -69,7 +69,7 @@ macro_rules! with_shape {
         }
 
         impl $name {
-            /// The geometry.
+            /// The geometry among the keys.
             pub fn shape(&self) -> ShapeFile {
                 ShapeFile {
                     sphere: self.sphere.clone(),
@@ -85,7 +85,7 @@ macro_rules! with_shape {
                 }
             }
 
-            /// Set the geometry.
+            /// Set the keys of the geometry.
             pub fn set_shape(&mut self, shape: ShapeFile) {
                 self.sphere = shape.sphere;
                 self.ellipsoid = shape.ellipsoid;
@@ -103,7 +103,7 @@ macro_rules! with_shape {
 }
 
 with_shape! {
-    /// A body: one shape, or several under `shapes`.
+    /// A body: the keys of one shape, or several shapes under `shapes`.
     #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct BodyFile {
@@ -118,16 +118,16 @@ with_shape! {
         /// Name of the collision group.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub group: Option<String>,
-        /// Shapes, if there are several or none.
+        /// Shapes, if there are several; an empty list for a body without shapes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub shapes: Option<Vec<PartFile>>,
         /// Position of the body's frame, m, world.
         #[serde(default)]
         pub position: [f64; 3],
-        /// Orientation, as a rotation about an axis.
+        /// Orientation of the body's frame, as a rotation about an axis.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub rotate: Option<RotateFile>,
-        /// Orientation, as a quaternion w, x, y, z.
+        /// Orientation of the body's frame, as a quaternion w, x, y, z; either this or `rotate`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub orientation: Option<[f64; 4]>,
         /// Velocity of the centre of mass at the start, m/s, world.
@@ -139,7 +139,7 @@ with_shape! {
         /// Whether the body is fixed: a static obstacle.
         #[serde(default)]
         pub fixed: bool,
-        /// Mass, kg; from the density if not given.
+        /// Mass, kg; from the density of the materials if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub mass: Option<f64>,
         /// Moments of inertia about the centre of mass along the body's axes, kg m²: xx, yy, zz, and xy, xz, yz if they are not zero.
@@ -148,10 +148,10 @@ with_shape! {
         /// Centre of mass in the body's frame, m; from the shapes if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub center: Option<[f64; 3]>,
-        /// Time at which it appears, s; the start of its stage if not given.
+        /// Time at which the body appears, s; the start of its stage if not given.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub appears: Option<f64>,
-        /// Time until which it is held in place, s.
+        /// Time until which the body is held in place, s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub held_until: Option<f64>,
     }
@@ -171,7 +171,7 @@ with_shape! {
         /// Orientation in the body's frame, as a rotation about an axis.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub rotate: Option<RotateFile>,
-        /// Orientation in the body's frame, as a quaternion w, x, y, z.
+        /// Orientation in the body's frame, as a quaternion w, x, y, z; either this or `rotate`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub orientation: Option<[f64; 4]>,
     }
@@ -201,27 +201,27 @@ pub struct BoxFile {
     pub size: [f64; 3],
 }
 
-/// A cylinder, capsule or cone.
+/// A cylinder, a capsule or a cone about local z.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
-    /// Radius, m.
+    /// Radius, m; of a cone that of the base.
     pub radius: f64,
     /// Length along z, m; of a capsule without its hemispheres.
     pub length: f64,
 }
 
-/// A convex hull: of `points`, or of the vertices of a `file`.
+/// A convex hull: of `points`, or of the vertices of a `file`; exactly one of the two is given.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HullFile {
-    /// Points, m.
+    /// Points, in the unit of `scale`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub points: Option<Vec<[f64; 3]>>,
-    /// An OBJ or STL file.
+    /// Path of an OBJ or STL file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Metres per unit of the file.
+    /// Metres per unit of the points or of the file.
     #[serde(default = "one")]
     pub scale: f64,
 }
@@ -234,7 +234,7 @@ pub struct PlaneFile {
     pub normal: [f64; 3],
 }
 
-/// A triangle mesh.
+/// A triangle mesh, solid behind its faces.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
@@ -245,24 +245,25 @@ pub struct MeshFile {
     pub scale: f64,
 }
 
-/// A height field about the body's position: from an `image` or a `grid` file.
+/// A height field about the body's position: from an `image` or a `grid` file; exactly one of the two is given.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HeightFieldFile {
     /// Path of a PNG image; its brightness is the height.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<PathBuf>,
-    /// Path of a text file: one line per row (from −y to +y), heights in metres, separated by commas or spaces.
+    /// Path of a text file: one line per row (from −y to +y), heights in m, separated by commas, semicolons, spaces or tabs; lines that
+    /// begin with `#` are comments.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<PathBuf>,
     /// Lengths along x and y, m.
     pub size: [f64; 2],
-    /// Heights of black and white, m (images).
+    /// Heights of black and of white, m, for an `image`.
     #[serde(default = "default_height")]
     pub height: [f64; 2],
 }
 
-/// A rotation.
+/// A rotation about an axis.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotateFile {

@@ -1,6 +1,7 @@
 //! The types of fills, terrains and assemblies in a model file.
 
-use crate::assembly::{HelicalAnchor, TrackedVehicle};
+pub use crate::assembly::{HelicalAnchor, TrackedVehicle};
+
 use serde::{Deserialize, Serialize};
 
 /// The packing of a fill.
@@ -16,18 +17,18 @@ pub enum Packing {
     PoissonDisk,
 }
 
-/// The distribution of radii, m.
+/// The distribution of the radii of a fill's spheres, m.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected [min, max], {mean, deviation, least, greatest} or {sieve: [[size, passing], …]}"
 )]
 pub enum RadiusFile {
-    /// Uniform between a minimum and a maximum.
+    /// Uniform distribution between a minimum and a maximum, m.
     Uniform([f64; 2]),
-    /// Truncated normal.
+    /// Truncated normal distribution.
     Normal(NormalFile),
-    /// Distribution of a sieve curve.
+    /// Distribution that follows a sieve curve.
     Sieve(SieveFile),
 }
 
@@ -49,7 +50,7 @@ pub struct NormalFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SieveFile {
-    /// Pairs of mesh width (a diameter), m, and fraction passing; both ascend, the last fraction is 1.
+    /// Pairs of mesh width (a diameter), m, and fraction of mass that passes; both ascend, the last fraction is 1.
     pub sieve: Vec<[f64; 2]>,
 }
 
@@ -64,15 +65,15 @@ pub struct FillFile {
     /// Name of the collision group.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// Number of spheres; as many as fit if not given.
+    /// Number of spheres; the number that fits if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<usize>,
     /// Distribution of the radii, m.
     pub radius: RadiusFile,
-    /// Mass of each sphere, kg; from the density if not given.
+    /// Mass of each sphere, kg; from the density of the material if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Packing.
+    /// Packing of the spheres.
     #[serde(default)]
     pub packing: Packing,
     /// Minimum corner of the region, m.
@@ -82,23 +83,23 @@ pub struct FillFile {
     /// Radius of a vertical cylinder about the region's middle that bounds the fill, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within_radius: Option<f64>,
-    /// Velocity at the start, m/s, world.
+    /// Velocity of the spheres at the start, m/s, world.
     #[serde(default)]
     pub velocity: [f64; 3],
-    /// Time at which they appear, s; the start of their stage if not given.
+    /// Time at which the spheres appear, s; the start of their stage if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub appears: Option<f64>,
 }
 
-/// Rolling ground as a height field, with ditches and boulders.
+/// A terrain: rolling ground as a height field, with ditches and boulders.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TerrainFile {
-    /// Name, also the class.
+    /// Name, also the class of the ground.
     pub name: String,
     /// Name of the material.
     pub material: String,
-    /// Position of the middle, m.
+    /// Position of the middle, m, world.
     #[serde(default)]
     pub position: [f64; 3],
     /// Lengths along x and y, m.
@@ -111,7 +112,7 @@ pub struct TerrainFile {
     /// Wavelength of the longest waves, m.
     #[serde(default = "default_wavelength")]
     pub wavelength: f64,
-    /// Radius of the flat part about the middle, m.
+    /// Radius of the flat part about the middle, m; the waves have their full height from twice this radius on.
     #[serde(default)]
     pub flat_radius: f64,
     /// Ditches.
@@ -126,30 +127,30 @@ pub struct TerrainFile {
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DitchFile {
-    /// Start (x, y), m.
+    /// Start (x, y) of the centre line, m, from the terrain's middle.
     pub from: [f64; 2],
-    /// End (x, y), m.
+    /// End (x, y) of the centre line, m, from the terrain's middle.
     pub to: [f64; 2],
     /// Width, m.
     pub width: f64,
-    /// Depth, m.
+    /// Depth at the centre line, m.
     pub depth: f64,
 }
 
-/// Boulders.
+/// Boulders: fixed ellipsoids at random places of a terrain.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BouldersFile {
-    /// Number of boulders.
+    /// Number of boulders; fewer where there is no room for all.
     pub count: usize,
-    /// Minimum and maximum radius, m.
+    /// Minimum and maximum radius, m; the half axes of a boulder are 0.75 to 1 times its radius.
     pub radius: [f64; 2],
     /// Name of the material; the terrain's if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
 
-/// An assembly: a parametric machine, exactly one of these.
+/// An assembly: a parametric machine, of exactly one of the kinds below.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AssemblyFile {

@@ -4,22 +4,22 @@ use crate::joint::JointKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// A joint. At the start its frame is at `position` with z along `axis`.
+/// A joint between two bodies. At the start its frame is at `position` with z along `axis`.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFile {
     /// Name.
     pub name: String,
-    /// Kind.
+    /// Kind of the joint.
     pub kind: JointKind,
     /// Name of body A; `world` is the fixed world.
     pub a: String,
     /// Name of body B.
     pub b: String,
-    /// Position, m, world; for joints with two points, that of the point on A.
+    /// Position of the joint, m, world; for joints with two points, that of the point on A.
     #[serde(default)]
     pub position: [f64; 3],
-    /// Position of the point on B, m, world, for joints with two points.
+    /// Position of the point on B, m, world, for joints with two points (distance, revolute_spherical, point_on_plane).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_b: Option<[f64; 3]>,
     /// The joint's z axis, world.
@@ -28,17 +28,17 @@ pub struct JointFile {
     /// The joint's x axis, world; the axes of a universal joint are x on A and y on B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis_x: Option<[f64; 3]>,
-    /// Length over time, m (distance, revolute_spherical): a linear actuator; that at the start if not given.
+    /// Length over time, m (distance, revolute_spherical), of a linear actuator; the length at the start if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<FunctionFile>,
     /// Minimum and maximum coordinate: degrees for an angle, m for a distance; relative to the start, but for distance and
     /// revolute_spherical joints, whose coordinate is the length itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<[f64; 2]>,
-    /// Motor.
+    /// Motor of the coordinate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<MotorFile>,
-    /// Whether its two bodies collide.
+    /// Whether the two bodies of the joint may have contacts with each other.
     #[serde(default)]
     pub collide: bool,
     /// Time from which it acts, s; the start of its stage if not given.
@@ -49,7 +49,7 @@ pub struct JointFile {
     pub until: Option<f64>,
 }
 
-/// A motor: exactly one of these.
+/// A motor of a joint's coordinate: exactly one of the keys is given.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorFile {
@@ -67,7 +67,7 @@ pub struct MotorFile {
     pub force: Option<FunctionFile>,
 }
 
-/// A spring and damper.
+/// A spring and damper between two bodies, along the line between two points or about an axis.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringFile {
@@ -92,10 +92,10 @@ pub struct SpringFile {
     /// Damping, N s/m or N m s/rad.
     #[serde(default)]
     pub damping: f64,
-    /// Free length, m, or free angle, degrees; that at the start if not given.
+    /// Free length, m, or free angle, degrees; the length or angle at the start if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<f64>,
-    /// Additional force, N, or torque, N m, over time; positive pulls B towards A.
+    /// Additional force, N, or torque, N m, over time; positive pulls B towards A, or turns B back about the axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preload: Option<FunctionFile>,
     /// Time from which it acts, s; the start of its stage if not given.
@@ -106,16 +106,16 @@ pub struct SpringFile {
     pub until: Option<f64>,
 }
 
-/// A force or a torque on a body.
+/// A force or a torque on a body: exactly one of `force` and `torque` is given.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
     /// Name of the body.
     pub body: String,
-    /// Direction of a force, whose magnitude `value` is in N; its length is of no effect.
+    /// Direction of a force, whose magnitude `value` is in N; the length of the vector has no effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
-    /// Direction of a torque, whose magnitude `value` is in N m; its length is of no effect.
+    /// Direction of a torque, whose magnitude `value` is in N m; the length of the vector has no effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque: Option<[f64; 3]>,
     /// Magnitude over time, N (force) or N m (torque).
@@ -134,77 +134,78 @@ pub struct LoadFile {
     pub until: Option<f64>,
 }
 
-/// The frame of a load's direction.
+/// The frame in which a load's direction is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LoadFrame {
     /// The world frame.
     #[default]
     World,
-    /// The body's frame.
+    /// The body's frame: the direction turns with the body.
     Body,
 }
 
-/// A function of time: a number, or exactly one of these forms.
+/// A function of time: a number, or exactly one of the forms `step`, `ramp`, `sine`, `table` and `csv`. Values have the unit of the key
+/// that the function is given for.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a number, {step: {…}}, {ramp: {…}}, {sine: {…}}, {table: [[time, value], …]} or {csv: FILE}"
 )]
 pub enum FunctionFile {
-    /// A constant.
+    /// A constant value.
     Constant(f64),
-    /// A step.
+    /// A step between two values.
     Step {
         /// The step.
         step: StepFile,
     },
-    /// A ramp.
+    /// A linear ramp between two values.
     Ramp {
         /// The ramp.
         ramp: RampFile,
     },
-    /// A sine.
+    /// A sine about a mean.
     Sine {
         /// The sine.
         sine: SineFile,
     },
-    /// Points with linear interpolation.
+    /// Points with linear interpolation, constant before the first and after the last.
     Table {
         /// Pairs of time, s, and value; times ascend.
         table: Vec<[f64; 2]>,
     },
-    /// Points from a CSV file of two columns, with or without a header.
+    /// Points as of `table` from a CSV file of two columns, with or without a header.
     Csv {
-        /// Path of the file.
+        /// Path of the CSV file: time, s, and value.
         csv: PathBuf,
     },
 }
 
-/// A step.
+/// A step between two values.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StepFile {
     /// Time of the step, s.
     pub at: f64,
-    /// Value before.
+    /// Value before the step.
     #[serde(default)]
     pub before: f64,
-    /// Value after.
+    /// Value from the step on.
     pub after: f64,
 }
 
-/// A ramp.
+/// A linear ramp between two values, constant before and after.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RampFile {
     /// Times of start and end, s.
     pub times: [f64; 2],
-    /// Values at start and end; constant outside.
+    /// Values at start and end.
     pub values: [f64; 2],
 }
 
-/// A sine.
+/// A sine: mean + amplitude sin(2π frequency t + phase), t in s.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineFile {
@@ -221,7 +222,7 @@ pub struct SineFile {
 }
 
 impl JointFile {
-    /// A joint between two bodies, and the defaults of all other keys.
+    /// A joint between two bodies by their names, with the defaults of all other keys.
     pub fn named(name: &str, kind: JointKind, a: &str, b: &str) -> JointFile {
         let mut joint: JointFile = serde_yaml::from_str("{name: j, kind: fixed, a: a, b: b}")
             .expect("all other keys of a joint have defaults");

@@ -9,7 +9,7 @@ use crate::ir::{Operand, Program};
 use std::sync::Arc;
 
 impl BoundShader {
-    /// Bind a program: the values given, and for every other parameter its default, computed once in `scene`.
+    /// Bind a program: the values given, by parameter slot, and for every other parameter its default, computed once in `scene`.
     pub fn new(
         program: Arc<Program>,
         numbers: Vec<(usize, Vec<f32>)>,

@@ -12,12 +12,12 @@ use crate::shadeop::runs::at;
 use crate::shadeop::spline;
 
 impl Machine {
-    /// Run a shader over points: reads the globals that it uses, writes back those that it changed.
+    /// Run a shader over points: reads the global variables that it uses and writes those that it changed.
     pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
         self.run_with(shader, &VariableSlots::default(), points, scene);
     }
 
-    /// Run a shader over points whose primitive variables go before its parameters.
+    /// Run a shader over points whose primitive variables, as assigned by `slots`, override the parameters of the same names.
     pub fn run_with(&mut self, shader: &BoundShader, slots: &VariableSlots, points: &mut Points, scene: &dyn Scene) {
         self.run_where(shader, slots, points, scene, None);
     }
@@ -52,7 +52,8 @@ impl Machine {
         }
     }
 
-    /// The numbers of an output parameter of the shader that ran last: one value, or one a point.
+    /// The values of an output parameter of `shader`, which must be the one that ran last: one value, or one per point, a triple as
+    /// three runs.
     pub fn output(&self, shader: &BoundShader, name: &str) -> Option<&[f32]> {
         match shader.program.params.iter().find(|p| p.output && p.name == name)?.reg {
             Operand::Number(r) => Some(&self.regs[r.index()]),

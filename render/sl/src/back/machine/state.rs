@@ -58,7 +58,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A machine.
+    /// A machine with no memory allocated yet.
     pub fn new() -> Machine {
         Machine::default()
     }
