@@ -12,6 +12,7 @@ mod plot;
 mod render;
 mod rib;
 mod run;
+mod run_folder;
 mod schema;
 mod shader;
 mod simulate;

@@ -11,6 +11,7 @@ mod doctor;
 mod geometry;
 mod image_file;
 mod inspect;
+mod interrupt;
 mod job;
 mod library;
 mod machine;

@@ -1,6 +1,7 @@
 //! Runs of models: simulated, with their progress shown and their metadata written beside them.
 
 use crate::geometry;
+use crate::interrupt::Listener;
 use crate::job::{FramesJob, ModelRun, Origin};
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
@@ -21,9 +22,18 @@ pub fn simulate(job: ModelRun) -> Outcome {
     for warning in &resolved.warnings {
         eprintln!("warning: {warning}");
     }
-    run::simulate(&file, resolved, &folder, &span, &mut Console::default()).map_err(|e| match e {
+    let (duration, until) = (resolved.model.duration, span.until);
+    if let Some(until) = until.filter(|until| *until > duration) {
+        eprintln!("warning: --until {until} is after the end of the model: its `duration` is {duration} s");
+    }
+    let mut console = Console { progress: None, interruption: Listener::new()? };
+    run::simulate(&file, resolved, &folder, &span, &mut console).map_err(|e| match e {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
+        RunError::Interrupted(time) => Failure::new(
+            Exit::Interrupted,
+            format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
+        ),
     })
 }
 
@@ -66,15 +76,15 @@ pub fn check_warnings(folder: &Path) -> Outcome {
 }
 
 /// Shows the progress of a run, and writes what rendering it needs: shapes as RIB archives and a metadata file.
-#[derive(Default)]
 struct Console {
     progress: Option<Progress>,
+    interruption: Listener,
 }
 
 impl Observer for Console {
-    fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &RunWriter) -> Result<(), Fault> {
+    fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &mut RunWriter) -> Result<(), Fault> {
         geometry::write_archives(&sim.model, writer.folder())?;
-        metadata_for(&[first]).iter().try_for_each(|text| writer.write_file(METADATA, text))
+        write_metadata(std::slice::from_ref(first), writer).map(|_| ())
     }
 
     fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
@@ -93,21 +103,34 @@ impl Observer for Console {
         eprintln!("warning: {warning}; further warnings of this kind ({}) are counted", warning.kind.name());
     }
 
-    /// Write the metadata again from the first and the last frame: bodies may have appeared, and moved out of the image. A file that
-    /// the user has changed meanwhile stays.
-    fn end(&mut self, first: &Frame, last: &Frame, writer: &RunWriter) -> Result<(), Fault> {
+    /// Write the metadata again from frames of the whole run: bodies may have appeared, and moved out of the image.
+    fn end(&mut self, writer: &mut RunWriter) -> Result<(), Fault> {
         self.progress.iter().for_each(Progress::finish);
-        let unchanged = std::fs::read_to_string(writer.folder().join(METADATA)).ok() == metadata_for(&[first]);
-        let text = metadata_for(&[first, last]).filter(|_| unchanged);
-        text.iter().try_for_each(|text| writer.write_file(METADATA, text))
+        let run = RunReader::open(writer.folder())?;
+        let n_rows = run.index.frames.last().map_or(0, |f| f.rows);
+        let sample = bind::suggest::sample(&run.numbers(), n_rows);
+        let frames = sample.into_iter().map(|f| run.read_frame(f)).collect::<Result<Vec<_>, Fault>>()?;
+        if !write_metadata(&frames, writer)? {
+            let path = writer.folder().join(METADATA);
+            eprintln!("{} was edited and stays as it is; remove it to have one made of this run", path.display());
+        }
+        Ok(())
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interruption.is_requested()
     }
 }
 
 const METADATA: &str = "metadata.yaml";
 
-/// The metadata file of a run, with an object for every class, so that `scree render RUN` needs no other file.
-fn metadata_for(frames: &[&Frame]) -> Option<String> {
+/// Write the metadata file of a run, with an object for every class, so that `scree render RUN` needs no other file. Returns false if
+/// the user has edited the file there.
+fn write_metadata(frames: &[Frame], writer: &mut RunWriter) -> Result<bool, Fault> {
     let data = Data { run: Some(".".into()), ..Data::default() };
-    let metadata = bind::suggest::metadata(data, frames).ok()?;
-    Some(bind::suggest::to_yaml(&metadata, frames[0]))
+    match bind::suggest::metadata(data, &frames.iter().collect::<Vec<_>>()) {
+        Ok(metadata) => writer.write_generated(METADATA, &bind::suggest::to_yaml(&metadata, &frames[0])),
+        // Nothing to look at: a model of planes alone.
+        Err(_) => Ok(true),
+    }
 }

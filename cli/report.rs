@@ -19,6 +19,8 @@ pub enum Exit {
     Data = 4,
     /// Work partly done.
     Partial = 5,
+    /// Interrupted by a signal.
+    Interrupted = 130,
 }
 
 /// A failure of a command.

@@ -354,7 +354,7 @@ fn the_golden_image_misses_a_stone_that_moves_or_vanishes() {
     let table = std::fs::read_to_string(format!("{run}/frames/000011.csv")).unwrap();
     let lines: Vec<&str> = table.lines().collect();
     let column = |name: &str| lines[0].split(',').position(|head| head.split(' ').next() == Some(name)).unwrap();
-    let [x, y, z, size] = ["pos_x", "pos_y", "pos_z", "size_x"].map(column);
+    let [x, y, z, size] = ["pos_x", "pos_y", "pos_z", "half_x"].map(column);
     let rows = lines.iter().enumerate().filter(|(_, line)| line.contains(",stones,"));
     let stones: Vec<Stone> = rows
         .map(|(line, row)| {

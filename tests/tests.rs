@@ -22,6 +22,7 @@ mod pipeline;
 mod properties;
 mod rays;
 mod rendering;
+mod runs;
 mod sheets;
 mod solver;
 mod stages;

@@ -38,7 +38,7 @@ pub struct PlotArgs {
     /// Run directory.
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
-    /// Columns of probes.csv or report.csv, as hinge.fx; a name without its
+    /// Columns of probes.csv or report.csv, as hinge.angle; a name without its
     /// last part, as hinge, stands for hinge.*, and `*` for any characters
     /// [default: all columns].
     #[arg(value_name = "COLUMN")]

@@ -21,7 +21,8 @@ pub struct RunArgs {
     /// NAME.yaml].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Simulate again even if the finished run of the model exists.
+    /// Simulate again, and replace the run that the folder holds, be it of this
+    /// model or another.
     #[arg(long)]
     pub fresh: bool,
     #[command(flatten)]
@@ -48,9 +49,13 @@ pub struct SimulateArgs {
     /// Simulate up to this time, s [default: the model's `duration`].
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub until: Option<f64>,
-    /// Continue from the last checkpoint of the run directory.
-    #[arg(long)]
+    /// Continue from the last checkpoint of the run directory; the model's
+    /// duration may be longer than before.
+    #[arg(long, conflicts_with = "fresh")]
     pub resume: bool,
+    /// Replace the run that the run directory holds, be it of another model.
+    #[arg(long)]
+    pub fresh: bool,
     /// Replace a value of the model, as --set solver.iterations=80 or --set
     /// bodies.block.mass=3; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]

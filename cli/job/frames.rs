@@ -2,6 +2,7 @@
 //! not exist yet.
 
 use super::output::default_folder;
+use super::run_folder;
 use super::simulate::ModelRun;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source::{self, Yaml};
@@ -106,6 +107,12 @@ impl Origin {
         if !fresh && run::is_done(&file, folder) {
             return Ok(Origin::Finished);
         }
-        Ok(Origin::Model(Box::new(ModelRun { file, resolved, folder: folder.into(), span: Span::default() })))
+        // An unfinished run of the same model continues from its last checkpoint.
+        let resume = !fresh && RunReader::is_run(folder);
+        if !fresh {
+            run_folder::check(&file, folder, None)?;
+        }
+        let span = Span { until: None, resume };
+        Ok(Origin::Model(Box::new(ModelRun { file, resolved, folder: folder.into(), span })))
     }
 }

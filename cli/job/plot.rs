@@ -60,7 +60,7 @@ fn choose(all: Vec<Series>, patterns: &[String]) -> Outcome<Vec<Series>> {
     Ok(all.into_iter().filter(chosen).collect())
 }
 
-/// Whether a column's name matches a pattern with `*`, or is of what the pattern names: `hinge` has `hinge.fx`.
+/// Whether a column's name matches a pattern with `*`, or is of what the pattern names: `hinge` has `hinge.fx_world`.
 fn is_selected(pattern: &str, name: &str) -> bool {
     matches(pattern, name) || matches(&format!("{pattern}.*"), name)
 }

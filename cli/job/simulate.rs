@@ -1,6 +1,7 @@
 //! The job of `scree simulate`.
 
 use super::output::default_folder;
+use super::run_folder;
 use super::sweep::SweepJob;
 use crate::args::{Assignment, Backend, SimulateArgs};
 use crate::report::{Exit, Failure, Outcome};
@@ -48,6 +49,9 @@ impl SimulateJob {
         }
         let resolved = file.resolve(&doc)?;
         let span = Span { until: args.until, resume: args.resume };
+        if !args.fresh {
+            run_folder::check(&file, &folder, args.until)?;
+        }
         Ok(SimulateJob::Run(Box::new(ModelRun { file, resolved, folder, span })))
     }
 }

@@ -1,5 +1,6 @@
 //! The combinations of a model with a `sweep`: a grid of values, one run for each.
 
+use super::run_folder;
 use crate::args::SimulateArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
@@ -82,6 +83,9 @@ impl SweepJob {
             }
             file.resolve(&doc)?;
             let folder = folder.join(&combination.name);
+            if !args.fresh && !args.plan {
+                run_folder::check(&file, &folder, args.until)?;
+            }
             let run = SweepRun { index, name: combination.name.clone(), file, doc, folder };
             Ok((combination, run))
         });

@@ -93,6 +93,9 @@ pub struct Index {
     /// Warnings about steps, by kind.
     #[serde(default)]
     pub warnings: Vec<WarningEntry>,
+    /// blake3 of the files that the program wrote for the user to edit, by their names: a file that differs was edited.
+    #[serde(default)]
+    pub generated: BTreeMap<String, String>,
     /// The frames written so far.
     pub frames: Vec<FrameEntry>,
 }
@@ -125,7 +128,8 @@ impl RunWriter {
     pub fn create(folder: &Path, format: FrameFormat, index: Index) -> Result<RunWriter, Fault> {
         let frames = folder.join("frames");
         std::fs::create_dir_all(&frames).map_err(|e| Fault::unwritable(&frames, &e))?;
-        let writer = RunWriter { folder: folder.into(), format, index };
+        let generated = RunReader::open(folder).map_or_else(|_| BTreeMap::new(), |before| before.index.generated);
+        let writer = RunWriter { folder: folder.into(), format, index: Index { generated, ..index } };
         writer.write_index()?;
         for entry in std::fs::read_dir(&frames).map_err(|e| Fault::unwritable(&frames, &e))?.flatten() {
             let path = entry.path();
@@ -155,6 +159,7 @@ impl RunWriter {
             return Err(Fault::whole(FaultKind::Data, &folder.join("run.json"), message));
         }
         index.columns = before.index.columns;
+        index.generated = before.index.generated;
         let writer = RunWriter { folder: folder.into(), format, index };
         writer.write_index()?;
         Ok(writer)
@@ -194,6 +199,28 @@ impl RunWriter {
     /// Write another file into the run directory, such as `model.yaml`.
     pub fn write_file(&self, name: &str, text: &str) -> Result<(), Fault> {
         atomic::write(&self.folder.join(name), text.as_bytes())
+    }
+
+    /// Write a file that the user may edit afterwards, such as `metadata.yaml`. One that was edited stays as it is. Returns whether the
+    /// file was written; an error if it cannot be.
+    pub fn write_generated(&mut self, name: &str, text: &str) -> Result<bool, Fault> {
+        let path = self.folder.join(name);
+        let hash = hash_text(text);
+        let is_ours = |bytes: &[u8]| {
+            let there = blake3::hash(bytes).to_hex().to_string();
+            there == hash || self.index.generated.get(name) == Some(&there)
+        };
+        match std::fs::read(&path) {
+            Ok(bytes) if !is_ours(&bytes) => return Ok(false),
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Fault::unreadable(FaultKind::Input, &path, &e));
+            }
+            _ => {}
+        }
+        self.index.generated.insert(name.into(), hash);
+        self.write_index()?;
+        atomic::write(&path, text.as_bytes())?;
+        Ok(true)
     }
 
     /// Set the list of warnings, without writing `run.json`.

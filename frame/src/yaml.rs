@@ -122,7 +122,7 @@ fn explain(doc: &Document, path: &str, error: &serde_yaml::Error) -> Fault {
         .and_then(|(_, rest)| rest.split('`').next());
     let known: Vec<&str> = message.split('`').skip(1).step_by(2).filter(|k| Some(*k) != name).collect();
     let near = name.and_then(|n| nearest(n, known));
-    let fault = place(doc, path, name, error, in_plain_words(message));
+    let fault = structural_fault(doc, path, name, error, in_plain_words(message));
     match near {
         Some(near) => fault.hint(format!("did you mean `{near}`?")),
         None => fault,
@@ -130,7 +130,13 @@ fn explain(doc: &Document, path: &str, error: &serde_yaml::Error) -> Fault {
 }
 
 /// The fault of a structural error of the value at `path`, in which the key `name` may be unknown.
-fn place(doc: &Document, path: &str, name: Option<&str>, error: &serde_yaml::Error, message: String) -> Fault {
+fn structural_fault(
+    doc: &Document,
+    path: &str,
+    name: Option<&str>,
+    error: &serde_yaml::Error,
+    message: String,
+) -> Fault {
     let path = path.replace('[', ".").replace(']', "");
     let key = match name {
         Some(n) if path != "." && path != n && !path.ends_with(&format!(".{n}")) => format!("{path}.{n}"),
@@ -170,7 +176,8 @@ fn in_plain_words(message: &str) -> String {
     format!("{head}expected {words}")
 }
 
-/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came before the error.
+/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came
+/// before the error.
 fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)>) {
     enum Level {
         Map { path: String, key: Option<String> },

@@ -119,6 +119,10 @@ pub struct JointState {
     pub force: DVec3,
     /// Reaction torque of B on A, N m, about the origin of the joint's frame on A and in that frame.
     pub torque: DVec3,
+    /// The same force, N, world.
+    pub force_world: DVec3,
+    /// The same torque, N m, about the same origin, world.
+    pub torque_world: DVec3,
     /// Coordinate: angle, rad, unwrapped over full turns, or distance, m.
     pub coordinate: f64,
     /// Rate of the coordinate, rad/s or m/s.
@@ -187,15 +191,14 @@ impl Frames {
         Frames { arm: [fa.position - a.position, fb.position - b.position], a: fa, b: fb }
     }
 
-    /// Reaction force, N, and torque, N m, on A of `rows` with the multipliers `lambda`, N s or N m s, over a step `h`, s. Both are in the
-    /// frame on A, and the torque is about its origin.
+    /// Reaction force, N, and torque, N m, on A of `rows` with the multipliers `lambda`, N s or N m s, over a step `h`, s; world, the torque
+    /// about the origin of the frame on A.
     pub fn reaction(&self, rows: &[Row], lambda: &[f64], h: f64) -> (DVec3, DVec3) {
         let sum =
             |part: &dyn Fn(&Row) -> DVec3| rows.iter().zip(lambda).map(|(r, l)| part(r) * (-l / h)).sum::<DVec3>();
         let force = sum(&|r| r.linear);
         let torque = sum(&|r| r.angular_a) - self.arm[0].cross(force);
-        let into = self.a.orientation.inverse();
-        (into * force, into * torque)
+        (force, torque)
     }
 
     /// From the origin of A's frame to that of B's, m.

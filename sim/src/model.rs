@@ -132,11 +132,6 @@ impl Model {
         self.shape_kind[shape] == ShapeKind::Sphere && self.shape_pose[shape].position == DVec3::ZERO
     }
 
-    /// Number of frames of a run until a time, s: one at time 0, then one every 1/`frame_rate`, before `until` and `duration`.
-    pub fn n_frames(&self, until: f64) -> u64 {
-        ((until.min(self.duration) * self.frame_rate - 1e-9).ceil() as u64).max(1)
-    }
-
     /// Label of a body for messages: its name, or its id and class.
     pub fn body_label(&self, body: usize) -> String {
         match self.body_names.iter().find(|(_, b)| **b as usize == body) {

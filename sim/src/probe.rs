@@ -10,15 +10,14 @@ use std::fmt::Write;
 ///
 /// After the time come, per body: position and orientation of the model file's body frame, velocity of the centre of mass (world), and
 /// angular velocity (body frame). Per joint: the reaction force and torque of body B on body A, about the origin of the joint's frame on
-/// A and in that frame, the coordinate and its rate if the kind of joint has one, and the constraint violation. Per spring: force and
+/// A, both in that frame (`_joint`) and in the world (`_world`), the coordinate and its rate if the kind of joint has one, and the constraint violation. Per spring: force and
 /// length, or torque and angle. Per pair of classes: number of contacts with an impulse, and total force on the second class (world).
 /// With energies: kinetic and potential energy, maximum penetration, and mean slip speed of the contacts with an impulse.
 pub fn probe_header(model: &Model, probes: &Probes) -> String {
     let mut h = String::from("time [s]");
     let mut add = |name: &str, parts: &[(&str, &str)]| {
         for (part, unit) in parts {
-            let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-            let _ = write!(h, ",{name}.{part}{unit}");
+            let _ = write!(h, ",{name}.{part} [{unit}]");
         }
     };
     let name_of = |b: u32| {
@@ -31,10 +30,10 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
                 ("x", "m"),
                 ("y", "m"),
                 ("z", "m"),
-                ("qw", ""),
-                ("qx", ""),
-                ("qy", ""),
-                ("qz", ""),
+                ("qw", "1"),
+                ("qx", "1"),
+                ("qy", "1"),
+                ("qz", "1"),
                 ("vx", "m/s"),
                 ("vy", "m/s"),
                 ("vz", "m/s"),
@@ -51,8 +50,13 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
             Some(_) => Some(("length", "m", "m/s")),
             None => None,
         };
-        let force = [("fx", "N"), ("fy", "N"), ("fz", "N"), ("tx", "N m"), ("ty", "N m"), ("tz", "N m")];
-        add(&joint.name, &force);
+        for (force, torque) in [
+            (["fx_joint", "fy_joint", "fz_joint"], ["tx_joint", "ty_joint", "tz_joint"]),
+            (["fx_world", "fy_world", "fz_world"], ["tx_world", "ty_world", "tz_world"]),
+        ] {
+            add(&joint.name, &force.map(|part| (part, "N")));
+            add(&joint.name, &torque.map(|part| (part, "N m")));
+        }
         if let Some((name, unit, rate)) = units {
             add(&joint.name, &[(name, unit), ("rate", rate)]);
         }
@@ -65,7 +69,7 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
         add(&spring.name, &parts);
     }
     for (name, _) in &probes.contacts {
-        add(name, &[("n", ""), ("fx", "N"), ("fy", "N"), ("fz", "N")]);
+        add(name, &[("n", "1"), ("fx", "N"), ("fy", "N"), ("fz", "N")]);
     }
     if probes.energies {
         add("energy", &[("kinetic", "J"), ("potential", "J")]);
@@ -96,8 +100,7 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     }
     for j in &probes.joints {
         let (joint, s) = (&model.joints[*j as usize], &state.joints[*j as usize]);
-        add(&s.force.to_array());
-        add(&s.torque.to_array());
+        [s.force, s.torque, s.force_world, s.torque_world].iter().for_each(|v| add(&v.to_array()));
         if joint.kind.coordinate().is_some() {
             add(&[s.coordinate, s.rate]);
         }

@@ -5,7 +5,9 @@
 
 use crate::model_file::{ModelFile, OnDivergence, Resolved};
 use crate::watch::{Broken, Warning, WarningCount};
-use crate::{Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line};
+use crate::{
+    Model, Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line,
+};
 use frame::run::{FORMAT_VERSION, Index, RunReader, RunWriter, WarningEntry};
 use frame::series::Series;
 use frame::{Fault, FaultKind, Frame, atomic, csv};
@@ -20,13 +22,20 @@ pub struct Span {
     pub resume: bool,
 }
 
+impl Span {
+    /// Time at which a run of a model ends, s.
+    pub fn end(&self, model: &Model) -> f64 {
+        self.until.unwrap_or(model.duration).min(model.duration)
+    }
+}
+
 /// The observer of a run: callbacks at the events of the run.
 pub trait Observer {
     /// A new run begins: its first frame is about to be written. Other files of the run directory may be written now.
     ///
     /// # Errors
     /// A fault ends the run.
-    fn begin(&mut self, _sim: &Simulation, _first: &Frame, _writer: &RunWriter) -> Result<(), Fault> {
+    fn begin(&mut self, _sim: &Simulation, _first: &Frame, _writer: &mut RunWriter) -> Result<(), Fault> {
         Ok(())
     }
     /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist already.
@@ -37,12 +46,16 @@ pub trait Observer {
     fn frame(&mut self, _written: u64) {}
     /// A step has the first warning of a kind in this run.
     fn warn(&mut self, _warning: &Warning) {}
-    /// The run is complete: all its frames are written. `_last` is the frame at its end.
+    /// The run is complete: all its frames are written.
     ///
     /// # Errors
     /// A fault ends the run.
-    fn end(&mut self, _first: &Frame, _last: &Frame, _writer: &RunWriter) -> Result<(), Fault> {
+    fn end(&mut self, _writer: &mut RunWriter) -> Result<(), Fault> {
         Ok(())
+    }
+    /// Whether the run is to stop after the current step, with a checkpoint.
+    fn is_interrupted(&self) -> bool {
+        false
     }
 }
 
@@ -53,6 +66,8 @@ pub enum RunError {
     Fault(Fault),
     /// The simulation diverged; the message for the user.
     Diverged(String),
+    /// The observer stopped the run at a time, s. A checkpoint has been written.
+    Interrupted(f64),
 }
 
 impl From<Fault> for RunError {
@@ -61,19 +76,29 @@ impl From<Fault> for RunError {
     }
 }
 
-/// Hash that identifies a model with its defaults; `on_divergence`, which does not change a run's results, is left out.
+/// Hash that identifies a model with its defaults. What changes none of a run's frames is left out: its duration, that of its last
+/// stage, and `on_divergence`.
 pub fn model_hash(file: &ModelFile) -> String {
-    let file = ModelFile { on_divergence: OnDivergence::default(), ..file.clone() };
+    let mut file = ModelFile { on_divergence: OnDivergence::default(), duration: 1.0, ..file.clone() };
+    if let Some(last) = file.stages.last_mut() {
+        last.duration = 1.0;
+    }
     frame::run::hash_text(&file.to_yaml())
 }
 
-/// Whether a folder has a complete run of a model, by the model's hash and the number of frames.
+/// Whether a folder has a complete run of a model, of its whole duration.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     RunReader::open(folder).is_ok_and(|run| {
         run.index.complete
             && run.index.model_hash == model_hash(file)
+            && run.index.expected_frames == n_frames(file.whole_duration(), file.frame_rate)
             && run.index.frames.len() as u64 == run.index.expected_frames
     })
+}
+
+/// Number of frames of a run until a time, s, before which they are: one at time 0, then one every 1/`frame_rate`.
+pub fn n_frames(until: f64, frame_rate: f64) -> u64 {
+    ((until * frame_rate - 1e-9).ceil() as u64).max(1)
 }
 
 /// Simulate a model, `file` with its resolution `resolved`, into the run directory `folder`.
@@ -87,9 +112,8 @@ pub fn simulate(
     span: &Span,
     observer: &mut dyn Observer,
 ) -> Result<(), RunError> {
-    let duration = resolved.model.duration;
-    let until = span.until.unwrap_or(duration).min(duration);
-    let expected_frames = resolved.model.n_frames(until);
+    let until = span.end(&resolved.model);
+    let expected_frames = n_frames(until, resolved.model.frame_rate);
     let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
     let index = Index {
         format_version: FORMAT_VERSION,
@@ -107,7 +131,7 @@ pub fn simulate(
         frames: vec![],
     };
     let mut run = match span.resume.then(|| checkpoint::latest(folder)).transpose()?.flatten() {
-        Some(path) => Run::resume(file, &resolved, folder, index, sim, &path, observer)?,
+        Some(path) => Run::resume(file, &resolved, folder, index, (sim, until), &path, observer)?,
         None => Run::start(file, &resolved, folder, index, sim, observer)?,
     };
     let period = 1.0 / run.sim.model.frame_rate;
@@ -121,8 +145,7 @@ pub fn simulate(
     run.advance(until, expected_frames, observer)?;
     run.save()?;
     run.list_warnings();
-    let first = RunReader::open(folder)?.read_frame(0)?;
-    observer.end(&first, &frame_of(&run.sim.model, &run.sim.state, 0), &run.writer)?;
+    observer.end(&mut run.writer)?;
     run.writer.finish()?;
     Ok(())
 }
@@ -157,11 +180,11 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Run<'a>, Fault> {
         let hash = index.model_hash.clone();
-        let writer = RunWriter::create(folder, file.format, index)?;
+        let mut writer = RunWriter::create(folder, file.format, index)?;
         writer.write_file("model.yaml", &file.to_yaml())?;
         clear(&checkpoint::folder(folder), "state")?;
         clear(&folder.join("contacts"), "csv")?;
-        observer.begin(&sim, &frame_of(&sim.model, &sim.state, 0), &writer)?;
+        observer.begin(&sim, &frame_of(&sim.model, &sim.state, 0), &mut writer)?;
         let report = Series::create(&folder.join(REPORT), &report_header())?;
         let probes = Series::create(&folder.join(PROBES), &probe_header(&sim.model, &resolved.probes))?;
         let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
@@ -177,7 +200,7 @@ impl<'a> Run<'a> {
         resolved: &'a Resolved,
         folder: &'a Path,
         index: Index,
-        sim: Simulation,
+        (sim, until): (Simulation, f64),
         path: &Path,
         observer: &mut dyn Observer,
     ) -> Result<Run<'a>, Fault> {
@@ -192,6 +215,10 @@ impl<'a> Run<'a> {
             return Err(Fault::whole(FaultKind::Data, path, counts));
         }
         let (h, time, expected) = (sim.model.step, state.time, index.expected_frames);
+        if time > until + 0.5 * h {
+            let fault = Fault::whole(FaultKind::Input, path, format!("is at {time:.6} s, after the end at {until} s"));
+            return Err(fault.hint("a run is resumed to a later end: give a longer `duration` or --until"));
+        }
         let is_before = |n: &u64| *n as f64 / sim.model.frame_rate - 0.5 * h <= time;
         let keep = (0..expected).take_while(is_before).count() as u64;
         let mut writer = RunWriter::reopen(folder, file.format, index, keep)?;
@@ -227,6 +254,12 @@ impl<'a> Run<'a> {
             }
             self.probe()?;
             self.save_if_due()?;
+            if observer.is_interrupted() {
+                self.save()?;
+                self.list_warnings();
+                self.writer.write()?;
+                return Err(RunError::Interrupted(self.sim.state.time));
+            }
         }
         Ok(())
     }

@@ -11,8 +11,8 @@ use glam::DVec3;
 
 /// The frame of the state's time, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes.
 ///
-/// Columns: id (of the body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
-/// omega_x..z (rad/s, shape's frame), size_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
+/// Columns: id (of the body), part (index of the shape on its body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
+/// omega_x..z (rad/s, shape's frame), half_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
 /// half length for cylinder, capsule and cone; 0 for a plane, whose normal is its z axis). Each hull, mesh and height field has a
 /// shape name of its own, as `hull_0`.
 pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
@@ -22,6 +22,7 @@ pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
     let body = |s: usize| model.shape_body[s] as usize;
     let places: Vec<Pose> = rows.iter().map(|s| state.shape_pose(model, *s)).collect();
     frame.push("id", "", Column::I64(rows.iter().map(|s| body(*s) as i64).collect()));
+    frame.push("part", "", Column::I64(parts(model, &rows)));
     let classes = rows.iter().map(|s| model.class[body(*s)]).collect();
     frame.push("class", "", Column::Category { codes: classes, names: model.class_names.clone() });
     let (names, codes) = shape_names(model, &rows);
@@ -42,10 +43,10 @@ pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
     let mut single = |name: &str, unit: &str, value: &dyn Fn(usize) -> f64| {
         frame.push(name, unit, Column::F32((0..rows.len()).map(|r| value(r) as f32).collect()));
     };
-    single("quat_w", "", &|r| places[r].orientation.w);
-    single("quat_x", "", &|r| places[r].orientation.x);
-    single("quat_y", "", &|r| places[r].orientation.y);
-    single("quat_z", "", &|r| places[r].orientation.z);
+    single("quat_w", "1", &|r| places[r].orientation.w);
+    single("quat_x", "1", &|r| places[r].orientation.x);
+    single("quat_y", "1", &|r| places[r].orientation.y);
+    single("quat_z", "1", &|r| places[r].orientation.z);
     for (i, name) in ["vel_x", "vel_y", "vel_z"].into_iter().enumerate() {
         single(name, "m/s", &|r| motion[r].0[i]);
     }
@@ -53,10 +54,21 @@ pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
     for (i, name) in ["omega_x", "omega_y", "omega_z"].into_iter().enumerate() {
         single(name, "rad/s", &|r| motion[r].1[i]);
     }
-    for (i, name) in ["size_x", "size_y", "size_z"].into_iter().enumerate() {
+    for (i, name) in ["half_x", "half_y", "half_z"].into_iter().enumerate() {
         single(name, "m", &|r| model.shape_size[rows[r]][i]);
     }
     frame
+}
+
+/// Index of each row's shape among the shapes of its body.
+fn parts(model: &Model, rows: &[usize]) -> Vec<i64> {
+    let mut n_before = vec![0; model.n_bodies()];
+    let index = |s: &usize| {
+        let next: &mut i64 = &mut n_before[model.shape_body[*s] as usize];
+        *next += 1;
+        *next - 1
+    };
+    rows.iter().map(index).collect()
 }
 
 /// Shape names, and the index of each row's name.
@@ -100,7 +112,7 @@ pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
         }
     };
     triple(["pos_x", "pos_y", "pos_z"], "m", &|i| state.contact_point(i));
-    triple(["normal_x", "normal_y", "normal_z"], "", &|i| c.normal[i]);
+    triple(["normal_x", "normal_y", "normal_z"], "1", &|i| c.normal[i]);
     triple(["force_x", "force_y", "force_z"], "N", &|i| c.impulse[i] / model.step);
     frame.push("gap", "m", Column::F64(c.gap.clone()));
     frame
@@ -109,7 +121,7 @@ pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
 /// Header of `report.csv`, with its line break: names and units of the quantities of a [`StepReport`], a column for each stage's time.
 pub fn report_header() -> String {
     let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
-    format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
+    format!("step [1],time [s],contacts [1],iterations [1],residual [m/s],worst_penetration [m],{}\n", stages.join(","))
 }
 
 /// Line of `report.csv` for a step, with its line break; the values are in the order of [`report_header`].

@@ -6,6 +6,7 @@
 //! #scree inject lights              the binding's lights, or the default ones
 //! #scree inject objects [NAME…]     the objects of these names, or all
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
+//! #scree ground                     nothing: the scene has a ground, so that objects marked as `ground` are left out
 //! ```
 
 mod archive;
@@ -49,6 +50,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(binding, &text)?;
+    let has_ground = text.lines().any(|line| line.trim() == "#scree ground");
     let mut drawn = false;
     if binding.output.shutter > 0.0 {
         ri.shutter(0.0, binding.output.shutter as f32).map_err(|f| binding.doc.fault("output.shutter", f.message))?;
@@ -60,7 +62,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
-                inject_objects(&prepared, &words.collect::<Vec<_>>(), files, ri)
+                inject_objects(&prepared, &words.collect::<Vec<_>>(), has_ground, files, ri)
             }
             (Some("override"), Some(what)) if OVERRIDES.contains(&what) => {
                 override_setting(what, &binding.output, image, ri)
@@ -74,7 +76,8 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
                 "`#scree inject {}` is unknown, expected camera, lights or objects",
                 what.unwrap_or("")
             ))),
-            _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject` or `override`"))),
+            (Some("ground"), None) => Ok(()),
+            _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject`, `override` or `ground`"))),
         }
     });
     done.map_err(EmitError::Rib)?;
@@ -158,13 +161,24 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
     ri.light_source("distantlight", "scree:sun", sun)
 }
 
-fn inject_objects(prepared: &[Prepared<'_>], names: &[&str], files: &Files, ri: &mut dyn Ri) -> RiResult {
+/// The objects of the given names, or all but those for which the scene has a ground of its own.
+fn inject_objects(
+    prepared: &[Prepared<'_>],
+    names: &[&str],
+    has_ground: bool,
+    files: &Files,
+    ri: &mut dyn Ri,
+) -> RiResult {
     for name in names {
         if !prepared.iter().any(|p| p.object.name == *name) {
             return Err(Fail::new(format!("the scene wants the object `{name}`, which the metadata does not have")));
         }
     }
-    for p in prepared.iter().filter(|p| names.is_empty() || names.contains(&p.object.name.as_str())) {
+    let is_drawn = |p: &&Prepared<'_>| match names {
+        [] => !(has_ground && p.object.is_ground),
+        names => names.contains(&p.object.name.as_str()),
+    };
+    for p in prepared.iter().filter(is_drawn) {
         ri.attribute_begin()?;
         if let Color::Rgb(color) = p.object.color {
             ri.color(color)?;

@@ -1,7 +1,7 @@
 //! Expressions over the columns of a frame, for conditions and derived columns: typed arithmetic and comparisons, without side
 //! effects.
 //!
-//! `class == 'stones' and 0.02 <= size_x < 0.05`, `sqrt(vel_x*vel_x + vel_y*vel_y)`. Operators by falling precedence: unary `-`
+//! `class == 'stones' and 0.02 <= half_x < 0.05`, `sqrt(vel_x*vel_x + vel_y*vel_y)`. Operators by falling precedence: unary `-`
 //! (so that `-x ** 2` is `(-x) ** 2`), `**`, `* / %`, `+ -`, comparisons (which chain), `not`, `and`, `or`. Functions: sqrt abs sin
 //! cos exp log min max floor.
 //!

@@ -12,10 +12,18 @@ const POSITIONS: [[&str; 3]; 5] =
     [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
 
 /// Names that a radius goes by.
-const RADII: [&str; 6] = ["radius", "r", "R", "rad", "size_x", "c4"];
+const RADII: [&str; 6] = ["radius", "r", "R", "rad", "half_x", "c4"];
 
 fn column(name: &str) -> Quantity {
     Quantity::Expression(name.into())
+}
+
+/// Frames of the data from which metadata is suggested, evenly spread from the first to the last; fewer if a frame has many rows.
+pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
+    /// Rows to read in all.
+    const ROWS: usize = 1 << 21;
+    let n = (ROWS / n_rows.max(1)).clamp(4, 24).min(frames.len());
+    (0..n).map(|k| frames[k * (frames.len() - 1) / (n - 1).max(1)]).collect()
 }
 
 /// Suggest metadata for data, from some of its frames (such as the first and the last). An error if there is no frame, or if no
@@ -52,7 +60,7 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     if n == 0 || !lo.is_finite() || !hi.is_finite() {
         return Err("the data has no finite positions".into());
     }
-    let objects = if has("size_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
+    let objects = if has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
         classes(frames, (hi - lo).length())
     } else {
         let radius = radius
@@ -118,7 +126,7 @@ fn reach(frame: &Frame, row: usize, radius: Option<&str>) -> Vec3 {
     if shape.is_empty() || shape == "sphere" {
         return Vec3::splat(radius.map_or(0.0, number));
     }
-    let mut half = Vec3::new(number("size_x"), number("size_y"), number("size_z"));
+    let mut half = Vec3::new(number("half_x"), number("half_y"), number("half_z"));
     if shape == "capsule" {
         half.z += half.x;
     }
@@ -184,11 +192,11 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
     let paint = |class: &String| names.iter().position(|n| *n == class).map(|k| PAINTS[k % PAINTS.len()]);
     seen.iter()
         .map(|(class, shape)| {
-            let half = ["size_x", "size_y", "size_z"].map(column);
-            let round = || RoundSpec { radius: column("size_x"), half: column("size_z") };
+            let half = ["half_x", "half_y", "half_z"].map(column);
+            let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
             let (geometry, surface, color) = match shape.as_str() {
                 "sphere" => (
-                    Geometry { sphere: Some(SphereSpec { radius: column("size_x") }), ..Geometry::default() },
+                    Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
                     "gravel",
                     [0.56, 0.48, 0.4],
                 ),

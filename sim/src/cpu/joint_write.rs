@@ -122,7 +122,9 @@ pub fn record(
             let error = joint.error(row, k, rows.len(), state.time, state.time + h);
             error.iter().for_each(|error| outcome.joints.add(i, row, *error));
         }
-        (now.force, now.torque) = f.reaction(rows, lambda, h);
+        (now.force_world, now.torque_world) = f.reaction(rows, lambda, h);
+        let into = f.a.orientation.inverse();
+        (now.force, now.torque) = (into * now.force_world, into * now.torque_world);
         state.joints[i] = now;
     }
     for (i, spring) in model.springs.iter().enumerate() {

@@ -41,6 +41,7 @@ impl ModelFile {
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
         self.check_numbers(doc)?;
         let mut build = Builder::new(self, doc);
+        build.warnings = self.doubts(doc);
         if let Some(base) = &self.base {
             build.base(base)?;
         }
@@ -60,6 +61,24 @@ impl ModelFile {
             return Err(doc.fault("bodies", "the model has no bodies: expected `bodies`, `fills` or `assemblies`"));
         }
         build.finish()
+    }
+
+    /// Warnings of values that are sound, but hardly meant.
+    fn doubts(&self, doc: &Document) -> Vec<String> {
+        /// Density below which it is taken for one in g/cm³, kg/m³. Foams have more, and no solid has as much in g/cm³.
+        const MIN_DENSITY: f64 = 23.0;
+        let mut doubts = vec![];
+        for (name, m) in self.materials.iter().filter(|(_, m)| m.density < MIN_DENSITY) {
+            let message = format!("a density of {} kg/m³ is that of a light foam", m.density);
+            let hint = format!("densities are in kg/m³: {} g/cm³ is {}", m.density, (m.density * 1e6).round() / 1e3);
+            doubts.push(doc.fault(&format!("materials.{name}.density"), message).hint(hint));
+        }
+        if self.frame_rate * self.step > 1.0 + 1e-9 {
+            let steps = (1e3 / self.step).round() / 1e3;
+            let message = format!("{} frames a second are more than the {steps} steps: frames repeat", self.frame_rate);
+            doubts.push(doc.fault("frame_rate", message).hint("take fewer frames, or a shorter `step`"));
+        }
+        doubts.iter().map(Fault::to_string).collect()
     }
 
     fn check_numbers(&self, doc: &Document) -> Result<(), Fault> {

@@ -41,6 +41,8 @@ pub struct Object<F = Formula, M = Map> {
     pub color: Color<F, M>,
     /// Opacity, 0 to 1.
     pub opacity: Option<f32>,
+    /// Whether the object is a ground, which is left out in scenes with a ground of their own (`#scree ground`).
+    pub is_ground: bool,
 }
 
 /// The shape drawn at a row; lengths in m.
@@ -134,6 +136,7 @@ impl Object<String, String> {
             surface: self.surface,
             displacement: self.displacement,
             opacity: self.opacity,
+            is_ground: self.is_ground,
         })
     }
 }

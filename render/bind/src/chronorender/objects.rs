@@ -99,6 +99,7 @@ impl Source<'_> {
                 displacement: displacement.clone(),
                 color: Color::Rgb(color),
                 opacity: None,
+                is_ground: false,
             });
         }
         Ok(out)

@@ -143,6 +143,7 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
             types::Color::Column(by) => Color::By { value: text(by.column), map: by.map, range: by.range },
         },
         opacity: object.opacity,
+        is_ground: object.ground,
     })
 }
 

@@ -171,6 +171,9 @@ pub struct Object {
     /// Opacity, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<f32>,
+    /// Whether the object is a ground, which is left out in scenes with a ground of their own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ground: bool,
 }
 
 /// The geometry of an object: exactly one of these.

@@ -1,0 +1,246 @@
+//! Run directories as their user meets them: nothing is lost, nothing is stale, and what was guessed is said.
+
+use crate::cli::{scratch, scree};
+use std::path::Path;
+use std::process::Command;
+
+/// A pile of few stones on a plane.
+const STONES: &str = "\
+step: 0.002
+duration: 0.1
+frame_rate: 50
+materials: {stone: {density: 2600, friction: 0.5}}
+bodies:
+  - {name: ground, material: stone, plane: {normal: [0, 0, 1]}}
+fills:
+  - {name: stones, material: stone, count: 20, radius: [0.03, 0.05], min: [-0.3, -0.3, 0.1], max: [0.3, 0.3, 0.6]}
+";
+
+/// Paths below a folder, as arguments.
+struct Work(tempfile::TempDir);
+
+impl Work {
+    fn new() -> Work {
+        Work(scratch())
+    }
+
+    fn at(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().unwrap().into()
+    }
+
+    fn write(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.0.path().join(name), text).unwrap();
+        self.at(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.path().join(name)).unwrap()
+    }
+}
+
+/// The frames of a run with their hashes, as `run.json` lists them.
+fn frames(run: &str) -> Vec<(u64, String)> {
+    let text = std::fs::read_to_string(Path::new(run).join("run.json")).unwrap();
+    let index: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let entry = |f: &serde_json::Value| (f["number"].as_u64().unwrap(), f["hash"].as_str().unwrap().to_string());
+    index["frames"].as_array().unwrap().iter().map(entry).collect()
+}
+
+#[test]
+fn the_run_of_another_model_is_replaced_only_on_request() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    scree(&["simulate", &model, "-o", &run]).ok();
+    let before = frames(&run);
+    work.write("m.yaml", &STONES.replace("friction: 0.5", "friction: 0.4"));
+    for command in ["simulate", "run"] {
+        let said = scree(&[command, &model, "-o", &run]).fails(2);
+        assert!(said.contains("another model (5 frames); changed since: materials.stone.friction"), "{said}");
+        assert!(said.contains("--fresh"), "{said}");
+    }
+    let said = scree(&["simulate", &model, "-o", &run, "--resume"]).fails(2);
+    assert!(said.contains("another model"), "{said}");
+    assert_eq!(frames(&run), before);
+    scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
+    assert_ne!(frames(&run), before);
+    // A part of the same run would lose the rest.
+    let said = scree(&["simulate", &model, "-o", &run, "--until", "0.05"]).fails(2);
+    assert!(said.contains("holds 5 frames of this model, and this run would have 3"), "{said}");
+    // Tables of somebody else.
+    std::fs::create_dir_all(work.at("mine/frames")).unwrap();
+    let table = work.write("mine/frames/p_1.csv", "x,y\n1,2\n");
+    let said = scree(&["simulate", &model, "-o", &work.at("mine")]).fails(2);
+    assert!(said.contains("is no run directory") && Path::new(&table).exists(), "{said}");
+}
+
+#[test]
+fn metadata_that_the_user_has_edited_stays() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    scree(&["simulate", &model, "-o", &run]).ok();
+    let edited = work.read("run/metadata.yaml").replace("studio.rib", "quarry.rib");
+    work.write("run/metadata.yaml", &edited);
+    let said = scree(&["simulate", &model, "-o", &run, "--fresh"]);
+    said.ok();
+    assert!(said.errors().contains("metadata.yaml was edited and stays"), "{}", said.errors());
+    assert_eq!(work.read("run/metadata.yaml"), edited);
+    std::fs::remove_file(work.at("run/metadata.yaml")).unwrap();
+    scree(&["simulate", &model, "-o", &run]).ok();
+    assert!(work.read("run/metadata.yaml").contains("studio.rib"));
+    // A file that is not scree's is not replaced by a suggestion either.
+    let notes = work.write("notes.yaml", "mine: 1\n");
+    let said = scree(&["inspect", &run, "--write", &notes]).fails(2);
+    assert!(said.contains("notes.yaml") && said.contains("exists"), "{said}");
+    assert_eq!(work.read("notes.yaml"), "mine: 1\n");
+}
+
+#[test]
+fn a_run_resumes_to_a_longer_duration_and_not_to_a_shorter_one() {
+    let work = Work::new();
+    let long = STONES.replace("duration: 0.1", "duration: 0.2");
+    let whole = work.at("whole");
+    scree(&["simulate", &work.write("long.yaml", &format!("name: m\n{long}")), "-o", &whole]).ok();
+    let (model, run) = (work.write("m.yaml", &format!("name: m\n{STONES}")), work.at("run"));
+    scree(&["simulate", &model, "-o", &run]).ok();
+    work.write("m.yaml", &format!("name: m\n{long}"));
+    scree(&["simulate", &model, "-o", &run, "--resume"]).ok();
+    assert_eq!(frames(&run), frames(&whole));
+    let said = scree(&["simulate", &model, "-o", &run, "--resume", "--until", "0.1"]).fails(2);
+    assert!(said.contains("this run would have 5"), "{said}");
+    assert_eq!(frames(&run).len(), 10);
+    // A run that ends early is not the model's whole run.
+    let early = work.at("early");
+    scree(&["simulate", &model, "-o", &early, "--until", "0.1"]).ok();
+    scree(&["run", &model, "-o", &early, "--res", "32x18", "--samples", "1", "-f", "0"]).ok();
+    assert_eq!(frames(&early), frames(&whole));
+}
+
+/// A signal is sent as soon as the run has frames; the run ends with a checkpoint, from which it resumes to the same bits.
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_run_with_a_checkpoint() {
+    let work = Work::new();
+    let slow = STONES.replace("duration: 0.1", "duration: 40").replace("frame_rate: 50", "frame_rate: 2");
+    for signal in ["TERM", "INT"] {
+        let (model, run) = (work.write("m.yaml", &slow), work.at(signal));
+        let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
+            .args(["simulate", &model, "-o", &run])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let has_frames = || Path::new(&run).join("frames/000002.arrow").exists();
+        while !has_frames() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        assert!(said.contains("interrupted at") && said.contains("--resume"), "{said}");
+        let n = frames(&run).len();
+        assert!((3..80).contains(&n), "{n} frames");
+        let span = ["--until", "12"];
+        scree(&[&["simulate", &model, "-o", &run, "--resume"], &span[..]].concat()).ok();
+        let whole = work.at("whole");
+        if !Path::new(&whole).exists() {
+            scree(&[&["simulate", &model, "-o", &whole], &span[..]].concat()).ok();
+        }
+        assert_eq!(frames(&run), frames(&whole));
+    }
+}
+
+#[test]
+fn faults_of_replaced_values_are_told_where_they_are_written() {
+    let work = Work::new();
+    let model = work.write("m.yaml", STONES);
+    let run = work.at("run");
+    for (set, says) in [
+        ("solver.iterations=abc", "--set solver.iterations=abc: invalid type: string \"abc\", expected a whole number"),
+        ("solver.iteratoins=3", "did you mean `iterations`?"),
+        ("step=-1", "--set step=-1: is -1, expected a number above 0"),
+        ("bodies.grund.mass=3", "did you mean `ground`?"),
+        ("fills.stones.radius=[0.05, x]", "--set fills.stones.radius=[0.05, x]: "),
+        ("materials=[", "the value is not YAML"),
+    ] {
+        let said = scree(&["simulate", &model, "-o", &run, "--set", set]).fails(3);
+        assert!(said.contains(says), "{set}: {said}");
+        assert!(!said.contains("m.yaml:"), "the file is sound: {said}");
+    }
+    let sweep = format!("{STONES}sweep:\n  materials.stone.friction: [0.2, -0.4]\n  step: [0.001, 0.002]\n");
+    let model = work.write("s.yaml", &sweep);
+    for plan in [&["--plan"][..], &[]] {
+        let said = scree(&[&["simulate", &model, "-o", &run], plan].concat()).fails(3);
+        assert!(said.contains("s.yaml:10:35: ") && said.contains("is -0.4"), "{said}");
+        assert!(!Path::new(&run).exists(), "nothing is written before all combinations are checked");
+    }
+}
+
+#[test]
+fn hardly_meant_values_are_said() {
+    let work = Work::new();
+    let odd = STONES.replace("density: 2600", "density: 2.6").replace("frame_rate: 50", "frame_rate: 1000");
+    let model = work.write("m.yaml", &odd);
+    let said = scree(&["simulate", &model, "-o", &work.at("run"), "--until", "3"]);
+    said.ok();
+    let said = said.errors();
+    for part in [
+        "m.yaml:4:20: a density of 2.6 kg/m³",
+        "2.6 g/cm³ is 2600",
+        "m.yaml:3:1: 1000 frames a second are more than the 500 steps",
+        "--until 3 is after the end of the model: its `duration` is 0.1 s",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
+fn a_compound_has_one_id_and_parts_and_forces_have_two_frames() {
+    let work = Work::new();
+    let text = "\
+step: 0.001
+duration: 0.02
+frame_rate: 100
+format: csv
+materials: {m: {density: 1000, friction: 0.3}}
+bodies:
+  - name: bar
+    parts:
+      - {box: {size: [0.4, 0.1, 0.1]}, material: m}
+      - {sphere: {radius: 0.1}, material: m, position: [0.2, 0, 0]}
+    rotate: {axis: [0, 0, 1], angle: 90}
+joints:
+  - {name: hinge, kind: revolute, a: bar, b: world, position: [0, -0.2, 0], axis: [1, 0, 0]}
+";
+    let run = work.at("run");
+    scree(&["simulate", &work.write("m.yaml", text), "-o", &run]).ok();
+    let table = work.read("run/frames/000001.csv");
+    let cell = |row: usize, column: usize| table.lines().nth(row).unwrap().split(',').nth(column).unwrap();
+    assert_eq!([cell(0, 0), cell(0, 1)], ["id", "part"]);
+    assert_eq!([cell(1, 0), cell(1, 1), cell(2, 0), cell(2, 1)], ["0", "0", "0", "1"], "{table}");
+    assert!(cell(0, 7).ends_with("[1]") && table.lines().next().unwrap().contains("half_x [m]"), "{table}");
+    let probes = work.read("run/probes.csv");
+    let header: Vec<&str> = probes.lines().next().unwrap().split(',').collect();
+    assert!(header.iter().all(|name| name.ends_with(']')), "every column has a unit: {header:?}");
+    let last: Vec<f64> = probes.lines().last().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+    let value = |name: &str| last[header.iter().position(|h| h.starts_with(name)).unwrap()];
+    // The hinge's z axis is the world's x. In both frames the force is of one length.
+    let length =
+        |frame: &str| ["fx", "fy", "fz"].map(|f| value(&format!("hinge.{f}_{frame}")).powi(2)).iter().sum::<f64>();
+    assert!((length("joint") / length("world") - 1.0).abs() < 1e-9 && length("world") > 1.0);
+    assert!((value("hinge.fz_joint").abs() - value("hinge.fx_world").abs()).abs() < 1e-9);
+    assert!(value("hinge.fz_world").abs() > 0.5 * length("world").sqrt());
+}
+
+#[test]
+fn a_ground_is_left_out_in_scenes_that_have_one() {
+    let work = Work::new();
+    let run = work.at("run");
+    scree(&["simulate", &work.write("m.yaml", STONES), "-o", &run]).ok();
+    let metadata = work.read("run/metadata.yaml");
+    let grounds = |scene: &str| {
+        work.write("run/metadata.yaml", &metadata.replace("studio.rib", scene));
+        scree(&["rib", &run, "-f", "0"]).ok().matches("Surface \"ground\"").count()
+    };
+    assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 1]);
+    assert_eq!([grounds("lunar.rib"), grounds("laboratory.rib")], [0, 0]);
+}
