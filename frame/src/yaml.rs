@@ -33,7 +33,7 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
 /// Read YAML text, which came from `path`, into `T`. An error, with its place, if the text does not fit `T`.
 pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Document), Fault> {
     if text.trim().is_empty() {
-        return Err(Fault::whole(FaultKind::Input, path, "is empty"));
+        return Err(Fault::at(FaultKind::Input, path, "", 1, 1, "is empty"));
     }
     let (places, repeated) = places(&text);
     let doc = Document { path: path.into(), places, repeated, text, replaced: vec![] };
