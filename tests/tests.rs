@@ -25,6 +25,7 @@ mod rendering;
 mod sheets;
 mod solver;
 mod stages;
+mod tables;
 mod terrain;
 mod tidy;
 mod waiting;

@@ -11,11 +11,13 @@
 mod archive;
 mod camera;
 mod instances;
+mod missing;
 mod shapes;
 
 use crate::binding::{Binding, Color, ImageFormat, Output};
 use frame::{Fault, Frame};
 use instances::Prepared;
+pub use missing::{Lack, Missing};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
@@ -38,12 +40,23 @@ impl From<Fault> for EmitError {
 /// What is left of settings that no directive has placed yet.
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
 
-/// Emit a frame: read the scene, and make the calls of its directives. `image` is the image's file.
-pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &mut dyn Ri) -> Result<(), EmitError> {
+/// Emit a frame: read the scene, and make the calls of its directives. `image` is the image's file. What the rows lack is returned.
+pub fn frame(
+    binding: &Binding,
+    frame: &Frame,
+    image: &str,
+    files: &Files,
+    ri: &mut dyn Ri,
+) -> Result<Missing, EmitError> {
+    let mut missing = Missing::default();
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
-        prepared.push(instances::prepare(binding, i, object, frame)?);
+        let object = instances::prepare(binding, i, object, frame)?;
+        missing.undrawn.add(&object.missing.undrawn);
+        missing.uncolored.add(&object.missing.uncolored);
+        prepared.push(object);
     }
+    let stand = camera::stand(binding, frame)?;
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(binding, &text)?;
@@ -54,7 +67,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
-            (Some("inject"), Some("camera")) => camera::inject(binding, frame, files, ri),
+            (Some("inject"), Some("camera")) => camera::inject(binding, frame.number, stand, files, ri),
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
@@ -80,7 +93,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
         let message = format!("scene {} has no `#scree inject objects`: the data would not be drawn", path.display());
         return Err(binding.doc.fault("scene", message).into());
     }
-    Ok(())
+    Ok(missing)
 }
 
 /// A setting that the file makes and the scene does not take would be lost silently: that is an error.

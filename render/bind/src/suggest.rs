@@ -1,34 +1,31 @@
 //! A starting metadata file for data that has none: which columns are what, and a camera that sees it all.
 
+mod names;
+
+use crate::expr;
 use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
     RoundSpec, Shader, SphereSpec,
 };
 use frame::{Column, Frame};
 use glam::Vec3;
-
-/// Names that columns of positions go by, in the usual tools.
-const POSITIONS: [[&str; 3]; 5] =
-    [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
-
-/// Names that a radius goes by.
-const RADII: [&str; 6] = ["radius", "r", "R", "rad", "size_x", "c4"];
+use names::Radius;
 
 fn column(name: &str) -> Quantity {
-    Quantity::Expression(name.into())
+    Quantity::Expression(expr::quoted(name))
 }
 
 /// Metadata for frames of the data, the first and the last, say; or what is missing.
 pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     let frame = *frames.first().ok_or("the data has no frames")?;
-    let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
-    let Some(position) = POSITIONS.iter().find(|p| p.iter().all(|c| has(c))) else {
+    let has = |name: &str| names::is_numeric(frame, name);
+    let Some(position) = names::position(frame) else {
         return Err(format!(
             "no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}",
             frame.names().join(", ")
         ));
     };
-    let radius = RADII.iter().find(|c| has(c));
+    let radius = names::radius(frame);
     let mut boxes: Vec<[Vec3; 2]> = vec![];
     // A model of nothing but ground is looked at as a whole.
     for ground in [false, true] {
@@ -38,8 +35,8 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
             };
             let looked_at = |row: &usize| if ground { shape(frame, *row) != "plane" } else { !is_ground(frame, *row) };
             for row in (0..frame.rows()).filter(looked_at) {
-                let reach = reach(frame, row, radius.copied());
-                boxes.push([place(row) - reach, place(row) + reach]);
+                let reach = reach(frame, row, radius);
+                boxes.extend(place(row).is_finite().then(|| [place(row) - reach, place(row) + reach]));
             }
         }
         if !boxes.is_empty() {
@@ -47,15 +44,23 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
         }
     }
     let n = boxes.len();
-    let [lo, hi] = extent(&boxes);
+    let [mut lo, mut hi] = extent(&boxes);
+    let mut size = rounded((hi - lo).length() / (2.0 * (n as f32).cbrt()));
+    if hi == lo {
+        // Nothing tells a size: what is there is seen anyway.
+        size = 0.1;
+        (lo, hi) = (lo - size as f32, hi + size as f32);
+    }
+    if frames.iter().all(|frame| frame.rows() == 0) {
+        return Err("the data has no rows from which a camera could be placed".into());
+    }
     if n == 0 || !lo.is_finite() || !hi.is_finite() {
         return Err("the data has no finite positions".into());
     }
     let objects = if has("size_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
         classes(frames, (hi - lo).length())
     } else {
-        let radius = radius
-            .map_or_else(|| Quantity::Number(rounded((hi - lo).length() / (2.0 * (n as f32).cbrt()))), |r| column(r));
+        let radius = radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
             position: position.map(column),
             ..object(
@@ -111,11 +116,12 @@ fn upright(frame: &Frame, row: usize) -> bool {
 }
 
 /// Half lengths of the box around a row's shape, as it is turned.
-fn reach(frame: &Frame, row: usize, radius: Option<&str>) -> Vec3 {
+fn reach(frame: &Frame, row: usize, radius: Option<Radius<'_>>) -> Vec3 {
     let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
     let shape = shape(frame, row);
     if shape.is_empty() || shape == "sphere" {
-        return Vec3::splat(radius.map_or(0.0, number));
+        let of = |radius: Radius<'_>| number(radius.column) * radius.factor;
+        return Vec3::splat(radius.map_or(0.0, of).max(0.0));
     }
     let mut half = Vec3::new(number("size_x"), number("size_y"), number("size_z"));
     if shape == "capsule" {
@@ -265,14 +271,17 @@ fn rounded(x: f32) -> f64 {
 pub fn to_yaml(metadata: &Metadata, frame: &Frame) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
     let head = "# What to draw, found out from the data; change what you like.\n";
-    let taken = |name: &str| POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
-    let numeric = |name: &&str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
+    let taken = |name: &str| names::is_position_or_size(frame, name);
+    let numeric = |name: &&str| names::is_numeric(frame, name);
     let names = frame.names();
     let by = names.iter().find(|n| **n == "speed").or(names.iter().find(|n| !taken(n) && **n != "id" && numeric(n)));
     let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
     match (by, first) {
         (Some(column), Some(first)) => {
-            let line = format!("{first}  # color: {{column: {column}, map: viridis}}\n");
+            let quoted = expr::quoted(column);
+            // A backtick begins no plain text in YAML.
+            let value = if quoted == **column { quoted } else { format!("'{}'", quoted.replace('\'', "''")) };
+            let line = format!("{first}  # color: {{column: {value}, map: viridis}}\n");
             format!("{head}{}", yaml.replacen(&first, &line, 1))
         }
         _ => format!("{head}{yaml}"),
