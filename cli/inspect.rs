@@ -15,7 +15,7 @@ pub fn run(job: InspectJob) -> Outcome {
         print(&job.frames, &job.table);
     }
     match &job.write {
-        Some(path) => write(&job.data, &job.table, path),
+        Some(path) => write(&job.data, job.sample.as_ref().unwrap_or(&job.table), path),
         None => Ok(()),
     }
 }
@@ -29,9 +29,17 @@ fn print(frames: &[u64], table: &Frame) {
             Column::Category { names, .. } => {
                 format!("names: {}", names.iter().take(8).cloned().collect::<Vec<_>>().join(", "))
             }
-            _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}")),
+            _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}{}", missing(column))),
         };
         println!("  {:width$}  {:8}  {values}", field.name, column.kind());
+    }
+}
+
+/// How many values of a column of numbers are missing.
+fn missing(column: &Column) -> String {
+    match (0..column.len()).filter(|row| column.number(*row).is_some_and(f64::is_nan)).count() {
+        0 => String::new(),
+        n => format!(", {n} missing"),
     }
 }
 

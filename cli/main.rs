@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod check;
 mod doctor;
+mod failed;
 mod geometry;
 mod image_file;
 mod inspect;

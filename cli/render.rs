@@ -1,11 +1,13 @@
 //! `scree render`: frames or a RIB scene → images.
 
+use crate::failed::{FailedFrames, MissingValues};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene, Statistics};
 use crate::machine::peak_bytes;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{image_file, model_run, shard_file};
 use bind::emit;
+use frame::{Fault, FaultKind};
 use render::film::bucket::Shard;
 use render::film::display;
 use render::ri::files::Files;
@@ -26,39 +28,62 @@ pub fn run(job: RenderJob) -> Outcome {
 fn frames(job: RenderFrames) -> Outcome {
     let (binding, source) = model_run::provide(job.frames)?;
     let image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
-    images(&image_job, job.shard, job.statistics)?;
-    println!("{}", image_job.folder.display());
-    image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
+    let failed = images(&image_job, job.shard, job.statistics)?;
+    if failed.len() < image_job.frames.len() {
+        println!("{}", image_job.folder.display());
+        image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
+    }
+    failed.outcome(image_job.frames.len(), "the others were rendered")?;
     missing_frames(&image_job)
 }
 
-/// Render the images of a job, or a shard of each.
-pub fn images(job: &ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome {
+/// Render the images of a job, or a shard of each; the frames whose data cannot be drawn are returned.
+pub fn images(job: &ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<FailedFrames> {
+    let mut failed = FailedFrames::default();
+    images_but_failed(job, shard, statistics, &mut failed)?;
+    Ok(failed)
+}
+
+fn images_but_failed(
+    job: &ImageJob,
+    shard: Option<Shard>,
+    statistics: Statistics,
+    failed: &mut FailedFrames,
+) -> Outcome {
     let size = job.binding.output.resolution;
     let exists = |image: &Path| {
         image_file::is_complete(image, size) || shard.is_some_and(|s| shard_file::is_complete(image, s, size))
     };
-    let wanted = |f: &&u64| !(job.missing && exists(&job.image(**f)));
+    let wanted = |f: &&u64| !failed.contains(**f) && !(job.missing && exists(&job.image(**f)));
     let frames: Vec<u64> = job.frames.iter().filter(wanted).copied().collect();
     let progress = Progress::start("rendering", frames.len() as u64, "frames");
+    let (mut values, mut proven) = (MissingValues::default(), false);
     for (done, frame) in frames.iter().enumerate() {
-        let result = image(job, *frame, shard)?;
-        report_statistics(&result, *frame, &written(&job.image(*frame), shard), statistics)?;
+        match image(job, *frame, shard, &mut values) {
+            Ok(result) => {
+                report_statistics(&result, *frame, &written(&job.image(*frame), shard), statistics)?;
+                proven = true;
+            }
+            Err(failure) => failed.note(*frame, failure, proven, job.frames.len())?,
+        }
         progress.at(done as u64 + 1);
     }
     progress.finish();
-    job.passes.iter().try_for_each(|pass| images(pass, shard, statistics))
+    values.warn();
+    job.passes.iter().try_for_each(|pass| images_but_failed(pass, shard, statistics, failed))
 }
 
 /// Render a frame and write its image.
-fn image(job: &ImageJob, frame: u64, shard: Option<Shard>) -> Outcome<RenderResult> {
+fn image(job: &ImageJob, frame: u64, shard: Option<Shard>, values: &mut MissingValues) -> Outcome<RenderResult> {
     let table = job.source.read(frame)?;
-    job.binding.check_columns(&table)?;
+    // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
+    job.binding.check_columns(&table).map_err(|fault| Fault { kind: FaultKind::Data, ..fault })?;
     let mut context = context(&job.files)?;
     context.shard = shard;
     context.about = vec![("frame".into(), frame.to_string()), ("time".into(), table.time.to_string())];
     context.about.extend(job.source.run_hash().map(|hash| ("run".into(), hash.into())));
-    emit::frame(&job.binding, &table, &job.image(frame).to_string_lossy(), &job.files, &mut context)?;
+    let missing = emit::frame(&job.binding, &table, &job.image(frame).to_string_lossy(), &job.files, &mut context)?;
+    values.add(frame, &missing);
     let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
     write(context, Path::new("."))?.pop().ok_or_else(no_world)
 }

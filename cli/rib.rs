@@ -1,5 +1,6 @@
 //! `scree rib`: a frame as RIB, standard requests only.
 
+use crate::failed::MissingValues;
 use crate::job::RibJob;
 use crate::library;
 use crate::model_run;
@@ -21,7 +22,10 @@ pub fn run(job: RibJob) -> Outcome {
     binding.check_columns(&table)?;
     let files = binding.files(library::files(&binding.folder()));
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
-    emit::frame(&binding, &table, &format!("{:06}.png", job.frame), &files, &mut writer)?;
+    let missing = emit::frame(&binding, &table, &format!("{:06}.png", job.frame), &files, &mut writer)?;
+    let mut values = MissingValues::default();
+    values.add(job.frame, &missing);
+    values.warn();
     let bytes = writer.into_inner();
     match &job.output {
         Some(path) => Ok(frame::atomic::write(path, &bytes)?),

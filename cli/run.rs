@@ -11,8 +11,13 @@ pub fn run(job: RunJob) -> Outcome {
     let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
     let (binding, source) = model_run::provide(job.frames)?;
     let images = ImageJob::resolve(binding, source, job.images, &job.options)?;
-    render::images(&images, None, Statistics::default())?;
-    println!("images: {} in {}", images.frames.len(), images.folder.display());
+    let failed = render::images(&images, None, Statistics::default())?;
+    let n = images.frames.len();
+    if failed.len() < n {
+        println!("images: {} in {}", n - failed.len(), images.folder.display());
+    }
+    // A movie that jumps over frames would be taken for a whole one.
+    failed.outcome(n, "the others were rendered, and no movie is written")?;
     encode(&images, &job.movie)?;
     render::missing_frames(&images)?;
     if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }

@@ -6,7 +6,7 @@ use crate::report::{Exit, Failure, Outcome};
 use bind::binding::{Binding, Camera, Data, Place};
 use bind::data::{Source, Store};
 use frame::run::RunReader;
-use frame::{Fault, FaultKind};
+use frame::{Fault, FaultKind, foreign};
 use render::Context;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,6 +22,19 @@ pub enum Yaml {
 
 /// The kind of a YAML file, told by its keys.
 pub fn kind_of(path: &Path) -> Outcome<Yaml> {
+    if path.is_file() && frame::sequence::is_table(path) {
+        let fault = Fault::whole(
+            FaultKind::Input,
+            path,
+            "is a table: expected a model or a metadata file, which says how it is drawn",
+        );
+        return Err(fault.hint(table_hint(path)).into());
+    }
+    if let Some(format) =
+        foreign::by_ending(path).filter(|_| path.is_file() && path.extension().is_none_or(|e| e != "json"))
+    {
+        return Err(Fault { kind: FaultKind::Input, ..format.fault(path) }.into());
+    }
     let (keys, doc): (BTreeMap<String, serde::de::IgnoredAny>, _) = frame::yaml::read(path)?;
     let has = |names: &[&str]| names.iter().any(|n| keys.contains_key(*n));
     if has(&["objects", "model", "data", "scene", bind::chronorender::ROOT]) {
@@ -33,6 +46,14 @@ pub fn kind_of(path: &Path) -> Outcome<Yaml> {
             "is neither a model (expected `bodies`, `fills`, `materials`) nor a metadata file (expected `objects`)";
         Err(doc.fault("", message).into())
     }
+}
+
+/// How a table is rendered.
+pub fn table_hint(path: &Path) -> String {
+    format!(
+        "write a metadata file for it and render that: scree inspect '{}' --write md.yaml; scree render md.yaml",
+        path.display()
+    )
 }
 
 /// Whether an input is a RIB scene by its name, `-` being standard input.

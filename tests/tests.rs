@@ -26,6 +26,7 @@ mod runs;
 mod sheets;
 mod solver;
 mod stages;
+mod tables;
 mod terrain;
 mod tidy;
 mod waiting;

@@ -63,7 +63,15 @@ pub fn shard(text: &str) -> Result<ShardArg, String> {
 /// Parse an interval of time, `0.5-2`.
 pub fn interval(text: &str) -> Result<Interval, String> {
     let parsed = text.split_once('-').and_then(|(a, b)| Some(Interval { from: a.parse().ok()?, to: b.parse().ok()? }));
-    parsed.filter(|i| i.to > i.from).ok_or_else(|| "expected FROM-TO in seconds, as 0.5-2".into())
+    let Interval { from, to } = parsed.ok_or("expected FROM-TO in seconds, as 0.5-2")?;
+    if from > to {
+        return Err(format!("{from} and {to} are swapped: expected FROM-TO, the earlier time first"));
+    }
+    if from < to {
+        Ok(Interval { from, to })
+    } else {
+        Err("expected FROM-TO in seconds, with FROM before TO, as 0.5-2".into())
+    }
 }
 
 /// Parse a number.

@@ -38,12 +38,13 @@ impl FramesJob {
     /// The frames of an input of `scree render` or `scree rib`: a run directory or a metadata file.
     pub fn open(input: &Path) -> Outcome<FramesJob> {
         if !input.exists() {
-            return Err(Fault::whole(FaultKind::Input, input, "does not exist").into());
+            let fault = Fault::whole(FaultKind::Input, input, "does not exist");
+            let is_pattern = input.to_string_lossy().contains('*');
+            return Err(if is_pattern { fault.hint(source::table_hint(input)) } else { fault }.into());
         }
         if input.is_dir() {
             if !RunReader::is_run(input) {
-                let fault = Fault::whole(FaultKind::Data, input, "is not a run directory: it has no run.json");
-                return Err(fault.into());
+                return Err(frame::sequence::not_a_run(input).into());
             }
             let (binding, source) = source::metadata_of_run(input)?;
             return Ok(FramesJob {

@@ -6,6 +6,7 @@ use crate::report::{Exit, Failure, Outcome};
 use crate::source;
 use bind::binding::{Binding, ImageFormat};
 use bind::data::Source;
+use frame::Frame;
 use frame::list::FrameList;
 use render::ri::files::Files;
 use std::path::PathBuf;
@@ -60,7 +61,7 @@ impl ImageJob {
         }
         let frames = frames(&binding, &source, options)?;
         let files = binding.files(library::files(&binding.folder()));
-        binding.check_columns(&source.read(frames[0])?)?;
+        binding.check_columns(&first_readable(&source, &frames)?)?;
         source::check_library(&binding)?;
         let passes = std::mem::take(&mut binding.passes).into_iter();
         let passes = passes.map(|(name, pass)| ImageJob::resolve(pass, source.clone(), folder.join(name), options));
@@ -75,6 +76,18 @@ impl ImageJob {
             ImageFormat::Exr => "exr",
         };
         self.folder.join(format!("{frame:06}.{ending}"))
+    }
+}
+
+/// The table of the first frame that can be read; if there is none, why the first cannot.
+fn first_readable(source: &Source, frames: &[u64]) -> Outcome<Frame> {
+    let first = source.read(frames[0]);
+    if first.is_ok() {
+        return Ok(first?);
+    }
+    match frames[1..].iter().find_map(|frame| source.read(*frame).ok()) {
+        Some(table) => Ok(table),
+        None => Ok(first?),
     }
 }
 

@@ -15,6 +15,8 @@ pub struct InspectJob {
     pub frames: Vec<u64>,
     /// The table of the inspected frame.
     pub table: Frame,
+    /// The table from which metadata is suggested: the first with rows after an inspected one without any.
+    pub sample: Option<Frame>,
     /// The metadata file to write.
     pub write: Option<PathBuf>,
     /// Whether JSON is printed.
@@ -35,6 +37,21 @@ impl InspectJob {
             None => *frames.first().ok_or_else(|| Failure::new(Exit::Data, "the data has no frames yet"))?,
         };
         let table = source.read(frame)?;
-        Ok(InspectJob { data: args.data, frames, table, write: args.write, json: args.json })
+        let sample = match table.rows() == 0 && args.write.is_some() {
+            true => later_rows(&source, &frames, frame)?,
+            false => None,
+        };
+        Ok(InspectJob { data: args.data, frames, table, sample, write: args.write, json: args.json })
     }
+}
+
+/// The first table after an empty frame that has rows.
+fn later_rows(source: &Source, frames: &[u64], empty: u64) -> Outcome<Option<Frame>> {
+    for frame in frames.iter().filter(|frame| **frame > empty) {
+        let table = source.read(*frame)?;
+        if table.rows() > 0 {
+            return Ok(Some(table));
+        }
+    }
+    Ok(None)
 }

@@ -10,10 +10,12 @@ pub mod atomic;
 mod column;
 pub mod csv;
 mod fault;
+pub mod foreign;
 pub mod list;
 pub mod run;
 pub mod sequence;
 pub mod series;
+mod text;
 pub mod yaml;
 
 pub use column::{Column, Field, Frame};

@@ -49,7 +49,10 @@ fn range(text: &str) -> Result<Range, String> {
         None => (frame(bounds)?, Some(frame(bounds)?)),
     };
     if last.is_some_and(|last| last < first) {
-        return Err(format!("`{text}` runs backwards"));
+        let given = last.unwrap_or_default();
+        return Err(format!(
+            "`{text}` has its ends swapped: {first} comes before {given}, expected the smaller frame first"
+        ));
     }
     Ok(Range { text: text.into(), first, last, step: step.unwrap_or(1) })
 }

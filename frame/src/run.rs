@@ -9,7 +9,7 @@
 //! ```
 //! A frame is identified by its number in `run.json`, never by its position in a listing.
 
-use crate::{Fault, FaultKind, Frame, arrow, atomic, csv};
+use crate::{Fault, FaultKind, Frame, arrow, atomic, csv, sequence};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -263,6 +263,9 @@ impl RunReader {
 
     /// Open a run directory. An error if `run.json` cannot be read, is malformed or is of another format version.
     pub fn open(folder: &Path) -> Result<RunReader, Fault> {
+        if folder.is_dir() && !RunReader::is_run(folder) {
+            return Err(sequence::not_a_run(folder));
+        }
         let path = folder.join("run.json");
         let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
         let index: Index = serde_json::from_str(&text).map_err(|e| {

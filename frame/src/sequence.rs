@@ -1,7 +1,7 @@
 //! A sequence of data files, one file per frame, found by a pattern with `*`. A frame's number is the last run of digits in its
 //! file's name.
 
-use crate::{Fault, FaultKind};
+use crate::{Fault, FaultKind, foreign};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +33,69 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
     Ok(found)
 }
 
+/// The fault of a folder that is no run directory, with what is in it.
+pub fn not_a_run(folder: &Path) -> Fault {
+    let fault = |message: &str| Fault::whole(FaultKind::Data, folder, format!("is not a run directory: {message}"));
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(e) => return Fault::unreadable(FaultKind::Data, folder, &e),
+    };
+    let mut tables: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let (mut runs, mut others) = (Vec::new(), Vec::new());
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_string();
+        if path.is_dir() {
+            runs.extend(path.join("run.json").is_file().then(|| path.display().to_string()));
+        } else if is_table(&path) {
+            tables.entry(pattern_of(&name)).or_default().push(name);
+        } else {
+            others.extend(foreign::by_ending(&path).map(|format| (name, format)));
+        }
+    }
+    runs.sort();
+    others.sort_by(|(a, _), (b, _)| a.cmp(b));
+    let place = |name: &str| folder.join(name).display().to_string();
+    if let Some((pattern, names)) = tables.iter().max_by_key(|(_, names)| names.len()) {
+        let files = if names.len() == 1 { "file that is a table" } else { "files that are tables" };
+        return fault(&format!("it has no run.json, but {} {files}", names.len())).hint(format!(
+            "give them as a pattern: scree inspect '{}' --write md.yaml; scree render md.yaml",
+            place(pattern)
+        ));
+    }
+    if !runs.is_empty() {
+        let shown = runs.iter().take(3).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = if runs.len() > 3 { ", …" } else { "" };
+        return fault(&format!("it has no run.json, but {} of its folders do", runs.len()))
+            .hint(format!("give one: {shown}{more}"));
+    }
+    match others.first() {
+        Some((name, format)) => {
+            let found = format.fault(&folder.join(name));
+            Fault {
+                message: format!("{}; {name} {}", fault("it has no run.json, and no tables").message, found.message),
+                ..found
+            }
+        }
+        None => fault("it has no run.json, and no tables").hint("a table is a CSV file with a row for each particle"),
+    }
+}
+
+/// Whether a file is a table by the ending of its name.
+pub fn is_table(path: &Path) -> bool {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
+    ["csv", "tsv", "txt", "dat", "tab", "asc", "prn"].contains(&ending.as_str())
+}
+
+/// The pattern of a file and its like: the last number of its name may be any.
+fn pattern_of(name: &str) -> String {
+    let stem = name.rfind('.').unwrap_or(name.len());
+    let Some(last) = name[..stem].rfind(|c: char| c.is_ascii_digit()) else { return name.into() };
+    let first = name[..last]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |i| i + name[i..].chars().next().map_or(1, char::len_utf8));
+    format!("{}*{}", &name[..first], &name[last + 1..])
+}
+
 /// Whether `name` matches `pattern`, in which `*` stands for any characters.
 pub fn matches(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
@@ -62,11 +125,31 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_folder_that_is_no_run_is_described() {
+        let scratch = tempfile::tempdir().unwrap();
+        let folder = scratch.path();
+        std::fs::create_dir_all(folder.join("one")).unwrap();
+        let write = |name: &str| std::fs::write(folder.join(name), "x").unwrap();
+        assert!(not_a_run(folder).message.contains("no tables"));
+        write("a.vtk");
+        assert!(not_a_run(folder).message.contains("a.vtk is a legacy VTK file"));
+        write("one/run.json");
+        assert!(not_a_run(folder).message.contains("1 of its folders"));
+        ["p_1.csv", "p_2.csv", "readme.txt"].iter().for_each(|name| write(name));
+        let fault = not_a_run(folder);
+        assert!(fault.message.contains("2 files that are tables") && fault.hint.unwrap().contains("p_*.csv"));
+    }
+
+    #[test]
     fn numbers_and_patterns() {
         assert_eq!(number_in("p_0003.csv"), Some(3));
         assert_eq!(number_in("run2_frame12.dat"), Some(12));
         assert_eq!(number_in("bed.csv"), None);
         assert!(matches("p_*.csv", "p_0003.csv") && matches("bed.csv", "bed.csv") && matches("*a*b", "xaybzb"));
+        assert_eq!(
+            ["p_0003.csv", "bed.csv", "7.txt", "é2_3b.dat"].map(pattern_of),
+            ["p_*.csv", "bed.csv", "*.txt", "é2_*b.dat"]
+        );
         assert!(!matches("p_*.csv", "q_1.csv") && !matches("bed.csv", "bed.csv2") && !matches("p_*.csv", "p_1.txt"));
     }
 }

@@ -106,8 +106,30 @@ impl Document {
     }
 }
 
+/// The fault of a tab in the indentation of a line that cannot be read, or of the line before it.
+fn tab(doc: &Document, error: &serde_yaml::Error) -> Option<Fault> {
+    let message = error.to_string();
+    // Within braces tabs are allowed: only what the scanner refuses is looked into.
+    if !["cannot start any token", "tab character", "did not find expected"].iter().any(|part| message.contains(part)) {
+        return None;
+    }
+    let at = error.location()?.line();
+    let indentation = |line: usize| {
+        let text = doc.text.lines().nth(line.checked_sub(1)?)?;
+        let blanks = &text[..text.len() - text.trim_start().len()];
+        blanks.find('\t').map(|tab| (line, tab + 1))
+    };
+    let (line, column) = [at, at.saturating_sub(1), at + 1].into_iter().find_map(indentation)?;
+    let message = "a tab stands in the indentation: YAML does not allow tabs there";
+    let fault = Fault::at(FaultKind::Input, &doc.path, &doc.text, line, column, message);
+    Some(fault.hint("use spaces, the same number for all keys of one map"))
+}
+
 /// A structural error as a fault: the place from the reader where it knows it, else from the path; the nearest key as a hint.
 fn explain(doc: &Document, path: &str, error: &serde_yaml::Error) -> Fault {
+    if let Some(fault) = tab(doc, error) {
+        return fault;
+    }
     let full = error.to_string();
     let message = full.split(" at line ").next().unwrap_or(&full);
     let message = message.strip_prefix(&format!("{path}: ")).unwrap_or(message);
@@ -269,6 +291,18 @@ mod tests {
         assert_eq!((f.line, f.column), (2, 14), "{f}");
         assert_eq!(fault("stones: [\n  {density: 1},\n").line, 3);
         assert_eq!(fault(" \n").message, "is empty");
+    }
+
+    #[test]
+    fn a_tab_in_the_indentation_is_explained() {
+        for text in
+            ["stones:\n\t- density: 1\n", "stones:\n  - density: 1\n\t- density: 2\n", "stones:\n  -\n\tdensity: 1\n"]
+        {
+            let f = fault(text);
+            let line = text.lines().position(|l| l.starts_with('\t')).unwrap() + 1;
+            assert!(f.message.contains("YAML does not allow tabs"), "{text}: {f}");
+            assert_eq!((f.line, f.column), (line, 1), "{f}");
+        }
     }
 
     #[test]

@@ -128,6 +128,7 @@ pub fn simulate(
         complete: false,
         columns: vec![],
         warnings: vec![],
+        generated: Default::default(),
         frames: vec![],
     };
     let mut run = match span.resume.then(|| checkpoint::latest(folder)).transpose()?.flatten() {

@@ -91,6 +91,13 @@ impl Source {
                         field.name.clone_from(new);
                     }
                 }
+                let names = frame.names();
+                if let Some(name) =
+                    names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)).map(|(_, n)| n)
+                {
+                    let message = format!("two columns are named `{name}` once they are renamed");
+                    return Err(Fault::whole(FaultKind::Data, path, message));
+                }
                 (frame, path.clone())
             }
         };

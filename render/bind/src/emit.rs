@@ -12,11 +12,13 @@
 mod archive;
 mod camera;
 mod instances;
+mod missing;
 mod shapes;
 
 use crate::binding::{Binding, Color, ImageFormat, Output};
 use frame::{Fault, Frame};
 use instances::Prepared;
+pub use missing::{Lack, Missing};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
@@ -40,13 +42,24 @@ impl From<Fault> for EmitError {
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
 
 /// Emit a frame to `ri`: read the binding's scene through the search path `files`, and make the calls of its directives. `image` is
-/// the path of the image file. An error if the scene lacks a directive that the binding needs, if a column is missing or not
-/// finite, or if a RIB file is bad.
-pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &mut dyn Ri) -> Result<(), EmitError> {
+/// the path of the image file. Returns the values that the rows lack. An error if the scene lacks a directive that the binding needs,
+/// if a column is missing, or if a RIB file is bad.
+pub fn frame(
+    binding: &Binding,
+    frame: &Frame,
+    image: &str,
+    files: &Files,
+    ri: &mut dyn Ri,
+) -> Result<Missing, EmitError> {
+    let mut missing = Missing::default();
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
-        prepared.push(instances::prepare(binding, i, object, frame)?);
+        let object = instances::prepare(binding, i, object, frame)?;
+        missing.undrawn.add(&object.missing.undrawn);
+        missing.uncolored.add(&object.missing.uncolored);
+        prepared.push(object);
     }
+    let stand = camera::stand(binding, frame)?;
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(binding, &text)?;
@@ -58,7 +71,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
-            (Some("inject"), Some("camera")) => camera::inject(binding, frame, files, ri),
+            (Some("inject"), Some("camera")) => camera::inject(binding, frame.number, stand, files, ri),
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
@@ -85,7 +98,7 @@ pub fn frame(binding: &Binding, frame: &Frame, image: &str, files: &Files, ri: &
         let message = format!("scene {} has no `#scree inject objects`: the data would not be drawn", path.display());
         return Err(binding.doc.fault("scene", message).into());
     }
-    Ok(())
+    Ok(missing)
 }
 
 /// A setting that the file makes and the scene does not take would be lost silently: that is an error.

@@ -12,8 +12,19 @@ mod program;
 
 pub use parse::ExprError;
 
-use frame::Frame;
+use frame::{Frame, csv};
 use program::{Program, Value};
+
+/// A column's name as an expression: in backticks if it is not of letters, digits and `_` alone, or means something else.
+pub fn quoted(column: &str) -> String {
+    let is_plain =
+        column.chars().all(|c| c.is_alphanumeric() || c == '_') && !column.starts_with(|c: char| c.is_ascii_digit());
+    if is_plain && !column.is_empty() && !["and", "or", "not"].contains(&column) {
+        column.into()
+    } else {
+        format!("`{column}`")
+    }
+}
 
 /// A compiled expression. Its value for a row is a number or a word; conditions are true where the number is not 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,17 +58,17 @@ impl Expr {
             .map(|row| match run.row(*row)? {
                 Value::Number(x) => Ok(x),
                 Value::Word(w) => {
-                    w.parse().map_err(|_| format!("`{}` is the word `{w}`, expected a number", self.text))
+                    csv::number(w).ok_or_else(|| format!("`{}` is the word `{w}`, expected a number", self.text))
                 }
             })
             .collect()
     }
 
-    /// Indices of the rows for which the expression is true. Errors as in [`Expr::numbers`].
+    /// Indices of the rows for which the expression is true; a missing value is not. Errors as in [`Expr::numbers`].
     pub fn select(&self, frame: &Frame) -> Result<Vec<usize>, String> {
         let all: Vec<usize> = (0..frame.rows()).collect();
         let truth = self.numbers(frame, &all)?;
-        Ok(all.into_iter().filter(|i| truth[*i] != 0.0).collect())
+        Ok(all.into_iter().filter(|i| truth[*i] != 0.0 && !truth[*i].is_nan()).collect())
     }
 }
 
@@ -81,6 +92,27 @@ mod tests {
         assert_eq!(rows("x*x - 1 == 3 or x > 2.5e0"), [1, 2]);
         assert_eq!(rows("-x ** 2 < 0"), Vec::<usize>::new());
         assert_eq!(rows("max(x, 2) == 2"), [0, 1]);
+    }
+
+    #[test]
+    fn columns_of_any_name_are_read_in_backticks() {
+        let mut f = table();
+        f.push("Points:0", "m", Column::F64(vec![4.0, 5.0, f64::NAN]));
+        f.push("not", "", Column::Category { codes: vec![0, 1, 1], names: vec!["NA".into(), "7".into()] });
+        let of = |text: &str| Expr::parse(text).unwrap().numbers(&f, &[0, 1]);
+        assert_eq!(of("`Points:0` * 2 + `x`"), Ok(vec![9.0, 12.0]));
+        assert_eq!(
+            [quoted("Points:0"), quoted("not"), quoted("2d"), quoted("pos_x")],
+            ["`Points:0`", "`not`", "`2d`", "pos_x"]
+        );
+        // A word that stands for no value is a missing number.
+        let words = of("`not` + 1").unwrap();
+        assert!(words[0].is_nan() && words[1] == 8.0);
+        // What is missing is in no comparison, and is no truth.
+        assert_eq!(Expr::parse("`Points:0` > 0").unwrap().select(&f), Ok(vec![0, 1]));
+        assert_eq!(Expr::parse("`Points:0`").unwrap().select(&f), Ok(vec![0, 1]));
+        assert_eq!(Expr::parse("x + `Points").unwrap_err().at, 4);
+        assert!(Expr::parse("Points:0").unwrap_err().message.contains("backticks"));
     }
 
     #[test]

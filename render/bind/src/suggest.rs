@@ -1,21 +1,17 @@
 //! A first metadata file for data that has none: columns are recognised by their names, and the camera is placed to see all rows.
 
+mod framing;
+mod names;
+
+use crate::expr;
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
+    ArchiveSpec, BoxSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
     RoundSpec, Shader, SphereSpec,
 };
 use frame::{Column, Frame};
-use glam::Vec3;
-
-/// Names that columns of positions go by, in the usual tools.
-const POSITIONS: [[&str; 3]; 5] =
-    [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
-
-/// Names that a radius goes by.
-const RADII: [&str; 6] = ["radius", "r", "R", "rad", "half_x", "c4"];
 
 fn column(name: &str) -> Quantity {
-    Quantity::Expression(name.into())
+    Quantity::Expression(expr::quoted(name))
 }
 
 /// Frames of the data from which metadata is suggested, evenly spread from the first to the last; fewer if a frame has many rows.
@@ -30,41 +26,29 @@ pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
 /// columns of positions are recognised.
 pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     let frame = *frames.first().ok_or("the data has no frames")?;
-    let has = |name: &str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
-    let Some(position) = POSITIONS.iter().find(|p| p.iter().all(|c| has(c))) else {
+    let has = |name: &str| names::is_numeric(frame, name);
+    let Some(position) = names::position(frame) else {
         return Err(format!(
             "no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}",
             frame.names().join(", ")
         ));
     };
-    let radius = RADII.iter().find(|c| has(c));
-    let mut boxes: Vec<[Vec3; 2]> = vec![];
-    // A model of nothing but ground is looked at as a whole.
-    for ground in [false, true] {
-        for frame in frames {
-            let place = |row: usize| {
-                Vec3::from_array(position.map(|c| frame.column(c).and_then(|c| c.number(row)).unwrap_or(0.0) as f32))
-            };
-            let looked_at = |row: &usize| if ground { shape(frame, *row) != "plane" } else { !is_ground(frame, *row) };
-            for row in (0..frame.rows()).filter(looked_at) {
-                let reach = reach(frame, row, radius.copied());
-                boxes.push([place(row) - reach, place(row) + reach]);
-            }
-        }
-        if !boxes.is_empty() {
-            break;
-        }
+    let radius = names::radius(frame);
+    if frames.iter().all(|frame| frame.rows() == 0) {
+        return Err("the data has no rows from which a camera could be placed".into());
     }
-    let n = boxes.len();
-    let [lo, hi] = extent(&boxes);
-    if n == 0 || !lo.is_finite() || !hi.is_finite() {
-        return Err("the data has no finite positions".into());
+    let framing::Extent { mut lo, mut hi, n_rows } =
+        framing::extent(frames, position, radius).ok_or("the data has no finite positions")?;
+    let mut size = rounded((hi - lo).length() / (2.0 * (n_rows as f32).cbrt()));
+    if hi == lo {
+        // Nothing tells a size: what is there is seen anyway.
+        size = 0.1;
+        (lo, hi) = (lo - size as f32, hi + size as f32);
     }
     let objects = if has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
         classes(frames, (hi - lo).length())
     } else {
-        let radius = radius
-            .map_or_else(|| Quantity::Number(rounded((hi - lo).length() / (2.0 * (n as f32).cbrt()))), |r| column(r));
+        let radius = radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
             position: position.map(column),
             ..object(
@@ -78,61 +62,33 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     Ok(Metadata {
         data: Some(data),
         scene: "studio.rib".into(),
-        camera: Some(camera(lo, hi)),
+        camera: Some(framing::camera(lo, hi)),
         objects,
         ..Metadata::default()
     })
 }
 
-/// The box around boxes; of many, without the few that lie farthest out, as stray grains do.
-fn extent(boxes: &[[Vec3; 2]]) -> [Vec3; 2] {
-    /// Boxes from which on three in a hundred are left out on each side.
-    const MANY: usize = 60;
-    let end = |side: usize, axis: usize| {
-        let mut x: Vec<f32> = boxes.iter().map(|b| b[side][axis]).collect();
-        x.sort_by(f32::total_cmp);
-        let skip = if x.len() >= MANY { x.len() * 3 / 100 } else { 0 };
-        let k = if side == 0 { skip } else { x.len().saturating_sub(1 + skip) };
-        x.get(k).copied().unwrap_or(f32::NAN)
-    };
-    [0, 1].map(|side| Vec3::new(end(side, 0), end(side, 1), end(side, 2)))
+/// Whether a plane is a wall: its normal is level.
+fn is_wall(frame: &Frame, row: usize) -> bool {
+    normal_z(frame, row) < 0.5
 }
 
-/// The shape of a row of a run of ours, or nothing.
-fn shape(frame: &Frame, row: usize) -> String {
-    match frame.column("shape") {
-        Some(c @ Column::Category { .. }) => c.text(row),
-        _ => String::new(),
-    }
-}
-
-fn is_ground(frame: &Frame, row: usize) -> bool {
-    let shape = shape(frame, row);
-    shape == "plane" || shape.starts_with("height_field")
-}
-
-/// Whether a plane's normal is level.
-fn upright(frame: &Frame, row: usize) -> bool {
+/// Vertical part of a plane's normal.
+fn normal_z(frame: &Frame, row: usize) -> f32 {
     let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
     let (x, y) = (number("quat_x"), number("quat_y"));
-    // z of the turned z axis.
-    1.0 - 2.0 * (x * x + y * y) < 0.5
+    1.0 - 2.0 * (x * x + y * y)
 }
 
-/// Half lengths of the box around a row's shape, as it is turned.
-fn reach(frame: &Frame, row: usize, radius: Option<&str>) -> Vec3 {
-    let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
-    let shape = shape(frame, row);
-    if shape.is_empty() || shape == "sphere" {
-        return Vec3::splat(radius.map_or(0.0, number));
-    }
-    let mut half = Vec3::new(number("half_x"), number("half_y"), number("half_z"));
-    if shape == "capsule" {
-        half.z += half.x;
-    }
-    let q = glam::Quat::from_xyzw(number("quat_x"), number("quat_y"), number("quat_z"), number("quat_w"));
-    let turn = glam::Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { glam::Quat::IDENTITY });
-    turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
+/// Whether all planes of a class are the ground z = 0, which many scenes have themselves.
+fn is_ground(frames: &[&Frame], class: &str) -> bool {
+    let mut rows = frames.iter().flat_map(|frame| (0..frame.rows()).map(move |row| (frame, row)));
+    let is_of = |frame: &Frame, row: usize, column: &str, name: &str| matches!(frame.column(column), Some(Column::Category { codes, names }) if names[codes[row] as usize] == name);
+    rows.all(|(frame, row)| {
+        let height = frame.column("pos_z").and_then(|c| c.number(row)).unwrap_or(0.0);
+        let is_plane = is_of(frame, row, "shape", "plane") && is_of(frame, row, "class", class);
+        !is_plane || is_wall(frame, row) || (height.abs() < 1e-3 && normal_z(frame, row) > 0.999_999)
+    })
 }
 
 /// Colours of what people make, one after the other.
@@ -161,6 +117,7 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
         displacement: None,
         color: Color::default(),
         opacity: None,
+        ground: false,
     }
 }
 
@@ -172,7 +129,7 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
         for row in 0..frame.rows() {
             let pair = (class.text(row), shape.text(row));
             // Planes that stand upright are walls, which would hide what is behind them.
-            if pair.1 == "plane" && upright(frame, row) {
+            if pair.1 == "plane" && is_wall(frame, row) {
                 continue;
             }
             if !seen.contains(&pair) {
@@ -235,34 +192,10 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
                 Some(paint) if matches!(shape.as_str(), "box" | "cylinder" | "capsule" | "cone") => ("plastic", paint),
                 _ => (surface, color),
             };
-            Object { color: Color::Rgb(color), ..object(&name, Some(select), geometry, surface) }
+            let ground = shape == "plane" && is_ground(frames, class);
+            Object { color: Color::Rgb(color), ground, ..object(&name, Some(select), geometry, surface) }
         })
         .collect()
-}
-
-/// A camera from the front, a little to the side and above, near enough that the box fills the image.
-fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
-    /// How much of the image the box may take.
-    const FILL: f32 = 0.8;
-    let center = 0.5 * (lo + hi);
-    let fov = 35.0f32;
-    let back = Vec3::new(-0.45, -1.0, 0.5).normalize();
-    let right = back.cross(Vec3::Z).normalize() * -1.0;
-    let up = back.cross(right);
-    let half_height = (fov.to_radians() * 0.5).tan() * FILL;
-    let half_width = half_height * 16.0 / 9.0;
-    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
-    // A corner at depth d + p·back shows if its offset is at most so many of that depth.
-    let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
-    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-3, f32::max);
-    let eye = center + back * distance;
-    CameraSpec {
-        eye: Some(eye.to_array().map(|x| rounded(x) as f32)),
-        look_at: Some(center.to_array().map(|x| rounded(x) as f32)),
-        up: [0.0, 0.0, 1.0],
-        fov,
-        ..CameraSpec::default()
-    }
 }
 
 /// Three figures are enough for a start.
@@ -274,14 +207,17 @@ fn rounded(x: f32) -> f64 {
 pub fn to_yaml(metadata: &Metadata, frame: &Frame) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
     let head = "# What to draw, found out from the data; change what you like.\n";
-    let taken = |name: &str| POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
-    let numeric = |name: &&str| frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }));
+    let taken = |name: &str| names::is_position_or_size(frame, name);
+    let numeric = |name: &&str| names::is_numeric(frame, name);
     let names = frame.names();
     let by = names.iter().find(|n| **n == "speed").or(names.iter().find(|n| !taken(n) && **n != "id" && numeric(n)));
     let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
     match (by, first) {
         (Some(column), Some(first)) => {
-            let line = format!("{first}  # color: {{column: {column}, map: viridis}}\n");
+            let quoted = expr::quoted(column);
+            // A backtick begins no plain text in YAML.
+            let value = if quoted == **column { quoted } else { format!("'{}'", quoted.replace('\'', "''")) };
+            let line = format!("{first}  # color: {{column: {value}, map: viridis}}\n");
             format!("{head}{}", yaml.replacen(&first, &line, 1))
         }
         _ => format!("{head}{yaml}"),

@@ -112,8 +112,9 @@ impl Object<String, String> {
             Color::By { value, map, range } => {
                 let found = colormap::named(&map)
                     .ok_or_else(|| doc.unknown(&format!("{key}.color.map"), "colour map", &map, &colormap::names()))?;
-                if range.is_some_and(|[lo, hi]| !(hi > lo)) {
-                    return Err(doc.fault(&format!("{key}.color.range"), "expected a smaller and a larger number"));
+                // The larger value first turns the map round.
+                if range.is_some_and(|[a, b]| !(a.is_finite() && b.is_finite() && a != b)) {
+                    return Err(doc.fault(&format!("{key}.color.range"), "expected two different numbers"));
                 }
                 Color::By { value, map: found, range }
             }

@@ -3,17 +3,24 @@
 use super::archive;
 use crate::binding::{Binding, Camera, Placed, Projection};
 use crate::expr::Expr;
-use frame::Frame;
+use frame::{Fault, FaultKind, Frame};
 use glam::{Mat4, Quat, Vec3};
 use ri::files::Files;
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
 
+/// Where the camera of a frame stands, and what it looks at, m.
+#[derive(Clone, Copy)]
+pub(super) struct Stand {
+    eye: [f32; 3],
+    at: [f32; 3],
+}
+
 /// Projection and world-to-camera matrix.
-pub(super) fn inject(binding: &Binding, frame: &Frame, files: &Files, ri: &mut dyn Ri) -> RiResult {
-    let camera = match &binding.camera {
-        Some(Camera::Placed(camera)) => camera,
-        Some(Camera::File(file)) => return archive::include(&numbered(file, frame.number), files, ri),
-        None => {
+pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let (camera, Stand { eye, at }) = match (&binding.camera, stand) {
+        (Some(Camera::Placed(camera)), Some(stand)) => (camera, stand),
+        (Some(Camera::File(file)), _) => return archive::include(&numbered(file, number), files, ri),
+        _ => {
             return Err(Fail::new(
                 "the scene wants a camera, but the metadata has none: add `camera: {eye: …, look_at: …}`",
             ));
@@ -31,7 +38,6 @@ pub(super) fn inject(binding: &Binding, frame: &Frame, files: &Files, ri: &mut d
             ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [fov])])?;
         }
     }
-    let (eye, at) = moved(camera, frame)?;
     if let Some(lens) = &camera.lens {
         let focus = lens.focus.unwrap_or((Vec3::from(at) - Vec3::from(eye)).length());
         ri.depth_of_field(lens.f_stop, lens.focal_length, focus)?;
@@ -39,8 +45,15 @@ pub(super) fn inject(binding: &Binding, frame: &Frame, files: &Files, ri: &mut d
     ri.concat_transform(look_at(eye, at, camera.up).to_cols_array())
 }
 
-/// Where the camera stands in a frame, and what it looks at.
-fn moved(camera: &Placed, frame: &Frame) -> Result<([f32; 3], [f32; 3]), Fail> {
+/// Where the camera stands in a frame, if the binding places it. That it follows rows which the frame does not have is a fault of the data.
+pub(super) fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
+    match &binding.camera {
+        Some(Camera::Placed(camera)) => moved(binding, camera, frame).map(Some),
+        _ => Ok(None),
+    }
+}
+
+fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fault> {
     let (mut eye, mut at, up) = (camera.eye, camera.look_at, camera.up);
     if let Some(degrees) = camera.orbit {
         // About the direction that is up, counter-clockwise as seen from there.
@@ -49,18 +62,22 @@ fn moved(camera: &Placed, frame: &Frame) -> Result<([f32; 3], [f32; 3]), Fail> {
         eye = (Vec3::from(at) + turn * (Vec3::from(eye) - Vec3::from(at))).into();
     }
     if let Some(follow) = &camera.follow {
-        let rows = follow.expr.select(frame).map_err(Fail::new)?;
-        if rows.is_empty() {
-            return Err(Fail::new(format!("the camera follows `{}`, which no row is", follow.expr.text)));
-        }
+        let fault = |message: String| binding.doc.fault(&follow.key, message);
+        let rows = follow.expr.select(frame).map_err(fault)?;
         for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
-            let values = Expr::column(name).numbers(frame, &rows).map_err(Fail::new)?;
-            let middle = values.iter().sum::<f64>() / rows.len() as f64;
+            let mut values = Expr::column(name).numbers(frame, &rows).map_err(fault)?;
+            values.retain(|x| x.is_finite());
+            if values.is_empty() {
+                let message =
+                    format!("the camera follows `{}`, which no row of frame {} is", follow.expr.text, frame.number);
+                return Err(Fault { kind: FaultKind::Data, ..fault(message) });
+            }
+            let middle = values.iter().sum::<f64>() / values.len() as f64;
             eye[k] += middle as f32;
             at[k] += middle as f32;
         }
     }
-    Ok((eye, at))
+    Ok(Stand { eye, at })
 }
 
 /// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.

@@ -1,10 +1,14 @@
 //! The rows of an object → columns of instances.
 
+use super::missing::{Lack, Missing};
 use crate::binding::{Binding, Color, Formula, Object, Shape};
+use crate::colormap::Map;
 use crate::expr::Expr;
 use frame::{Fault, FaultKind, Frame};
 use glam::{Quat, Vec3};
 use ri::{Class, InstanceShape, Instances, Param, Type};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 /// An object's instances, made before the scene is read, so that a fault in the data stops nothing half way.
 pub(super) struct Prepared<'a> {
@@ -13,6 +17,8 @@ pub(super) struct Prepared<'a> {
     pub(super) instances: Vec<Instances>,
     /// The retained object that the instances repeat, if they are not spheres.
     pub(super) handle: Option<String>,
+    /// What the rows lack.
+    pub(super) missing: Missing,
 }
 
 /// Chosen rows of a frame, and where faults in them are told.
@@ -21,6 +27,8 @@ struct Rows<'a> {
     frame: &'a Frame,
     key: String,
     rows: Vec<usize>,
+    /// Rows without a value of what places them or gives their size, and the expression that has none.
+    missing: RefCell<BTreeMap<usize, String>>,
 }
 
 impl Rows<'_> {
@@ -29,15 +37,36 @@ impl Rows<'_> {
         self.binding.doc.fault(&format!("{}.{part}", self.key), message)
     }
 
-    /// An expression's value for each row; every one must be finite.
+    /// An expression's value for each row; rows without one are noted.
     fn numbers(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
-        let values = expr.numbers(self.frame, &self.rows).map_err(|m| self.fault(part, m))?;
-        match values.iter().position(|x| !x.is_finite()) {
+        let values = self.values(part, expr)?;
+        for (k, _) in values.iter().enumerate().filter(|(_, x)| x.is_nan()) {
+            self.missing.borrow_mut().entry(self.rows[k]).or_insert_with(|| expr.text.clone());
+        }
+        Ok(values)
+    }
+
+    /// An expression's value for each row, not-a-number where it is missing; every other must be finite.
+    fn values(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
+        let values = expr.numbers(self.frame, &self.rows).map_err(|m| self.row_fault(part, expr, m))?;
+        match values.iter().position(|x| x.is_infinite()) {
             Some(k) => {
                 let message = format!("row {} has {} in `{}`", self.rows[k] + 1, values[k], expr.text);
                 Err(Fault { kind: FaultKind::Data, ..self.fault(part, message) })
             }
             None => Ok(values),
+        }
+    }
+
+    /// The fault of an expression that has no number in a row: of the data if it has one in others, else of the expression.
+    fn row_fault(&self, part: &str, expr: &Expr, message: String) -> Fault {
+        let holds = |row: &usize| expr.numbers(self.frame, &[*row]).is_ok();
+        match self.rows.iter().position(|row| !holds(row)) {
+            Some(k) if self.rows.iter().any(holds) => {
+                let message = format!("row {} of frame {}: {message}", self.rows[k] + 1, self.frame.number);
+                Fault { kind: FaultKind::Data, ..self.fault(part, message) }
+            }
+            _ => self.fault(part, message),
         }
     }
 
@@ -55,20 +84,65 @@ impl Rows<'_> {
     /// Sizes of a shape along its axes.
     fn scale(&self, shape: &Shape) -> Result<Vec<[f32; 3]>, Fault> {
         let part = "geometry";
-        let scale = match shape {
-            Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => self.same(part, &x.expr)?,
-            Shape::Box(half) | Shape::Ellipsoid(half) => self.three(part, exprs(half))?,
+        match shape {
+            Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => self.same(part, &x.expr),
+            Shape::Box(half) | Shape::Ellipsoid(half) => self.three(part, exprs(half)),
             Shape::Cylinder([radius, half]) | Shape::Capsule([radius, half]) | Shape::Cone([radius, half]) => {
-                self.three(part, [&radius.expr, &radius.expr, &half.expr])?
+                self.three(part, [&radius.expr, &radius.expr, &half.expr])
             }
-        };
-        match scale.iter().position(|s| s.iter().any(|x| !(*x > 0.0))) {
+        }
+    }
+
+    /// Check that all sizes are above 0.
+    fn check_scale(&self, scale: &[[f32; 3]]) -> Result<(), Fault> {
+        match scale.iter().position(|s| s.iter().any(|x| *x <= 0.0)) {
             Some(k) => {
-                let fault = self.fault(part, format!("row {} has a size that is not above 0", self.rows[k] + 1));
+                let fault = self.fault("geometry", format!("row {} has a size that is not above 0", self.rows[k] + 1));
                 Err(Fault { kind: FaultKind::Data, ..fault })
             }
-            None => Ok(scale),
+            None => Ok(()),
         }
+    }
+
+    /// Place, size, orientation and motion of an object's rows.
+    fn instances(&self, object: &Object, handle: Option<&String>) -> Result<Instances, Fault> {
+        let mut instances = Instances {
+            shape: handle.cloned().map_or(InstanceShape::Sphere, InstanceShape::Object),
+            scale: self.scale(&object.shape)?,
+            position: self.three("position", exprs(&object.position))?,
+            orientation: self.orientation(object)?,
+            params: vec![],
+            moved: None,
+        };
+        let shutter = self.binding.output.shutter as f32;
+        if self.binding.output.shutter > 0.0
+            && let Some(velocity) = self.velocity(object)?
+        {
+            let to = instances.position.iter().zip(velocity).map(|(p, v)| [0, 1, 2].map(|c| p[c] + v[c] * shutter));
+            instances.moved = Some(([0.0, shutter], to.collect()));
+        }
+        Ok(instances)
+    }
+
+    /// The rows that lack a value are taken out.
+    fn drop_missing(&mut self) -> Lack {
+        let missing = self.missing.take();
+        self.rows.retain(|row| !missing.contains_key(row));
+        let first = missing.iter().next().map(|(row, text)| (row + 1, text.clone()));
+        Lack { rows: missing.len(), first }
+    }
+
+    /// The colours of rows by a value, and those that lack it.
+    fn colors(&self, value: &Formula, map: Map, range: Option<[f64; 2]>) -> Result<(Param, Lack), Fault> {
+        let values = self.values("color", &value.expr)?;
+        let (lo, hi) = range.map(|[a, b]| (a, b)).unwrap_or_else(|| range_of(&values));
+        // Of a range that is turned round, the map is too.
+        let width = if hi == lo { 1.0 } else { hi - lo };
+        let colors = values.iter().flat_map(|x| map.color((x - lo) / width)).collect::<Vec<f32>>();
+        let mut missing =
+            values.iter().enumerate().filter(|(_, x)| x.is_nan()).map(|(k, _)| self.rows[k] + 1).peekable();
+        let first = missing.peek().map(|row| (*row, value.expr.text.clone()));
+        Ok((Param::floats("Cs", Class::Uniform, Type::Color, colors), Lack { rows: missing.count(), first }))
     }
 
     /// Quaternions (x, y, z, w), made unit; none if neither the object nor the data has any.
@@ -112,39 +186,27 @@ pub(super) fn prepare<'a>(
     object: &'a Object,
     frame: &Frame,
 ) -> Result<Prepared<'a>, Fault> {
-    let mut rows = Rows { binding, frame, key: format!("objects.{i}"), rows: vec![] };
-    rows.rows = match &object.select {
-        Some(select) => select.expr.select(frame).map_err(|m| rows.fault("select", m))?,
-        None => (0..frame.rows()).collect(),
-    };
-    let scale = rows.scale(&object.shape)?;
+    let mut rows = Rows { binding, frame, key: format!("objects.{i}"), rows: vec![], missing: RefCell::default() };
+    rows.rows = (0..frame.rows()).collect();
+    if let Some(select) = &object.select {
+        rows.rows = select.expr.select(frame).map_err(|m| rows.row_fault("select", &select.expr, m))?;
+    }
     let sphere = matches!(object.shape, Shape::Sphere(_) | Shape::Ellipsoid(_));
     let handle = (!sphere).then(|| format!("scree:{}", object.name));
-    let mut instances = Instances {
-        shape: handle.clone().map_or(InstanceShape::Sphere, InstanceShape::Object),
-        position: rows.three("position", exprs(&object.position))?,
-        orientation: rows.orientation(object)?,
-        scale,
-        params: vec![],
-        moved: None,
-    };
-    if let Color::By { value, map, range } = &object.color {
-        let values = rows.numbers("color", &value.expr)?;
-        let (lo, hi) = range.map(|[a, b]| (a, b)).unwrap_or_else(|| range_of(&values));
-        let width = if hi > lo { hi - lo } else { 1.0 };
-        let colors = values.iter().flat_map(|x| map.color((x - lo) / width));
-        instances.params.push(Param::floats("Cs", Class::Uniform, Type::Color, colors.collect::<Vec<f32>>()));
+    let mut instances = rows.instances(object, handle.as_ref())?;
+    let mut missing = Missing { undrawn: rows.drop_missing(), ..Missing::default() };
+    if missing.undrawn.rows > 0 {
+        instances = rows.instances(object, handle.as_ref())?;
     }
-    let shutter = binding.output.shutter as f32;
-    if binding.output.shutter > 0.0
-        && let Some(velocity) = rows.velocity(object)?
-    {
-        let to = instances.position.iter().zip(velocity).map(|(p, v)| [0, 1, 2].map(|c| p[c] + v[c] * shutter));
-        instances.moved = Some(([0.0, shutter], to.collect()));
+    rows.check_scale(&instances.scale)?;
+    if let Color::By { value, map, range } = &object.color {
+        let (colors, lack) = rows.colors(value, *map, *range)?;
+        instances.params.push(colors);
+        missing.uncolored = lack;
     }
     let ends = if matches!(object.shape, Shape::Capsule(_)) { capsule_ends(&instances) } else { vec![] };
     let instances = std::iter::once(instances).chain(ends).collect();
-    Ok(Prepared { object, instances, handle })
+    Ok(Prepared { object, instances, handle, missing })
 }
 
 /// The spheres at a capsule's ends.

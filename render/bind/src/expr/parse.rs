@@ -25,7 +25,15 @@ pub(super) fn parse(text: &str) -> Result<Program, ExprError> {
     p.or()?;
     p.skip();
     if p.at < text.len() {
-        return p.fail(format!("unexpected `{}`", &text[p.at..]));
+        let rest = &text[p.at..];
+        let named = rest.starts_with([':', '[', '.', '#', '@', '$', '('])
+            && text[..p.at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let hint = if named {
+            "; a column whose name has other characters than letters, digits and `_` stands in backticks"
+        } else {
+            ""
+        };
+        return p.fail(format!("unexpected `{rest}`{hint}"));
     }
     Ok(p.program)
 }
@@ -231,6 +239,13 @@ impl Parser<'_> {
             self.emit(Step::Word(rest[1..end + 1].into()));
             return Ok(Operand::Any);
         }
+        if rest.starts_with('`') {
+            let Some(end) = rest[1..].find('`') else {
+                return self.fail("a column's name is not closed by a backtick");
+            };
+            self.at += end + 2;
+            return Ok(self.column(&rest[1..end + 1]));
+        }
         if rest.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
             let word = &rest[..number_length(rest)];
             self.at += word.len();
@@ -249,13 +264,17 @@ impl Parser<'_> {
         if self.eat("(") {
             return self.call(name, start);
         }
+        Ok(self.column(name))
+    }
+
+    fn column(&mut self, name: &str) -> Operand {
         let known = self.program.columns.iter().position(|c| c == name);
         let column = known.unwrap_or_else(|| {
             self.program.columns.push(name.into());
             self.program.columns.len() - 1
         });
         self.emit(Step::Column(column));
-        Ok(Operand::Any)
+        Operand::Any
     }
 
     fn call(&mut self, name: &str, start: usize) -> Result<Operand, ExprError> {

@@ -3,7 +3,7 @@
 //! Every step has its operands' types. Words come from quoted texts and from columns of words; what a column holds, only the frame
 //! tells. Where a number is needed and a word may stand, [`Step::ToNumber`] is between.
 
-use frame::{Column, Frame};
+use frame::{Column, Frame, csv};
 
 /// A step: what it takes from the stack → what it puts there.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Value<'_> {
         match self {
             Value::Number(x) => Ok(x),
             // A column that has words in other rows may have a number in this one.
-            Value::Word(w) => w.parse().map_err(|_| format!("the word `{w}` stands where a number is needed")),
+            Value::Word(w) => csv::number(w).ok_or_else(|| format!("the word `{w}` stands where a number is needed")),
         }
     }
 }

@@ -22,7 +22,11 @@ impl Builder<'_> {
                 not_negative(doc, &format!("{key}.deviation"), n.deviation)?;
                 positive(doc, &format!("{key}.least"), n.least)?;
                 if !(n.least <= n.mean && n.mean <= n.greatest && n.greatest.is_finite()) {
-                    return Err(doc.fault(&key, "expected `least` ≤ `mean` ≤ `greatest`"));
+                    let message = format!(
+                        "`least` is {}, `mean` {} and `greatest` {}, expected them in ascending order",
+                        n.least, n.mean, n.greatest
+                    );
+                    return Err(doc.fault(&key, message));
                 }
                 Ok(Radii::Normal(n.clone()))
             }
@@ -48,6 +52,11 @@ impl Builder<'_> {
         let radii = self.radii(key, &fill.radius)?;
         for (name, values) in [("min", fill.min), ("max", fill.max), ("velocity", fill.velocity)] {
             finite(doc, &format!("{key}.{name}"), &values)?;
+        }
+        if let Some(axis) = (0..3).find(|axis| fill.min[*axis] > fill.max[*axis]) {
+            let (min, max, axis_name) = (fill.min[axis], fill.max[axis], ["x", "y", "z"][axis]);
+            let message = format!("`min` and `max` are swapped along {axis_name}: `min` is {min}, `max` is {max}");
+            return Err(doc.fault(&format!("{key}.min"), message));
         }
         if let Some(mass) = fill.mass {
             positive(doc, &format!("{key}.mass"), mass)?;

@@ -56,7 +56,9 @@ impl Builder<'_> {
                 check(&ramp.values)?;
                 check(&ramp.times)?;
                 if !(ramp.times[1] > ramp.times[0]) {
-                    return Err(doc.fault(&format!("{key}.ramp.times"), "expected the earlier time first"));
+                    let message =
+                        format!("run from {} to {}, expected the earlier time first", ramp.times[0], ramp.times[1]);
+                    return Err(doc.fault(&format!("{key}.ramp.times"), message));
                 }
                 Ok(Function::Ramp { values: ramp.values, times: ramp.times })
             }

@@ -1,0 +1,90 @@
+//! Frames that cannot be rendered because of their own data: reported at once, one by one, and named at the end.
+
+use crate::report::{Exit, Failure, Outcome};
+use bind::emit::{Lack, Missing};
+use std::collections::BTreeMap;
+
+/// Failures that are printed; further ones are counted.
+const PRINTED: usize = 20;
+
+/// Frames that could not be rendered, and why.
+#[derive(Default)]
+pub struct FailedFrames {
+    failures: BTreeMap<u64, Failure>,
+}
+
+impl FailedFrames {
+    /// Note the failure of one of `n` frames if its data is at fault: it is then reported, and the others go on. What is wrong with the
+    /// input is the frame's fault if the same input has drawn others (`proven`). Any other failure is returned.
+    pub fn note(&mut self, frame: u64, failure: Failure, proven: bool, n: usize) -> Outcome {
+        if !(failure.exit == Exit::Data || proven && failure.exit == Exit::Input) {
+            return Err(failure);
+        }
+        // A single failure ends the command, which prints it.
+        if n > 1 && self.failures.len() < PRINTED {
+            eprintln!("error: frame {frame}: {failure}");
+        } else if self.failures.len() == PRINTED {
+            eprintln!("further frames that cannot be rendered are counted");
+        }
+        self.failures.insert(frame, failure);
+        Ok(())
+    }
+
+    /// Whether a frame has failed.
+    pub fn contains(&self, frame: u64) -> bool {
+        self.failures.contains_key(&frame)
+    }
+
+    /// Number of frames that have failed.
+    pub fn len(&self) -> usize {
+        self.failures.len()
+    }
+
+    /// The outcome of a command that was to render `n` frames; `rest` is what is said of all others.
+    pub fn outcome(mut self, n: usize, rest: &str) -> Outcome {
+        let frames: Vec<String> = self.failures.keys().take(PRINTED).map(u64::to_string).collect();
+        let count = self.failures.len();
+        let Some((frame, first)) = self.failures.pop_first() else { return Ok(()) };
+        if count == n {
+            let message = if n > 1 {
+                format!("none of the {n} frames could be rendered; frame {frame}: {first}")
+            } else {
+                first.message
+            };
+            return Err(Failure::new(first.exit, message));
+        }
+        let more = if count > PRINTED { ", …" } else { "" };
+        let message = format!("{count} of {n} frames could not be rendered ({}{more}); {rest}", frames.join(", "));
+        Err(Failure::new(Exit::Partial, message))
+    }
+}
+
+/// What the rows of all frames lack, to be warned of once.
+#[derive(Default)]
+pub struct MissingValues {
+    all: Missing,
+    undrawn_in: Option<u64>,
+    uncolored_in: Option<u64>,
+}
+
+impl MissingValues {
+    /// Add what the rows of a frame lack.
+    pub fn add(&mut self, frame: u64, missing: &Missing) {
+        self.all.undrawn.add(&missing.undrawn);
+        self.all.uncolored.add(&missing.uncolored);
+        self.undrawn_in = self.undrawn_in.or((missing.undrawn.rows > 0).then_some(frame));
+        self.uncolored_in = self.uncolored_in.or((missing.uncolored.rows > 0).then_some(frame));
+    }
+
+    /// Print what is missing.
+    pub fn warn(&self) {
+        let warn = |lack: &Lack, frame: Option<u64>, effect: &str| {
+            if let (Some((row, text)), Some(frame)) = (&lack.first, frame) {
+                let (n, s) = (lack.rows, if lack.rows == 1 { "" } else { "s" });
+                eprintln!("warning: {n} row{s} {effect}; the first is row {row} of frame {frame}, in `{text}`");
+            }
+        };
+        warn(&self.all.undrawn, self.undrawn_in, "not drawn for want of a value");
+        warn(&self.all.uncolored, self.uncolored_in, "drawn in magenta for want of a value of the colour");
+    }
+}

@@ -1,0 +1,207 @@
+//! The cells of a column → numbers or words.
+//!
+//! Numbers may have a decimal comma (`1,5`), an exponent as Fortran writes it (`1.0D+03`, `1.0+100`), or be missing (empty, `NA`).
+
+use crate::Column;
+use std::collections::HashMap;
+
+/// What a cell is by itself.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum CellKind {
+    Number,
+    Missing,
+    Word,
+}
+
+/// What a cell is by itself.
+pub(super) fn kind_of(cell: &str) -> CellKind {
+    match plain_number(cell).or_else(|| unusual_number(cell)) {
+        Some(x) if !x.is_nan() => CellKind::Number,
+        Some(_) => CellKind::Missing,
+        None if is_missing(cell) => CellKind::Missing,
+        None => CellKind::Word,
+    }
+}
+
+/// Words that stand for no value, but for those that are read as not-a-numbers anyway; an empty cell is one more.
+const MISSING: [&str; 14] = [
+    "na",
+    "n/a",
+    "#n/a",
+    "<na>",
+    "null",
+    "none",
+    "-",
+    "--",
+    "nan(ind)",
+    "-nan(ind)",
+    "1.#ind",
+    "-1.#ind",
+    "1.#qnan",
+    "-1.#qnan",
+];
+
+fn is_missing(cell: &str) -> bool {
+    cell.is_empty() || (cell.len() <= 9 && MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word)))
+}
+
+/// A word as a number, not-a-number if it stands for a missing value.
+pub fn number(word: &str) -> Option<f64> {
+    plain_number(word).or_else(|| unusual_number(word)).or_else(|| is_missing(word).then_some(f64::NAN))
+}
+
+fn plain_number(cell: &str) -> Option<f64> {
+    cell.parse().ok()
+}
+
+/// A number with a decimal comma or an exponent of Fortran's, rewritten in place.
+fn unusual_number(cell: &str) -> Option<f64> {
+    let bytes = cell.as_bytes();
+    let is_part = |b: &u8| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b',' | b'e' | b'E' | b'd' | b'D');
+    // The letter of an exponent is added.
+    let mut text = [0u8; 48];
+    if bytes.len() >= text.len() || !bytes.iter().all(is_part) {
+        return None;
+    }
+    let mut n = 0;
+    let mut has_point = false;
+    for (i, b) in bytes.iter().enumerate() {
+        let exponent_alone = matches!(b, b'+' | b'-') && i > 0 && matches!(bytes[i - 1], b'0'..=b'9' | b'.' | b',');
+        let byte = match b {
+            b',' | b'.' if has_point => return None,
+            b',' | b'.' => {
+                has_point = true;
+                b'.'
+            }
+            b'd' | b'D' if !has_point => return None,
+            b'd' | b'D' => b'e',
+            _ if exponent_alone => {
+                // Fortran leaves the letter out where the exponent needs three digits.
+                if !has_point || bytes.len() - i != 4 {
+                    return None;
+                }
+                text[n] = b'e';
+                n += 1;
+                *b
+            }
+            _ => *b,
+        };
+        text[n] = byte;
+        n += 1;
+    }
+    // A comma has digits on its right.
+    let comma = bytes.iter().position(|b| *b == b',');
+    if comma.is_some_and(|at| !bytes.get(at + 1).is_some_and(u8::is_ascii_digit)) {
+        return None;
+    }
+    std::str::from_utf8(&text[..n]).ok()?.parse().ok()
+}
+
+/// The sign between whole part and fraction of a column's numbers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Decimal<'a> {
+    /// All are whole, or the column has words.
+    None,
+    /// A point.
+    Point,
+    /// A comma, as in the cell.
+    Comma(&'a str),
+}
+
+/// A column of cells: numbers if every cell that is not missing is one, else words.
+pub(super) fn column<'a>(cells: &[&'a str]) -> (Column, Decimal<'a>) {
+    if let Some(whole) = cells.iter().map(|c| c.parse::<i64>().ok()).collect::<Option<Vec<_>>>() {
+        return (Column::I64(whole), Decimal::None);
+    }
+    match numbers(cells) {
+        Some((numbers, decimal)) => (Column::F64(numbers), decimal),
+        None => (words(cells), Decimal::None),
+    }
+}
+
+fn numbers<'a>(cells: &[&'a str]) -> Option<(Vec<f64>, Decimal<'a>)> {
+    let mut decimal = Decimal::None;
+    // A column of blanks alone has missing numbers, one of `-` alone has words.
+    let mut is_numeric = cells.iter().all(|c| c.is_empty());
+    let mut numbers = Vec::with_capacity(cells.len());
+    for cell in cells {
+        let plain = plain_number(cell);
+        is_numeric |= plain.is_some();
+        if plain.is_some() {
+            if decimal == Decimal::None && cell.contains('.') {
+                decimal = Decimal::Point;
+            }
+        } else if let Some(x) = unusual_number(cell) {
+            is_numeric = true;
+            let own = if cell.contains(',') { Decimal::Comma(cell) } else { Decimal::Point };
+            match (decimal, own) {
+                (Decimal::None, own) => decimal = own,
+                (Decimal::Point, Decimal::Comma(_)) | (Decimal::Comma(_), Decimal::Point) => return None,
+                _ => {}
+            }
+            numbers.push(x);
+            continue;
+        }
+        if matches!(decimal, Decimal::Comma(_)) && cell.contains('.') {
+            return None;
+        }
+        numbers.push(plain.or_else(|| is_missing(cell).then_some(f64::NAN))?);
+    }
+    is_numeric.then_some((numbers, decimal))
+}
+
+fn words(cells: &[&str]) -> Column {
+    let mut names: Vec<String> = Vec::new();
+    let mut seen: HashMap<&str, u32> = HashMap::new();
+    let codes = cells
+        .iter()
+        .map(|cell| {
+            *seen.entry(cell).or_insert_with(|| {
+                names.push(cell.replace("\"\"", "\""));
+                names.len() as u32 - 1
+            })
+        })
+        .collect();
+    Column::Category { codes, names }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_other_programs() {
+        for (text, expected) in [
+            ("1.0D+03", 1000.0),
+            ("1.5d-3", 1.5e-3),
+            ("-.25D2", -25.0),
+            ("1.0+100", 1e100),
+            ("-0.5-101", -0.5e-101),
+            ("1,5", 1.5),
+            ("-0,25E+1", -2.5),
+            (",5", 0.5),
+        ] {
+            assert_eq!(number(text), Some(expected), "{text}");
+        }
+        for text in ["1.0+10", "12-345", "1d3", "1,234,567", "1.234,5", "1,", "e5", "d", "+", "1.5e", "1-2.0", "x"] {
+            assert_eq!(number(text), None, "{text}");
+        }
+        assert!(["", "NA", "n/a", "NULL", "None", "-", "nan", "-1.#IND"].iter().all(|t| number(t).unwrap().is_nan()));
+    }
+
+    #[test]
+    fn a_column_is_of_numbers_if_all_that_is_there_is() {
+        let missing = |cells: &[&str]| match column(cells).0 {
+            Column::F64(v) => v.iter().map(|x| x.is_nan()).collect::<Vec<_>>(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(missing(&["1", "", "-", "2.5"]), [false, true, true, false]);
+        assert_eq!(missing(&["", ""]), [true, true]);
+        for cells in [["-", "NA"], ["1", "a"], ["1,5", "2.5"], ["2.5", "1,5"], ["1,5", "1.0D+1"]] {
+            assert!(matches!(column(&cells).0, Column::Category { .. }), "{cells:?}");
+        }
+        assert_eq!(column(&["1,5", "3"]).1, Decimal::Comma("1,5"));
+        assert_eq!(column(&["3", "1.5"]).1, Decimal::Point);
+        assert_eq!(column(&["a\"\"b", ""]).0.text(0), "a\"b");
+    }
+}

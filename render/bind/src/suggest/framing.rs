@@ -1,0 +1,172 @@
+//! Framing of a whole animation: the box that its things are in, and a camera that sees it.
+
+use super::names::Radius;
+use super::rounded;
+use crate::metadata::CameraSpec;
+use frame::{Column, Frame};
+use glam::{Mat3, Quat, Vec3};
+use std::collections::BTreeMap;
+
+/// Number of alike rows of a frame from which on the outermost of them are strays.
+const MANY: usize = 60;
+
+/// Share of alike rows that are strays on each side of each axis.
+const STRAYS: f32 = 0.03;
+
+/// The box in which the things of an animation are, m.
+pub(super) struct Extent {
+    pub(super) lo: Vec3,
+    pub(super) hi: Vec3,
+    /// Number of rows in the frame with the most.
+    pub(super) n_rows: usize,
+}
+
+/// A row as the camera sees it.
+struct Thing {
+    lo: Vec3,
+    hi: Vec3,
+    /// Largest half length, m.
+    size: f32,
+    /// Code of the class.
+    class: u32,
+}
+
+/// The box of all frames; none if no row has a finite position. Ground is looked at only where there is nothing else.
+pub(super) fn extent(frames: &[&Frame], position: [&str; 3], radius: Option<Radius<'_>>) -> Option<Extent> {
+    for with_ground in [false, true] {
+        let mut all: Option<Extent> = None;
+        for frame in frames {
+            let things = things(frame, position, radius, with_ground);
+            let Some([lo, hi]) = without_strays(&things) else { continue };
+            let before = all.get_or_insert(Extent { lo, hi, n_rows: 0 });
+            let n_rows = before.n_rows.max(things.len());
+            *before = Extent { lo: before.lo.min(lo), hi: before.hi.max(hi), n_rows };
+        }
+        if all.is_some() {
+            return all;
+        }
+    }
+    None
+}
+
+/// The things of a frame: all but planes and, unless `with_ground`, terrain.
+fn things(frame: &Frame, position: [&str; 3], radius: Option<Radius<'_>>, with_ground: bool) -> Vec<Thing> {
+    let codes = |name: &str| match frame.column(name) {
+        Some(Column::Category { codes, names }) => Some((codes, names)),
+        _ => None,
+    };
+    let number = |name: &str, row: usize| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
+    let (shapes, classes) = (codes("shape"), codes("class"));
+    let half = |shape: &str, row: usize| {
+        if shape.is_empty() || shape == "sphere" {
+            return Vec3::splat(radius.map_or(0.0, |r| number(r.column, row) * r.factor).max(0.0));
+        }
+        let mut half = Vec3::from_array(["half_x", "half_y", "half_z"].map(|name| number(name, row)));
+        if shape == "capsule" {
+            half.z += half.x;
+        }
+        let q = Quat::from_array(["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| number(name, row)));
+        let turn = Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { Quat::IDENTITY });
+        turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
+    };
+    let thing = |row: usize| {
+        let shape = shapes.map_or("", |(codes, names)| names[codes[row] as usize].as_str());
+        if shape == "plane" || (!with_ground && shape.starts_with("height_field")) {
+            return None;
+        }
+        let place = Vec3::from_array(position.map(|name| number(name, row)));
+        let is_known = position.iter().all(|name| frame.column(name).and_then(|c| c.number(row)).is_some());
+        let half = half(shape, row);
+        let class = classes.map_or(0, |(codes, _)| codes[row]);
+        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class };
+        (is_known && thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
+    };
+    (0..frame.rows()).filter_map(thing).collect()
+}
+
+/// The box around things, without the outermost of many alike, as stray grains are. What is larger than most of its class is never
+/// left out, nor is a class of few: a vehicle among stones is no stray.
+fn without_strays(things: &[Thing]) -> Option<[Vec3; 2]> {
+    let mut sizes: BTreeMap<u32, Vec<f32>> = BTreeMap::new();
+    things.iter().for_each(|t| sizes.entry(t.class).or_default().push(t.size));
+    let median = |sizes: &mut Vec<f32>| {
+        let half = sizes.len() / 2;
+        *sizes.select_nth_unstable_by(half, f32::total_cmp).1
+    };
+    let limit: BTreeMap<u32, f32> =
+        sizes.iter_mut().filter(|(_, s)| s.len() >= MANY).map(|(class, s)| (*class, 2.0 * median(s))).collect();
+    let is_one_of_many = |t: &&Thing| limit.get(&t.class).is_some_and(|limit| t.size <= *limit);
+    let (grains, others): (Vec<&Thing>, Vec<&Thing>) = things.iter().partition(is_one_of_many);
+    let around = |things: &[&Thing]| {
+        let lo = things.iter().map(|t| t.lo).reduce(Vec3::min)?;
+        Some([lo, things.iter().map(|t| t.hi).reduce(Vec3::max)?])
+    };
+    let skip = (grains.len() as f32 * STRAYS) as usize;
+    let core = (!grains.is_empty()).then(|| {
+        let nth = |end: &dyn Fn(&Thing) -> f32, k: usize| {
+            let mut ends: Vec<f32> = grains.iter().map(|t| end(t)).collect();
+            *ends.select_nth_unstable_by(k, f32::total_cmp).1
+        };
+        let last = grains.len() - 1 - skip;
+        let corner = |end: &dyn Fn(&Thing) -> Vec3, k: usize| {
+            Vec3::new(nth(&|t| end(t).x, k), nth(&|t| end(t).y, k), nth(&|t| end(t).z, k))
+        };
+        [corner(&|t| t.lo, skip), corner(&|t| t.hi, last)]
+    });
+    match (core, around(&others)) {
+        (Some([lo, hi]), Some([a, b])) => Some([lo.min(a), hi.max(b)]),
+        (core, others) => core.or(others),
+    }
+}
+
+/// A camera from the front, a little to the side and above, near enough that the box fills the image.
+pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
+    /// Share of the image that the box may fill.
+    const FILL: f32 = 0.8;
+    let center = 0.5 * (lo + hi);
+    let fov = 35.0f32;
+    let back = Vec3::new(-0.45, -1.0, 0.5).normalize();
+    let right = back.cross(Vec3::Z).normalize() * -1.0;
+    let up = back.cross(right);
+    let half_height = (fov.to_radians() * 0.5).tan() * FILL;
+    let half_width = half_height * 16.0 / 9.0;
+    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
+    // A corner at depth d + p·back is in the image if its offset is at most this share of that depth.
+    let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
+    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-3, f32::max);
+    let eye = center + back * distance;
+    CameraSpec {
+        eye: Some(eye.to_array().map(|x| rounded(x) as f32)),
+        look_at: Some(center.to_array().map(|x| rounded(x) as f32)),
+        up: [0.0, 0.0, 1.0],
+        fov,
+        ..CameraSpec::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thing(at: [f32; 3], size: f32, class: u32) -> Thing {
+        let at = Vec3::from_array(at);
+        Thing { lo: at - size, hi: at + size, size, class }
+    }
+
+    #[test]
+    fn strays_are_of_many_alike() {
+        let mut things: Vec<Thing> = (0..1500).map(|k| thing([(k % 50) as f32 * 0.1, 0.0, 0.0], 0.05, 0)).collect();
+        // Two stones that were thrown far away.
+        things.push(thing([80.0, 0.0, 0.0], 0.05, 0));
+        things.push(thing([-70.0, 0.0, 0.0], 0.04, 0));
+        let [lo, hi] = without_strays(&things).unwrap();
+        assert!(lo.x > -1.0 && hi.x < 6.0, "{lo} {hi}");
+        // A vehicle at the side, in a class of its own or among the stones' rows, is seen.
+        for class in [0, 1] {
+            things.push(thing([12.0, 0.0, 0.0], 0.8, class));
+            let [_, hi] = without_strays(&things).unwrap();
+            assert!((hi.x - 12.8).abs() < 1e-5, "{hi}");
+            things.pop();
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Tables of other programs, as their users meet them: inspected, rendered, and answered where they cannot be.
+
+use crate::cli::{scratch, scree};
+use std::path::Path;
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Inspect a table of these bytes, write metadata for it and render that: what `inspect` prints, the metadata, and what `render` warns of.
+fn drawn(name: &str, bytes: &[u8]) -> (String, String, String) {
+    let work = scratch();
+    let (table, metadata, out) = (work.path().join(name), work.path().join("md.yaml"), work.path().join("o"));
+    std::fs::write(&table, bytes).unwrap();
+    let shown = scree(&["inspect", text(&table), "--write", text(&metadata)]).ok();
+    let answer = scree(&["render", text(&metadata), "--res", "32x24", "--samples", "1", "-o", text(&out)]);
+    answer.ok();
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1, "{name}");
+    (shown, std::fs::read_to_string(&metadata).unwrap(), answer.errors())
+}
+
+#[test]
+fn tables_of_other_programs_are_drawn() {
+    let latin = b"x [\xb5m];y;z;angle [\xb0]\n0,1;0;0;3\n0,2;0;0;4\n".to_vec();
+    let utf16: Vec<u8> = "\u{feff}x\ty\tz\tradius\r\n0,5\t0\t0\t0,1\r\n1\t0\t0\t0,1\r\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for (name, bytes, shown, suggested) in [
+        (
+            "remark.txt",
+            b"# LIGGGHTS\n# id x y z radius\n1 0 0 0 0.1\n2 0.3 0 0 0.1\n".to_vec(),
+            "radius",
+            "radius: radius",
+        ),
+        ("europe.csv", b"x;y;z;r\n0,5;1,5;0;0,1\n1,5;1;0;0,1\n".to_vec(), "0.5 to 1.5", "radius: r"),
+        ("latin.csv", latin, "0.1 to 0.2 µm", "- x"),
+        ("excel.txt", utf16, "0.5 to 1", "radius: radius"),
+        (
+            "fortran.dat",
+            b" 1.0D+00 0.5d-1 1.0-100 1.0D-01\n 2.0D+00 0.0D0 0.0D0 1.0D-01\n".to_vec(),
+            "1 to 2",
+            "radius: c4",
+        ),
+        (
+            "paraview.csv",
+            b"\"Diameter\",\"Points:0\",\"Points:1\",\"Points:2\"\n0.2,0,0,0\n0.2,1,0,0\n".to_vec(),
+            "Points:0",
+            "- '`Points:0`'",
+        ),
+        (
+            "edem.csv",
+            b"Position X (m),Position Y (m),Position Z (m),Diameter\n0,0,0,1\n2,0,0,1\n".to_vec(),
+            "Diameter",
+            "0.5 * Diameter",
+        ),
+    ] {
+        let (said, metadata, errors) = drawn(name, &bytes);
+        assert!(said.contains(shown) && said.contains("2 rows"), "{name}: {said}");
+        assert!(metadata.contains(suggested), "{name}: {metadata}");
+        assert!(!errors.contains("warning"), "{name}: {errors}");
+    }
+}
+
+#[test]
+fn rows_without_values_are_counted() {
+    let work = scratch();
+    let (metadata, out) = (work.path().join("md.yaml"), work.path().join("o"));
+    std::fs::write(work.path().join("p_1.csv"), "x,y,z,r,speed\n0,0,0,0.1,1\n").unwrap();
+    std::fs::write(work.path().join("p_2.csv"), "x,y,z,r,speed\n0,0,0,0.1,\n1,NA,0,0.1,2\n2,0,0,,3\n3,0,0,0.1,4\n")
+        .unwrap();
+    let head = "data: {csv: 'p_*.csv'}\ncamera: {eye: [1, -5, 1], look_at: [1, 0, 0]}\nobjects:\n  - name: a\n    position: [x, y, z]\n";
+    let body = "    geometry: {sphere: {radius: r}}\n    color: {column: speed, range: [5, 0]}\n";
+    std::fs::write(&metadata, format!("{head}{body}")).unwrap();
+    let answer = scree(&["render", text(&metadata), "--res", "64x24", "--samples", "2", "-o", text(&out)]);
+    answer.ok();
+    let said = answer.errors();
+    assert!(said.contains("2 rows not drawn for want of a value; the first is row 2 of frame 2, in `y`"), "{said}");
+    assert!(
+        said.contains("1 row drawn in magenta for want of a value of the colour; the first is row 1 of frame 2"),
+        "{said}"
+    );
+    let rib = scree(&["rib", text(&metadata), "-f", "2"]).ok();
+    assert_eq!(rib.matches("Sphere ").count(), 2, "{rib}");
+}
+
+#[test]
+fn an_empty_frame_is_the_bare_scene() {
+    let work = scratch();
+    let (metadata, out) = (work.path().join("md.yaml"), work.path().join("o"));
+    std::fs::write(work.path().join("p_0.csv"), "x,y,z,radius\n").unwrap();
+    std::fs::write(work.path().join("p_1.csv"), "x,y,z,radius\n0,0,0.1,0.1\n1,0,0.1,0.1\n").unwrap();
+    let pattern = work.path().join("p_*.csv");
+    let shown = scree(&["inspect", text(&pattern), "--write", text(&metadata)]).ok();
+    assert!(shown.contains("frame 0 at 0 s has 0 rows") && shown.contains("radius"), "{shown}");
+    scree(&["render", text(&metadata), "--res", "64x36", "--samples", "1", "-o", text(&out)]).ok();
+    let image = |name: &str| image::open(out.join(name)).unwrap().to_rgb8();
+    assert_ne!(image("000000.png"), image("000001.png"));
+    std::fs::write(work.path().join("p_1.csv"), "x,y,z,radius\n").unwrap();
+    assert!(scree(&["inspect", text(&pattern), "--write", text(&metadata)]).fails(4).contains("no rows"));
+    std::fs::write(work.path().join("p_0.csv"), "").unwrap();
+    assert!(scree(&["inspect", text(&pattern)]).fails(4).contains("p_0.csv:1:1: is empty"));
+}
+
+#[test]
+fn a_bad_frame_is_reported_and_the_others_are_rendered() {
+    let work = scratch();
+    let (metadata, out) = (work.path().join("md.yaml"), work.path().join("o"));
+    let good = "x,y,z,radius\n0,0,0.1,0.1\n1,0,0.1,0.1\n";
+    for k in 0..4 {
+        std::fs::write(work.path().join(format!("p_{k}.csv")), good).unwrap();
+    }
+    scree(&["inspect", text(&work.path().join("p_*.csv")), "--write", text(&metadata)]).ok();
+    std::fs::write(work.path().join("p_0.csv"), "x,y,z,radius\n0,0,0.1,0.1\n1,0\n").unwrap();
+    std::fs::write(work.path().join("p_2.csv"), "x,y,z\n0,0,0.1\n").unwrap();
+    std::fs::write(work.path().join("p_3.csv"), "x,y,z,radius\n0,0,0.1,0.1\n1,0,0.1,big\n").unwrap();
+    let render =
+        |command: &str| scree(&[command, text(&metadata), "--res", "32x24", "--samples", "1", "-o", text(&out)]);
+    let said = render("render").fails(5);
+    assert!(said.contains("error: frame 0: ") && said.contains("p_0.csv:3:3: row has 2 cells"), "{said}");
+    assert!(said.contains("unknown column `radius`") && said.contains("row 2 of frame 3: "), "{said}");
+    assert!(said.contains("3 of 4 frames could not be rendered (0, 2, 3); the others were rendered"), "{said}");
+    assert!(out.join("000001.png").is_file() && std::fs::read_dir(&out).unwrap().count() == 1);
+    assert!(render("run").fails(5).contains("no movie is written"));
+    assert!(!out.join("md.mp4").exists() && !out.join("md.apng").exists());
+    for k in 0..4 {
+        std::fs::write(work.path().join(format!("p_{k}.csv")), "x,y,z,radius\n0,0\n").unwrap();
+    }
+    assert!(render("render").fails(4).contains("p_0.csv:2:3: row has 2 cells, expected 4"));
+}
+
+#[test]
+fn what_is_no_table_is_named() {
+    let work = scratch();
+    for (name, bytes, expected, way) in [
+        ("part.vtk", &b"# vtk DataFile Version 3.0\n"[..], "a legacy VTK file", "Save Data"),
+        ("dump100.liggghts", b"ITEM: TIMESTEP\n100\n", "a dump of LAMMPS or LIGGGHTS", "awk"),
+        ("table.csv", b"PK\x03\x04\0\0xl/workbook.xml", "an Excel workbook", "as CSV"),
+        ("data.h5", b"\0\0\0\x01", "an HDF5 file", "to_csv"),
+        ("data.bin", b"x\0\x01\x02", "is not text", "UTF-8"),
+    ] {
+        let path = work.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let said = scree(&["inspect", text(&path)]).fails(4);
+        assert!(said.contains(expected) && said.contains(way), "{name}: {said}");
+    }
+    let table = work.path().join("p_1.csv");
+    std::fs::write(&table, "x,y,z\n1,2,3\n").unwrap();
+    assert!(scree(&["render", text(&table)]).fails(3).contains("scree inspect"));
+    std::fs::remove_file(work.path().join("table.csv")).unwrap();
+    for command in ["inspect", "render"] {
+        let said = scree(&[command, text(work.path())]).fails(4);
+        assert!(said.contains("1 file that is a table") && said.contains("p_*.csv"), "{said}");
+    }
+}
+
+#[test]
+fn swapped_ranges_and_tabs_are_explained() {
+    let work = scratch();
+    let model = work.path().join("m.yaml");
+    let check = |text_of: &str| {
+        std::fs::write(&model, text_of).unwrap();
+        scree(&["check", text(&model)]).fails(3)
+    };
+    let fill = |rest: &str| {
+        check(&format!(
+            "materials: {{m: {{density: 1000, friction: 0.5}}}}\nfills:\n  - {{name: f, material: m, count: 1, {rest}}}\n"
+        ))
+    };
+    let said = fill("radius: [0.05, 0.03], min: [0, 0, 0], max: [1, 1, 1]");
+    assert!(said.contains("runs from 0.05 to 0.03, expected the smaller radius first"), "{said}");
+    let said = fill("radius: [0.03, 0.05], min: [0, 2, 0], max: [1, 1, 1]");
+    assert!(said.contains("`min` and `max` are swapped along y: `min` is 2, `max` is 1"), "{said}");
+    let said = scree(&["plot", text(work.path()), "--times", "2-0.5"]).fails(2);
+    assert!(said.contains("2 and 0.5 are swapped"), "{said}");
+    let said = scree(&["render", text(&model), "-f", "9-2"]).fails(2);
+    assert!(said.contains("swapped") && said.contains("9 comes before 2"), "{said}");
+    let said = check("materials:\n\tm: {density: 1000, friction: 0.5}\n");
+    assert!(said.contains("m.yaml:2:1: a tab") && said.contains("use spaces"), "{said}");
+}
