@@ -25,7 +25,7 @@ pub use check::{CheckJob, FileKind};
 pub use frames::{FramesJob, Origin};
 pub use images::ImageJob;
 pub use inspect::InspectJob;
-pub use movie::MovieJob;
+pub use movie::{MovieFile, MovieJob, MovieKind};
 pub use plot::{PlotJob, Series};
 pub use render::{RenderFrames, RenderJob, RenderScene, Statistics};
 pub use rib::RibJob;

@@ -16,6 +16,7 @@ mod joints;
 mod lanes;
 mod language;
 mod light;
+mod movies;
 mod outputs;
 mod parity;
 mod pipeline;
