@@ -26,7 +26,7 @@ pub use frames::{FramesJob, Origin};
 pub use images::ImageJob;
 pub use inspect::InspectJob;
 pub use movie::{MovieFile, MovieJob, MovieKind};
-pub use plot::{PlotJob, Series};
+pub use plot::{Curve, Plot, PlotJob};
 pub use render::{RenderFrames, RenderJob, RenderScene, Statistics};
 pub use rib::RibJob;
 pub use run::RunJob;

@@ -20,6 +20,7 @@ mod movies;
 mod outputs;
 mod parity;
 mod pipeline;
+mod plots;
 mod properties;
 mod rays;
 mod rendering;
