@@ -220,7 +220,9 @@ impl Part {
     /// Write what the file holds as the movie.
     fn publish(&mut self, movie: &Path) -> Outcome {
         let mut bytes = Vec::new();
+        // The file's place on the disk is given back first, so that a movie takes it once.
         let read = self.file.rewind().and_then(|()| self.file.read_to_end(&mut bytes));
+        let read = read.and_then(|_| self.file.set_len(0));
         read.map_err(|e| Fault::unwritable(movie, &e))?;
         Ok(frame::atomic::write(movie, &bytes)?)
     }
