@@ -9,10 +9,6 @@ pub struct Png {
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Channels.
-    pub color: png::ColorType,
-    /// Bits per channel.
-    pub depth: png::BitDepth,
     /// Rows of pixels from the top.
     pub data: Vec<u8>,
 }
@@ -24,7 +20,7 @@ pub fn read_png(path: &Path) -> Result<Png, Fault> {
     let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(truncated)?;
     let mut data = vec![0; reader.output_buffer_size().unwrap_or(0)];
     let info = reader.next_frame(&mut data).map_err(truncated)?;
-    Ok(Png { width: info.width, height: info.height, color: info.color_type, depth: info.bit_depth, data })
+    Ok(Png { width: info.width, height: info.height, data })
 }
 
 /// Whether the file of an image exists, is complete and has this width and height.

@@ -1,116 +1,97 @@
-//! `scree movie`: images → a movie by ffmpeg, or an animated PNG where ffmpeg is not installed.
+//! `scree movie`: images → a movie by ffmpeg, or an animated PNG, which needs no other program.
 
-use crate::image_file::read_png;
-use crate::job::MovieJob;
+mod apng;
+mod ffmpeg;
+mod pixels;
+
+use crate::job::{MovieFile, MovieJob, MovieKind};
 use crate::report::{Exit, Failure, Outcome};
+use ffmpeg::INSTALL;
 use frame::{Fault, FaultKind};
-use std::io::Write;
+use pixels::Format;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+
+pub use ffmpeg::version as ffmpeg_version;
 
 /// Run `scree movie`.
 pub fn run(job: MovieJob) -> Outcome {
+    if job.n_missing > 0 {
+        let images = if job.n_missing == 1 { "1 image is" } else { &format!("{} images are", job.n_missing) };
+        eprintln!("warning: {images} missing and skipped (--keep-gaps)");
+    }
     println!("{}", encode(&job.images, &job.output, job.frame_rate)?.display());
     Ok(())
 }
 
-/// Encode images as the movie `output`, to which the encoder's ending is added; all images are checked first to be complete and of
-/// one size.
-pub fn encode(images: &[PathBuf], output: &Path, frame_rate: f64) -> Outcome<PathBuf> {
-    check_sizes(images)?;
-    let with_ending = |ending: &str| PathBuf::from(format!("{}.{ending}", output.display()));
-    if ffmpeg_version().is_some() {
-        let movie = with_ending("mp4");
-        encode_by_ffmpeg(images, &movie, frame_rate)?;
-        return Ok(movie);
+/// Encode images as a movie, and give its path. What the movie needs is looked for first; then all images are checked to be complete
+/// and of one size.
+pub fn encode(images: &[PathBuf], output: &MovieFile, frame_rate: f64) -> Outcome<PathBuf> {
+    let (kind, movie) = choose(output)?;
+    let encoder = match kind {
+        MovieKind::Apng => None,
+        _ => Some(ffmpeg::encoder(kind, &movie)?),
+    };
+    let format = check_images(images)?;
+    match encoder {
+        Some(encoder) => ffmpeg::encode(images, format, &encoder, &movie, frame_rate)?,
+        None => frame::atomic::write(&movie, &apng::encode(images, format, frame_rate)?)?,
     }
-    eprintln!(
-        "ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 install ffmpeg (Debian: apt-get install ffmpeg) and run `scree movie`"
-    );
-    let movie = with_ending("apng");
-    frame::atomic::write(&movie, &animated_png(images, frame_rate)?)?;
     Ok(movie)
 }
 
-/// Check that there are images, that they are complete, and that they have the size of the first.
-fn check_sizes(images: &[PathBuf]) -> Outcome {
-    let mut first = None;
-    for path in images {
-        let png = read_png(path)?;
-        let (width, height) = (png.width, png.height);
-        let (first_width, first_height) = *first.get_or_insert((width, height));
-        if (first_width, first_height) != (width, height) {
-            let message = format!("is {width}×{height} pixels, the first image is {first_width}×{first_height}");
-            return Err(Fault::whole(FaultKind::Data, path, message).into());
+/// The kind of movie and its path, as far as this machine can encode it.
+fn choose(output: &MovieFile) -> Outcome<(MovieKind, PathBuf)> {
+    let has_ffmpeg = ffmpeg_version().is_some();
+    match output {
+        MovieFile::OfKind(kind, path) if has_ffmpeg || *kind == MovieKind::Apng => Ok((*kind, path.clone())),
+        MovieFile::OfKind(_, path) => {
+            let message = format!(
+                "{}: ffmpeg is not on PATH; {INSTALL}, or write an animated PNG: `-o {}`",
+                path.display(),
+                path.with_extension("apng").display()
+            );
+            Err(Failure::new(Exit::Fault, message))
         }
-    }
-    match first {
-        Some(_) => Ok(()),
-        None => Err(Failure::new(Exit::Data, "there are no images to encode")),
+        MovieFile::Stem(stem) if has_ffmpeg => Ok((MovieKind::Mp4, with_ending(stem, "mp4"))),
+        MovieFile::Stem(stem) => {
+            eprintln!(
+                "ffmpeg is not on PATH: an animated PNG is written instead; for an MP4 {INSTALL} and run `scree movie`"
+            );
+            Ok((MovieKind::Apng, with_ending(stem, "apng")))
+        }
     }
 }
 
-/// The first line of `ffmpeg -version`, if ffmpeg is there.
-pub fn ffmpeg_version() -> Option<String> {
-    let output =
-        Command::new("ffmpeg").arg("-version").stdin(Stdio::null()).output().ok().filter(|o| o.status.success())?;
-    String::from_utf8_lossy(&output.stdout).lines().next().map(str::to_string)
+fn with_ending(stem: &Path, ending: &str) -> PathBuf {
+    let mut path = stem.as_os_str().to_os_string();
+    path.push(format!(".{ending}"));
+    path.into()
 }
 
-/// Encode images as H.264 by ffmpeg. They go through a pipe, so that their frames may have gaps.
-fn encode_by_ffmpeg(images: &[PathBuf], movie: &Path, frame_rate: f64) -> Outcome {
-    let part = movie.with_extension("part.mp4");
-    let fault = |e: std::io::Error| Failure::new(Exit::Fault, format!("ffmpeg: {e}"));
-    // H.264 wants even sizes: an odd one is padded by a row or a column.
-    let mut child = Command::new("ffmpeg")
-        .args(["-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "png", "-framerate", &frame_rate.to_string()])
-        .args(["-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p"])
-        .args(["-crf", "18", "-movflags", "+faststart"])
-        .arg(&part)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(fault)?;
-    let mut pipe = child.stdin.take().ok_or_else(|| Failure::new(Exit::Fault, "ffmpeg has no input"))?;
-    for path in images {
-        let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-        if pipe.write_all(&bytes).is_err() {
-            break;
+/// Check that there are images, that they are complete, and that they have the size of the first. Gives their common format.
+fn check_images(images: &[PathBuf]) -> Outcome<Format> {
+    let Some(first_path) = images.first() else {
+        return Err(Failure::new(Exit::Data, "there are no images to encode"));
+    };
+    let all: Vec<Result<Format, Fault>> = images.par_iter().map(|path| pixels::format(path)).collect();
+    let mut common: Option<Format> = None;
+    for (path, format) in images.iter().zip(all) {
+        let format = format?;
+        let first = common.get_or_insert(format);
+        if (format.width, format.height) != (first.width, first.height) {
+            let message = format!(
+                "is {}×{} pixels, the first image, {}, is {}×{}",
+                format.width,
+                format.height,
+                first_path.file_name().unwrap_or_default().to_string_lossy(),
+                first.width,
+                first.height
+            );
+            let hint = "render all images at one resolution: `scree render … --missing --res WxH` renders those of others again";
+            return Err(Fault::whole(FaultKind::Data, path, message).hint(hint).into());
         }
+        first.kind = first.kind.filter(|kind| format.kind == Some(*kind));
     }
-    drop(pipe);
-    let output = child.wait_with_output().map_err(fault)?;
-    if !output.status.success() {
-        let _ = std::fs::remove_file(&part);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        let tail: Vec<&str> = errors.lines().rev().take(5).collect();
-        let message =
-            format!("ffmpeg failed ({}): {}", output.status, tail.into_iter().rev().collect::<Vec<_>>().join("; "));
-        return Err(Failure::new(Exit::Fault, message));
-    }
-    std::fs::rename(&part, movie).map_err(|e| Fault::unwritable(movie, &e).into())
-}
-
-/// The bytes of an animated PNG of images.
-fn animated_png(images: &[PathBuf], frame_rate: f64) -> Outcome<Vec<u8>> {
-    let first = read_png(&images[0])?;
-    let fault = |e: png::EncodingError| Failure::new(Exit::Fault, format!("animated PNG: {e}"));
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, first.width, first.height);
-    encoder.set_color(first.color);
-    encoder.set_depth(first.depth);
-    encoder.set_animated(images.len() as u32, 0).map_err(fault)?;
-    let delay = (1000.0 / frame_rate).round().clamp(1.0, 65_535.0) as u16;
-    encoder.set_frame_delay(delay, 1000).map_err(fault)?;
-    let mut writer = encoder.write_header().map_err(fault)?;
-    for path in images {
-        let png = read_png(path)?;
-        if (png.color, png.depth) != (first.color, first.depth) {
-            return Err(Fault::whole(FaultKind::Data, path, "has other channels than the first image").into());
-        }
-        writer.write_image_data(&png.data).map_err(fault)?;
-    }
-    writer.finish().map_err(fault)?;
-    Ok(bytes)
+    common.ok_or_else(|| Failure::new(Exit::Data, "there are no images to encode"))
 }

@@ -1,87 +1,90 @@
-//! `scree plot`: the probes and the report of a run as plots, PNG and SVG.
+//! `scree plot`: the probes and the report of runs as plots, PNG and SVG.
 
-use crate::job::{PlotJob, Series};
+mod axis;
+mod draw;
+mod layout;
+mod pen;
+mod range;
+
+use crate::job::{Plot, PlotJob};
 use crate::report::{Exit, Failure, Outcome};
-use frame::Fault;
-use plotters::coord::Shift;
+use layout::{Figure, SIZE};
 use plotters::prelude::*;
 use std::io::Write;
 
+/// Pixels of drawing per pixel of a plot: the PNG is drawn larger and reduced, so that its lines are smooth; the SVG has places
+/// finer than pixels.
+const PNG_SCALE: u32 = 3;
+const SVG_SCALE: u32 = 4;
+
 /// Run `scree plot`.
 pub fn run(job: PlotJob) -> Outcome {
-    let PlotJob { plots, folder } = job;
+    let PlotJob { plots, folder, full_range, warnings } = job;
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
     // The machine may have no fonts of its own.
     plotters::style::register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
         .map_err(|_| Failure::new(Exit::Fault, "the built-in font cannot be read"))?;
-    std::fs::create_dir_all(&folder).map_err(|e| Fault::unwritable(&folder, &e))?;
     for plot in &plots {
-        let [png, svg] = ["png", "svg"].map(|ending| folder.join(format!("{}.{ending}", plot.name)));
-        let fail = |e: String| Failure::new(Exit::Fault, format!("{}: {e}", png.display()));
-        draw(BitMapBackend::new(&png, (1200, 700)).into_drawing_area(), &plot.title, &plot.series).map_err(fail)?;
-        draw(SVGBackend::new(&svg, (1200, 700)).into_drawing_area(), &plot.title, &plot.series).map_err(fail)?;
+        let file = |ending: &str| folder.join(format!("{}.{ending}", plot.name));
+        let figure = figure(plot, full_range);
+        let fail = |e: String| Failure::new(Exit::Fault, format!("{}: {e}", file("png").display()));
+        frame::atomic::write(&file("svg"), svg(&figure).map_err(fail)?.as_bytes())?;
+        frame::atomic::write(&file("png"), &png(&figure).map_err(fail)?)?;
         // A reader may stop early, as `head` does.
-        let _ = writeln!(std::io::stdout(), "{}", png.display());
+        let _ = writeln!(std::io::stdout(), "{}", file("png").display());
     }
     Ok(())
 }
 
-/// Draw series over time with axes, grid and legend.
-fn draw<B: DrawingBackend>(area: DrawingArea<B, Shift>, title: &str, series: &[Series]) -> Result<(), String> {
-    let text = |e: DrawingAreaErrorKind<B::ErrorType>| e.to_string();
-    let all = || series.iter().flat_map(|s| &s.points);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)))
-    };
-    let (t0, t1) = range(&mut all().map(|p| p.0));
-    let (lo, hi) = range(&mut all().map(|p| p.1));
-    if !t0.is_finite() || !lo.is_finite() {
-        return Err("there is nothing to plot in this interval of time".into());
-    }
-    let pad = if hi > lo { 0.06 * (hi - lo) } else { 0.5 * hi.abs().max(1e-9) };
-    area.fill(&WHITE).map_err(text)?;
-    let mut chart = ChartBuilder::on(&area)
-        .caption(title, ("sans-serif", 28))
-        .margin(16)
-        .x_label_area_size(48)
-        .y_label_area_size(90)
-        .build_cartesian_2d(t0..t1.max(t0 + 1e-9), lo - pad..hi + pad)
-        .map_err(text)?;
-    chart
-        .configure_mesh()
-        .x_desc("time [s]")
-        .label_style(("sans-serif", 18))
-        .axis_desc_style(("sans-serif", 20))
-        .y_label_formatter(&|y| short(*y))
-        .light_line_style(RGBColor(240, 240, 240))
-        .draw()
-        .map_err(text)?;
-    for (i, s) in series.iter().enumerate() {
-        let color = Palette99::pick(i).to_rgba();
-        let line = LineSeries::new(s.points.iter().copied(), color.stroke_width(2));
-        let label = s.name.rsplit_once('.').map_or(s.name.as_str(), |(_, part)| part);
-        chart
-            .draw_series(line)
-            .map_err(text)?
-            .label(label)
-            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 24, y)], color.stroke_width(3)));
-    }
-    if series.len() > 1 {
-        chart
-            .configure_series_labels()
-            .label_font(("sans-serif", 18))
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(200, 200, 200))
-            .draw()
-            .map_err(text)?;
-    }
-    area.present().map_err(text)
+/// What is drawn of a plot.
+fn figure(plot: &Plot, full_range: bool) -> Figure<'_> {
+    let times = range::times(&plot.curves);
+    let range::Vertical { range, hides_start } = range::vertical(&plot.curves, full_range);
+    let note = hides_start.then(|| range::note(&plot.curves, range, &plot.unit));
+    Figure { plot, times, range, note }
 }
 
-/// The short text of an axis value.
-fn short(y: f64) -> String {
-    if y != 0.0 && !(1e-3..1e5).contains(&y.abs()) {
-        format!("{y:.2e}")
-    } else {
-        format!("{}", (y * 1e6).round() / 1e6)
+fn png(figure: &Figure) -> Result<Vec<u8>, String> {
+    let [width, height] = SIZE.map(|n| n * PNG_SCALE);
+    let mut pixels = vec![255; (width * height * 3) as usize];
+    let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+    draw::draw(&area, figure, PNG_SCALE)?;
+    drop(area);
+    let mut bytes = vec![];
+    let mut encoder = png::Encoder::new(&mut bytes, SIZE[0], SIZE[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    writer.write_image_data(&reduce(&pixels, width as usize)).map_err(|e| e.to_string())?;
+    writer.finish().map_err(|e| e.to_string())?;
+    Ok(bytes)
+}
+
+/// An image reduced to the size of a plot: the means of its squares of pixels.
+fn reduce(pixels: &[u8], width: usize) -> Vec<u8> {
+    let n = PNG_SCALE as usize;
+    let height = pixels.len() / 3 / width;
+    let mut out = Vec::with_capacity(pixels.len() / (n * n));
+    for y in 0..height / n {
+        for x in 0..width / n {
+            for c in 0..3 {
+                let at = |i: usize| u32::from(pixels[((y * n + i / n) * width + x * n + i % n) * 3 + c]);
+                out.push(((0..n * n).map(at).sum::<u32>() / (n * n) as u32) as u8);
+            }
+        }
     }
+    out
+}
+
+fn svg(figure: &Figure) -> Result<String, String> {
+    let [width, height] = SIZE.map(|n| n * SVG_SCALE);
+    let mut text = String::new();
+    let area = SVGBackend::with_string(&mut text, (width, height)).into_drawing_area();
+    draw::draw(&area, figure, SVG_SCALE)?;
+    drop(area);
+    // The view box has the finer places; the size is that of the PNG.
+    let [w, h] = SIZE;
+    let (drawn, shown) = (format!("width=\"{width}\" height=\"{height}\""), format!("width=\"{w}\" height=\"{h}\""));
+    Ok(text.replacen(&drawn, &shown, 1))
 }

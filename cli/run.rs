@@ -1,9 +1,9 @@
 //! `scree run`: from a model or a metadata file to a movie.
 
-use crate::job::{ImageJob, Origin, RunJob, Statistics};
+use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
 use crate::report::Outcome;
 use crate::{model_run, movie, render};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Run `scree run`.
 pub fn run(job: RunJob) -> Outcome {
@@ -23,10 +23,10 @@ pub fn run(job: RunJob) -> Outcome {
     if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }
 }
 
-fn encode(images: &ImageJob, output: &Path) -> Outcome {
+fn encode(images: &ImageJob, output: &MovieFile) -> Outcome {
     let files: Vec<PathBuf> = images.frames.iter().map(|f| images.image(*f)).collect();
     if files.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
-        eprintln!("movies are made of PNG images, and these are EXR: no movie is written");
+        eprintln!("warning: movies are made of PNG images, and these are EXR (`output.format`): no movie is written");
         return Ok(());
     }
     let movie = movie::encode(&files, output, images.binding.frame_rate)?;

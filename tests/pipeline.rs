@@ -33,7 +33,11 @@ fn from_a_model_to_images_in_one_command() {
     std::fs::write(&last, &whole[..whole.len() / 2]).unwrap();
     assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("000002.png"));
     std::fs::remove_file(&last).unwrap();
-    assert!(scree(&["movie", images.to_str().unwrap()]).fails(4).contains("1 image is missing between 0 and 3: 2"));
+    assert!(
+        scree(&["movie", images.to_str().unwrap()])
+            .fails(4)
+            .contains("1 image is missing between the others: frames 2")
+    );
     std::fs::write(&last, &whole).unwrap();
     for frame in 0..4 {
         let image = image::open(home.join(format!("images/{frame:06}.png"))).unwrap();

@@ -28,14 +28,21 @@ pub struct InspectArgs {
 }
 
 const PLOT_EXAMPLES: &str = "\
-Example:
-  scree plot runs/pendulums 'hinge.*' --times 0.5-2";
+A folder of runs, as a sweep makes it, or runs of --with give one plot for each
+column, with a curve for each run. The vertical range leaves out the first
+instant of a run where this would flatten the rest; a note then says so.
+
+Examples:
+  scree plot runs/pendulums 'hinge.*' --times 0.5-2
+  scree plot runs/sweep 'hinge.f*'
+  scree plot runs/a hinge.fx --with runs/b --with runs/c";
 
 /// Arguments of `scree plot`.
 #[derive(Args, Debug)]
 #[command(after_help = PLOT_EXAMPLES)]
 pub struct PlotArgs {
-    /// Run directory.
+    /// Run directory, folder of run directories, or CSV file with a column
+    /// `time`.
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
     /// Columns of probes.csv or report.csv, as hinge.angle; a name without its
@@ -43,10 +50,16 @@ pub struct PlotArgs {
     /// [default: all columns].
     #[arg(value_name = "COLUMN")]
     pub columns: Vec<String>,
-    /// Folder of the plots [default: plots/ in the run directory].
+    /// Overlay another run, or a folder of runs; may be given several times.
+    #[arg(long, value_name = "DIR")]
+    pub with: Vec<PathBuf>,
+    /// Folder of the plots [default: plots/ in RUN, or beside a CSV file].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Interval of time to plot, s, as 0.5-2 [default: the whole run].
     #[arg(long, value_name = "FROM-TO", value_parser = interval)]
     pub times: Option<Interval>,
+    /// Extend the vertical range to the first instant of every run.
+    #[arg(long)]
+    pub full_range: bool,
 }

@@ -61,10 +61,12 @@ pub struct RenderArgs {
 }
 
 const MOVIE_EXAMPLES: &str = "\
-The movie is H.264 (MP4) by ffmpeg, or an animated PNG if ffmpeg is not on PATH.
+The file's ending chooses the kind of movie: .mp4, .mov and .mkv (H.264), .webm
+(VP9), .gif, .apng and .png (animated PNG). All but animated PNGs need ffmpeg.
 
-Example:
-  scree movie runs/pour/images -o pour.mp4 --frame-rate 30";
+Examples:
+  scree movie runs/pour/images
+  scree movie runs/pour/images -o pour.webm --frame-rate 30";
 
 /// Arguments of `scree movie`.
 #[derive(Args, Debug)]
@@ -73,13 +75,17 @@ pub struct MovieArgs {
     /// Folder of images (PNG); the last number in a file's name is its frame.
     #[arg(value_name = "DIR")]
     pub images: PathBuf,
-    /// Movie file; its ending becomes that of the format, .mp4 or .apng
-    /// [default: movie.mp4 beside the folder].
+    /// Movie file; without an ending it becomes .mp4, or .apng without ffmpeg
+    /// [default: runs/a/a.mp4 for runs/a/images, else DIR.mp4].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Frames per second, above 0 and at most 1000.
+    /// Frames per second, above 0 and at most 1000; of a GIF, at most 50.
     #[arg(long, default_value = "24", value_name = "FPS", value_parser = frame_rate)]
     pub frame_rate: f64,
+    /// Encode the images that are there, each as one frame of the movie, even
+    /// if some between them are missing.
+    #[arg(long)]
+    pub keep_gaps: bool,
 }
 
 const RIB_EXAMPLES: &str = "\

@@ -62,15 +62,15 @@ pub fn shard(text: &str) -> Result<ShardArg, String> {
 
 /// Parse an interval of time, `0.5-2`.
 pub fn interval(text: &str) -> Result<Interval, String> {
-    let parsed = text.split_once('-').and_then(|(a, b)| Some(Interval { from: a.parse().ok()?, to: b.parse().ok()? }));
-    let Interval { from, to } = parsed.ok_or("expected FROM-TO in seconds, as 0.5-2")?;
-    if from > to {
-        return Err(format!("{from} and {to} are swapped: expected FROM-TO, the earlier time first"));
-    }
-    if from < to {
-        Ok(Interval { from, to })
-    } else {
-        Err("expected FROM-TO in seconds, with FROM before TO, as 0.5-2".into())
+    let number = |text: &str| text.parse().ok().filter(|x: &f64| !x.is_nan());
+    // The dash may also be one of a number: 1e-3-2.
+    let at = |i: usize| Some(Interval { from: number(&text[..i])?, to: number(&text[i + 1..])? });
+    match text.match_indices('-').find_map(|(i, _)| at(i)) {
+        Some(Interval { from, to }) if from > to => {
+            Err(format!("the two times are swapped: {from} is after {to}; expected FROM-TO, as {to}-{from}"))
+        }
+        Some(i) if i.to > i.from => Ok(i),
+        _ => Err("expected FROM-TO in seconds, as 0.5-2".into()),
     }
 }
 

@@ -1,11 +1,15 @@
-//! The job of `scree plot`: the chosen columns, one plot for those of one joint, body or sum that have the same unit.
+//! The job of `scree plot`: the chosen columns of one run, one plot for those of one joint, body or sum that have the same unit; of
+//! several runs, one plot for each column with a curve for each run.
+
+mod names;
+mod table;
 
 use crate::args::{Interval, PlotArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::sequence::matches;
-use frame::{Column, Fault, FaultKind, csv};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use table::{TimeColumn, TimeTable};
 
 /// Plots to draw.
 pub struct PlotJob {
@@ -13,51 +17,74 @@ pub struct PlotJob {
     pub plots: Vec<Plot>,
     /// Their folder.
     pub folder: PathBuf,
+    /// Whether the vertical range extends to the first instant of every run.
+    pub full_range: bool,
+    /// What is missing in the data.
+    pub warnings: Vec<String>,
 }
 
-/// A plot of series that share a unit.
+/// A plot of curves that have the same unit.
 pub struct Plot {
     /// The plot's file name, without ending.
     pub name: String,
     /// The plot's title.
     pub title: String,
-    /// The series.
-    pub series: Vec<Series>,
+    /// What the vertical axis shows, if it is one quantity.
+    pub quantity: String,
+    /// The unit of the vertical axis; empty for plain numbers.
+    pub unit: String,
+    /// The curves.
+    pub curves: Vec<Curve>,
 }
 
-/// A column over time.
-pub struct Series {
-    /// The column's name.
-    pub name: String,
-    /// The column's unit.
-    pub unit: String,
-    /// Times, s, and values.
+/// A quantity over time.
+pub struct Curve {
+    /// The curve's name in the legend.
+    pub label: String,
+    /// Times, s, and values; a value that is not finite is a gap.
     pub points: Vec<(f64, f64)>,
+    /// Whether the first point is the first instant of the run.
+    pub has_start: bool,
 }
+
+/// The most curves of a plot that are told apart by color and dashes.
+const MAX_CURVES: usize = 12;
 
 impl PlotJob {
-    /// Check the arguments: read the series and choose among them.
+    /// Check the arguments: read the tables and choose among their columns.
     pub fn check(args: PlotArgs) -> Outcome<PlotJob> {
-        let mut all = read(&args.run.join("probes.csv"))?;
-        if let Ok(report) = read(&args.run.join("report.csv")) {
-            all.extend(report.into_iter().filter(|s| s.unit != "ms" && s.name != "step"));
+        let PlotArgs { run, columns: patterns, with, output, times, full_range } = args;
+        let is_overlay = !with.is_empty() || !table::is_table(&run);
+        let mut paths = vec![];
+        for path in std::iter::once(&run).chain(&with) {
+            paths.extend(table::find(path)?);
         }
-        let series = choose(all, &args.columns)?;
-        let folder = args.output.unwrap_or_else(|| args.run.join("plots"));
-        Ok(PlotJob { plots: group(series, args.times), folder })
+        let mut seen = BTreeSet::new();
+        paths.retain(|path| seen.insert(path.canonicalize().unwrap_or(path.clone())));
+        let mut tables = paths.iter().map(|path| table::read(path)).collect::<Outcome<Vec<_>>>()?;
+        choose(&mut tables, &patterns)?;
+        cut(&mut tables, times)?;
+        let (plots, warnings) =
+            if is_overlay { overlay(&paths, tables)? } else { (by_owner(&run, tables.remove(0)), vec![]) };
+        let beside = if run.is_file() { run.parent().unwrap_or(Path::new("")) } else { &run };
+        let folder = output.unwrap_or_else(|| beside.join("plots"));
+        Ok(PlotJob { plots: with_own_names(split(plots)), folder, full_range, warnings })
     }
 }
 
-/// The series whose names match one of the patterns; all series if there are no patterns.
-fn choose(all: Vec<Series>, patterns: &[String]) -> Outcome<Vec<Series>> {
-    if let Some(p) = patterns.iter().find(|p| !all.iter().any(|s| is_selected(p, &s.name))) {
-        let owners = all.iter().filter_map(|s| s.name.rsplit_once('.').map(|(owner, _)| owner));
-        let near = frame::nearest(p, all.iter().map(|s| s.name.as_str()).chain(owners));
+/// Keep the columns whose names match one of the patterns, or all if there are no patterns.
+fn choose(tables: &mut [TimeTable], patterns: &[String]) -> Outcome {
+    let names: BTreeSet<&str> = tables.iter().flat_map(|t| &t.columns).map(|c| c.name.as_str()).collect();
+    if let Some(p) = patterns.iter().find(|p| !names.iter().any(|n| is_selected(p, n))) {
+        let owners = names.iter().filter_map(|n| n.rsplit_once('.').map(|(owner, _)| owner));
+        let near = frame::nearest(p, names.iter().copied().chain(owners));
         let hint = near.map_or(String::new(), |n| format!(", did you mean `{n}`?"));
         return Err(Failure::new(Exit::Usage, format!("no column matches `{p}`{hint}")));
     }
-    let chosen = |s: &Series| patterns.is_empty() || patterns.iter().any(|p| is_selected(p, &s.name));
-    Ok(all.into_iter().filter(chosen).collect())
+    for table in tables {
+        table.columns.retain(|c| patterns.is_empty() || patterns.iter().any(|p| is_selected(p, &c.name)));
+    }
+    Ok(())
 }
 
 /// Whether a column's name matches a pattern with `*`, or is of what the pattern names: `hinge` has `hinge.fx_world`.
@@ -65,33 +92,120 @@ fn is_selected(pattern: &str, name: &str) -> bool {
     matches(pattern, name) || matches(&format!("{pattern}.*"), name)
 }
 
-/// The series by plots: those of one owner that have the same unit, within the interval.
-fn group(series: Vec<Series>, times: Option<Interval>) -> Vec<Plot> {
-    let mut plots: BTreeMap<(String, String), Vec<Series>> = BTreeMap::new();
-    for mut s in series {
-        if let Some(Interval { from, to }) = times {
-            s.points.retain(|(t, _)| (from..=to).contains(t));
-        }
-        let owner = s.name.rsplit_once('.').map_or(s.name.clone(), |(owner, _)| owner.to_string());
-        plots.entry((owner, s.unit.clone())).or_default().push(s);
+/// Cut the columns to an interval of time.
+fn cut(tables: &mut [TimeTable], times: Option<Interval>) -> Outcome {
+    let Some(Interval { from, to }) = times else { return Ok(()) };
+    let all = || tables.iter().flat_map(|t| &t.columns).flat_map(|c| &c.points).map(|p| p.0);
+    let (first, last) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
+    if !all().any(|t| (from..=to).contains(&t)) {
+        let message =
+            format!("--times {from}-{to}: there is no instant in this interval; the data has {first} to {last} s");
+        return Err(Failure::new(Exit::Usage, message));
     }
-    let plot = |((owner, unit), series): ((String, String), Vec<Series>)| {
-        let name = format!("{owner}_{}", if unit.is_empty() { "number" } else { &unit });
-        let name = name.chars().map(|c| if c.is_alphanumeric() || c == '_' || c == '-' { c } else { '_' }).collect();
-        let title = if unit.is_empty() { owner } else { format!("{owner} [{unit}]") };
-        Plot { name, title, series }
+    for column in tables.iter_mut().flat_map(|t| &mut t.columns) {
+        column.has_start &= column.points.first().is_some_and(|p| p.0 >= from);
+        column.points.retain(|(t, _)| (from..=to).contains(t));
+    }
+    Ok(())
+}
+
+impl Curve {
+    fn new(label: &str, column: TimeColumn) -> Curve {
+        Curve { label: label.into(), points: column.points, has_start: column.has_start }
+    }
+}
+
+/// One plot for the columns of one owner that have the same unit.
+fn by_owner(run: &Path, table: TimeTable) -> Vec<Plot> {
+    let mut plots: BTreeMap<(String, String), Vec<TimeColumn>> = BTreeMap::new();
+    for column in table.columns {
+        let owner = column.name.rsplit_once('.').map_or(column.name.as_str(), |(owner, _)| owner);
+        plots.entry((owner.into(), column.unit.clone())).or_default().push(column);
+    }
+    let run = names::name_of(run);
+    let plot = |((owner, unit), columns): ((String, String), Vec<TimeColumn>)| {
+        let part = |c: &TimeColumn| c.name.rsplit_once('.').map_or(c.name.clone(), |(_, part)| part.into());
+        let quantity = if columns.len() == 1 { part(&columns[0]) } else { String::new() };
+        let curves = columns.into_iter().map(|c| Curve::new(&part(&c), c)).collect();
+        Plot { name: file_name(&owner, &unit), title: format!("{owner}  ({run})"), quantity, unit, curves }
     };
     plots.into_iter().map(plot).collect()
 }
 
-/// The columns of a probe or report file over its `time` column.
-fn read(path: &Path) -> Outcome<Vec<Series>> {
-    let table = csv::read(path, 0, &csv::Layout::default())?;
-    let Some(time) = table.column("time") else {
-        return Err(Fault::whole(FaultKind::Data, path, "has no column `time`").into());
+/// One plot for each column, with a curve for each run that has it. Runs that have not are named.
+fn overlay(paths: &[PathBuf], tables: Vec<TimeTable>) -> Outcome<(Vec<Plot>, Vec<String>)> {
+    let mut plots: Vec<Plot> = vec![];
+    let labels = names::labels(paths);
+    let mut all: BTreeMap<String, usize> = BTreeMap::new();
+    let mut own: Vec<BTreeSet<String>> = vec![];
+    for (i, table) in tables.into_iter().enumerate() {
+        own.push(table.columns.iter().map(|c| c.name.clone()).collect());
+        for column in table.columns {
+            let name = column.name.clone();
+            let at = *all.entry(name.clone()).or_insert(plots.len());
+            if at == plots.len() {
+                let (unit, quantity) = (column.unit.clone(), name.rsplit('.').next().unwrap_or("").to_string());
+                let file = file_name(&name, &unit);
+                plots.push(Plot { name: file, title: name.clone(), quantity, unit, curves: vec![] });
+            }
+            let plot = &mut plots[at];
+            if plot.unit != column.unit {
+                let message = format!(
+                    "`{name}` has the unit [{}] in {}, and [{}] in the runs before it: these do not go into one plot",
+                    column.unit,
+                    paths[i].display(),
+                    plot.unit
+                );
+                return Err(Failure::new(Exit::Data, message));
+            }
+            plot.curves.push(Curve::new(&labels[i], column));
+        }
+    }
+    let warning = |(path, own): (&PathBuf, &BTreeSet<String>)| {
+        let lacking: Vec<String> = all.keys().filter(|n| !own.contains(*n)).map(|n| format!("`{n}`")).collect();
+        let more = if lacking.len() > 5 { format!(" and {} more", lacking.len() - 5) } else { String::new() };
+        let some = lacking.iter().take(5).cloned().collect::<Vec<_>>().join(", ");
+        (!lacking.is_empty()).then(|| format!("{} has no column {some}{more}", path.display()))
     };
-    let value = |c: &Column, row: usize| c.number(row).filter(|x| x.is_finite());
-    let points = |c: &Column| (0..table.rows()).filter_map(|r| Some((value(time, r)?, value(c, r)?))).collect();
-    let columns = table.columns.iter().filter(|(f, _)| f.name != "time");
-    Ok(columns.map(|(f, c)| Series { name: f.name.clone(), unit: f.unit.clone(), points: points(c) }).collect())
+    let warnings = paths.iter().zip(&own).filter_map(warning).collect();
+    Ok((plots, warnings))
+}
+
+/// A file name of what a plot shows.
+fn file_name(what: &str, unit: &str) -> String {
+    let name = format!("{what}_{}", if unit.is_empty() { "number" } else { unit });
+    name.chars().map(|c| if c.is_alphanumeric() || c == '_' || c == '-' { c } else { '_' }).collect()
+}
+
+/// Split plots of more curves than can be told apart.
+fn split(plots: Vec<Plot>) -> Vec<Plot> {
+    let mut out = vec![];
+    for mut plot in plots {
+        let n = plot.curves.len().div_ceil(MAX_CURVES);
+        if n < 2 {
+            out.push(plot);
+            continue;
+        }
+        for i in 1..=n {
+            let rest = plot.curves.split_off(plot.curves.len().min(MAX_CURVES));
+            let curves = std::mem::replace(&mut plot.curves, rest);
+            let (name, title) = (format!("{}_{i}", plot.name), format!("{}, {i} of {n}", plot.title));
+            out.push(Plot { name, title, quantity: plot.quantity.clone(), unit: plot.unit.clone(), curves });
+        }
+    }
+    out
+}
+
+/// Plots whose file names would be the same get names of their own.
+fn with_own_names(mut plots: Vec<Plot>) -> Vec<Plot> {
+    let mut taken = BTreeSet::new();
+    for plot in &mut plots {
+        let base = plot.name.clone();
+        let mut i = 1;
+        while !taken.insert(plot.name.to_lowercase()) {
+            i += 1;
+            plot.name = format!("{base}_{i}");
+        }
+    }
+    plots
 }

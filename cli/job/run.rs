@@ -2,6 +2,7 @@
 
 use super::frames::FramesJob;
 use super::images::ImageOptions;
+use super::movie::MovieFile;
 use super::output::{default_folder, stem};
 use crate::args::RunArgs;
 use crate::report::Outcome;
@@ -15,15 +16,15 @@ pub struct RunJob {
     pub options: ImageOptions,
     /// The folder of the images.
     pub images: PathBuf,
-    /// The movie's path without its ending.
-    pub movie: PathBuf,
+    /// The movie's file.
+    pub movie: MovieFile,
 }
 
 impl RunJob {
     /// Check the arguments.
     pub fn check(args: RunArgs) -> Outcome<RunJob> {
         let home = args.output.unwrap_or_else(|| default_folder(&args.input));
-        let (images, movie) = (home.join("images"), home.join(stem(&args.input)));
+        let (images, movie) = (home.join("images"), MovieFile::Stem(home.join(stem(&args.input))));
         let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
         Ok(RunJob { frames, options: args.image.into(), images, movie })
     }
