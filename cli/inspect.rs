@@ -1,6 +1,6 @@
 //! `scree inspect`: the frames, columns and ranges of data, and a metadata file to render it with.
 
-use crate::job::InspectJob;
+use crate::job::{InspectJob, Suggestion};
 use crate::report::{Exit, Failure, Outcome};
 use bind::metadata::Data;
 use frame::{Column, Frame, list};
@@ -14,8 +14,8 @@ pub fn run(job: InspectJob) -> Outcome {
     } else {
         print(&job.frames, &job.table);
     }
-    match &job.write {
-        Some(path) => write(&job.data, job.sample.as_ref().unwrap_or(&job.table), path),
+    match &job.suggestion {
+        Some(suggestion) => write(&job.data, suggestion),
         None => Ok(()),
     }
 }
@@ -54,8 +54,8 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
     })
 }
 
-/// Write a metadata file for the data.
-fn write(data_path: &Path, table: &Frame, path: &Path) -> Outcome {
+/// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
+fn write(data_path: &Path, Suggestion { path, frames }: &Suggestion) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
     let mut data = Data { rename: BTreeMap::new(), ..Data::default() };
@@ -64,9 +64,15 @@ fn write(data_path: &Path, table: &Frame, path: &Path) -> Outcome {
     } else {
         data.csv = Some(path_in_file);
     }
-    let metadata = bind::suggest::metadata(data, &[table])
+    let metadata = bind::suggest::metadata(data, &frames.iter().collect::<Vec<_>>())
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", data_path.display())))?;
-    frame::atomic::write(path, bind::suggest::to_yaml(&metadata, table).as_bytes())?;
+    let text = bind::suggest::to_yaml(&metadata, &frames[0]);
+    if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&text) {
+        let message =
+            format!("{} exists and may have been edited: remove it, or write to another file", path.display());
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    frame::atomic::write(path, text.as_bytes())?;
     println!("wrote {}; render it with `scree render {}`", path.display(), path.display());
     Ok(())
 }

@@ -25,7 +25,7 @@ pub use bench::{BenchJob, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
 pub use frames::{FramesJob, Origin};
 pub use images::ImageJob;
-pub use inspect::InspectJob;
+pub use inspect::{InspectJob, Suggestion};
 pub use movie::{MovieFile, MovieJob, MovieKind};
 pub use plot::{Curve, Plot, PlotJob};
 pub use render::{RenderFrames, RenderJob, RenderScene, Statistics};

@@ -15,12 +15,18 @@ pub struct InspectJob {
     pub frames: Vec<u64>,
     /// The table of the inspected frame.
     pub table: Frame,
-    /// The table from which metadata is suggested: the first with rows after an inspected one without any.
-    pub sample: Option<Frame>,
     /// The metadata file to write.
-    pub write: Option<PathBuf>,
+    pub suggestion: Option<Suggestion>,
     /// Whether JSON is printed.
     pub json: bool,
+}
+
+/// A metadata file to write.
+pub struct Suggestion {
+    /// The file.
+    pub path: PathBuf,
+    /// Frames of the whole data, from which it is suggested.
+    pub frames: Vec<Frame>,
 }
 
 impl InspectJob {
@@ -37,21 +43,26 @@ impl InspectJob {
             None => *frames.first().ok_or_else(|| Failure::new(Exit::Data, "the data has no frames yet"))?,
         };
         let table = source.read(frame)?;
-        let sample = match table.rows() == 0 && args.write.is_some() {
-            true => later_rows(&source, &frames, frame)?,
-            false => None,
-        };
-        Ok(InspectJob { data: args.data, frames, table, sample, write: args.write, json: args.json })
+        let suggestion = args.write.map(|path| Suggestion::check(path, &source, &frames, table.rows())).transpose()?;
+        Ok(InspectJob { data: args.data, frames, table, suggestion, json: args.json })
     }
 }
 
-/// The first table after an empty frame that has rows.
-fn later_rows(source: &Source, frames: &[u64], empty: u64) -> Outcome<Option<Frame>> {
-    for frame in frames.iter().filter(|frame| **frame > empty) {
-        let table = source.read(*frame)?;
-        if table.rows() > 0 {
-            return Ok(Some(table));
+impl Suggestion {
+    /// Read frames of the data. A frame that cannot be read is passed over here: who renders the data is told of it.
+    fn check(path: PathBuf, source: &Source, frames: &[u64], n_rows: usize) -> Outcome<Suggestion> {
+        let (mut read, mut fault) = (vec![], None);
+        for frame in bind::suggest::sample(frames, n_rows) {
+            match source.read(frame) {
+                Ok(table) if table.rows() > 0 => read.push(table),
+                Ok(_) => {}
+                Err(e) => fault = Some(e),
+            }
+        }
+        match (read.is_empty(), fault) {
+            (true, Some(fault)) => Err(fault.into()),
+            (true, None) => Err(Failure::new(Exit::Data, "the data has no rows from which a camera could be placed")),
+            (false, _) => Ok(Suggestion { path, frames: read }),
         }
     }
-    Ok(None)
 }

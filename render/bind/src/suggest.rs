@@ -5,8 +5,8 @@ mod names;
 
 use crate::expr;
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
-    RoundSpec, Shader, SphereSpec,
+    ArchiveSpec, BoxSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity, RoundSpec, Shader,
+    SphereSpec,
 };
 use frame::{Column, Frame};
 
