@@ -27,7 +27,10 @@ fn print(frames: &[u64], table: &Frame) {
         let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
         let values = match column {
             Column::Category { names, .. } => {
-                format!("names: {}", names.iter().take(8).cloned().collect::<Vec<_>>().join(", "))
+                format!(
+                    "names: {}",
+                    names.iter().take(8).map(|name| name.replace(['\r', '\n'], " ")).collect::<Vec<_>>().join(", ")
+                )
             }
             _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}{}", missing(column))),
         };

@@ -54,7 +54,7 @@ fn images_but_failed(
     let exists = |image: &Path| {
         image_file::is_complete(image, size) || shard.is_some_and(|s| shard_file::is_complete(image, s, size))
     };
-    let wanted = |f: &&u64| !failed.contains(**f) && !(job.missing && exists(&job.image(**f)));
+    let wanted = |f: &&u64| !(failed.contains(**f) || job.missing && exists(&job.image(**f)));
     let frames: Vec<u64> = job.frames.iter().filter(wanted).copied().collect();
     let progress = Progress::start("rendering", frames.len() as u64, "frames");
     let (mut values, mut proven) = (MissingValues::default(), false);

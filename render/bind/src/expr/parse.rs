@@ -239,12 +239,12 @@ impl Parser<'_> {
             self.emit(Step::Word(rest[1..end + 1].into()));
             return Ok(Operand::Any);
         }
-        if rest.starts_with('`') {
-            let Some(end) = rest[1..].find('`') else {
+        if let Some(name) = rest.strip_prefix('`') {
+            let Some(end) = name.find('`') else {
                 return self.fail("a column's name is not closed by a backtick");
             };
             self.at += end + 2;
-            return Ok(self.column(&rest[1..end + 1]));
+            return Ok(self.column(&name[..end]));
         }
         if rest.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
             let word = &rest[..number_length(rest)];
