@@ -39,13 +39,13 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
     }
     let framing::Extent { mut lo, mut hi, n_rows } =
         framing::extent(frames, position, radius).ok_or("the data has no finite positions")?;
-    let mut size = rounded((hi - lo).length() / (2.0 * (n_rows as f32).cbrt()));
-    if hi == lo {
-        // Nothing tells a size: what is there is seen anyway.
-        size = 0.1;
+    let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
+    // Where no column tells a radius, that of spheres which would fill the box; where they are all in one place, any.
+    let size = if hi == lo { 0.1 } else { rounded((hi - lo).length() / (2.0 * (n_rows as f32).cbrt())) };
+    if hi == lo || (radius.is_none() && !is_ours) {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
-    let objects = if has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some() {
+    let objects = if is_ours {
         classes(frames, (hi - lo).length())
     } else {
         let radius = radius.map_or(Quantity::Number(size), |r| r.quantity());
