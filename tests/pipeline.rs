@@ -67,7 +67,7 @@ fn from_a_model_to_images_in_one_command() {
     let tables = work.path().join("tables");
     scree(&["simulate", model.to_str().unwrap(), "--csv", "-o", tables.to_str().unwrap()]).ok();
     let table = std::fs::read_to_string(tables.join("frames/000000.csv")).unwrap();
-    assert!(table.starts_with("id,class,shape,pos_x [m],"), "{}", &table[..60]);
+    assert!(table.starts_with("id,part,class,shape,pos_x [m],"), "{}", &table[..60]);
     scree(&["render", tables.to_str().unwrap(), "-f", "2", "--res", "32x18", "--samples", "1"]).ok();
 }
 

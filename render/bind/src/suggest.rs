@@ -9,6 +9,7 @@ use crate::metadata::{
     SphereSpec,
 };
 use frame::{Column, Frame};
+use framing::rounded;
 
 fn column(name: &str) -> Quantity {
     Quantity::Expression(expr::quoted(name))
@@ -196,11 +197,6 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
             Object { color: Color::Rgb(color), ground, ..object(&name, Some(select), geometry, surface) }
         })
         .collect()
-}
-
-/// Three figures are enough for a start.
-fn rounded(x: f32) -> f64 {
-    format!("{x:.3e}").parse().unwrap_or(x as f64)
 }
 
 /// Write metadata as YAML, with a line, commented out, that colours the first object by a column of the frame.

@@ -1,7 +1,6 @@
 //! Framing of a whole animation: the box that its things are in, and a camera that sees it.
 
 use super::names::Radius;
-use super::rounded;
 use crate::metadata::CameraSpec;
 use frame::{Column, Frame};
 use glam::{Mat3, Quat, Vec3};
@@ -142,6 +141,11 @@ pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
         fov,
         ..CameraSpec::default()
     }
+}
+
+/// Three figures are enough for a start.
+pub(super) fn rounded(x: f32) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x as f64)
 }
 
 #[cfg(test)]
