@@ -95,7 +95,7 @@ mod tests {
         let labels = |range, n| ticks(range, at_most(n)).labels.join(" ");
         assert_eq!(labels([0.0, 1.0], 6), "0.0 0.2 0.4 0.6 0.8 1.0");
         assert_eq!(labels([0.0, 1.0], 5), "0.00 0.25 0.50 0.75 1.00");
-        assert_eq!(labels([-3.0, 7.5], 5), "−2.5 0.0 2.5 5.0 7.5");
+        assert_eq!(labels([-3.0, 7.5], 5), "−2 0 2 4 6");
         assert_eq!(labels([-0.06, 0.06], 4), "−0.05 0.00 0.05");
         assert_eq!(labels([1000.0, 1000.004], 3), "1000.000 1000.002 1000.004");
         assert_eq!(labels([0.0, 12_000.0], 4), "0 5000 10000");

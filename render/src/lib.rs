@@ -33,5 +33,5 @@ pub use context::result::RenderResult;
 pub use context::state::Context;
 pub use cpu::lanes::has_wide_lanes;
 pub use film::display::Display;
-pub use scene::options::Options;
+pub use scene::options::{Hider, Options};
 pub use stats::{Seconds, Stats};
