@@ -244,3 +244,30 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
     assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 1]);
     assert_eq!([grounds("lunar.rib"), grounds("laboratory.rib")], [0, 0]);
 }
+
+#[test]
+fn what_holds_the_grains_is_seen_through() {
+    let work = Work::new();
+    let text = "\
+step: 0.002
+duration: 0.02
+frame_rate: 50
+materials: {m: {density: 2600, friction: 0.5}}
+bodies:
+  - name: bin
+    material: m
+    fixed: true
+    shapes:
+      - {box: {size: [0.02, 0.8, 1.2]}, position: [-0.4, 0, 0.6]}
+      - {box: {size: [0.02, 0.8, 1.2]}, position: [0.4, 0, 0.6]}
+  - {name: block, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0.1]}
+fills:
+  - {name: stones, material: m, count: 80, radius: [0.03, 0.05], min: [-0.35, -0.35, 0.1], max: [0.35, 0.35, 1.1]}
+";
+    let run = work.at("run");
+    scree(&["simulate", &work.write("m.yaml", text), "-o", &run]).ok();
+    let metadata = work.read("run/metadata.yaml");
+    let object = |name: &str| metadata.split("- name: ").find(|o| o.starts_with(name)).unwrap().to_string();
+    assert!(object("bin").contains("opacity: 0.25"), "{metadata}");
+    assert!(!object("block").contains("opacity") && !object("stones").contains("opacity"), "{metadata}");
+}

@@ -47,7 +47,8 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
     let objects = if is_ours {
-        classes(frames, (hi - lo).length())
+        let containers = framing::containers(frames, position, radius);
+        classes(frames, &containers, (hi - lo).length())
     } else {
         let radius = radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
@@ -123,7 +124,7 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
 }
 
 /// One object for each class and shape of a run of ours.
-fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
+fn classes(frames: &[&Frame], containers: &[String], extent: f32) -> Vec<Object> {
     let mut seen: Vec<(String, String)> = Vec::new();
     for frame in frames {
         let (Some(class), Some(shape)) = (frame.column("class"), frame.column("shape")) else { continue };
@@ -194,7 +195,9 @@ fn classes(frames: &[&Frame], extent: f32) -> Vec<Object> {
                 _ => (surface, color),
             };
             let ground = shape == "plane" && is_ground(frames, class);
-            Object { color: Color::Rgb(color), ground, ..object(&name, Some(select), geometry, surface) }
+            // Seen through once from the front and once behind, the content is still clear.
+            let opacity = containers.contains(class).then_some(0.25);
+            Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) }
         })
         .collect()
 }

@@ -48,6 +48,32 @@ pub(super) fn extent(frames: &[&Frame], position: [&str; 3], radius: Option<Radi
     None
 }
 
+/// Classes whose box has a large part of the grains in it, as a drum or a hopper has: opaque, they would hide what they hold.
+pub(super) fn containers(frames: &[&Frame], position: [&str; 3], radius: Option<Radius<'_>>) -> Vec<String> {
+    /// Share of the grains in a container.
+    const HELD: f32 = 0.3;
+    let mut found = vec![];
+    for frame in frames {
+        let Some(Column::Category { names, .. }) = frame.column("class") else { continue };
+        let mut classes: BTreeMap<u32, Vec<Thing>> = BTreeMap::new();
+        for thing in things(frame, position, radius, false) {
+            classes.entry(thing.class).or_default().push(thing);
+        }
+        let (grains, others): (Vec<_>, Vec<_>) = classes.into_iter().partition(|(_, things)| things.len() >= MANY);
+        let grains: Vec<Vec3> = grains.iter().flat_map(|(_, g)| g.iter().map(|t| 0.5 * (t.lo + t.hi))).collect();
+        for (class, things) in others {
+            let lo = things.iter().map(|t| t.lo).fold(Vec3::INFINITY, Vec3::min);
+            let hi = things.iter().map(|t| t.hi).fold(Vec3::NEG_INFINITY, Vec3::max);
+            let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
+            let name = &names[class as usize];
+            if !grains.is_empty() && n_inside as f32 > HELD * grains.len() as f32 && !found.contains(name) {
+                found.push(name.clone());
+            }
+        }
+    }
+    found
+}
+
 /// The things of a frame: all but planes and, unless `with_ground`, terrain.
 fn things(frame: &Frame, position: [&str; 3], radius: Option<Radius<'_>>, with_ground: bool) -> Vec<Thing> {
     let codes = |name: &str| match frame.column(name) {
