@@ -83,13 +83,7 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
     let text = text.trim_start_matches('\u{feff}');
     let table = Table { path, text };
     let is_data = |l: &&str| !l.trim().is_empty() && !l.trim_start().starts_with('#');
-    let Some(first) = text.lines().find(is_data) else {
-        let (message, hint) = match text.is_empty() {
-            true => ("is empty", "the program that wrote it was interrupted, or has not written it yet"),
-            false => ("has no rows", "a table needs a line of column names or of numbers"),
-        };
-        return Err(table.fault(1, 1, message).hint(hint));
-    };
+    let Some(first) = text.lines().find(is_data) else { return without_rows(&table, number, layout) };
     let delimiter = layout.delimiter.unwrap_or_else(|| cells::sniff(first));
     let mut rows = Rows::new(text, delimiter);
     let mut row = Vec::new();
@@ -116,6 +110,21 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
             .hint("write all numbers alike; separators of thousands are not read"));
     }
     Ok(Frame { number, time: 0.0, columns: fields.into_iter().zip(columns).collect() })
+}
+
+/// The frame of a text of comments alone, without rows: the last comment names the columns, unless it has numbers.
+fn without_rows(table: &Table, number: u64, layout: &Layout) -> Result<Frame, Fault> {
+    let comment = table.text.lines().rev().find_map(|line| line.trim_start().strip_prefix('#'));
+    let is_number = |word: &str| !word.is_empty() && values::number(word).is_some();
+    let has_numbers = |line: &str| line.split([',', ';', '\t', ' ']).any(is_number);
+    if let Some(names) = comment.map(str::trim).filter(|line| !line.is_empty() && !has_numbers(line)) {
+        return parse(table.path, names, number, &Layout { header: Some(true), ..layout.clone() });
+    }
+    let (message, hint) = match table.text.is_empty() {
+        true => ("is empty", "the program that wrote it was interrupted, or has not written it yet"),
+        false => ("has no rows", "a table needs a line of column names or of numbers"),
+    };
+    Err(table.fault(1, 1, message).hint(hint))
 }
 
 /// Read the first row, and find out how the columns are named: by it, by the remark above it, or by their places.
@@ -279,6 +288,15 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_without_rows_may_have_its_header_in_a_comment() {
+        let frame = read_text("# made by a program\n# id,x,y,z\n").unwrap();
+        assert_eq!((frame.rows(), frame.names()), (0, vec!["id", "x", "y", "z"]));
+        for text in ["", "# 17 particles, 3 s\n", "#\n\n"] {
+            assert!(read_text(text).is_err(), "{text:?}");
+        }
+    }
+
+    #[test]
     fn separators_headers_and_units_are_found_out() {
         for text in [
             "x;y [m]\n1;2.5\n",
@@ -323,7 +341,7 @@ mod tests {
         assert_eq!(read_text("x,y\n1,2\n3,\n").unwrap().rows(), 2);
         assert_eq!(read_text("x,y\n1,\"2\n3,4\n").unwrap_err().column, 3);
         assert_eq!(read_text("").unwrap_err().message, "is empty");
-        assert_eq!(read_text("# x y\n").unwrap_err().message, "has no rows");
+        assert_eq!(read_text("# at 3 s\n").unwrap_err().message, "has no rows");
     }
 
     #[test]
