@@ -199,10 +199,17 @@ impl BinGrid {
         first + ((k << (3 * BRICK)) | inner.x | inner.y << BRICK | inner.z << (2 * BRICK))
     }
 
+    /// The lowest and the highest bin of a level that a box overlaps; of a box with corners out of the range of numbers, some bin.
+    #[inline]
+    fn bins_of(&self, level: usize, aabb: &Aabb) -> [UVec3; 2] {
+        let low = self.bin_of(level, aabb.min);
+        [low, self.bin_of(level, aabb.max).max(low)]
+    }
+
     /// Visit the bins of a level that a box overlaps.
     #[inline]
     pub fn visit(&self, level: usize, aabb: &Aabb, mut found: impl FnMut(u32)) {
-        let (lo, hi) = (self.bin_of(level, aabb.min), self.bin_of(level, aabb.max));
+        let [lo, hi] = self.bins_of(level, aabb);
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
                 for x in lo.x..=hi.x {
@@ -229,8 +236,8 @@ pub fn run(model: &Model, state: &State, bins: &mut Bins) {
         if !grid.is_binned(model, aabb, s) {
             return 0;
         }
-        let level = grid.level[s] as usize;
-        (grid.bin_of(level, aabb[s].max) - grid.bin_of(level, aabb[s].min) + UVec3::ONE).element_product()
+        let [low, high] = grid.bins_of(grid.level[s] as usize, &aabb[s]);
+        (high - low + UVec3::ONE).element_product()
     });
     let n_pairs = gpu::scan::exclusive_cpu(&mut start) as usize;
     bin.resize(n_pairs, 0);
