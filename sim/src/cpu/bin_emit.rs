@@ -110,7 +110,10 @@ impl BinGrid {
         let BoxStatistics { bounds: Aabb { min, max }, n, inv_width } =
             chunks.iter().fold(BoxStatistics::NONE, |a, b| a.join(b));
         if n == 0 {
-            *self = BinGrid { level: vec![0; aabb.len()], low: vec![UVec3::ZERO; aabb.len()], ..BinGrid::default() };
+            // A grid without bins, which no box overlaps.
+            let (level, low) = (vec![0; aabb.len()], vec![UVec3::ZERO; aabb.len()]);
+            let Aabb { min: origin, max: end } = Aabb::EMPTY;
+            *self = BinGrid { origin, end, level, low, ..BinGrid::default() };
             return;
         }
         (self.origin, self.end) = (min, max);
