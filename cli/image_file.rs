@@ -1,6 +1,7 @@
 //! Image files: reading PNGs whole, and whether the file of an image is complete.
 
 use frame::{Fault, FaultKind};
+use png::{BitDepth, ColorType, Transformations};
 use std::path::Path;
 
 /// A decoded PNG.
@@ -9,18 +10,30 @@ pub struct Png {
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
+    /// Channels and bits per channel of the data.
+    pub kind: (ColorType, BitDepth),
+    /// Whether the data is all that tells the colours: there is no palette, and no colour that is transparent.
+    pub is_plain: bool,
     /// Rows of pixels from the top.
     pub data: Vec<u8>,
 }
 
-/// Read a PNG whole; a truncated one is a fault.
+/// Read a PNG whole, its pixels as they are stored; a truncated one is a fault.
 pub fn read_png(path: &Path) -> Result<Png, Fault> {
+    decode_png(path, Transformations::IDENTITY)
+}
+
+/// Read a PNG whole, its pixels transformed; a truncated one is a fault.
+pub fn decode_png(path: &Path, transformations: Transformations) -> Result<Png, Fault> {
     let truncated = |e: png::DecodingError| Fault::whole(FaultKind::Data, path, format!("is not a complete PNG: {e}"));
     let file = std::fs::File::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(truncated)?;
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
+    decoder.set_transformations(transformations);
+    let mut reader = decoder.read_info().map_err(truncated)?;
+    let is_plain = reader.info().palette.is_none() && reader.info().trns.is_none();
     let mut data = vec![0; reader.output_buffer_size().unwrap_or(0)];
     let info = reader.next_frame(&mut data).map_err(truncated)?;
-    Ok(Png { width: info.width, height: info.height, data })
+    Ok(Png { width: info.width, height: info.height, kind: (info.color_type, info.bit_depth), is_plain, data })
 }
 
 /// Whether the file of an image exists, is complete and has this width and height.

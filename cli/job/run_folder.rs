@@ -1,9 +1,9 @@
 //! The run directory of a simulation: whether it is free, or holds a run that must not be lost.
 
 use crate::report::{Exit, Failure, Outcome};
-use frame::run::{FrameFormat, RunReader};
+use frame::run::{self, RunReader};
 use sim::model_file::ModelFile;
-use sim::run::{self, n_frames};
+use sim::run::{identity, model_hash, n_frames};
 use std::path::Path;
 
 /// Check that a simulation of a model into `folder` loses nothing: no run of another model, no longer run of the same model, and no
@@ -15,13 +15,15 @@ pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
         Err(Failure::new(Exit::Usage, message))
     };
     if !RunReader::is_run(folder) {
-        return match foreign_table(folder) {
-            Some(table) => refuse(format!("is no run directory, but holds {table}, which would be removed")),
+        return match run::tables(folder).unwrap_or_default().first() {
+            Some(table) => {
+                refuse(format!("is no run directory, but holds {}, which would be removed", table.display()))
+            }
             None => Ok(()),
         };
     }
     let there = RunReader::open(folder)?.index;
-    if there.model_hash != run::model_hash(file) {
+    if there.model_hash != model_hash(file) {
         let n_frames = there.frames.len();
         let keys = changed_keys(file, folder);
         let changed = if keys.is_empty() { String::new() } else { format!("; changed since: {}", keys.join(", ")) };
@@ -38,22 +40,13 @@ pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
     Ok(())
 }
 
-/// A table in `frames/` of a folder that is no run directory, which a new run would remove.
-fn foreign_table(folder: &Path) -> Option<String> {
-    let is_table = |path: &Path| {
-        let extension = path.extension().and_then(|e| e.to_str());
-        [FrameFormat::Arrow, FrameFormat::Csv].iter().any(|f| extension == Some(f.extension()))
-    };
-    let entries = std::fs::read_dir(folder.join("frames")).ok()?;
-    let path = entries.flatten().map(|e| e.path()).find(|path| is_table(path))?;
-    Some(path.display().to_string())
-}
-
 /// Keys in which a model differs from that of a run directory, the first few.
 fn changed_keys(file: &ModelFile, folder: &Path) -> Vec<String> {
     const MAX: usize = 4;
     let there = std::fs::read_to_string(folder.join("model.yaml")).unwrap_or_default();
-    let (Ok(before), Ok(now)) = (serde_yaml::from_str(&there), serde_yaml::from_str(&file.to_yaml())) else {
+    let as_value = |file: &ModelFile| serde_yaml::from_str(&identity(file).to_yaml());
+    let Ok((before, now)) = serde_yaml::from_str(&there).and_then(|there| Ok((as_value(&there)?, as_value(file)?)))
+    else {
         return vec![];
     };
     let mut keys = vec![];

@@ -14,7 +14,7 @@ use cells::{Row, Rows, Unclosed};
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::Path;
-use values::{CellKind, Decimal, kind_of};
+use values::{CellKind, Decimal, Mixed, kind_of};
 
 /// The layout of a CSV file; what is `None` is detected from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +39,8 @@ pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
     let text = text::decode(bytes).map_err(|at| foreign::binary(path, at))?;
     parse(path, &text, number, layout)
 }
+
+const ALIKE: &str = "write all numbers alike; separators of thousands are not read";
 
 /// The text of a table, and the file that faults are told of.
 #[derive(Clone, Copy)]
@@ -100,14 +102,17 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         row.iter().zip(&mut columns).for_each(|(cell, column)| column.push(cell));
         next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
     }
-    let (columns, decimals): (Vec<_>, Vec<_>) = columns.iter().map(|cells| values::column(cells)).unzip();
+    let columns = columns.iter().map(|cells| values::column(cells)).collect::<Result<Vec<_>, _>>();
+    let columns = columns.map_err(|Mixed { comma, point }| {
+        let message = format!("has `{comma}` with a comma, and `{point}` of the same column has a point");
+        table.fault_of(comma, message).hint(ALIKE)
+    })?;
+    let (columns, decimals): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     if let Some(Decimal::Comma(cell)) = decimals.iter().find(|d| matches!(d, Decimal::Comma(_)))
         && decimals.contains(&Decimal::Point)
     {
         let message = format!("has `{cell}` with a comma, and other columns have numbers with a point");
-        return Err(table
-            .fault_of(cell, message)
-            .hint("write all numbers alike; separators of thousands are not read"));
+        return Err(table.fault_of(cell, message).hint(ALIKE));
     }
     Ok(Frame { number, time: 0.0, columns: fields.into_iter().zip(columns).collect() })
 }

@@ -46,7 +46,7 @@ pub struct ColumnEntry {
     /// Type of the values: `f64`, `f32`, `i64` or `category`.
     #[serde(rename = "type")]
     pub kind: String,
-    /// Unit, SI; empty for pure numbers and words.
+    /// Unit, SI; `1` for pure numbers, empty for words and ids.
     pub unit: String,
 }
 
@@ -115,6 +115,15 @@ pub struct WarningEntry {
     pub message: String,
 }
 
+/// Files of frames in a folder, whether or not it is a run directory: [`RunWriter::create`] removes them.
+pub fn tables(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let is_table = |path: &PathBuf| {
+        let extension = path.extension().and_then(|e| e.to_str());
+        [FrameFormat::Arrow, FrameFormat::Csv].iter().any(|format| extension == Some(format.extension()))
+    };
+    Ok(std::fs::read_dir(folder.join("frames"))?.flatten().map(|entry| entry.path()).filter(is_table).collect())
+}
+
 /// A run directory that is being written.
 pub struct RunWriter {
     folder: PathBuf,
@@ -131,11 +140,8 @@ impl RunWriter {
         let generated = RunReader::open(folder).map_or_else(|_| BTreeMap::new(), |before| before.index.generated);
         let writer = RunWriter { folder: folder.into(), format, index: Index { generated, ..index } };
         writer.write_index()?;
-        for entry in std::fs::read_dir(&frames).map_err(|e| Fault::unwritable(&frames, &e))?.flatten() {
-            let path = entry.path();
-            if matches!(path.extension().and_then(|e| e.to_str()), Some("arrow" | "csv")) {
-                std::fs::remove_file(&path).map_err(|e| Fault::unwritable(&path, &e))?;
-            }
+        for path in tables(folder).map_err(|e| Fault::unwritable(&frames, &e))? {
+            std::fs::remove_file(&path).map_err(|e| Fault::unwritable(&path, &e))?;
         }
         Ok(writer)
     }

@@ -76,14 +76,19 @@ impl From<Fault> for RunError {
     }
 }
 
-/// Hash that identifies a model with its defaults. What changes none of a run's frames is left out: its duration, that of its last
-/// stage, and `on_divergence`.
-pub fn model_hash(file: &ModelFile) -> String {
-    let mut file = ModelFile { on_divergence: OnDivergence::default(), duration: 1.0, ..file.clone() };
+/// A model without what changes none of a run's frames: its name, its duration, that of its last stage, and `on_divergence`.
+pub fn identity(file: &ModelFile) -> ModelFile {
+    let (name, on_divergence) = (String::new(), OnDivergence::default());
+    let mut file = ModelFile { name, on_divergence, duration: 1.0, ..file.clone() };
     if let Some(last) = file.stages.last_mut() {
         last.duration = 1.0;
     }
-    frame::run::hash_text(&file.to_yaml())
+    file
+}
+
+/// Hash of the [`identity`] of a model with its defaults.
+pub fn model_hash(file: &ModelFile) -> String {
+    frame::run::hash_text(&identity(file).to_yaml())
 }
 
 /// Whether a folder has a complete run of a model, of its whole duration.

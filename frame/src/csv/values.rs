@@ -108,14 +108,29 @@ pub(super) enum Decimal<'a> {
     Comma(&'a str),
 }
 
-/// A column of cells: numbers if every cell that is not missing is one, else words.
-pub(super) fn column<'a>(cells: &[&'a str]) -> (Column, Decimal<'a>) {
+/// Numbers of a column with a comma and with a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mixed<'a> {
+    pub(super) comma: &'a str,
+    pub(super) point: &'a str,
+}
+
+/// A column of cells: numbers if every cell that is not missing is one, else words. An error if they are numbers, but not all are
+/// written alike.
+pub(super) fn column<'a>(cells: &[&'a str]) -> Result<(Column, Decimal<'a>), Mixed<'a>> {
     if let Some(whole) = cells.iter().map(|c| c.parse::<i64>().ok()).collect::<Option<Vec<_>>>() {
-        return (Column::I64(whole), Decimal::None);
+        return Ok((Column::I64(whole), Decimal::None));
     }
-    match numbers(cells) {
-        Some((numbers, decimal)) => (Column::F64(numbers), decimal),
-        None => (words(cells), Decimal::None),
+    if let Some((numbers, decimal)) = numbers(cells) {
+        return Ok((Column::F64(numbers), decimal));
+    }
+    let is_number = |cell: &&&str| kind_of(cell) == CellKind::Number;
+    let with = |sign: char| cells.iter().filter(is_number).find(|cell| cell.contains(sign)).copied();
+    match (with(','), with('.')) {
+        (Some(comma), Some(point)) if cells.iter().all(|cell| kind_of(cell) != CellKind::Word) => {
+            Err(Mixed { comma, point })
+        }
+        _ => Ok((words(cells), Decimal::None)),
     }
 }
 
@@ -191,17 +206,23 @@ mod tests {
 
     #[test]
     fn a_column_is_of_numbers_if_all_that_is_there_is() {
-        let missing = |cells: &[&str]| match column(cells).0 {
+        let missing = |cells: &[&str]| match column(cells).unwrap().0 {
             Column::F64(v) => v.iter().map(|x| x.is_nan()).collect::<Vec<_>>(),
             other => panic!("{other:?}"),
         };
         assert_eq!(missing(&["1", "", "-", "2.5"]), [false, true, true, false]);
         assert_eq!(missing(&["", ""]), [true, true]);
-        for cells in [["-", "NA"], ["1", "a"], ["1,5", "2.5"], ["2.5", "1,5"], ["1,5", "1.0D+1"]] {
-            assert!(matches!(column(&cells).0, Column::Category { .. }), "{cells:?}");
+        let of = |cells: &[&'static str]| column(cells).unwrap();
+        for cells in [["-", "NA"], ["1", "a"], ["1,5", "1.234.567"]] {
+            assert!(matches!(of(&cells).0, Column::Category { .. }), "{cells:?}");
         }
-        assert_eq!(column(&["1,5", "3"]).1, Decimal::Comma("1,5"));
-        assert_eq!(column(&["3", "1.5"]).1, Decimal::Point);
-        assert_eq!(column(&["a\"\"b", ""]).0.text(0), "a\"b");
+        for (cells, comma, point) in
+            [(["1,5", "2.5"], "1,5", "2.5"), (["2.5", "1,5"], "1,5", "2.5"), (["1,5", "1.0D+1"], "1,5", "1.0D+1")]
+        {
+            assert_eq!(column(&cells), Err(Mixed { comma, point }), "{cells:?}");
+        }
+        assert_eq!(of(&["1,5", "3"]).1, Decimal::Comma("1,5"));
+        assert_eq!(of(&["3", "1.5"]).1, Decimal::Point);
+        assert_eq!(of(&["a\"\"b", ""]).0.text(0), "a\"b");
     }
 }
