@@ -1,10 +1,12 @@
 //! `scree check`: faults of files and their places, without running the files.
 
-use crate::job::{CheckJob, FileKind, ShaderFile};
+use crate::failed::MissingValues;
+use crate::job::{CheckJob, FileKind, ShaderFile, sweep};
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::shader;
 use crate::source::{self, Yaml};
+use bind::emit;
 use frame::{Fault, FaultKind};
 use render::Context;
 use render::ri::reader;
@@ -47,8 +49,13 @@ fn check(path: &Path, kind: Option<FileKind>) -> Outcome<&'static str> {
 }
 
 fn check_model(path: &Path) -> Outcome {
-    let (_, resolved) = model_file::read(path)?;
+    let (file, doc) = model_file::load(path, &[])?;
+    let resolved = file.resolve(&doc)?;
     resolved.warnings.iter().for_each(|w| eprintln!("warning: {}: {w}", path.display()));
+    if !file.sweep.is_empty() {
+        let n = sweep::check(path, &file, &doc)?;
+        println!("{}: {n} combinations of the sweep are valid", path.display());
+    }
     Ok(())
 }
 
@@ -58,11 +65,15 @@ fn check_metadata(path: &Path) -> Outcome {
     if binding.data.is_some() {
         let source = binding.open_data()?;
         if let Some(first) = source.numbers().first() {
-            binding.check_columns(&source.read(*first)?)?;
+            let table = source.read(*first)?;
+            binding.check_columns(&table)?;
+            let mut values = MissingValues::default();
+            values.add(*first, &emit::check(&binding, &table)?);
+            values.warn();
         }
     }
     if let Some(model) = &binding.model {
-        model_file::read(&binding.folder().join(model))?;
+        check_model(&binding.folder().join(model))?;
     }
     Ok(())
 }

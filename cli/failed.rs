@@ -1,4 +1,4 @@
-//! Frames that cannot be rendered because of their own data: reported at once, one by one, and named at the end.
+//! Frames that cannot be rendered or read because of their own data: reported at once, one by one, and named at the end.
 
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit::{Lack, Missing};
@@ -7,13 +7,19 @@ use std::collections::BTreeMap;
 /// Failures that are printed; further ones are counted.
 const PRINTED: usize = 20;
 
-/// Frames that could not be rendered, and why.
-#[derive(Default)]
+/// Frames that could not be worked on, and why.
 pub struct FailedFrames {
+    /// What could not be done to them: `rendered`.
+    done: &'static str,
     failures: BTreeMap<u64, Failure>,
 }
 
 impl FailedFrames {
+    /// No frames yet of those that could not be `done`.
+    pub fn new(done: &'static str) -> FailedFrames {
+        FailedFrames { done, failures: BTreeMap::new() }
+    }
+
     /// Note the failure of one of `n` frames if its data is at fault: it is then reported, and the others go on. What is wrong with the
     /// input is the frame's fault if the same input has drawn others (`proven`). Any other failure is returned.
     pub fn note(&mut self, frame: u64, failure: Failure, proven: bool, n: usize) -> Outcome {
@@ -24,7 +30,7 @@ impl FailedFrames {
         if n > 1 && self.failures.len() < PRINTED {
             eprintln!("error: frame {frame}: {failure}");
         } else if self.failures.len() == PRINTED {
-            eprintln!("further frames that cannot be rendered are counted");
+            eprintln!("further frames that cannot be {} are counted", self.done);
         }
         self.failures.insert(frame, failure);
         Ok(())
@@ -40,21 +46,21 @@ impl FailedFrames {
         self.failures.len()
     }
 
-    /// The outcome of a command that was to render `n` frames; `rest` is what is said of all others.
+    /// The outcome of a command on `n` frames; `rest` is what is said of all others.
     pub fn outcome(mut self, n: usize, rest: &str) -> Outcome {
         let frames: Vec<String> = self.failures.keys().take(PRINTED).map(u64::to_string).collect();
-        let count = self.failures.len();
+        let (count, done) = (self.failures.len(), self.done);
         let Some((frame, first)) = self.failures.pop_first() else { return Ok(()) };
         if count == n {
             let message = if n > 1 {
-                format!("none of the {n} frames could be rendered; frame {frame}: {first}")
+                format!("none of the {n} frames could be {done}; frame {frame}: {first}")
             } else {
                 first.message
             };
             return Err(Failure::new(first.exit, message));
         }
         let more = if count > PRINTED { ", …" } else { "" };
-        let message = format!("{count} of {n} frames could not be rendered ({}{more}); {rest}", frames.join(", "));
+        let message = format!("{count} of {n} frames could not be {done} ({}{more}); {rest}", frames.join(", "));
         Err(Failure::new(Exit::Partial, message))
     }
 }

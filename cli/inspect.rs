@@ -14,17 +14,17 @@ pub fn run(job: InspectJob) -> Outcome {
     } else {
         print(&job.frames, &job.table);
     }
-    match &job.suggestion {
-        Some(suggestion) => write(&job.data, suggestion),
-        None => Ok(()),
+    if let Some(suggestion) = &job.suggestion {
+        write(&job.data, suggestion)?;
     }
+    job.failed.outcome(job.frames.len(), &format!("frame {} is shown", job.table.number))
 }
 
 fn print(frames: &[u64], table: &Frame) {
     println!("{}; frame {} at {} s has {} rows", list::describe(frames), table.number, table.time, table.rows());
     let width = table.names().iter().map(|n| n.len()).max().unwrap_or(0);
     for (field, column) in &table.columns {
-        let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
+        let unit = if matches!(field.unit.as_str(), "" | "1") { "" } else { &format!(" {}", field.unit) };
         let values = match column {
             Column::Category { names, .. } => {
                 format!(
@@ -67,15 +67,15 @@ fn write(data_path: &Path, Suggestion { path, frames }: &Suggestion) -> Outcome 
     } else {
         data.csv = Some(path_in_file);
     }
-    let metadata = bind::suggest::metadata(data, &frames.iter().collect::<Vec<_>>())
+    let suggestion = bind::suggest::metadata(data, frames)
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", data_path.display())))?;
-    let text = bind::suggest::to_yaml(&metadata, &frames[0]);
-    if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&text) {
+    if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&suggestion.yaml) {
         let message =
             format!("{} exists and may have been edited: remove it, or write to another file", path.display());
         return Err(Failure::new(Exit::Usage, message));
     }
-    frame::atomic::write(path, text.as_bytes())?;
+    frame::atomic::write(path, suggestion.yaml.as_bytes())?;
+    suggestion.remarks.iter().for_each(|remark| println!("note: {remark}"));
     println!("wrote {}; render it with `scree render {}`", path.display(), path.display());
     Ok(())
 }

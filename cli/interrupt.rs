@@ -1,63 +1,76 @@
 //! Interruption by the user or the scheduler: SIGINT and SIGTERM.
 //!
-//! While somebody listens, the first signal is a request to stop, and a second one ends the program at once. Else signals do what they
-//! do by default.
+//! While somebody listens, the first signal is a request to stop. Else, or by a second one, the program ends at once with exit code 130:
+//! every file that it has written is whole. A signal that is ignored, as `nohup` and background jobs of scripts have it, stays so.
 
-use crate::report::{Exit, Failure, Outcome};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use crate::report::Exit;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 
-/// The flags that the handlers of the signals read and write.
-#[derive(Default)]
-struct Flags {
-    /// Whether nobody listens.
-    is_idle: Arc<AtomicBool>,
-    /// Whether a signal has come.
-    is_requested: Arc<AtomicBool>,
-}
+static IS_LISTENING: AtomicBool = AtomicBool::new(false);
+static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
+/// What is said when a signal ends the program.
+static REMARK: Mutex<String> = Mutex::new(String::new());
 
 /// A listener to interruptions, until it is dropped.
-pub struct Listener {
-    flags: &'static Flags,
-}
+pub struct Listener(());
 
 impl Listener {
     /// Listen to interruptions.
-    pub fn new() -> Outcome<Listener> {
-        static FLAGS: OnceLock<Flags> = OnceLock::new();
-        let flags = match FLAGS.get() {
-            Some(flags) => flags,
-            None => {
-                let flags =
-                    handle().map_err(|e| Failure::new(Exit::Fault, format!("signals cannot be handled: {e}")))?;
-                FLAGS.get_or_init(|| flags)
-            }
-        };
-        flags.is_idle.store(false, Ordering::SeqCst);
-        Ok(Listener { flags })
+    pub fn new() -> Listener {
+        IS_LISTENING.store(true, Ordering::SeqCst);
+        Listener(())
     }
 
     /// Whether a stop is requested.
     pub fn is_requested(&self) -> bool {
-        self.flags.is_requested.load(Ordering::Relaxed)
+        IS_REQUESTED.load(Ordering::Relaxed)
     }
 }
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        self.flags.is_idle.store(true, Ordering::SeqCst);
+        IS_LISTENING.store(false, Ordering::SeqCst);
     }
 }
 
-/// Install the handlers. They run in the order in which they are registered.
-fn handle() -> std::io::Result<Flags> {
-    let flags = Flags::default();
-    for signal in [SIGINT, SIGTERM] {
-        flag::register_conditional_default(signal, flags.is_idle.clone())?;
-        flag::register_conditional_shutdown(signal, Exit::Interrupted as i32, flags.is_requested.clone())?;
-        flag::register(signal, flags.is_requested.clone())?;
+/// Set what is said when a signal ends the program: what is done, and how it goes on.
+pub fn remark(text: String) {
+    *REMARK.lock().unwrap_or_else(|e| e.into_inner()) = text;
+}
+
+/// Answer to a signal.
+#[cfg(unix)]
+fn answer() {
+    let is_first = !IS_REQUESTED.swap(true, Ordering::SeqCst);
+    if is_first && IS_LISTENING.load(Ordering::SeqCst) {
+        return;
     }
-    Ok(flags)
+    let remark = REMARK.lock().unwrap_or_else(|e| e.into_inner());
+    eprintln!("error: interrupted{}{remark}", if remark.is_empty() { "" } else { ": " });
+    std::process::exit(Exit::Interrupted as i32);
+}
+
+/// Handle signals from now on, in a thread of their own.
+#[cfg(unix)]
+pub fn handle() -> std::io::Result<()> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM].into_iter().filter(|s| !is_ignored(*s)))?;
+    std::thread::Builder::new().name("signals".into()).spawn(move || signals.forever().for_each(|_| answer()))?;
+    Ok(())
+}
+
+/// Leave signals as they are.
+#[cfg(not(unix))]
+pub fn handle() -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    // SAFETY: a zeroed `sigaction` is valid, and with a null pointer for the new action the call only reads the present one.
+    unsafe {
+        let mut action: libc::sigaction = std::mem::zeroed();
+        libc::sigaction(signal, std::ptr::null(), &mut action) == 0 && action.sa_sigaction == libc::SIG_IGN
+    }
 }

@@ -18,7 +18,7 @@ mod shader;
 mod simulate;
 mod solve;
 mod stitch;
-mod sweep;
+pub mod sweep;
 
 pub use crate::args::SchemaKind;
 pub use bench::{BenchJob, RenderBench, SimBench};

@@ -43,6 +43,9 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     exit_when_output_is_closed();
     return_large_blocks();
+    if let Err(e) = interrupt::handle() {
+        eprintln!("warning: signals end the program without a message: {e}");
+    }
     let args = Args::parse();
     if let Some(threads) = args.threads
         && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()

@@ -26,7 +26,7 @@ pub fn simulate(job: ModelRun) -> Outcome {
     if let Some(until) = until.filter(|until| *until > duration) {
         eprintln!("warning: --until {until} is after the end of the model: its `duration` is {duration} s");
     }
-    let mut console = Console { progress: None, interruption: Listener::new()? };
+    let mut console = Console { progress: None, interruption: Listener::new() };
     run::simulate(&file, resolved, &folder, &span, &mut console).map_err(|e| match e {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
@@ -128,8 +128,8 @@ const METADATA: &str = "metadata.yaml";
 /// the user has edited the file there.
 fn write_metadata(frames: &[Frame], writer: &mut RunWriter) -> Result<bool, Fault> {
     let data = Data { run: Some(".".into()), ..Data::default() };
-    match bind::suggest::metadata(data, &frames.iter().collect::<Vec<_>>()) {
-        Ok(metadata) => writer.write_generated(METADATA, &bind::suggest::to_yaml(&metadata, &frames[0])),
+    match bind::suggest::metadata(data, frames) {
+        Ok(suggestion) => writer.write_generated(METADATA, &suggestion.yaml),
         // Nothing to look at: a model of planes alone.
         Err(_) => Ok(true),
     }

@@ -5,7 +5,7 @@ use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene, Statistics};
 use crate::machine::peak_bytes;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
-use crate::{image_file, model_run, shard_file};
+use crate::{image_file, interrupt, model_run, shard_file};
 use bind::emit;
 use frame::{Fault, FaultKind};
 use render::film::bucket::Shard;
@@ -39,7 +39,7 @@ fn frames(job: RenderFrames) -> Outcome {
 
 /// Render the images of a job, or a shard of each; the frames whose data cannot be drawn are returned.
 pub fn images(job: &ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<FailedFrames> {
-    let mut failed = FailedFrames::default();
+    let mut failed = FailedFrames::new("rendered");
     images_but_failed(job, shard, statistics, &mut failed)?;
     Ok(failed)
 }
@@ -59,6 +59,7 @@ fn images_but_failed(
     let progress = Progress::start("rendering", frames.len() as u64, "frames");
     let (mut values, mut proven) = (MissingValues::default(), false);
     for (done, frame) in frames.iter().enumerate() {
+        interrupt::remark(format!("{done} of {} images are rendered; go on with --missing", frames.len()));
         match image(job, *frame, shard, &mut values) {
             Ok(result) => {
                 report_statistics(&result, *frame, &written(&job.image(*frame), shard), statistics)?;
@@ -68,6 +69,7 @@ fn images_but_failed(
         }
         progress.at(done as u64 + 1);
     }
+    interrupt::remark(String::new());
     progress.finish();
     values.warn();
     job.passes.iter().try_for_each(|pass| images_but_failed(pass, shard, statistics, failed))

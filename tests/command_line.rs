@@ -201,7 +201,18 @@ fn files_of_the_command_use_only_lower_layers() {
     assert!(all.len() > 40 && uses["main"].contains("job") && uses["job/bench"].contains("job/simulate"), "{uses:#?}");
     assert!(uses["model_run"].contains("geometry") && uses["run"].contains("movie"), "{uses:#?}");
     // Leaves know neither the command line nor jobs.
-    let leaves = ["report", "progress", "source", "library", "machine", "image_file", "shard_file", "geometry"];
+    let leaves = [
+        "report",
+        "progress",
+        "source",
+        "library",
+        "machine",
+        "image_file",
+        "shard_file",
+        "geometry",
+        "failed",
+        "interrupt",
+    ];
     for (name, used) in &uses {
         let room = name.split('/').next().unwrap();
         for other in used {

@@ -159,6 +159,7 @@ fn faults_of_replaced_values_are_told_where_they_are_written() {
         ("solver.iteratoins=3", "did you mean `iterations`?"),
         ("step=-1", "--set step=-1: is -1, expected a number above 0"),
         ("bodies.grund.mass=3", "did you mean `ground`?"),
+        ("materials.ston.friction=0.3", "there is no key, index or name `ston`"),
         ("fills.stones.radius=[0.05, x]", "--set fills.stones.radius=[0.05, x]: "),
         ("materials=[", "the value is not YAML"),
     ] {
@@ -168,6 +169,7 @@ fn faults_of_replaced_values_are_told_where_they_are_written() {
     }
     let sweep = format!("{STONES}sweep:\n  materials.stone.friction: [0.2, -0.4]\n  step: [0.001, 0.002]\n");
     let model = work.write("s.yaml", &sweep);
+    assert!(scree(&["check", &model]).fails(3).contains("s.yaml:10:35: "));
     for plan in [&["--plan"][..], &[]] {
         let said = scree(&[&["simulate", &model, "-o", &run], plan].concat()).fails(3);
         assert!(said.contains("s.yaml:10:35: ") && said.contains("is -0.4"), "{said}");
@@ -246,6 +248,50 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
 }
 
 #[test]
+fn the_ground_of_a_scene_goes_below_the_data() {
+    let work = Work::new();
+    let height = |bodies: &str| {
+        let head = "step: 0.002\nduration: 0.02\nframe_rate: 50\nmaterials: {m: {density: 2600, friction: 0.5}}\n";
+        let model = work.write("m.yaml", &format!("{head}{bodies}"));
+        let run = work.at("run");
+        scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
+        let metadata = work.read("run/metadata.yaml").replace("studio.rib", "lunar.rib");
+        work.write("run/metadata.yaml", &metadata);
+        let rib = scree(&["rib", &run, "-f", "0"]).ok();
+        let shift = rib
+            .lines()
+            .map(str::trim)
+            .find(|l| l.starts_with("Translate 0 0 "))
+            .map_or(0.0, |l| l.rsplit(' ').next().unwrap().parse::<f64>().unwrap());
+        std::fs::remove_dir_all(&run).unwrap();
+        (shift, rib.matches("Surface \"ground\"").count())
+    };
+    // A plane that is not z = 0, terrain with a trough of half a metre, and a ball that nothing carries.
+    let plane = "{name: floor, material: m, plane: {normal: [0, 0, 1]}, position: [0, 0, -0.7]}";
+    let ball = "{name: ball, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.2]}";
+    assert_eq!(height(&format!("bodies: [{plane}, {ball}]\n")), (-0.7, 0));
+    let field = "{name: soil, material: m, height_field: {grid: soil.txt, size: [2, 2]}}";
+    work.write("soil.txt", "0 0 0\n0 -0.5 0\n0 0 0\n");
+    let (below, n_grounds) = height(&format!("bodies: [{field}, {ball}]\n"));
+    assert!((-0.55..-0.5).contains(&below) && n_grounds == 1, "{below}");
+    let (below, _) = height(&format!("bodies: [{}]\n", ball.replace("0.2]", "-2]")));
+    assert!((below - -2.1).abs() < 0.01, "{below}");
+}
+
+#[test]
+fn a_model_may_be_copied_and_renamed() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    scree(&["simulate", &model, "-o", &run]).ok();
+    let copy = work.write("copy.yaml", &STONES.replace("duration: 0.1", "duration: 0.12"));
+    scree(&["simulate", &copy, "-o", &run, "--resume"]).ok();
+    assert_eq!(frames(&run).len(), 6);
+    let changed = work.write("copy.yaml", &STONES.replace("0.1\n", "0.2\n").replace("2600", "2500"));
+    let said = scree(&["simulate", &changed, "-o", &run]).fails(2);
+    assert!(said.contains("changed since: materials.stone.density\n"), "{said}");
+}
+
+#[test]
 fn what_holds_the_grains_is_seen_through() {
     let work = Work::new();
     let text = "\
@@ -270,4 +316,30 @@ fills:
     let object = |name: &str| metadata.split("- name: ").find(|o| o.starts_with(name)).unwrap().to_string();
     assert!(object("bin").contains("opacity: 0.25"), "{metadata}");
     assert!(!object("block").contains("opacity") && !object("stones").contains("opacity"), "{metadata}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_render_between_whole_images() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    scree(&["simulate", &model, "-o", &run]).ok();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
+        .args(["render", &run, "--res", "1600x900", "--samples", "6"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let first = Path::new(&run).join("images/000000.png");
+    while !first.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("of 5 images are rendered; go on with --missing"), "{said}");
+    let images = std::fs::read_dir(Path::new(&run).join("images")).unwrap().flatten();
+    for path in images.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "png")) {
+        image::open(path).unwrap();
+    }
 }

@@ -21,7 +21,7 @@ fn drawn(name: &str, bytes: &[u8]) -> (String, String, String) {
 
 #[test]
 fn tables_of_other_programs_are_drawn() {
-    let latin = b"x [\xb5m];y;z;angle [\xb0]\n0,1;0;0;3\n0,2;0;0;4\n".to_vec();
+    let latin = b"x [\xb5m];y [\xb5m];z [\xb5m];angle [\xb0]\n0,1;0;0;3\n0,2;0;0;4\n".to_vec();
     let utf16: Vec<u8> = "\u{feff}x\ty\tz\tradius\r\n0,5\t0\t0\t0,1\r\n1\t0\t0\t0,1\r\n"
         .encode_utf16()
         .flat_map(u16::to_le_bytes)
@@ -34,7 +34,7 @@ fn tables_of_other_programs_are_drawn() {
             "radius: radius",
         ),
         ("europe.csv", b"x;y;z;r\n0,5;1,5;0;0,1\n1,5;1;0;0,1\n".to_vec(), "0.5 to 1.5", "radius: r"),
-        ("latin.csv", latin, "0.1 to 0.2 µm", "- x"),
+        ("latin.csv", latin, "lengths in µm are read as 0.000001 m each", "- 0.000001 * x"),
         ("excel.txt", utf16, "0.5 to 1", "radius: radius"),
         (
             "fortran.dat",
@@ -60,6 +60,34 @@ fn tables_of_other_programs_are_drawn() {
         assert!(metadata.contains(suggested), "{name}: {metadata}");
         assert!(!errors.contains("warning"), "{name}: {errors}");
     }
+}
+
+#[test]
+fn numbers_that_are_not_written_alike_are_placed() {
+    let work = scratch();
+    let table = work.path().join("p_1.csv");
+    let inspect = |rows: &str| {
+        std::fs::write(&table, format!("x;y;z\n{rows}")).unwrap();
+        scree(&["inspect", text(&table), "--write", text(&work.path().join("md.yaml"))]).fails(4)
+    };
+    let said = inspect("1.5;0;0\n1,5;0;0\n");
+    assert!(said.contains("p_1.csv:3:1: has `1,5` with a comma, and `1.5` of the same column has a point"), "{said}");
+    let said = inspect("1.5;0;0\n1.234.567;0;0\n");
+    assert!(said.contains("p_1.csv: column `x` has `1.234.567`, which is no number"), "{said}");
+}
+
+#[test]
+fn a_guessed_radius_is_half_the_spacing_and_said() {
+    let grid: Vec<String> = (0..1000).map(|k| format!("{},{},{}", k % 10, k / 10 % 10, k / 100)).collect();
+    let (shown, metadata, _) = drawn("grid.csv", format!("x,y,z\n{}\n", grid.join("\n")).as_bytes());
+    let remark = "no column tells a radius: 0.5 m is guessed from the distances between the rows";
+    assert!(shown.contains(&format!("note: {remark}")) && metadata.contains(&format!("# {remark}")), "{shown}");
+    assert!(metadata.contains("radius: 0.5\n"), "{metadata}");
+    // Few points stay points, and rows in one place can be looked at.
+    let (_, metadata, _) = drawn("few.csv", b"x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n");
+    assert!(metadata.contains("radius: 0.06"), "{metadata}");
+    let (_, metadata, _) = drawn("one.csv", b"x,y,z\n3,0,0\n3,0,0\n");
+    assert!(metadata.contains("radius: 0.1\n"), "{metadata}");
 }
 
 #[test]
@@ -98,8 +126,10 @@ fn an_empty_frame_is_the_bare_scene() {
     assert_ne!(image("000000.png"), image("000001.png"));
     std::fs::write(work.path().join("p_1.csv"), "x,y,z,radius\n").unwrap();
     assert!(scree(&["inspect", text(&pattern), "--write", text(&metadata)]).fails(4).contains("no rows"));
-    std::fs::write(work.path().join("p_0.csv"), "").unwrap();
-    assert!(scree(&["inspect", text(&pattern)]).fails(4).contains("p_0.csv:1:1: is empty"));
+    for (name, code) in [("p_0.csv", 5), ("p_1.csv", 4)] {
+        std::fs::write(work.path().join(name), "").unwrap();
+        assert!(scree(&["inspect", text(&pattern)]).fails(code).contains("p_0.csv:1:1: is empty"));
+    }
 }
 
 #[test]
@@ -122,6 +152,11 @@ fn a_bad_frame_is_reported_and_the_others_are_rendered() {
     assert!(said.contains("3 of 4 frames could not be rendered (0, 2, 3); the others were rendered"), "{said}");
     assert!(out.join("000001.png").is_file() && std::fs::read_dir(&out).unwrap().count() == 1);
     assert!(render("run").fails(5).contains("no movie is written"));
+    let again = work.path().join("again.yaml");
+    let said = scree(&["inspect", text(&work.path().join("p_*.csv")), "--write", text(&again)]).fails(5);
+    assert!(said.contains("error: frame 0: ") && said.contains("could not be read (0); frame 1 is shown"), "{said}");
+    assert_eq!(std::fs::read(&again).unwrap(), std::fs::read(&metadata).unwrap());
+    assert!(scree(&["check", text(&metadata)]).fails(4).contains("p_0.csv:3:3"));
     assert!(!out.join("md.mp4").exists() && !out.join("md.apng").exists());
     for k in 0..4 {
         std::fs::write(work.path().join(format!("p_{k}.csv")), "x,y,z,radius\n0,0\n").unwrap();

@@ -35,7 +35,7 @@ instant of a run where this would flatten the rest; a note then says so.
 Examples:
   scree plot runs/pendulums 'hinge.*' --times 0.5-2
   scree plot runs/sweep 'hinge.f*'
-  scree plot runs/a hinge.fx --with runs/b --with runs/c";
+  scree plot runs/a hinge.fx_world --with runs/b --with runs/c";
 
 /// Arguments of `scree plot`.
 #[derive(Args, Debug)]

@@ -1,6 +1,7 @@
 //! The job of `scree inspect`.
 
 use crate::args::InspectArgs;
+use crate::failed::FailedFrames;
 use crate::report::{Exit, Failure, Outcome};
 use bind::data::Source;
 use frame::Frame;
@@ -15,6 +16,8 @@ pub struct InspectJob {
     pub frames: Vec<u64>,
     /// The table of the inspected frame.
     pub table: Frame,
+    /// Frames that could not be read, of those that were looked at.
+    pub failed: FailedFrames,
     /// The metadata file to write.
     pub suggestion: Option<Suggestion>,
     /// Whether JSON is printed.
@@ -30,39 +33,62 @@ pub struct Suggestion {
 }
 
 impl InspectJob {
-    /// Check the arguments: open the data and read the frame.
+    /// Check the arguments: open the data and read the frame, or the first that can be read.
     pub fn check(args: InspectArgs) -> Outcome<InspectJob> {
         let source = Source::open(&args.data)?;
         let frames = source.numbers();
-        let frame = match args.frame {
+        let mut failed = FailedFrames::new("read");
+        let table = match args.frame {
             Some(f) if !frames.contains(&f) => {
                 let message = format!("--frame {f}: the data has {}", list::describe(&frames));
                 return Err(Failure::new(Exit::Usage, message));
             }
-            Some(f) => f,
-            None => *frames.first().ok_or_else(|| Failure::new(Exit::Data, "the data has no frames yet"))?,
+            Some(f) => source.read(f)?,
+            None => match first(&source, &frames, &mut failed)? {
+                Some(table) => table,
+                None => {
+                    failed.outcome(frames.len(), "")?;
+                    return Err(Failure::new(Exit::Data, "the data has no frames yet"));
+                }
+            },
         };
-        let table = source.read(frame)?;
-        let suggestion = args.write.map(|path| Suggestion::check(path, &source, &frames, table.rows())).transpose()?;
-        Ok(InspectJob { data: args.data, frames, table, suggestion, json: args.json })
+        let suggestion = match args.write {
+            Some(path) => Some(Suggestion::check(path, &source, &frames, table.rows(), &mut failed)?),
+            None => None,
+        };
+        Ok(InspectJob { data: args.data, frames, table, failed, suggestion, json: args.json })
     }
 }
 
+/// The first frame that can be read; those before it have failed.
+fn first(source: &Source, frames: &[u64], failed: &mut FailedFrames) -> Outcome<Option<Frame>> {
+    for frame in frames {
+        match source.read(*frame) {
+            Ok(table) => return Ok(Some(table)),
+            Err(fault) => failed.note(*frame, fault.into(), false, frames.len())?,
+        }
+    }
+    Ok(None)
+}
+
 impl Suggestion {
-    /// Read frames of the data. A frame that cannot be read is passed over here: who renders the data is told of it.
-    fn check(path: PathBuf, source: &Source, frames: &[u64], n_rows: usize) -> Outcome<Suggestion> {
-        let (mut read, mut fault) = (vec![], None);
-        for frame in bind::suggest::sample(frames, n_rows) {
+    /// Read frames of the data; those that cannot be read have failed.
+    fn check(
+        path: PathBuf,
+        source: &Source,
+        frames: &[u64],
+        n_rows: usize,
+        failed: &mut FailedFrames,
+    ) -> Outcome<Suggestion> {
+        let mut read = vec![];
+        let mut sample = bind::suggest::sample(frames, n_rows);
+        sample.retain(|frame| !failed.contains(*frame));
+        for frame in sample {
             match source.read(frame) {
-                Ok(table) if table.rows() > 0 => read.push(table),
-                Ok(_) => {}
-                Err(e) => fault = Some(e),
+                Ok(table) => read.push(table),
+                Err(fault) => failed.note(frame, fault.into(), false, frames.len())?,
             }
         }
-        match (read.is_empty(), fault) {
-            (true, Some(fault)) => Err(fault.into()),
-            (true, None) => Err(Failure::new(Exit::Data, "the data has no rows from which a camera could be placed")),
-            (false, _) => Ok(Suggestion { path, frames: read }),
-        }
+        Ok(Suggestion { path, frames: read })
     }
 }

@@ -123,7 +123,7 @@ fn is_same_folder(a: &Path, b: &Path) -> bool {
 }
 
 /// The path of a folder's movie, without ending: a folder `images` has the movie of the folder that it is in, there; any other has
-/// one of its own name, beside it.
+/// one of its own name, beside it, or in it if the folder around it has the same name.
 fn default_stem(folder: &Path) -> PathBuf {
     let absolute = || folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
     let (folder, name) = match folder.file_name() {
@@ -132,12 +132,13 @@ fn default_stem(folder: &Path) -> PathBuf {
         None => (absolute(), absolute().file_name().unwrap_or(OsStr::new("movie")).to_os_string()),
     };
     let beside = folder.parent().unwrap_or(Path::new(""));
-    if name != "images" {
-        return beside.join(name);
-    }
     let absolute = folder.canonicalize().unwrap_or_else(|_| folder.clone());
     let owner = beside.file_name().or_else(|| absolute.parent().and_then(Path::file_name));
-    beside.join(owner.unwrap_or(OsStr::new("movie")))
+    match owner {
+        owner if name == "images" => beside.join(owner.unwrap_or(OsStr::new("movie"))),
+        Some(owner) if owner == name => folder.join(name),
+        _ => beside.join(name),
+    }
 }
 
 /// Check that a folder has PNG images.
@@ -222,6 +223,7 @@ mod tests {
             ("runs/a/images/", "runs/a/a"),
             ("runs/friction=0.3/images", "runs/friction=0.3/friction=0.3"),
             ("runs/a/wide", "runs/a/wide"),
+            ("runs/a/a", "runs/a/a/a"),
             ("runs/a/images/depth", "runs/a/images/depth"),
         ] {
             assert_eq!(default_stem(Path::new(folder)), Path::new(movie), "{folder}");

@@ -54,6 +54,7 @@ impl PlotJob {
     /// Check the arguments: read the tables and choose among their columns.
     pub fn check(args: PlotArgs) -> Outcome<PlotJob> {
         let PlotArgs { run, columns: patterns, with, output, times, full_range } = args;
+        no_paths(&patterns, &run)?;
         let is_overlay = !with.is_empty() || !table::is_table(&run);
         let mut paths = vec![];
         for path in std::iter::once(&run).chain(&with) {
@@ -70,6 +71,17 @@ impl PlotJob {
         let folder = output.unwrap_or_else(|| beside.join("plots"));
         Ok(PlotJob { plots: with_own_names(split(plots)), folder, full_range, warnings })
     }
+}
+
+/// Refuse runs among the columns, as a shell's `runs/*` gives them.
+fn no_paths(patterns: &[String], run: &Path) -> Outcome {
+    let Some(path) = patterns.iter().find(|p| p.contains('/') && Path::new(p).exists()) else { return Ok(()) };
+    let message = format!(
+        "`{path}` is a path where a column's name was expected\n  = runs go into one plot by --with: \
+         scree plot {} --with {path} …; or give the folder that holds them all",
+        run.display()
+    );
+    Err(Failure::new(Exit::Usage, message))
 }
 
 /// Keep the columns whose names match one of the patterns, or all if there are no patterns.

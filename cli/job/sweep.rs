@@ -77,7 +77,7 @@ impl SweepJob {
         let is_chosen = |i: usize| args.sweep_index.is_none_or(|only| only == i);
         let chosen = combinations.into_iter().enumerate().filter(|(i, _)| is_chosen(*i));
         let runs = chosen.map(|(index, combination)| {
-            let (mut file, doc) = load(&args.model, &[&set[..], &combination.values].concat())?;
+            let (mut file, doc) = load(&args.model, &set, &combination)?;
             if args.csv {
                 file.format = FrameFormat::Csv;
             }
@@ -98,9 +98,19 @@ impl SweepJob {
     }
 }
 
+/// Check the models of all combinations of a sweep; their number.
+pub fn check(model: &Path, file: &ModelFile, doc: &Document) -> Outcome<usize> {
+    let combinations = combinations(file, doc)?;
+    for combination in &combinations {
+        let (file, doc) = load(model, &[], combination)?;
+        file.resolve(&doc)?;
+    }
+    Ok(combinations.len())
+}
+
 /// Load the model of a combination, which has no sweep itself.
-fn load(model: &Path, replacements: &[Replacement]) -> Outcome<(ModelFile, Document)> {
-    let (mut file, doc) = model_file::load(model, replacements)?;
+fn load(model: &Path, set: &[Replacement], combination: &Combination) -> Outcome<(ModelFile, Document)> {
+    let (mut file, doc) = model_file::load(model, &[set, &combination.values].concat())?;
     file.sweep.clear();
     Ok((file, doc))
 }

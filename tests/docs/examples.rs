@@ -79,11 +79,12 @@ fn step(path: &Path, place: &str) {
     assert!(report.broken.is_none() && report.warnings.is_empty(), "{place}: {report:?}");
 }
 
-/// Have a file checked; a warning counts as a fault.
+/// Have a file checked; a warning counts as a fault, but for one of rows that lack values, as a page shows them.
 fn check(folder: &Path, name: &str, kind: &str, place: &str) {
     let output = scree_in(folder, &["check".into(), name.into()]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    let is_sound = output.status.success() && said.contains(kind) && !said.contains("warning");
+    let has_warning = said.lines().any(|l| l.contains("warning") && !l.contains("for want of a value"));
+    let is_sound = output.status.success() && said.contains(kind) && !has_warning;
     assert!(is_sound, "{place}: expected a sound {kind}, found {said}");
 }
 

@@ -97,7 +97,8 @@ fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
     let columns = table.columns.iter().filter(|(f, c)| is_curve(&f.name, c));
     let column = |(f, c): &(Field, Column)| TimeColumn {
         name: f.name.clone(),
-        unit: f.unit.clone(),
+        // A pure number's axis shows no unit.
+        unit: if f.unit == "1" { String::new() } else { f.unit.clone() },
         points: points(c),
         has_start: true,
     };

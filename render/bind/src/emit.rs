@@ -6,7 +6,8 @@
 //! #scree inject lights              the binding's lights, or the default ones
 //! #scree inject objects [NAME…]     the objects of these names, or all
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
-//! #scree ground                     nothing: the scene has a ground, so that objects marked as `ground` are left out
+//! #scree ground                     a shift of what follows, the scene's own ground, to the binding's height; objects marked as
+//!                                   `ground` are left out then
 //! ```
 
 mod archive;
@@ -51,14 +52,7 @@ pub fn frame(
     files: &Files,
     ri: &mut dyn Ri,
 ) -> Result<Missing, EmitError> {
-    let mut missing = Missing::default();
-    let mut prepared = Vec::new();
-    for (i, object) in binding.objects.iter().enumerate() {
-        let object = instances::prepare(binding, i, object, frame)?;
-        missing.undrawn.add(&object.missing.undrawn);
-        missing.uncolored.add(&object.missing.uncolored);
-        prepared.push(object);
-    }
+    let (prepared, missing) = prepare(binding, frame)?;
     let stand = camera::stand(binding, frame)?;
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
@@ -89,7 +83,8 @@ pub fn frame(
                 "`#scree inject {}` is unknown, expected camera, lights or objects",
                 what.unwrap_or("")
             ))),
-            (Some("ground"), None) => Ok(()),
+            (Some("ground"), None) if binding.ground_height == 0.0 => Ok(()),
+            (Some("ground"), None) => ri.translate([0.0, 0.0, binding.ground_height]),
             _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject`, `override` or `ground`"))),
         }
     });
@@ -99,6 +94,25 @@ pub fn frame(
         return Err(binding.doc.fault("scene", message).into());
     }
     Ok(missing)
+}
+
+/// Check the values of a frame that the objects are drawn from; gives those that the rows lack. An error if a column is missing, or if a
+/// value is no number, not finite or a size that is not above 0.
+pub fn check(binding: &Binding, frame: &Frame) -> Result<Missing, Fault> {
+    prepare(binding, frame).map(|(_, missing)| missing)
+}
+
+/// The instances of all objects, and what the rows lack.
+fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
+    let mut missing = Missing::default();
+    let mut prepared = Vec::new();
+    for (i, object) in binding.objects.iter().enumerate() {
+        let object = instances::prepare(binding, i, object, frame)?;
+        missing.undrawn.add(&object.missing.undrawn);
+        missing.uncolored.add(&object.missing.uncolored);
+        prepared.push(object);
+    }
+    Ok((prepared, missing))
 }
 
 /// A setting that the file makes and the scene does not take would be lost silently: that is an error.

@@ -2,14 +2,17 @@
 
 mod framing;
 mod names;
+mod survey;
 
 use crate::expr;
 use crate::metadata::{
     ArchiveSpec, BoxSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity, RoundSpec, Shader,
     SphereSpec,
 };
-use frame::{Column, Frame};
+use frame::{Column, Field, Frame};
 use framing::rounded;
+use names::Names;
+use survey::{Kind, Survey};
 
 fn column(name: &str) -> Quantity {
     Quantity::Expression(expr::quoted(name))
@@ -23,36 +26,39 @@ pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
     (0..n).map(|k| frames[k * (frames.len() - 1) / (n - 1).max(1)]).collect()
 }
 
+/// Metadata suggested for data.
+pub struct Suggestion {
+    /// The metadata file's text.
+    pub yaml: String,
+    /// What had to be guessed or converted, in a sentence each.
+    pub remarks: Vec<String>,
+}
+
 /// Suggest metadata for data, from some of its frames (such as the first and the last). An error if there is no frame, or if no
 /// columns of positions are recognised.
-pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
-    let frame = *frames.first().ok_or("the data has no frames")?;
+pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
+    let some = frames.iter().find(|frame| frame.rows() > 0);
+    let frame = some.ok_or("the data has no rows from which a camera could be placed")?;
     let has = |name: &str| names::is_numeric(frame, name);
-    let Some(position) = names::position(frame) else {
-        return Err(format!(
-            "no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {}",
-            frame.names().join(", ")
-        ));
-    };
-    let radius = names::radius(frame);
-    if frames.iter().all(|frame| frame.rows() == 0) {
-        return Err("the data has no rows from which a camera could be placed".into());
-    }
-    let framing::Extent { mut lo, mut hi, n_rows } =
-        framing::extent(frames, position, radius).ok_or("the data has no finite positions")?;
+    let position = names::position(frame).ok_or_else(|| no_position(frame))?;
+    let names = Names { position, radius: names::radius(frame) };
+    let surveys: Vec<Survey> = frames.iter().map(|frame| Survey::of(frame, &names)).collect();
+    let [mut lo, mut hi] = framing::extent(&surveys).ok_or("the data has no finite positions")?;
     let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
-    // Where no column tells a radius, that of spheres which would fill the box; where they are all in one place, any.
-    let size = if hi == lo { 0.1 } else { rounded((hi - lo).length() / (2.0 * (n_rows as f32).cbrt())) };
-    if hi == lo || (radius.is_none() && !is_ours) {
+    let is_guessed = names.radius.is_none() && !is_ours;
+    let size = if is_guessed { framing::radius_by_spacing(&surveys) } else { None }.map_or(0.1, rounded);
+    if hi == lo || is_guessed {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
+    let kinds = kinds(&surveys);
+    let ground_height = ground_height(&surveys, &kinds, lo.z, hi.z);
     let objects = if is_ours {
-        let containers = framing::containers(frames, position, radius);
-        classes(frames, &containers, (hi - lo).length())
+        let containers = framing::containers(&surveys);
+        kinds_as_objects(&kinds, &containers, ground_height, (hi - lo).length())
     } else {
-        let radius = radius.map_or(Quantity::Number(size), |r| r.quantity());
+        let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
-            position: position.map(column),
+            position: position.map(|p| p.quantity()),
             ..object(
                 "particles",
                 None,
@@ -61,35 +67,38 @@ pub fn metadata(data: Data, frames: &[&Frame]) -> Result<Metadata, String> {
             )
         }]
     };
-    Ok(Metadata {
+    let metadata = Metadata {
         data: Some(data),
         scene: "studio.rib".into(),
         camera: Some(framing::camera(lo, hi)),
+        ground_height,
         objects,
         ..Metadata::default()
-    })
+    };
+    let mut remarks = vec![];
+    if is_guessed {
+        remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
+    }
+    let lengths = position.into_iter().chain(names.radius);
+    let mut units: Vec<(&str, f64)> = lengths.filter_map(|length| names::unit(frame, length.column)).collect();
+    units.dedup();
+    remarks.extend(units.iter().map(|(unit, metres)| format!("lengths in {unit} are read as {metres} m each")));
+    Ok(Suggestion { yaml: to_yaml(&metadata, frame, &remarks), remarks })
 }
 
-/// Whether a plane is a wall: its normal is level.
-fn is_wall(frame: &Frame, row: usize) -> bool {
-    normal_z(frame, row) < 0.5
-}
-
-/// Vertical part of a plane's normal.
-fn normal_z(frame: &Frame, row: usize) -> f32 {
-    let number = |name: &str| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
-    let (x, y) = (number("quat_x"), number("quat_y"));
-    1.0 - 2.0 * (x * x + y * y)
-}
-
-/// Whether all planes of a class are the ground z = 0, which many scenes have themselves.
-fn is_ground(frames: &[&Frame], class: &str) -> bool {
-    let mut rows = frames.iter().flat_map(|frame| (0..frame.rows()).map(move |row| (frame, row)));
-    let is_of = |frame: &Frame, row: usize, column: &str, name: &str| matches!(frame.column(column), Some(Column::Category { codes, names }) if names[codes[row] as usize] == name);
-    rows.all(|(frame, row)| {
-        let height = frame.column("pos_z").and_then(|c| c.number(row)).unwrap_or(0.0);
-        let is_plane = is_of(frame, row, "shape", "plane") && is_of(frame, row, "class", class);
-        !is_plane || is_wall(frame, row) || (height.abs() < 1e-3 && normal_z(frame, row) > 0.999_999)
+/// Why a frame has no columns of positions.
+fn no_position(frame: &Frame) -> String {
+    let of_words = |(field, column): &(Field, Column)| match column {
+        Column::Category { .. } if ["x", "y", "z", "pos_x", "pos_y", "pos_z"].contains(&field.name.as_str()) => {
+            let is_word = |row: &usize| frame::csv::number(&column.text(*row)).is_none();
+            let word = (0..frame.rows()).find(is_word).map(|row| column.text(row))?;
+            Some(format!("column `{}` has `{word}`, which is no number: its rows have no positions", field.name))
+        }
+        _ => None,
+    };
+    frame.columns.iter().find_map(of_words).unwrap_or_else(|| {
+        let names = frame.names().join(", ");
+        format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {names}")
     })
 }
 
@@ -123,37 +132,53 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
     }
 }
 
-/// One object for each class and shape of a run of ours.
-fn classes(frames: &[&Frame], containers: &[String], extent: f32) -> Vec<Object> {
-    let mut seen: Vec<(String, String)> = Vec::new();
-    for frame in frames {
-        let (Some(class), Some(shape)) = (frame.column("class"), frame.column("shape")) else { continue };
-        for row in 0..frame.rows() {
-            let pair = (class.text(row), shape.text(row));
-            // Planes that stand upright are walls, which would hide what is behind them.
-            if pair.1 == "plane" && is_wall(frame, row) {
-                continue;
-            }
-            if !seen.contains(&pair) {
-                seen.push(pair);
-            }
+/// The classes and shapes of all frames.
+fn kinds<'a>(surveys: &[Survey<'a>]) -> Vec<Kind<'a>> {
+    let mut all: Vec<Kind<'_>> = Vec::new();
+    for kind in surveys.iter().flat_map(|survey| &survey.kinds) {
+        match all.iter_mut().find(|k| (k.class, k.shape) == (kind.class, kind.shape)) {
+            Some(before) => before.merge(kind),
+            None => all.push(kind.clone()),
         }
     }
+    all
+}
+
+/// The height at which a scene may have a ground of its own, m: that of the lowest level plane, or below terrain, or else below what
+/// would stand under z = 0. `lo` and `hi` are the heights of the things.
+fn ground_height(surveys: &[Survey<'_>], kinds: &[Kind<'_>], lo: f32, hi: f32) -> f32 {
+    /// A gap below terrain, over the height of what is seen.
+    const GAP: f32 = 0.02;
+    let planes = kinds.iter().filter_map(|kind| kind.levels.map(|[level, _]| level)).reduce(f32::min);
+    let terrain = surveys.iter().flat_map(|survey| &survey.terrain).map(|t| t.lo.z).reduce(f32::min);
+    let below = terrain.map(|z| z - GAP * (hi - z).max(hi - lo));
+    let height = match (planes, below.map(|z| rounded(z) as f32)) {
+        (Some(plane), Some(below)) => plane.min(below),
+        (plane, below) => plane.or(below).unwrap_or(rounded(lo.min(0.0)) as f32),
+    };
+    if height.abs() < 1e-3 { 0.0 } else { height }
+}
+
+/// One object for each class and shape of a run of ours.
+fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32, extent: f32) -> Vec<Object> {
+    // Walls would hide what is behind them.
+    let drawn = || kinds.iter().filter(|kind| kind.has_others);
     let static_of = |class: &str| {
         matches!(class, "ground" | "floor" | "wall" | "left" | "right" | "front" | "back" | "beam" | "table")
     };
-    let mut names: Vec<&String> = vec![];
-    for (class, _) in seen.iter().filter(|(c, s)| !matches!(s.as_str(), "sphere" | "plane") && !static_of(c)) {
-        if !names.contains(&class) {
-            names.push(class);
+    let mut names: Vec<&str> = vec![];
+    for kind in drawn().filter(|k| !matches!(k.shape, "sphere" | "plane") && !static_of(k.class)) {
+        if !names.contains(&kind.class) {
+            names.push(kind.class);
         }
     }
-    let paint = |class: &String| names.iter().position(|n| *n == class).map(|k| PAINTS[k % PAINTS.len()]);
-    seen.iter()
-        .map(|(class, shape)| {
+    let paint = |class: &str| names.iter().position(|n| *n == class).map(|k| PAINTS[k % PAINTS.len()]);
+    drawn()
+        .map(|kind| {
+            let Kind { class, shape, .. } = *kind;
             let half = ["half_x", "half_y", "half_z"].map(column);
             let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
-            let (geometry, surface, color) = match shape.as_str() {
+            let (geometry, surface, color) = match shape {
                 "sphere" => (
                     Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
                     "gravel",
@@ -183,29 +208,32 @@ fn classes(frames: &[&Frame], containers: &[String], extent: f32) -> Vec<Object>
                     (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
                 }
             };
-            let alone = seen.iter().filter(|(c, _)| c == class).count() == 1;
-            let name = if alone { class.clone() } else { format!("{class}_{shape}") };
-            let select = if alone {
-                format!("class == '{class}'")
-            } else {
-                format!("class == '{class}' and shape == '{shape}'")
-            };
+            let alone = kinds.iter().filter(|k| k.class == class).count() == 1;
+            let name = if alone { class.to_string() } else { format!("{class}_{shape}") };
+            let mut select = format!("class == '{class}'");
+            if !alone {
+                select += &format!(" and shape == '{shape}'");
+            }
+            if kind.has_walls {
+                select += " and quat_x * quat_x + quat_y * quat_y < 0.25";
+            }
             let (surface, color) = match paint(class) {
-                Some(paint) if matches!(shape.as_str(), "box" | "cylinder" | "capsule" | "cone") => ("plastic", paint),
+                Some(paint) if matches!(shape, "box" | "cylinder" | "capsule" | "cone") => ("plastic", paint),
                 _ => (surface, color),
             };
-            let ground = shape == "plane" && is_ground(frames, class);
+            let ground = kind.is_level_at(ground_height);
             // Seen through once from the front and once behind, the content is still clear.
-            let opacity = containers.contains(class).then_some(0.25);
+            let opacity = containers.contains(&class).then_some(0.25);
             Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) }
         })
         .collect()
 }
 
-/// Write metadata as YAML, with a line, commented out, that colours the first object by a column of the frame.
-pub fn to_yaml(metadata: &Metadata, frame: &Frame) -> String {
+/// Write metadata as YAML, with remarks, and a line, commented out, that colours the first object by a column of the frame.
+fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
-    let head = "# What to draw, found out from the data; change what you like.\n";
+    let mut head = "# What to draw, found out from the data; change what you like.\n".to_string();
+    remarks.iter().for_each(|remark| head += &format!("# {remark}.\n"));
     let taken = |name: &str| names::is_position_or_size(frame, name);
     let numeric = |name: &&str| names::is_numeric(frame, name);
     let names = frame.names();

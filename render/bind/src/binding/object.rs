@@ -41,7 +41,7 @@ pub struct Object<F = Formula, M = Map> {
     pub color: Color<F, M>,
     /// Opacity, 0 to 1.
     pub opacity: Option<f32>,
-    /// Whether the object is a ground, which is left out in scenes with a ground of their own (`#scree ground`).
+    /// Whether the object is the ground, which is left out in scenes with a ground of their own (`#scree ground`).
     pub is_ground: bool,
 }
 

@@ -81,6 +81,7 @@ impl Image {
             scene: self.scene_file,
             camera: self.camera.map(Camera::File),
             lights: None,
+            ground_height: 0.0,
             objects: self.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?,
             output: self.output,
             frame_rate: 24.0,

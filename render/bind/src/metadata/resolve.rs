@@ -29,9 +29,27 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
         placed.follow = Some(Formula::compile(&doc, "camera.follow".into(), &text)?);
     }
-    let (model, scene, lights) = (metadata.model, metadata.scene, metadata.lights);
+    let (model, scene, lights, ground_height) =
+        (metadata.model, metadata.scene, metadata.lights, metadata.ground_height);
+    if !ground_height.is_finite() {
+        return Err(doc.fault("ground_height", "expected a height in metres"));
+    }
     let (made, folders, passes) = (vec![], vec![], vec![]);
-    Ok(Binding { doc, model, data, scene, camera, lights, objects, output, frame_rate, made, folders, passes })
+    Ok(Binding {
+        doc,
+        model,
+        data,
+        scene,
+        camera,
+        lights,
+        ground_height,
+        objects,
+        output,
+        frame_rate,
+        made,
+        folders,
+        passes,
+    })
 }
 
 fn output(o: types::Output) -> Output {

@@ -23,6 +23,9 @@ pub struct Metadata {
     /// A RIB file of lights for the scene's `#scree inject lights`; default lights if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<String>,
+    /// The height of the scene's own ground, m, where it has one (`#scree ground`).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub ground_height: f32,
     /// The objects to draw.
     pub objects: Vec<Object>,
     /// The images.
@@ -405,6 +408,10 @@ impl Default for Color {
     fn default() -> Color {
         Color::Rgb([0.7, 0.7, 0.7])
     }
+}
+
+fn is_zero(x: &f32) -> bool {
+    *x == 0.0
 }
 
 fn default_scene() -> String {

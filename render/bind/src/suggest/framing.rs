@@ -1,9 +1,8 @@
 //! Framing of a whole animation: the box that its things are in, and a camera that sees it.
 
-use super::names::Radius;
+use super::survey::{Survey, Thing};
 use crate::metadata::CameraSpec;
-use frame::{Column, Frame};
-use glam::{Mat3, Quat, Vec3};
+use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// Number of alike rows of a frame from which on the outermost of them are strays.
@@ -12,101 +11,58 @@ const MANY: usize = 60;
 /// Share of alike rows that are strays on each side of each axis.
 const STRAYS: f32 = 0.03;
 
-/// The box in which the things of an animation are, m.
-pub(super) struct Extent {
-    pub(super) lo: Vec3,
-    pub(super) hi: Vec3,
-    /// Number of rows in the frame with the most.
-    pub(super) n_rows: usize,
-}
-
-/// A row as the camera sees it.
-struct Thing {
-    lo: Vec3,
-    hi: Vec3,
-    /// Largest half length, m.
-    size: f32,
-    /// Code of the class.
-    class: u32,
-}
-
-/// The box of all frames; none if no row has a finite position. Ground is looked at only where there is nothing else.
-pub(super) fn extent(frames: &[&Frame], position: [&str; 3], radius: Option<Radius<'_>>) -> Option<Extent> {
-    for with_ground in [false, true] {
-        let mut all: Option<Extent> = None;
-        for frame in frames {
-            let things = things(frame, position, radius, with_ground);
-            let Some([lo, hi]) = without_strays(&things) else { continue };
-            let before = all.get_or_insert(Extent { lo, hi, n_rows: 0 });
-            let n_rows = before.n_rows.max(things.len());
-            *before = Extent { lo: before.lo.min(lo), hi: before.hi.max(hi), n_rows };
-        }
-        if all.is_some() {
-            return all;
-        }
-    }
-    None
+/// The box of all frames; none if no row has a finite position. Terrain is looked at only where there is nothing else.
+pub(super) fn extent(surveys: &[Survey<'_>]) -> Option<[Vec3; 2]> {
+    let around = |of: for<'a> fn(&'a Survey<'_>) -> &'a [Thing]| {
+        let boxes = surveys.iter().filter_map(|survey| without_strays(of(survey)));
+        boxes.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])
+    };
+    around(|survey| &survey.things).or_else(|| around(|survey| &survey.terrain))
 }
 
 /// Classes whose box has a large part of the grains in it, as a drum or a hopper has: opaque, they would hide what they hold.
-pub(super) fn containers(frames: &[&Frame], position: [&str; 3], radius: Option<Radius<'_>>) -> Vec<String> {
+pub(super) fn containers<'a>(surveys: &[Survey<'a>]) -> Vec<&'a str> {
     /// Share of the grains in a container.
     const HELD: f32 = 0.3;
     let mut found = vec![];
-    for frame in frames {
-        let Some(Column::Category { names, .. }) = frame.column("class") else { continue };
-        let mut classes: BTreeMap<u32, Vec<Thing>> = BTreeMap::new();
-        for thing in things(frame, position, radius, false) {
-            classes.entry(thing.class).or_default().push(thing);
-        }
+    for survey in surveys.iter().filter(|survey| !survey.classes.is_empty()) {
+        let mut classes: BTreeMap<u32, Vec<&Thing>> = BTreeMap::new();
+        survey.things.iter().for_each(|thing| classes.entry(thing.class).or_default().push(thing));
         let (grains, others): (Vec<_>, Vec<_>) = classes.into_iter().partition(|(_, things)| things.len() >= MANY);
-        let grains: Vec<Vec3> = grains.iter().flat_map(|(_, g)| g.iter().map(|t| 0.5 * (t.lo + t.hi))).collect();
+        let grains: Vec<Vec3> = grains.iter().flat_map(|(_, grains)| grains.iter().map(|g| g.center())).collect();
         for (class, things) in others {
             let lo = things.iter().map(|t| t.lo).fold(Vec3::INFINITY, Vec3::min);
             let hi = things.iter().map(|t| t.hi).fold(Vec3::NEG_INFINITY, Vec3::max);
             let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
-            let name = &names[class as usize];
-            if !grains.is_empty() && n_inside as f32 > HELD * grains.len() as f32 && !found.contains(name) {
-                found.push(name.clone());
+            let name = survey.classes[class as usize].as_str();
+            if !grains.is_empty() && n_inside as f32 > HELD * grains.len() as f32 && !found.contains(&name) {
+                found.push(name);
             }
         }
     }
     found
 }
 
-/// The things of a frame: all but planes and, unless `with_ground`, terrain.
-fn things(frame: &Frame, position: [&str; 3], radius: Option<Radius<'_>>, with_ground: bool) -> Vec<Thing> {
-    let codes = |name: &str| match frame.column(name) {
-        Some(Column::Category { codes, names }) => Some((codes, names)),
-        _ => None,
+/// Radius of spheres that stand for points: half the usual distance of a point to the nearest other, m. None where all are in one
+/// place.
+pub(super) fn radius_by_spacing(surveys: &[Survey<'_>]) -> Option<f32> {
+    /// Distances to compute in all.
+    const WORK: usize = 1 << 26;
+    /// Largest radius over the diagonal of the box, for few points.
+    const MAX: f32 = 0.04;
+    let things = &surveys.iter().max_by_key(|survey| survey.things.len())?.things;
+    let n = (WORK / things.len().max(1)).clamp(16, 512).min(things.len());
+    let nearest = |at: usize| {
+        let center = things[at].center();
+        let distances = things.iter().map(|other| other.center().distance_squared(center));
+        // Points in the same place are parts of one body, or doubled.
+        distances.filter(|d| *d > 0.0).min_by(f32::total_cmp)
     };
-    let number = |name: &str, row: usize| frame.column(name).and_then(|c| c.number(row)).unwrap_or(0.0) as f32;
-    let (shapes, classes) = (codes("shape"), codes("class"));
-    let half = |shape: &str, row: usize| {
-        if shape.is_empty() || shape == "sphere" {
-            return Vec3::splat(radius.map_or(0.0, |r| number(r.column, row) * r.factor).max(0.0));
-        }
-        let mut half = Vec3::from_array(["half_x", "half_y", "half_z"].map(|name| number(name, row)));
-        if shape == "capsule" {
-            half.z += half.x;
-        }
-        let q = Quat::from_array(["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| number(name, row)));
-        let turn = Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { Quat::IDENTITY });
-        turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
-    };
-    let thing = |row: usize| {
-        let shape = shapes.map_or("", |(codes, names)| names[codes[row] as usize].as_str());
-        if shape == "plane" || (!with_ground && shape.starts_with("height_field")) {
-            return None;
-        }
-        let place = Vec3::from_array(position.map(|name| number(name, row)));
-        let is_known = position.iter().all(|name| frame.column(name).and_then(|c| c.number(row)).is_some());
-        let half = half(shape, row);
-        let class = classes.map_or(0, |(codes, _)| codes[row]);
-        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class };
-        (is_known && thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
-    };
-    (0..frame.rows()).filter_map(thing).collect()
+    let mut spacings: Vec<f32> = (0..n).filter_map(|k| nearest(k * things.len() / n)).collect();
+    spacings.sort_by(f32::total_cmp);
+    let usual = spacings.get(spacings.len() / 2)?.sqrt();
+    let [lo, hi] = extent(surveys)?;
+    Some((0.5 * usual).min(MAX * lo.distance(hi)))
 }
 
 /// The box around things, without the outermost of many alike, as stray grains are. What is larger than most of its class is never
@@ -169,7 +125,7 @@ pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     }
 }
 
-/// Three figures are enough for a start.
+/// Four figures are enough for a start.
 pub(super) fn rounded(x: f32) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x as f64)
 }

@@ -37,20 +37,54 @@ const PLACES: [&str; 19] = [
 /// The last letters of the three columns of a vector.
 const AXES: [[char; 3]; 3] = [['x', 'y', 'z'], ['0', '1', '2'], ['1', '2', '3']];
 
-/// The column that a sphere's radius is read from.
-#[derive(Clone, Copy)]
-pub(super) struct Radius<'a> {
-    pub(super) column: &'a str,
-    /// Radius over the column's value: a half for diameters.
-    pub(super) factor: f32,
+/// The columns from which places and sizes are read.
+pub(super) struct Names<'a> {
+    pub(super) position: [Length<'a>; 3],
+    pub(super) radius: Option<Length<'a>>,
 }
 
-impl Radius<'_> {
-    /// The radius as a metadata file has it.
+/// A column of lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Length<'a> {
+    pub(super) column: &'a str,
+    /// Metres over the column's value: the column's unit, and a half for diameters.
+    pub(super) factor: f64,
+}
+
+impl Length<'_> {
+    /// The length as a metadata file has it.
     pub(super) fn quantity(self) -> Quantity {
         let column = expr::quoted(self.column);
         Quantity::Expression(if self.factor == 1.0 { column } else { format!("{} * {column}", self.factor) })
     }
+}
+
+/// Units of length, m, by their signs.
+const UNITS: [(&str, f64); 11] = [
+    ("m", 1.0),
+    ("dm", 0.1),
+    ("cm", 1e-2),
+    ("mm", 1e-3),
+    ("um", 1e-6),
+    ("µm", 1e-6),
+    ("μm", 1e-6),
+    ("nm", 1e-9),
+    ("km", 1e3),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+];
+
+/// The unit of a column of lengths that is not the metre, and its length, m: that of its field, or what stands in brackets in its name.
+pub(super) fn unit<'a>(frame: &'a Frame, name: &'a str) -> Option<(&'a str, f64)> {
+    let field = frame.columns.iter().map(|(field, _)| field).find(|field| field.name == name)?;
+    let bracketed = || Some(name.rsplit_once(['(', '['])?.1.trim_end_matches([')', ']']));
+    let sign = if field.unit.is_empty() { bracketed()? } else { &field.unit };
+    UNITS.into_iter().find(|(unit, _)| *unit == sign.trim()).filter(|(_, metres)| *metres != 1.0)
+}
+
+/// A column of lengths; `share` of its values is the length wanted.
+fn length<'a>(frame: &'a Frame, column: &'a str, share: f64) -> Length<'a> {
+    Length { column, factor: share * unit(frame, column).map_or(1.0, |(_, metres)| metres) }
 }
 
 /// Whether a frame has a column of numbers of this name.
@@ -60,7 +94,7 @@ pub(super) fn is_numeric(frame: &Frame, name: &str) -> bool {
 }
 
 /// The three columns of positions, if the frame has any.
-pub(super) fn position(frame: &Frame) -> Option<[&str; 3]> {
+pub(super) fn position(frame: &Frame) -> Option<[Length<'_>; 3]> {
     let exact = POSITIONS.into_iter().find(|p| p.iter().all(|name| is_numeric(frame, name)));
     let alike = || {
         PLACES.into_iter().flat_map(|place| AXES.map(|axes| (place, axes))).find_map(|(place, axes)| {
@@ -70,22 +104,24 @@ pub(super) fn position(frame: &Frame) -> Option<[&str; 3]> {
             Some([found[0]?, found[1]?, found[2]?])
         })
     };
-    exact.or_else(alike)
+    exact.or_else(alike).map(|names| names.map(|name| length(frame, name, 1.0)))
 }
 
 /// The column of the radius, or else of the diameter, if the frame has any.
-pub(super) fn radius(frame: &Frame) -> Option<Radius<'_>> {
+pub(super) fn radius(frame: &Frame) -> Option<Length<'_>> {
     let exact = RADII.into_iter().find(|name| is_numeric(frame, name));
     let radius = exact.or_else(|| ["radius", "particleradius", "rad", "r"].iter().find_map(|name| only(frame, name)));
     let diameter = || ["diameter", "particlediameter", "diam", "dia", "d"].iter().find_map(|name| only(frame, name));
-    let halved = || diameter().map(|column| Radius { column, factor: 0.5 });
-    radius.map(|column| Radius { column, factor: 1.0 }).or_else(halved)
+    let halved = || diameter().map(|column| length(frame, column, 0.5));
+    radius.map(|column| length(frame, column, 1.0)).or_else(halved)
 }
 
 /// Whether a column tells the position or the size.
 pub(super) fn is_position_or_size(frame: &Frame, name: &str) -> bool {
     let usual = POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
-    usual || position(frame).is_some_and(|p| p.contains(&name)) || radius(frame).is_some_and(|r| r.column == name)
+    usual
+        || position(frame).is_some_and(|p| p.iter().any(|p| p.column == name))
+        || radius(frame).is_some_and(|r| r.column == name)
 }
 
 /// The one column of numbers whose name is this but for capitals, units and characters between letters.
@@ -110,6 +146,10 @@ mod tests {
         frame
     }
 
+    fn columns(frame: &Frame) -> Option<[&str; 3]> {
+        position(frame).map(|p| p.map(|length| length.column))
+    }
+
     #[test]
     fn names_of_other_programs_are_known() {
         for names in [
@@ -120,20 +160,22 @@ mod tests {
             ["X (m)", "Y (m)", "Z (m)"],
             ["Particle Position X", "Particle Position Y", "Particle Position Z"],
         ] {
-            assert_eq!(position(&table(&names)), Some(names));
+            assert_eq!(columns(&table(&names)), Some(names));
         }
-        assert_eq!(position(&table(&["id", "X", "y", "Z", "Points:0", "Points:1", "Points:2"])), Some(["X", "y", "Z"]));
-        assert_eq!(position(&table(&["0", "1", "2", "x"])), None);
+        assert_eq!(columns(&table(&["id", "X", "y", "Z", "Points:0", "Points:1", "Points:2"])), Some(["X", "y", "Z"]));
+        assert_eq!(columns(&table(&["0", "1", "2", "x"])), None);
     }
 
     #[test]
     fn a_diameter_is_halved_where_there_is_no_radius() {
-        let text = |names: &[&str]| match radius(&table(names)).map(Radius::quantity) {
+        let text = |names: &[&str]| match radius(&table(names)).map(Length::quantity) {
             Some(Quantity::Expression(text)) => text,
             _ => String::new(),
         };
         assert_eq!(text(&["Diameter"]), "0.5 * Diameter");
-        assert_eq!(text(&["d [mm]"]), "0.5 * `d [mm]`");
+        assert_eq!(text(&["d [m]"]), "0.5 * `d [m]`");
+        assert_eq!(text(&["d [mm]"]), "0.0005 * `d [mm]`");
+        assert_eq!(text(&["R (µm)"]), "0.000001 * `R (µm)`");
         assert_eq!(text(&["diam", "Radius"]), "Radius");
         assert_eq!(text(&["id"]), "");
     }

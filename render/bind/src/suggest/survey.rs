@@ -1,0 +1,171 @@
+//! What the rows of a frame are: the boxes of things, and the classes with their shapes. Every row is read once.
+
+use super::names::{Length, Names};
+use frame::{Column, Frame};
+use glam::{Mat3, Quat, Vec3};
+
+/// A frame as a suggestion sees it.
+pub(super) struct Survey<'a> {
+    /// The boxes of the rows but planes and terrain, where their place is known.
+    pub(super) things: Vec<Thing>,
+    /// The boxes of the rows that are terrain.
+    pub(super) terrain: Vec<Thing>,
+    /// The classes and shapes, in the order of their first rows; empty if the frame is not one of a run of ours.
+    pub(super) kinds: Vec<Kind<'a>>,
+    /// Names of the classes, by their codes.
+    pub(super) classes: &'a [String],
+}
+
+/// A row as the camera sees it.
+pub(super) struct Thing {
+    pub(super) lo: Vec3,
+    pub(super) hi: Vec3,
+    /// Largest half length, m.
+    pub(super) size: f32,
+    /// Code of the class.
+    pub(super) class: u32,
+}
+
+/// All rows of one class and shape.
+#[derive(Clone)]
+pub(super) struct Kind<'a> {
+    pub(super) class: &'a str,
+    pub(super) shape: &'a str,
+    /// Whether some are planes that stand upright: walls, which would hide what is behind them.
+    pub(super) has_walls: bool,
+    /// Whether some are no walls.
+    pub(super) has_others: bool,
+    /// Lowest and highest of the planes that are level, m; none if there are no planes but walls, or some that are inclined.
+    pub(super) levels: Option<[f32; 2]>,
+}
+
+impl Thing {
+    pub(super) fn center(&self) -> Vec3 {
+        0.5 * (self.lo + self.hi)
+    }
+}
+
+/// The columns of a frame that are looked at.
+struct Columns<'a> {
+    place: [(Option<&'a Column>, f32); 3],
+    radius: (Option<&'a Column>, f32),
+    half: [Option<&'a Column>; 3],
+    turn: [Option<&'a Column>; 4],
+}
+
+fn number(column: Option<&Column>, row: usize) -> Option<f32> {
+    column.and_then(|c| c.number(row)).map(|x| x as f32)
+}
+
+impl<'a> Columns<'a> {
+    fn of(frame: &'a Frame, names: &Names<'_>) -> Columns<'a> {
+        let length = |length: Length<'_>| (frame.column(length.column), length.factor as f32);
+        Columns {
+            place: names.position.map(length),
+            radius: names.radius.map_or((None, 1.0), length),
+            half: ["half_x", "half_y", "half_z"].map(|name| frame.column(name)),
+            turn: ["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| frame.column(name)),
+        }
+    }
+
+    /// The half lengths of the box around a row.
+    fn half(&self, shape: &str, row: usize) -> Vec3 {
+        if shape.is_empty() || shape == "sphere" {
+            return Vec3::splat((number(self.radius.0, row).unwrap_or(0.0) * self.radius.1).max(0.0));
+        }
+        let mut half = Vec3::from_array(self.half.map(|c| number(c, row).unwrap_or(0.0)));
+        if shape == "capsule" {
+            half.z += half.x;
+        }
+        let q = Quat::from_array(self.turn.map(|c| number(c, row).unwrap_or(0.0)));
+        let turn = Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { Quat::IDENTITY });
+        turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
+    }
+
+    /// Vertical part of a plane's normal.
+    fn normal_z(&self, row: usize) -> f32 {
+        let [x, y] = [self.turn[0], self.turn[1]].map(|c| number(c, row).unwrap_or(0.0));
+        1.0 - 2.0 * (x * x + y * y)
+    }
+
+    fn thing(&self, shape: &str, class: u32, row: usize) -> Option<Thing> {
+        let [x, y, z] = self.place.map(|(column, factor)| number(column, row).map(|x| x * factor));
+        let place = Vec3::new(x?, y?, z?);
+        let half = self.half(shape, row);
+        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class };
+        (thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
+    }
+}
+
+impl<'a> Survey<'a> {
+    pub(super) fn of(frame: &'a Frame, names: &Names<'_>) -> Survey<'a> {
+        let category = |name: &str| match frame.column(name) {
+            Some(Column::Category { codes, names }) => (codes.as_slice(), names.as_slice()),
+            _ => (&[][..], &[][..]),
+        };
+        let (shape_codes, shapes) = category("shape");
+        let (class_codes, classes) = category("class");
+        let columns = Columns::of(frame, names);
+        let mut survey = Survey { things: vec![], terrain: vec![], kinds: vec![], classes };
+        // Index into the kinds by class and shape.
+        let mut kind_of = vec![usize::MAX; classes.len() * shapes.len()];
+        for row in 0..frame.rows() {
+            let shape_code = shape_codes.get(row).map(|code| *code as usize);
+            let class_code = class_codes.get(row).copied();
+            let shape = shape_code.map_or("", |code| shapes[code].as_str());
+            if let (Some(class), Some(shape)) = (class_code, shape_code) {
+                let at = &mut kind_of[class as usize * shapes.len() + shape];
+                if *at == usize::MAX {
+                    *at = survey.kinds.len();
+                    survey.kinds.push(Kind::new(&classes[class as usize], &shapes[shape]));
+                }
+                survey.kinds[*at].add(&columns, row);
+            }
+            if shape == "plane" {
+                continue;
+            }
+            let all = if shape.starts_with("height_field") { &mut survey.terrain } else { &mut survey.things };
+            all.extend(columns.thing(shape, class_code.unwrap_or(0), row));
+        }
+        survey
+    }
+}
+
+impl<'a> Kind<'a> {
+    fn new(class: &'a str, shape: &'a str) -> Kind<'a> {
+        Kind { class, shape, has_walls: false, has_others: false, levels: None }
+    }
+
+    fn add(&mut self, columns: &Columns<'_>, row: usize) {
+        if self.shape != "plane" {
+            self.has_others = true;
+            return;
+        }
+        let normal_z = columns.normal_z(row);
+        if normal_z < 0.5 {
+            self.has_walls = true;
+            return;
+        }
+        let height = number(columns.place[2].0, row).filter(|_| normal_z > 0.999_999);
+        let plane = Kind { has_others: true, levels: height.map(|z| [z, z]), ..*self };
+        self.merge(&plane);
+    }
+
+    /// Add what is known of the same class and shape in another frame.
+    pub(super) fn merge(&mut self, other: &Kind<'_>) {
+        self.has_walls |= other.has_walls;
+        if other.has_others {
+            self.levels = match (self.levels, other.levels) {
+                (Some([lo, hi]), Some([a, b])) => Some([lo.min(a), hi.max(b)]),
+                (_, levels) if !self.has_others => levels,
+                _ => None,
+            };
+            self.has_others = true;
+        }
+    }
+
+    /// Whether all rows but walls are planes at this height.
+    pub(super) fn is_level_at(&self, height: f32) -> bool {
+        self.levels.is_some_and(|levels| levels.iter().all(|level| (level - height).abs() < 1e-3))
+    }
+}
