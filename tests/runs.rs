@@ -185,6 +185,11 @@ fn hardly_meant_values_are_said() {
     let said = scree(&["simulate", &model, "-o", &work.at("run"), "--until", "3"]);
     said.ok();
     let said = said.errors();
+    let wide = STONES.replace("[-0.3, -0.3, 0.1], max: [0.3", "[-3, -3, 0.1], max: [3");
+    let answer = scree(&["simulate", &work.write("w.yaml", &wide), "-o", &work.at("wide")]);
+    answer.ok();
+    let one_sided = "w.yaml:8:37: 20 spheres cover one side of the region alone";
+    assert!(answer.errors().contains(one_sided) && answer.errors().contains("poisson_disk"), "{}", answer.errors());
     for part in [
         "m.yaml:4:21: a density of 2.6 kg/m³",
         "2.6 g/cm³ is 2600",
@@ -289,6 +294,35 @@ fn a_model_may_be_copied_and_renamed() {
     let changed = work.write("copy.yaml", &STONES.replace("0.1\n", "0.2\n").replace("2600", "2500"));
     let said = scree(&["simulate", &changed, "-o", &run]).fails(2);
     assert!(said.contains("changed since: materials.stone.density\n"), "{said}");
+}
+
+#[test]
+fn the_camera_goes_with_a_small_machine() {
+    let work = Work::new();
+    let text = "\
+step: 0.002
+duration: 0.2
+frame_rate: 20
+materials: {m: {density: 2600, friction: 0.1}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: cart, material: m, box: {size: [0.3, 0.2, 0.1]}, position: [0, 0, 0.05], velocity: [3, 0, 0]}
+  - {name: post, material: m, fixed: true, box: {size: [0.3, 0.3, 0.9]}, position: [3, 2, 0.45]}
+fills:
+  - {name: stones, material: m, count: 200, radius: [0.03, 0.05], packing: poisson_disk, min: [-6, -6, 0.2], max: [6, 6, 0.4]}
+";
+    let run = work.at("run");
+    scree(&["simulate", &work.write("m.yaml", text), "-o", &run]).ok();
+    let metadata = work.read("run/metadata.yaml");
+    assert!(metadata.contains("follow: class == 'cart'\n"), "{metadata}");
+    // What stands still is no subject, nor is what fills the image.
+    scree(&["simulate", &work.write("m.yaml", &text.replace("[3, 0, 0]", "[0, 0, 0]")), "-o", &run, "--fresh"]).ok();
+    assert!(!work.read("run/metadata.yaml").contains("follow"));
+    let near = text
+        .replace("[-6, -6, 0.2], max: [6, 6, 0.4]", "[-1, -1, 0.2], max: [1, 1, 1]")
+        .replace("[3, 2, 0.45]", "[1, 2, 0.45]");
+    scree(&["simulate", &work.write("m.yaml", &near), "-o", &run, "--fresh"]).ok();
+    assert!(!work.read("run/metadata.yaml").contains("follow"));
 }
 
 #[test]

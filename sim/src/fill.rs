@@ -53,6 +53,15 @@ impl Region {
     }
 }
 
+/// Whether spheres of a lattice lie at one side of their region: they are less than half of its lowest layer.
+pub fn is_one_sided(sites: &[DVec3], region: &Region) -> bool {
+    /// Number of spheres below which it hardly matters.
+    const MANY: usize = 20;
+    let (lo, hi) = sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (covered, extent) = (hi - lo, region.max - region.min);
+    sites.len() >= MANY && covered.z < 0.5 * covered.truncate().max_element() && covered.y < 0.5 * extent.y
+}
+
 /// The number of spheres of a fill.
 #[derive(Clone, Copy, Debug)]
 pub enum Count {

@@ -6,11 +6,11 @@ mod survey;
 
 use crate::expr;
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity, RoundSpec, Shader,
-    SphereSpec,
+    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
+    RoundSpec, Shader, SphereSpec,
 };
 use frame::{Column, Field, Frame};
-use framing::rounded;
+use framing::{Subject, rounded};
 use names::Names;
 use survey::{Kind, Survey};
 
@@ -52,8 +52,14 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     }
     let kinds = kinds(&surveys);
     let ground_height = ground_height(&surveys, &kinds, lo.z, hi.z);
+    let containers = framing::containers(&surveys);
+    let camera = match framing::subject(&surveys, &containers, [lo, hi]).filter(|_| is_ours) {
+        Some(Subject { class, lo, hi }) => {
+            CameraSpec { follow: Some(format!("class == '{class}'")), ..framing::camera(lo, hi) }
+        }
+        None => framing::camera(lo, hi),
+    };
     let objects = if is_ours {
-        let containers = framing::containers(&surveys);
         kinds_as_objects(&kinds, &containers, ground_height, (hi - lo).length())
     } else {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
@@ -70,7 +76,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     let metadata = Metadata {
         data: Some(data),
         scene: "studio.rib".into(),
-        camera: Some(framing::camera(lo, hi)),
+        camera: Some(camera),
         ground_height,
         objects,
         ..Metadata::default()

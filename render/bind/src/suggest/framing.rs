@@ -43,6 +43,67 @@ pub(super) fn containers<'a>(surveys: &[Survey<'a>]) -> Vec<&'a str> {
     found
 }
 
+/// A machine that is small in what is seen of the whole, and moves: the camera goes with it.
+pub(super) struct Subject<'a> {
+    /// Class of its largest body, which every frame has.
+    pub(super) class: &'a str,
+    /// The box to show, from the mean position of that class, m.
+    pub(super) lo: Vec3,
+    pub(super) hi: Vec3,
+}
+
+/// The box of a class in a frame, the mean of its rows' places, and its largest half length, m.
+#[derive(Clone, Copy)]
+struct ClassBox {
+    lo: Vec3,
+    hi: Vec3,
+    mean: Vec3,
+    size: f32,
+}
+
+/// The boxes of the classes of a frame that have few rows, but for containers.
+fn machines<'a>(survey: &Survey<'a>, containers: &[&str]) -> BTreeMap<&'a str, ClassBox> {
+    let mut classes: BTreeMap<u32, Vec<&Thing>> = BTreeMap::new();
+    survey.things.iter().for_each(|thing| classes.entry(thing.class).or_default().push(thing));
+    let named = classes.into_iter().filter_map(|(class, things)| {
+        let name = survey.classes.get(class as usize)?.as_str();
+        let is_machine = things.len() < MANY && !containers.contains(&name);
+        is_machine.then(|| {
+            let lo = things.iter().map(|t| t.lo).fold(Vec3::INFINITY, Vec3::min);
+            let hi = things.iter().map(|t| t.hi).fold(Vec3::NEG_INFINITY, Vec3::max);
+            let mean = things.iter().map(|t| t.center()).sum::<Vec3>() / things.len() as f32;
+            (name, ClassBox { lo, hi, mean, size: things.iter().map(|t| t.size).fold(0.0, f32::max) })
+        })
+    });
+    named.collect()
+}
+
+/// The machine of an animation whose extent is `lo` to `hi`, if a camera that saw all would show it as a few pixels.
+pub(super) fn subject<'a>(surveys: &[Survey<'a>], containers: &[&str], [lo, hi]: [Vec3; 2]) -> Option<Subject<'a>> {
+    /// Largest diagonal of such a machine over that of the whole.
+    const SMALL: f32 = 0.06;
+    /// What is shown over the machine's size.
+    const CONTEXT: f32 = 4.0;
+    let frames: Vec<_> = surveys.iter().map(|survey| machines(survey, containers)).collect();
+    let moves = |name: &str, first: &ClassBox| {
+        frames.iter().filter_map(|f| f.get(name)).any(|b| b.mean.distance(first.mean) > 0.5 * first.size)
+    };
+    let first = frames.first()?;
+    let moving: BTreeMap<_, _> = first.iter().filter(|(name, b)| moves(name, b)).collect();
+    let (class, _) = moving
+        .iter()
+        .filter(|(name, _)| frames.iter().all(|f| f.contains_key(**name)))
+        .max_by(|a, b| a.1.size.total_cmp(&b.1.size))?;
+    // The machine as seen from its largest body.
+    let boxes = frames.iter().flat_map(|f| {
+        let from = f[*class].mean;
+        f.iter().filter(|(name, _)| moving.contains_key(name)).map(move |(_, b)| [b.lo - from, b.hi - from])
+    });
+    let [a, b] = boxes.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])?;
+    let (center, half) = (0.5 * (a + b), 0.5 * CONTEXT * (b - a));
+    (a.distance(b) < SMALL * lo.distance(hi)).then_some(Subject { class, lo: center - half, hi: center + half })
+}
+
 /// Radius of spheres that stand for points: half the usual distance of a point to the nearest other, m. None where all are in one
 /// place.
 pub(super) fn radius_by_spacing(surveys: &[Survey<'_>]) -> Option<f32> {

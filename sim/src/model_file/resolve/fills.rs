@@ -83,6 +83,12 @@ impl Builder<'_> {
         if sites.is_empty() {
             return Err(doc.fault(key, format!("no sphere of radius {max} m fits in the region")));
         }
+        if fill.packing != Packing::PoissonDisk && fill::is_one_sided(&sites, &region) {
+            let message =
+                format!("{} spheres cover one side of the region alone: a lattice is filled row by row", sites.len());
+            let doubt = doc.fault(&format!("{key}.count"), message).hint("`packing: poisson_disk` spreads them");
+            self.warnings.push(doubt.to_string());
+        }
         let class = self.class(&fill.name);
         let group = self.group(fill.group.as_deref());
         let appears = fill.appears.unwrap_or(begins);
