@@ -1,7 +1,7 @@
 //! `scree check`: faults of files and their places, without running the files.
 
 use crate::failed::MissingValues;
-use crate::job::{CheckJob, FileKind, ShaderFile, sweep};
+use crate::job::{CheckJob, FileKind, ImageJob, ImageOptions, ShaderFile, sweep};
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::shader;
@@ -11,7 +11,7 @@ use frame::{Fault, FaultKind};
 use render::Context;
 use render::ri::reader;
 use sim::model_file;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Run `scree check`: all files are checked; the exit code is the highest of theirs.
 pub fn run(job: CheckJob) -> Outcome {
@@ -64,17 +64,30 @@ fn check_metadata(path: &Path) -> Outcome {
     source::check_library(&binding)?;
     if binding.data.is_some() {
         let source = binding.open_data()?;
-        if let Some(first) = source.numbers().first() {
-            let table = source.read(*first)?;
-            binding.check_columns(&table)?;
-            let mut values = MissingValues::default();
-            values.add(*first, &emit::check(&binding, &table)?);
-            values.warn();
+        if !source.numbers().is_empty() {
+            let job = ImageJob::resolve(binding, source, PathBuf::new(), &ImageOptions::default())?;
+            check_image(&job)?;
+            job.passes.iter().try_for_each(check_image)?;
+            return Ok(());
         }
     }
     if let Some(model) = &binding.model {
         check_model(&binding.folder().join(model))?;
     }
+    Ok(())
+}
+
+/// Check the first image of a job up to its rendering.
+fn check_image(job: &ImageJob) -> Outcome {
+    let frame = job.frames[0];
+    let mut context = Context::new(job.files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
+    context.dry = true;
+    let image = job.image(frame);
+    let missing =
+        emit::frame(&job.binding, &job.source.read(frame)?, &image.to_string_lossy(), &job.files, &mut context)?;
+    let mut values = MissingValues::default();
+    values.add(frame, &missing);
+    values.warn();
     Ok(())
 }
 

@@ -71,6 +71,9 @@ pub struct MissingValues {
     all: Missing,
     undrawn_in: Option<u64>,
     uncolored_in: Option<u64>,
+    /// Objects that no frame so far has rows of; none before the first frame.
+    absent: Option<Vec<String>>,
+    n_frames: usize,
 }
 
 impl MissingValues {
@@ -78,16 +81,27 @@ impl MissingValues {
     pub fn add(&mut self, frame: u64, missing: &Missing) {
         self.all.undrawn.add(&missing.undrawn);
         self.all.uncolored.add(&missing.uncolored);
+        match &mut self.absent {
+            Some(absent) => absent.retain(|name| missing.absent.contains(name)),
+            None => self.absent = Some(missing.absent.clone()),
+        }
+        self.n_frames += 1;
         self.undrawn_in = self.undrawn_in.or((missing.undrawn.rows > 0).then_some(frame));
         self.uncolored_in = self.uncolored_in.or((missing.uncolored.rows > 0).then_some(frame));
     }
 
-    /// Print what is missing.
+    /// Print what is missing. An object may lack rows in some frames, but hardly in all.
     pub fn warn(&self) {
+        for name in self.absent.iter().flatten() {
+            let place = if self.n_frames == 1 { "the frame" } else { "any of the frames" };
+            eprintln!("note: the object `{name}` has no rows in {place}: it is not drawn");
+        }
         let warn = |lack: &Lack, frame: Option<u64>, effect: &str| {
             if let (Some((row, text)), Some(frame)) = (&lack.first, frame) {
+                // A name that is not plain has quotes already.
+                let text = if text.contains('`') { text.clone() } else { format!("`{text}`") };
                 let (n, s) = (lack.rows, if lack.rows == 1 { "" } else { "s" });
-                eprintln!("warning: {n} row{s} {effect}; the first is row {row} of frame {frame}, in `{text}`");
+                eprintln!("warning: {n} row{s} {effect}; the first is row {row} of frame {frame}, in {text}");
             }
         };
         warn(&self.all.undrawn, self.undrawn_in, "not drawn for want of a value");

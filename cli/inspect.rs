@@ -2,6 +2,7 @@
 
 use crate::job::{InspectJob, Suggestion};
 use crate::report::{Exit, Failure, Outcome};
+use bind::emit;
 use bind::metadata::Data;
 use frame::{Column, Frame, list};
 use std::collections::BTreeMap;
@@ -76,7 +77,24 @@ fn write(data_path: &Path, Suggestion { path, frames }: &Suggestion) -> Outcome 
     }
     frame::atomic::write(path, suggestion.yaml.as_bytes())?;
     suggestion.remarks.iter().for_each(|remark| println!("note: {remark}"));
+    warn_of_faults(path, frames)?;
     println!("wrote {}; render it with `scree render {}`", path.display(), path.display());
+    Ok(())
+}
+
+/// Warn of frames that the metadata file cannot draw.
+fn warn_of_faults(path: &Path, frames: &[Frame]) -> Outcome {
+    /// Frames whose faults are printed.
+    const PRINTED: usize = 3;
+    let binding = bind::read(path)?;
+    let check = |frame: &Frame| binding.check_columns(frame).and_then(|()| emit::check(&binding, frame)).err();
+    let faults: Vec<_> = frames.iter().filter_map(|frame| Some((frame.number, check(frame)?))).collect();
+    for (number, fault) in faults.iter().take(PRINTED) {
+        eprintln!("warning: frame {number} cannot be drawn: {fault}");
+    }
+    if faults.len() > PRINTED {
+        eprintln!("warning: {} further frames cannot be drawn", faults.len() - PRINTED);
+    }
     Ok(())
 }
 

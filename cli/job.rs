@@ -24,7 +24,7 @@ pub use crate::args::SchemaKind;
 pub use bench::{BenchJob, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
 pub use frames::{FramesJob, Origin};
-pub use images::ImageJob;
+pub use images::{ImageJob, ImageOptions};
 pub use inspect::{InspectJob, Suggestion};
 pub use movie::{MovieFile, MovieJob, MovieKind};
 pub use plot::{Curve, Plot, PlotJob};

@@ -4,6 +4,9 @@
 //! does the work of the job. `model_run` is the work that several commands share; the other files are leaves, which know neither
 //! arguments nor jobs.
 
+#[macro_use]
+mod print;
+
 mod args;
 mod bench;
 mod check;
@@ -41,7 +44,6 @@ use job::{
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    exit_when_output_is_closed();
     return_large_blocks();
     if let Err(e) = interrupt::handle() {
         eprintln!("warning: signals end the program without a message: {e}");
@@ -86,15 +88,4 @@ fn return_large_blocks() {
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 17);
     }
-}
-
-/// Exit without a message when standard output is closed, as `head` closes it.
-fn exit_when_output_is_closed() {
-    let default_hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        if info.payload_as_str().is_some_and(|m| m.contains("Broken pipe")) {
-            std::process::exit(0);
-        }
-        default_hook(info);
-    }));
 }

@@ -11,9 +11,10 @@ use bind::data::{Source, Store};
 use bind::metadata::Data;
 use frame::run::{RunReader, RunWriter, WarningEntry};
 use frame::{Fault, Frame};
-use sim::Simulation;
+use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
 use sim::watch::Warning;
+use sim::{Simulation, checkpoint};
 use std::path::Path;
 
 /// Simulate a model, and show the progress.
@@ -26,6 +27,7 @@ pub fn simulate(job: ModelRun) -> Outcome {
     if let Some(until) = until.filter(|until| *until > duration) {
         eprintln!("warning: --until {until} is after the end of the model: its `duration` is {duration} s");
     }
+    say_what_is_there(&file, &folder, span.resume)?;
     let mut console = Console { progress: None, interruption: Listener::new() };
     run::simulate(&file, resolved, &folder, &span, &mut console).map_err(|e| match e {
         RunError::Fault(fault) => fault.into(),
@@ -35,6 +37,21 @@ pub fn simulate(job: ModelRun) -> Outcome {
             format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
         ),
     })
+}
+
+/// Say that a run of the same model is simulated again, or that there is none to resume.
+fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
+    let can_resume = checkpoint::latest(folder)?.is_some();
+    if resume && !can_resume {
+        eprintln!("note: {} has no checkpoint to resume from: the simulation begins at 0 s", folder.display());
+    }
+    let there = RunReader::open(folder).ok().filter(|run| run.index.model_hash == run::model_hash(file));
+    if let Some(run) = there.filter(|run| !resume && !run.index.frames.is_empty()) {
+        let (n, all) = (run.index.frames.len(), run.index.expected_frames);
+        let way = if can_resume { "; --resume goes on from its last checkpoint" } else { "" };
+        eprintln!("note: {} held {n} of {all} frames of this model, which is simulated again{way}", folder.display());
+    }
+    Ok(())
 }
 
 /// Provide the frames of a job with their metadata: a model is simulated first.

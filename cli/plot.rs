@@ -10,7 +10,6 @@ use crate::job::{Plot, PlotJob};
 use crate::report::{Exit, Failure, Outcome};
 use layout::{Figure, SIZE};
 use plotters::prelude::*;
-use std::io::Write;
 
 /// Pixels of drawing per pixel of a plot: the PNG is drawn larger and reduced, so that its lines are smooth; the SVG has places
 /// finer than pixels.
@@ -32,8 +31,7 @@ pub fn run(job: PlotJob) -> Outcome {
         let fail = |e: String| Failure::new(Exit::Fault, format!("{}: {e}", file("png").display()));
         frame::atomic::write(&file("svg"), svg(&figure).map_err(fail)?.as_bytes())?;
         frame::atomic::write(&file("png"), &png(&figure).map_err(fail)?)?;
-        // A reader may stop early, as `head` does.
-        let _ = writeln!(std::io::stdout(), "{}", file("png").display());
+        println!("{}", file("png").display());
     }
     Ok(())
 }

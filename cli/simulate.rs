@@ -47,23 +47,29 @@ fn sweep(job: Sweep) -> Outcome {
 
 /// Print the combinations, and write a job array that simulates them.
 fn plan(job: &Plan) -> Outcome {
-    let Plan { combinations, model, folder } = job;
+    let Plan { combinations, set, model, folder, fresh } = job;
     println!("index,run,{}", combinations[0].values.iter().map(|r| r.path.as_str()).collect::<Vec<_>>().join(","));
     for (i, combination) in combinations.iter().enumerate() {
         let values: Vec<&str> = combination.values.iter().map(|r| r.value.as_str()).collect();
         println!("{i},{},{}", folder.join(&combination.name).display(), values.join(","));
     }
-    let quote = |p: &Path| format!("'{}'", p.display().to_string().replace('\'', "'\\''"));
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', "'\\''"));
+    let quote = |p: &Path| quoted(&p.display().to_string());
+    let set: String = set.iter().map(|r| format!(" --set {}", quoted(&format!("{}={}", r.path, r.value)))).collect();
     let model = std::path::absolute(model).unwrap_or_else(|_| model.clone());
     let out = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
     let script = format!(
-        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
+        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {}{set} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
         combinations.len() - 1,
         out.join("sweep_%a.log").display(),
         quote(&model),
         quote(&out),
     );
     let path = folder.join("sweep.sbatch");
+    if !fresh && std::fs::read_to_string(&path).is_ok_and(|there| there != script) {
+        let message = format!("{} exists and may have been edited: remove it, or say --fresh", path.display());
+        return Err(Failure::new(Exit::Usage, message));
+    }
     atomic::write(&path, script.as_bytes())?;
     eprintln!("job array: sbatch {}", path.display());
     Ok(())

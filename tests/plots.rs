@@ -57,6 +57,34 @@ fn curves_and_axes_are_named() {
 }
 
 #[test]
+fn tables_of_others_are_plotted_by_their_own_names_and_units() {
+    let work = scratch();
+    let write = |name: &str, text: &str| {
+        let path = work.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let path = write("one.csv", "time [ms],a\n0,1\n1000,2\n2000,3\n");
+    let plots = work.path().join("plots");
+    scree(&["plot", path.to_str().unwrap()]).ok();
+    let axis = texts(&plots, "one_a_number");
+    assert!(has(&axis, "time [s]") && has(&axis, "2.0") && !has(&axis, "2000"), "{axis:?}");
+    let other = write("two.csv", "time,a\n0,1\n1,2\n");
+    scree(&["plot", other.to_str().unwrap()]).ok();
+    assert!(plots.join("one_a_number.png").exists() && plots.join("two_a_number.png").exists());
+    for (table, says) in [
+        ("time,a\n1,1\n0,2\n", "goes back from 1 to 0 s in row 2"),
+        ("time [year],a\n1,1\n", "has the unit [year]"),
+        ("time,a\n0,x\n1,y\n", "has no columns of numbers beside `time`"),
+    ] {
+        assert!(scree(&["plot", write("bad.csv", table).to_str().unwrap()]).fails(4).contains(says), "{says}");
+    }
+    let empty = scree(&["plot", write("empty.csv", "time,a\n0,NaN\n1,NaN\n").to_str().unwrap()]);
+    empty.ok();
+    assert!(empty.errors().contains("has no values: its plot is empty"), "{}", empty.errors());
+}
+
+#[test]
 fn a_spike_at_the_start_is_clipped_and_said() {
     let work = scratch();
     let run = work.path().join("run");

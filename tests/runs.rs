@@ -115,6 +115,92 @@ fn a_run_resumes_to_a_longer_duration_and_not_to_a_shorter_one() {
     assert_eq!(frames(&early), frames(&whole));
 }
 
+#[test]
+fn files_of_others_and_the_model_itself_are_spared() {
+    let work = Work::new();
+    let own = work.at("own");
+    std::fs::create_dir_all(&own).unwrap();
+    let model = work.write("own/model.yaml", STONES);
+    for more in [&[][..], &["--fresh"]] {
+        for command in ["simulate", "run"] {
+            let said = scree(&[&[command, &model, "-o", &own], more].concat()).fails(2);
+            assert!(said.contains("would replace the model file itself"), "{said}");
+        }
+    }
+    assert_eq!(work.read("own/model.yaml"), STONES);
+    let model = work.write("m.yaml", STONES);
+    for file in ["frames/u.csv", "checkpoints/u.state", "contacts/u.csv", "probes.csv", "model.yaml", "report.csv"] {
+        let folder = work.at("other");
+        let path = Path::new(&folder).join(file);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, "mine").unwrap();
+        let said = scree(&["simulate", &model, "-o", &folder]).fails(2);
+        assert!(said.contains("is no run directory") && said.contains(file), "{said}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    let run = work.at("run");
+    scree(&["simulate", &model, "-o", &run]).ok();
+    let again = scree(&["simulate", &model, "-o", &run]);
+    again.ok();
+    assert!(
+        again.errors().contains("held 5 of 5 frames of this model, which is simulated again"),
+        "{}",
+        again.errors()
+    );
+    let sweep = work.write("s.yaml", &format!("{STONES}sweep:\n  step: [0.001, 0.002]\n"));
+    assert!(scree(&["simulate", &sweep, "-o", &run]).fails(2).contains("is the directory of one run"));
+    let nothing = scree(&["simulate", &model, "-o", &work.at("new"), "--resume"]);
+    nothing.ok();
+    assert!(nothing.errors().contains("has no checkpoint to resume from"), "{}", nothing.errors());
+}
+
+#[test]
+fn combinations_keep_apart() {
+    let work = Work::new();
+    let sweep = |values: &str| work.write("s.yaml", &format!("{STONES}sweep:\n  {values}\n"));
+    let out = work.at("out");
+    for values in ["step: [0.001, 0.001]", "bodies.ground.name: [a/b, ab]"] {
+        let said = scree(&["check", &sweep(values)]).fails(3);
+        assert!(said.contains("s.yaml:9:1: combinations 0 and 1 would share the run directory"), "{said}");
+    }
+    let model = sweep("step: [0.001, 0.002]");
+    let said = scree(&["simulate", &model, "-o", &out, "--set", "step=0.0005"]).fails(2);
+    assert!(said.contains("--set step=0.0005: the model's `sweep` gives this key its values"), "{said}");
+    scree(&["simulate", &model, "-o", &out, "--plan", "--sweep-index", "1"]).fails(2);
+    scree(&["simulate", &model, "-o", &out, "--plan", "--set", "materials.stone.friction=0.3"]).ok();
+    let script = work.read("out/sweep.sbatch");
+    assert!(script.contains("--set 'materials.stone.friction=0.3' --sweep-index \"$SLURM_ARRAY_TASK_ID\""), "{script}");
+    work.write("out/sweep.sbatch", "#!/bin/bash\n#SBATCH --partition=mine\n");
+    assert!(scree(&["simulate", &model, "-o", &out, "--plan"]).fails(2).contains("may have been edited"));
+    scree(&["simulate", &model, "-o", &out, "--plan", "--fresh"]).ok();
+}
+
+#[test]
+fn lost_lines_of_a_series_are_no_resume() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    for name in ["probes.csv", "report.csv"] {
+        scree(&["simulate", &model, "-o", &run, "--until", "0.05", "--fresh"]).ok();
+        let cut: String = work.read(&format!("run/{name}")).lines().take(5).flat_map(|l| [l, "\n"]).collect();
+        work.write(&format!("run/{name}"), &cut);
+        let said = scree(&["simulate", &model, "-o", &run, "--resume"]).fails(4);
+        assert!(said.contains(name) && said.contains("before the checkpoint, from which it goes on"), "{said}");
+    }
+}
+
+/// Nobody may read what the command says; its work is done nevertheless.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_stops_no_work() {
+    let work = Work::new();
+    let (model, run) = (work.write("m.yaml", STONES), work.at("run"));
+    let command = format!("'{}' simulate '{model}' -o '{run}' 2>&1 | true", env!("CARGO_BIN_EXE_scree"));
+    assert!(Command::new("sh").args(["-c", &command]).status().unwrap().success());
+    assert_eq!(frames(&run).len(), 5);
+    assert!(work.read("run/run.json").contains("\"complete\": true"));
+}
+
 /// A signal is sent as soon as the run has frames; the run ends with a checkpoint, from which it resumes to the same bits.
 #[cfg(unix)]
 #[test]
@@ -160,6 +246,7 @@ fn faults_of_replaced_values_are_told_where_they_are_written() {
         ("step=-1", "--set step=-1: is -1, expected a number above 0"),
         ("bodies.grund.mass=3", "did you mean `ground`?"),
         ("materials.ston.friction=0.3", "there is no key, index or name `ston`"),
+        ("materials.rock.friction=0.3", "there is no key, index or name `rock`"),
         ("fills.stones.radius=[0.05, x]", "--set fills.stones.radius=[0.05, x]: "),
         ("materials=[", "the value is not YAML"),
     ] {

@@ -73,7 +73,7 @@ fn numbers_that_are_not_written_alike_are_placed() {
     let said = inspect("1.5;0;0\n1,5;0;0\n");
     assert!(said.contains("p_1.csv:3:1: has `1,5` with a comma, and `1.5` of the same column has a point"), "{said}");
     let said = inspect("1.5;0;0\n1.234.567;0;0\n");
-    assert!(said.contains("p_1.csv: column `x` has `1.234.567`, which is no number"), "{said}");
+    assert!(said.contains("p_1.csv: column `x` has `1.234.567` in row 2, which is no number"), "{said}");
 }
 
 #[test]
@@ -88,6 +88,74 @@ fn a_guessed_radius_is_half_the_spacing_and_said() {
     assert!(metadata.contains("radius: 0.06"), "{metadata}");
     let (_, metadata, _) = drawn("one.csv", b"x,y,z\n3,0,0\n3,0,0\n");
     assert!(metadata.contains("radius: 0.1\n"), "{metadata}");
+}
+
+#[test]
+fn what_is_taken_for_something_is_said() {
+    for (name, text, remark, written) in [
+        (
+            "plain.txt",
+            "1 0.5 0 0 0.1\n2 0.7 1.5 0.1 0.1\n",
+            "c2, c3, c4 are taken for x, y and z, and c5 for the radius",
+            "radius: c5",
+        ),
+        (
+            "inch.csv",
+            "x [inch],y [inch],z [inch],r [inch]\n0,0,0,1\n9,0,0,1\n",
+            "in inch are read as 0.0254 m",
+            "0.0254 * x",
+        ),
+        ("odd.csv", "x [px],y [px],z [px],r [px]\n0,0,0,1\n9,0,0,1\n", "`px` is no unit of length", "- x"),
+        ("path.csv", "time,x,y,z,r\n0,0,0,0,1\n1,9,0,0,1\n", "`time` goes from 0 to 1 within a table", "- x"),
+        (
+            "utm.csv",
+            "x,y,z,r\n450122.5,5000000.1,301,0.2\n450123.5,5000000.9,300,0.2\n",
+            "count from (450123, 5000001, 0)",
+            "x - 450123",
+        ),
+    ] {
+        let (shown, metadata, errors) = drawn(name, text.as_bytes());
+        assert!(shown.contains("note: ") && shown.contains(remark), "{name}: {shown}");
+        assert!(metadata.contains(remark) && metadata.contains(written), "{name}: {metadata}");
+        assert!(!errors.contains("warning"), "{name}: {errors}");
+    }
+    let work = scratch();
+    let at = |name: &str| work.path().join(name);
+    std::fs::write(at("p_0.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,#INF\n").unwrap();
+    let inspect = || scree(&["inspect", text(&at("p_*.csv")), "--write", text(&at("md.yaml"))]);
+    assert!(inspect().fails(4).contains("column `radius` has `#INF` in row 2, which is no number"));
+    // What cannot be drawn of the data is said as soon as the file is written.
+    std::fs::write(at("p_0.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,0\n").unwrap();
+    let answer = inspect();
+    answer.ok();
+    assert!(
+        answer.errors().contains("frame 0 cannot be drawn") && answer.errors().contains("row 2"),
+        "{}",
+        answer.errors()
+    );
+    for (from, to) in [("p_0.csv", "t_0.1.csv"), ("t_0.1.csv", "t_0.25.csv")] {
+        std::fs::copy(at(from), at(to)).unwrap();
+    }
+    assert!(scree(&["inspect", text(&at("t_*.csv"))]).fails(4).contains("a number with a fraction in its name"));
+}
+
+#[test]
+fn a_check_finds_what_every_image_would_fail_for() {
+    let work = scratch();
+    let (table, metadata) = (work.path().join("p_0.csv"), work.path().join("md.yaml"));
+    std::fs::write(&table, "x,y,z,kind\n0,0,0,a\n").unwrap();
+    let object = "objects: [{name: a, position: [x, y, z], geometry: {sphere: {radius: 1}}, select: kind == 'q'}]\n";
+    let check = |more: &str| {
+        std::fs::write(&metadata, format!("\u{feff}data: {{csv: 'p_*.csv'}}\n{object}{more}")).unwrap();
+        scree(&["check", text(&metadata)])
+    };
+    assert!(check("").fails(3).contains("the scene wants a camera"));
+    let camera = "camera: {eye: [1, -5, 1], look_at: [1, 0, 0]}\n";
+    let said = check(&format!("{camera}output: {{frames: '7'}}\n")).fails(3);
+    assert!(said.contains("md.yaml:4:10"), "{said}");
+    let answer = check(camera);
+    answer.ok();
+    assert!(answer.errors().contains("the object `a` has no rows in the frame"), "{}", answer.errors());
 }
 
 #[test]

@@ -57,7 +57,7 @@ pub struct PlotArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Interval of time to plot, s, as 0.5-2 [default: the whole run].
-    #[arg(long, value_name = "FROM-TO", value_parser = interval)]
+    #[arg(long, value_name = "FROM-TO", value_parser = interval, allow_hyphen_values = true)]
     pub times: Option<Interval>,
     /// Extend the vertical range to the first instant of every run.
     #[arg(long)]

@@ -80,7 +80,7 @@ pub struct MovieArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Frames per second, above 0 and at most 1000; of a GIF, at most 50.
-    #[arg(long, default_value = "24", value_name = "FPS", value_parser = frame_rate)]
+    #[arg(long, default_value = "24", value_name = "FPS", value_parser = frame_rate, allow_negative_numbers = true)]
     pub frame_rate: f64,
     /// Encode the images that are there, each as one frame of the movie, even
     /// if some between them are missing.

@@ -47,7 +47,7 @@ pub struct SimulateArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Simulate up to this time, s [default: the model's `duration`].
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     pub until: Option<f64>,
     /// Continue from the last checkpoint of the run directory; the model's
     /// duration may be longer than before.
@@ -62,7 +62,7 @@ pub struct SimulateArgs {
     pub set: Vec<Assignment>,
     /// Simulate only the combination with this index, from 0 (models with a
     /// `sweep`) [default: all of them].
-    #[arg(long, value_name = "INDEX", value_parser = index::<usize>())]
+    #[arg(long, value_name = "INDEX", value_parser = index::<usize>(), conflicts_with = "plan", allow_negative_numbers = true)]
     pub sweep_index: Option<usize>,
     /// Print the combinations and write a Slurm job array for them, but
     /// simulate nothing (models with a `sweep`).

@@ -12,7 +12,7 @@ use render::ri::files::Files;
 use std::path::PathBuf;
 
 /// Choices of the command line for the images of a job.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ImageOptions {
     /// Frames; those of the metadata if not given.
     pub frames: Option<FrameList>,

@@ -4,6 +4,7 @@
 mod names;
 mod table;
 
+use super::output;
 use crate::args::{Interval, PlotArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::sequence::matches;
@@ -65,8 +66,16 @@ impl PlotJob {
         let mut tables = paths.iter().map(|path| table::read(path)).collect::<Outcome<Vec<_>>>()?;
         choose(&mut tables, &patterns)?;
         cut(&mut tables, times)?;
-        let (plots, warnings) =
+        let (plots, mut warnings) =
             if is_overlay { overlay(&paths, tables)? } else { (by_owner(&run, tables.remove(0)), vec![]) };
+        if plots.is_empty() {
+            let message = format!("{} has no columns of numbers beside `time`", run.display());
+            return Err(Failure::new(Exit::Data, message));
+        }
+        let is_blank = |plot: &&Plot| plot.curves.iter().flat_map(|c| &c.points).all(|p| !p.1.is_finite());
+        warnings.extend(
+            plots.iter().filter(is_blank).map(|plot| format!("`{}` has no values: its plot is empty", plot.title)),
+        );
         let beside = if run.is_file() { run.parent().unwrap_or(Path::new("")) } else { &run };
         let folder = output.unwrap_or_else(|| beside.join("plots"));
         Ok(PlotJob { plots: with_own_names(split(plots)), folder, full_range, warnings })
@@ -134,12 +143,21 @@ fn by_owner(run: &Path, table: TimeTable) -> Vec<Plot> {
         let owner = column.name.rsplit_once('.').map_or(column.name.as_str(), |(owner, _)| owner);
         plots.entry((owner.into(), column.unit.clone())).or_default().push(column);
     }
+    // The tables of a folder have plots of their own.
+    let is_own = !run.is_file() || table::is_of_run(run);
+    let prefix = if is_own { String::new() } else { format!("{}_", output::stem(run)) };
     let run = names::name_of(run);
     let plot = |((owner, unit), columns): ((String, String), Vec<TimeColumn>)| {
         let part = |c: &TimeColumn| c.name.rsplit_once('.').map_or(c.name.clone(), |(_, part)| part.into());
         let quantity = if columns.len() == 1 { part(&columns[0]) } else { String::new() };
         let curves = columns.into_iter().map(|c| Curve::new(&part(&c), c)).collect();
-        Plot { name: file_name(&owner, &unit), title: format!("{owner}  ({run})"), quantity, unit, curves }
+        Plot {
+            name: format!("{prefix}{}", file_name(&owner, &unit)),
+            title: format!("{owner}  ({run})"),
+            quantity,
+            unit,
+            curves,
+        }
     };
     plots.into_iter().map(plot).collect()
 }

@@ -1,10 +1,30 @@
 //! The run directory of a simulation: whether it is free, or holds a run that must not be lost.
 
 use crate::report::{Exit, Failure, Outcome};
-use frame::run::{self, RunReader};
+use frame::run::RunReader;
 use sim::model_file::ModelFile;
 use sim::run::{identity, model_hash, n_frames};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Files of a run directory that a new run replaces, and folders of which it removes the tables and checkpoints.
+const FILES: [&str; 3] = ["model.yaml", "report.csv", "probes.csv"];
+const FOLDERS: [(&str, &[&str]); 3] =
+    [("frames", &["arrow", "csv"]), ("checkpoints", &["state"]), ("contacts", &["csv"])];
+
+/// Check that a simulation of the model `file`, which was read from the path `model`, does not replace that file by its resolved form.
+pub fn spare_model(model: &Path, file: &ModelFile, folder: &Path) -> Outcome {
+    let copy = folder.join("model.yaml");
+    let is_same = matches!((model.canonicalize(), copy.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if is_same && std::fs::read_to_string(model).ok().as_ref() != Some(&file.to_yaml()) {
+        let message = format!(
+            "the run in {} would replace the model file itself, {}\n  = simulate elsewhere: -o DIR (--output)",
+            folder.display(),
+            model.display()
+        );
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    Ok(())
+}
 
 /// Check that a simulation of a model into `folder` loses nothing: no run of another model, no longer run of the same model, and no
 /// files of somebody else. `until` is the time to simulate to, s, if it is not the model's duration.
@@ -15,10 +35,8 @@ pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
         Err(Failure::new(Exit::Usage, message))
     };
     if !RunReader::is_run(folder) {
-        return match run::tables(folder).unwrap_or_default().first() {
-            Some(table) => {
-                refuse(format!("is no run directory, but holds {}, which would be removed", table.display()))
-            }
+        return match foreign_file(folder) {
+            Some(path) => refuse(format!("is no run directory, but holds {}, which would be replaced", path.display())),
             None => Ok(()),
         };
     }
@@ -38,6 +56,16 @@ pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
         ));
     }
     Ok(())
+}
+
+/// A file of a folder that is no run directory, which a new run would replace or remove.
+fn foreign_file(folder: &Path) -> Option<PathBuf> {
+    let of_run = |(sub, endings): (&str, &[&str])| {
+        let is_ours = |path: &PathBuf| path.extension().and_then(|e| e.to_str()).is_some_and(|e| endings.contains(&e));
+        std::fs::read_dir(folder.join(sub)).ok()?.flatten().map(|entry| entry.path()).find(is_ours)
+    };
+    let own = FILES.iter().map(|name| folder.join(name)).find(|path| path.exists());
+    own.or_else(|| FOLDERS.into_iter().find_map(of_run))
 }
 
 /// Keys in which a model differs from that of a run directory, the first few.

@@ -49,6 +49,7 @@ impl SimulateJob {
         }
         let resolved = file.resolve(&doc)?;
         let span = Span { until: args.until, resume: args.resume };
+        run_folder::spare_model(&args.model, &file, &folder)?;
         if !args.fresh {
             run_folder::check(&file, &folder, args.until)?;
         }

@@ -3,7 +3,7 @@
 use super::run_folder;
 use crate::args::SimulateArgs;
 use crate::report::{Exit, Failure, Outcome};
-use frame::run::FrameFormat;
+use frame::run::{FrameFormat, RunReader};
 use frame::yaml::Document;
 use sim::model_file::{self, ModelFile, Replacement};
 use sim::run::Span;
@@ -45,10 +45,14 @@ pub struct SweepRun {
 pub struct Plan {
     /// The combinations.
     pub combinations: Vec<Combination>,
+    /// The values of the command line that take the place of the model's.
+    pub set: Vec<Replacement>,
     /// The model.
     pub model: PathBuf,
     /// The folder of the runs.
     pub folder: PathBuf,
+    /// Whether a job array that was edited is replaced.
+    pub fresh: bool,
 }
 
 /// A combination of values.
@@ -70,6 +74,17 @@ impl SweepJob {
     ) -> Outcome<SweepJob> {
         let combinations = combinations(file, doc)?;
         let n = combinations.len();
+        if let Some(r) = set.iter().find(|r| file.sweep.contains_key(&r.path)) {
+            let message = format!("--set {}={}: the model's `sweep` gives this key its values", r.path, r.value);
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        if RunReader::is_run(&folder) {
+            let message = format!(
+                "{} is the directory of one run, and the model has a `sweep`\n  = -o DIR (--output) takes the folder of its runs",
+                folder.display()
+            );
+            return Err(Failure::new(Exit::Usage, message));
+        }
         if let Some(i) = args.sweep_index.filter(|i| *i >= n) {
             let message = format!("--sweep-index {i}: the sweep has combinations 0 to {}", n - 1);
             return Err(Failure::new(Exit::Usage, message));
@@ -91,7 +106,7 @@ impl SweepJob {
         });
         let (combinations, runs): (Vec<_>, Vec<_>) = runs.collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
         if args.plan {
-            return Ok(SweepJob::Plan(Plan { combinations, model: args.model, folder }));
+            return Ok(SweepJob::Plan(Plan { combinations, set, model: args.model, folder, fresh: args.fresh }));
         }
         let span = Span { until: args.until, resume: args.resume };
         Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
@@ -132,6 +147,13 @@ fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
             }
         }
         all = next;
+    }
+    for (i, combination) in all.iter().enumerate() {
+        if let Some(other) = all[..i].iter().position(|other| other.name == combination.name) {
+            let message = format!("combinations {other} and {i} would share the run directory `{}`", combination.name);
+            let hint = "give each value once, with letters, digits or signs of its own";
+            return Err(doc.fault("sweep", message).hint(hint).into());
+        }
     }
     Ok(all)
 }

@@ -236,9 +236,15 @@ fn fit(table: &Table<'_>, row: &mut Vec<&str>, found: Row, names: &[String], lay
         let cells = if row.len() == 1 { "cell" } else { "cells" };
         let message = format!("row has {} {cells}, expected {} ({})", row.len(), names.len(), names.join(", "));
         let column = table.text.lines().nth(found.line - 1).map_or(1, |l| l.trim_end().chars().count().max(1));
-        return Err(table
-            .fault(found.line, column, message)
-            .hint("a row that is cut off at the end means that its writer was interrupted"));
+        let fault = table.fault(found.line, column, message);
+        let is_last = table.text.lines().count() <= found.line;
+        return Err(match (is_last && row.len() < names.len(), names.len()) {
+            (true, _) => fault.hint("a row that is cut off at the end means that its writer was interrupted"),
+            (false, 1) => {
+                fault.hint("the first line is taken for the names of the columns: remove what stands above these")
+            }
+            (false, _) => fault,
+        });
     }
     row.resize(names.len(), "0");
     Ok(())

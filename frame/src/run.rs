@@ -116,7 +116,7 @@ pub struct WarningEntry {
 }
 
 /// Files of frames in a folder, whether or not it is a run directory: [`RunWriter::create`] removes them.
-pub fn tables(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+fn tables(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let is_table = |path: &PathBuf| {
         let extension = path.extension().and_then(|e| e.to_str());
         [FrameFormat::Arrow, FrameFormat::Csv].iter().any(|format| extension == Some(format.extension()))

@@ -26,6 +26,12 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
         }
         found.insert(number, path);
     }
+    if let Some(path) = found.values().find(|path| found.len() > 1 && has_fraction(path)) {
+        let message = "has a number with a fraction in its name, and frames are counted by whole numbers";
+        return Err(Fault::whole(FaultKind::Data, path, message).hint(
+            "rename the files, as by: n=0; for f in $(ls p_*.csv | sort -V); do mv $f frame_$(printf %06d $n).csv; n=$((n+1)); done",
+        ));
+    }
     if found.is_empty() {
         let message = format!("no file matches the pattern `{name}` in {}", folder.display());
         return Err(Fault::whole(FaultKind::Data, pattern, message));
@@ -112,6 +118,15 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     rest.ends_with(last)
 }
 
+/// Whether the last number of a file's name is the fraction of a number, as a time: `p_0.15.csv`.
+fn has_fraction(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let Some((whole, fraction)) = stem.rsplit_once('.') else { return false };
+    whole.ends_with(|c: char| c.is_ascii_digit())
+        && !fraction.is_empty()
+        && fraction.chars().all(|c| c.is_ascii_digit())
+}
+
 /// The frame number in a file name: the last run of digits before the extension, if any.
 pub fn number_in(file: &str) -> Option<u64> {
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
@@ -145,6 +160,8 @@ mod tests {
         assert_eq!(number_in("p_0003.csv"), Some(3));
         assert_eq!(number_in("run2_frame12.dat"), Some(12));
         assert_eq!(number_in("bed.csv"), None);
+        let is_fraction = ["p_0.15.csv", "p.15.csv", "p_0.15b.csv", "v1.2_3.csv"].map(|p| has_fraction(Path::new(p)));
+        assert_eq!(is_fraction, [true, false, false, false]);
         assert!(matches("p_*.csv", "p_0003.csv") && matches("bed.csv", "bed.csv") && matches("*a*b", "xaybzb"));
         assert_eq!(
             ["p_0003.csv", "bed.csv", "7.txt", "é2_3b.dat"].map(pattern_of),

@@ -26,8 +26,8 @@ impl Series {
     }
 
     /// Continue a series: lines whose value in `column` (from 0) is at most `until` stay, others and truncated lines are removed.
-    /// An error if the file cannot be read or written.
-    pub fn reopen(path: &Path, column: usize, until: f64) -> Result<Series, Fault> {
+    /// An error if the file cannot be read or written, or if no line is left with a value of at least `from`: then some are missing.
+    pub fn reopen(path: &Path, column: usize, from: f64, until: f64) -> Result<Series, Fault> {
         let text = read_text(FaultKind::Data, path)?;
         let mut lines = text.lines();
         let header = lines.next().unwrap_or_default();
@@ -36,7 +36,18 @@ impl Series {
             let value = line.split(',').nth(column).and_then(|c| c.parse::<f64>().ok());
             cells(line) == cells(header) && value.is_some_and(|v| v <= until)
         };
-        let kept: String = std::iter::once(header).chain(lines.filter(stays)).flat_map(|l| [l, "\n"]).collect();
+        let kept: Vec<&str> = lines.filter(stays).collect();
+        let last = kept.last().and_then(|line| line.split(',').nth(column)?.parse::<f64>().ok());
+        if last.unwrap_or(f64::NEG_INFINITY) < from {
+            let end = last.map_or("has no lines".into(), |t| format!("ends at {t}"));
+            return Err(Fault::whole(
+                FaultKind::Data,
+                path,
+                format!("{end}, before the checkpoint, from which it goes on"),
+            )
+            .hint("lines were lost: simulate again with --fresh"));
+        }
+        let kept: String = std::iter::once(header).chain(kept).flat_map(|l| [l, "\n"]).collect();
         Series::begin(path, &kept)
     }
 
@@ -76,11 +87,12 @@ mod tests {
         assert_eq!(text(), "step,time [s]\n1,0.1\n2,0.2\n3,0.3\n");
         // Cut off in its last line.
         std::fs::write(&path, "step,time [s]\n1,0.1\n2,0.2\n3").unwrap();
-        let mut series = Series::reopen(&path, 1, 0.25).unwrap();
+        let mut series = Series::reopen(&path, 1, 0.15, 0.25).unwrap();
         series.push("3,0.3\n").unwrap();
         series.flush().unwrap();
         assert_eq!(text(), "step,time [s]\n1,0.1\n2,0.2\n3,0.3\n");
-        drop(Series::reopen(&path, 1, 0.15).unwrap());
+        drop(Series::reopen(&path, 1, 0.0, 0.15).unwrap());
         assert_eq!(text(), "step,time [s]\n1,0.1\n");
+        assert!(Series::reopen(&path, 1, 0.15, 0.25).is_err_and(|fault| fault.message.contains("ends at 0.1")));
     }
 }

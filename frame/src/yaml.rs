@@ -31,7 +31,11 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(T, Document), Fault> {
 }
 
 /// Read YAML text, which came from `path`, into `T`. An error, with its place, if the text does not fit `T`.
-pub fn parse<T: DeserializeOwned>(path: &Path, text: String) -> Result<(T, Document), Fault> {
+pub fn parse<T: DeserializeOwned>(path: &Path, mut text: String) -> Result<(T, Document), Fault> {
+    // Editors of Windows begin a file with a mark of its encoding.
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
     if text.trim().is_empty() {
         return Err(Fault::at(FaultKind::Input, path, "", 1, 1, "is empty"));
     }

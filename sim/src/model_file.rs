@@ -100,8 +100,12 @@ fn replace(doc: Document, replacements: &[Replacement]) -> Result<(ModelFile, Do
         let n_parts = replacement.path.split('.').count();
         for (i, part) in replacement.path.split('.').enumerate() {
             // What a value goes into is there already, but for the sections of a model.
-            let is_new = i == 0 || i + 1 == n_parts;
-            let (name, next) = step_into(at, part, is_new).map_err(|known| {
+            let may_add = |known: &[String]| match &key[..] {
+                _ if i == 0 || i + 1 == n_parts => true,
+                [section] if section == "materials" => false,
+                _ => nearest(part, known.iter().map(String::as_str)).is_none(),
+            };
+            let (name, next) = step_into(at, part, &may_add).map_err(|known| {
                 let fault = Fault { message: format!("there is no key, index or name `{part}`"), ..fault.clone() };
                 match nearest(part, known.iter().map(String::as_str)) {
                     Some(near) => fault.hint(format!("did you mean `{near}`?")),
@@ -129,11 +133,11 @@ fn fault_of(doc: &Document, replacement: &Replacement) -> Fault {
 }
 
 /// The value of a map's key, which is added if it is missing, or an item of a list by its index or its `name`, with its key or index;
-/// else the names that are known. A key that is not `is_new` is not added where it is like one that the map has.
+/// else the names that are known. Of these, `may_add` tells whether another key may be added.
 fn step_into<'a>(
     value: &'a mut serde_yaml::Value,
     part: &str,
-    is_new: bool,
+    may_add: &dyn Fn(&[String]) -> bool,
 ) -> Result<(String, &'a mut serde_yaml::Value), Vec<String>> {
     use serde_yaml::Value;
     match value {
@@ -145,15 +149,16 @@ fn step_into<'a>(
                 None => Err(items.iter().filter_map(name_of).collect()),
             }
         }
-        Value::Mapping(map)
-            if !is_new && !map.contains_key(part) && nearest(part, map.keys().filter_map(Value::as_str)).is_some() =>
-        {
-            Err(map.keys().filter_map(Value::as_str).map(str::to_string).collect())
+        Value::Mapping(map) => {
+            let known: Vec<String> = map.keys().filter_map(Value::as_str).map(str::to_string).collect();
+            match map.contains_key(part) || may_add(&known) {
+                true => Ok((part.into(), map.entry(Value::String(part.into())).or_insert(Value::Null))),
+                false => Err(known),
+            }
         }
-        Value::Mapping(map) => Ok((part.into(), map.entry(Value::String(part.into())).or_insert(Value::Null))),
         Value::Null => {
             *value = Value::Mapping(Default::default());
-            step_into(value, part, is_new)
+            step_into(value, part, may_add)
         }
         _ => Err(vec![]),
     }

@@ -231,8 +231,11 @@ impl<'a> Run<'a> {
         writer.set_warnings(entries(&state.watch.warnings));
         observer.resume(path, time, writer.frames() as u64, expected);
         let sim = Simulation::new(sim.model, state);
-        let report = Series::reopen(&folder.join(REPORT), 1, time + 0.5 * h)?;
-        let probes = Series::reopen(&folder.join(PROBES), 0, time + 0.5 * h)?;
+        let (last, interval) = (time + 0.5 * h, resolved.probes.interval.max(h));
+        // A checkpoint at time 0 has no step before it.
+        let report_from = if sim.state.steps == 0 { f64::NEG_INFINITY } else { time - 0.5 * h };
+        let report = Series::reopen(&folder.join(REPORT), 1, report_from, last)?;
+        let probes = Series::reopen(&folder.join(PROBES), 0, time - interval - 0.5 * h, last)?;
         let (next_probe, next_checkpoint, transient) = (0.0, 0.0, vec![]);
         let mut run =
             Run { file, resolved, folder, writer, sim, hash, report, probes, next_probe, next_checkpoint, transient };

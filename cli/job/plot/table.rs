@@ -1,7 +1,7 @@
 //! Tables over time: the probes and the report of a run, or any CSV with a column `time`.
 
 use crate::report::Outcome;
-use frame::{Column, Fault, FaultKind, Field, csv};
+use frame::{Column, Fault, FaultKind, Field, Frame, csv};
 use std::path::{Path, PathBuf};
 
 /// A run's columns over time.
@@ -24,6 +24,11 @@ pub struct TimeColumn {
 
 const PROBES: &str = "probes.csv";
 const REPORT: &str = "report.csv";
+
+/// Whether a file is one of a run directory.
+pub fn is_of_run(file: &Path) -> bool {
+    file.file_name().is_some_and(|name| name == PROBES || name == REPORT)
+}
 
 /// Whether a path is a run directory, or a table itself.
 pub fn is_table(path: &Path) -> bool {
@@ -89,9 +94,16 @@ fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
         let fault = Fault::whole(FaultKind::Data, path, "has no column `time` of numbers");
         return Err(fault.hint(format!("its columns are {}", table.names().join(", "))).into());
     };
+    let seconds = seconds(path, &table)?;
+    let times: Vec<Option<f64>> = (0..table.rows()).map(|r| Some(time.number(r)? * seconds)).collect();
+    if let Some(r) = times.windows(2).position(|w| w[1] < w[0]) {
+        let [a, b] = [r, r + 1].map(|r| times[r].unwrap_or(f64::NAN));
+        let message = format!("`time` goes back from {a} to {b} s in row {}", r + 2);
+        return Err(Fault::whole(FaultKind::Data, path, message).hint("sort the rows by time").into());
+    }
     let is_curve = |name: &str, c: &Column| name != "time" && !matches!(c, Column::Category { .. });
     let points = |c: &Column| {
-        let point = |r: usize| Some((time.number(r).filter(|t| t.is_finite())?, c.number(r)?));
+        let point = |r: usize| Some((times[r].filter(|t| t.is_finite())?, c.number(r)?));
         (0..table.rows()).filter_map(point).collect()
     };
     let columns = table.columns.iter().filter(|(f, c)| is_curve(&f.name, c));
@@ -103,6 +115,27 @@ fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
         has_start: true,
     };
     Ok(columns.map(column).collect())
+}
+
+/// Seconds over the unit of a table's times.
+fn seconds(path: &Path, table: &Frame) -> Outcome<f64> {
+    const UNITS: [(&str, f64); 9] = [
+        ("", 1.0),
+        ("s", 1.0),
+        ("sec", 1.0),
+        ("ms", 1e-3),
+        ("us", 1e-6),
+        ("µs", 1e-6),
+        ("min", 60.0),
+        ("h", 3600.0),
+        ("1", 1.0),
+    ];
+    let unit = table.columns.iter().find(|(f, _)| f.name == "time").map_or("", |(f, _)| f.unit.as_str());
+    let known = UNITS.into_iter().find(|(name, _)| *name == unit).map(|(_, seconds)| seconds);
+    known.ok_or_else(|| {
+        Fault::whole(FaultKind::Data, path, format!("`time` has the unit [{unit}], expected s, ms, µs, min or h"))
+            .into()
+    })
 }
 
 #[cfg(test)]

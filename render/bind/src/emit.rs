@@ -110,6 +110,7 @@ fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>
         let object = instances::prepare(binding, i, object, frame)?;
         missing.undrawn.add(&object.missing.undrawn);
         missing.uncolored.add(&object.missing.uncolored);
+        missing.absent.extend(object.missing.absent.iter().cloned());
         prepared.push(object);
     }
     Ok((prepared, missing))

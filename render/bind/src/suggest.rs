@@ -1,6 +1,7 @@
 //! A first metadata file for data that has none: columns are recognised by their names, and the camera is placed to see all rows.
 
 mod framing;
+mod lengths;
 mod names;
 mod survey;
 
@@ -9,7 +10,7 @@ use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
     RoundSpec, Shader, SphereSpec,
 };
-use frame::{Column, Field, Frame};
+use frame::Frame;
 use framing::{Subject, rounded};
 use names::Names;
 use survey::{Kind, Survey};
@@ -40,11 +41,15 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     let some = frames.iter().find(|frame| frame.rows() > 0);
     let frame = some.ok_or("the data has no rows from which a camera could be placed")?;
     let has = |name: &str| names::is_numeric(frame, name);
-    let position = names::position(frame).ok_or_else(|| no_position(frame))?;
-    let names = Names { position, radius: names::radius(frame) };
+    let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
+    let (mut names, mut remarks) = Names::of(frame)?;
+    if is_ours {
+        // Our own tables are drawn as they are, in metres.
+        names.position.iter_mut().for_each(|length| length.origin = 0.0);
+        remarks.clear();
+    }
     let surveys: Vec<Survey> = frames.iter().map(|frame| Survey::of(frame, &names)).collect();
     let [mut lo, mut hi] = framing::extent(&surveys).ok_or("the data has no finite positions")?;
-    let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
     let is_guessed = names.radius.is_none() && !is_ours;
     let size = if is_guessed { framing::radius_by_spacing(&surveys) } else { None }.map_or(0.1, rounded);
     if hi == lo || is_guessed {
@@ -64,7 +69,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     } else {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
-            position: position.map(|p| p.quantity()),
+            position: names.position.map(|p| p.quantity()),
             ..object(
                 "particles",
                 None,
@@ -81,31 +86,10 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         objects,
         ..Metadata::default()
     };
-    let mut remarks = vec![];
     if is_guessed {
         remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
     }
-    let lengths = position.into_iter().chain(names.radius);
-    let mut units: Vec<(&str, f64)> = lengths.filter_map(|length| names::unit(frame, length.column)).collect();
-    units.dedup();
-    remarks.extend(units.iter().map(|(unit, metres)| format!("lengths in {unit} are read as {metres} m each")));
     Ok(Suggestion { yaml: to_yaml(&metadata, frame, &remarks), remarks })
-}
-
-/// Why a frame has no columns of positions.
-fn no_position(frame: &Frame) -> String {
-    let of_words = |(field, column): &(Field, Column)| match column {
-        Column::Category { .. } if ["x", "y", "z", "pos_x", "pos_y", "pos_z"].contains(&field.name.as_str()) => {
-            let is_word = |row: &usize| frame::csv::number(&column.text(*row)).is_none();
-            let word = (0..frame.rows()).find(is_word).map(|row| column.text(row))?;
-            Some(format!("column `{}` has `{word}`, which is no number: its rows have no positions", field.name))
-        }
-        _ => None,
-    };
-    frame.columns.iter().find_map(of_words).unwrap_or_else(|| {
-        let names = frame.names().join(", ");
-        format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {names}")
-    })
 }
 
 /// Colours of what people make, one after the other.

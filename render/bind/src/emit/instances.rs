@@ -194,7 +194,8 @@ pub(super) fn prepare<'a>(
     let sphere = matches!(object.shape, Shape::Sphere(_) | Shape::Ellipsoid(_));
     let handle = (!sphere).then(|| format!("scree:{}", object.name));
     let mut instances = rows.instances(object, handle.as_ref())?;
-    let mut missing = Missing { undrawn: rows.drop_missing(), ..Missing::default() };
+    let absent = if rows.rows.is_empty() { vec![object.name.clone()] } else { vec![] };
+    let mut missing = Missing { undrawn: rows.drop_missing(), absent, ..Missing::default() };
     if missing.undrawn.rows > 0 {
         instances = rows.instances(object, handle.as_ref())?;
     }

@@ -7,6 +7,8 @@ pub struct Missing {
     pub undrawn: Lack,
     /// Rows without a value of their colour, which are magenta.
     pub uncolored: Lack,
+    /// Names of the objects that no row of the frame is of.
+    pub absent: Vec<String>,
 }
 
 /// Rows that lack a value.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// Number of alike rows of a frame from which on the outermost of them are strays.
-const MANY: usize = 60;
+const MANY: usize = 30;
 
 /// Share of alike rows that are strays on each side of each axis.
 const STRAYS: f32 = 0.03;
@@ -177,9 +177,12 @@ pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
     let distance = (0..8).map(|k| needed(corner(k))).fold(1e-3, f32::max);
     let eye = center + back * distance;
+    // To a thousandth of the distance.
+    let step = 10f64.powf((distance as f64).log10().floor() - 3.0);
+    let on_grid = |x: f32| ((x as f64 / step).round() * step) as f32;
     CameraSpec {
-        eye: Some(eye.to_array().map(|x| rounded(x) as f32)),
-        look_at: Some(center.to_array().map(|x| rounded(x) as f32)),
+        eye: Some(eye.to_array().map(on_grid)),
+        look_at: Some(center.to_array().map(on_grid)),
         up: [0.0, 0.0, 1.0],
         fov,
         ..CameraSpec::default()

@@ -1,15 +1,13 @@
 //! Names that columns of positions and sizes go by in other programs.
 
-use crate::expr;
-use crate::metadata::Quantity;
+use super::lengths::{Length, near_origin};
 use frame::{Column, Frame};
 
 /// Names of positions that are looked for first, as they are.
-const POSITIONS: [[&str; 3]; 5] =
-    [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"], ["c1", "c2", "c3"]];
+const POSITIONS: [[&str; 3]; 4] = [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"], ["px", "py", "pz"]];
 
 /// Names of a radius that are looked for first, as they are.
-const RADII: [&str; 6] = ["radius", "r", "R", "rad", "half_x", "c4"];
+const RADII: [&str; 5] = ["radius", "r", "R", "rad", "half_x"];
 
 /// What stands before the axis in names of positions, in small letters and without other characters: `Points:0`, `Position_X`, `X (m)`.
 const PLACES: [&str; 19] = [
@@ -43,48 +41,47 @@ pub(super) struct Names<'a> {
     pub(super) radius: Option<Length<'a>>,
 }
 
-/// A column of lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Length<'a> {
-    pub(super) column: &'a str,
-    /// Metres over the column's value: the column's unit, and a half for diameters.
-    pub(super) factor: f64,
-}
-
-impl Length<'_> {
-    /// The length as a metadata file has it.
-    pub(super) fn quantity(self) -> Quantity {
-        let column = expr::quoted(self.column);
-        Quantity::Expression(if self.factor == 1.0 { column } else { format!("{} * {column}", self.factor) })
+impl<'a> Names<'a> {
+    /// The columns of a frame, and what had to be guessed or converted, in a sentence each. An error if there are no positions, or if
+    /// a column that has them, or the radii, has words.
+    pub(super) fn of(frame: &'a Frame) -> Result<(Names<'a>, Vec<String>), String> {
+        let unnamed = unnamed(frame);
+        let mut remarks = vec![];
+        let (position, radius) = match unnamed {
+            Some((position, radius)) => {
+                let size = radius.map_or(String::new(), |name| format!(", and {name} for the radius"));
+                remarks
+                    .push(format!("the columns have no names: {} are taken for x, y and z{size}", position.join(", ")));
+                (Some(position), radius.map(|name| (name, 1.0)))
+            }
+            None => (position_of(frame, is_numeric), radius_of(frame, is_numeric)),
+        };
+        let any = |_: &Frame, name: &str| !name.contains('`');
+        let position = position.ok_or_else(|| {
+            let misread = position_of(frame, any).and_then(|names| names.iter().find_map(|name| misread(frame, name)));
+            misread.unwrap_or_else(|| {
+                let names = frame.names().join(", ");
+                format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {names}")
+            })
+        })?;
+        if radius.is_none()
+            && let Some((name, _)) = radius_of(frame, any)
+            && let Some(fault) = misread(frame, name)
+        {
+            return Err(fault);
+        }
+        let position = near_origin(frame, position.map(|name| Length::of(frame, name, 1.0)));
+        let radius = radius.map(|(name, share)| Length::of(frame, name, share));
+        let mut units: Vec<String> = position.iter().chain(&radius).filter_map(|length| length.remark(frame)).collect();
+        units.dedup();
+        remarks.extend(units);
+        if position.iter().any(|p| p.origin != 0.0) {
+            let [x, y, z] = position.map(|p| p.origin);
+            remarks.push(format!("positions are far from the origin, and count from ({x}, {y}, {z})"));
+        }
+        remarks.extend(several_times(frame));
+        Ok((Names { position, radius }, remarks))
     }
-}
-
-/// Units of length, m, by their signs.
-const UNITS: [(&str, f64); 11] = [
-    ("m", 1.0),
-    ("dm", 0.1),
-    ("cm", 1e-2),
-    ("mm", 1e-3),
-    ("um", 1e-6),
-    ("µm", 1e-6),
-    ("μm", 1e-6),
-    ("nm", 1e-9),
-    ("km", 1e3),
-    ("in", 0.0254),
-    ("ft", 0.3048),
-];
-
-/// The unit of a column of lengths that is not the metre, and its length, m: that of its field, or what stands in brackets in its name.
-pub(super) fn unit<'a>(frame: &'a Frame, name: &'a str) -> Option<(&'a str, f64)> {
-    let field = frame.columns.iter().map(|(field, _)| field).find(|field| field.name == name)?;
-    let bracketed = || Some(name.rsplit_once(['(', '['])?.1.trim_end_matches([')', ']']));
-    let sign = if field.unit.is_empty() { bracketed()? } else { &field.unit };
-    UNITS.into_iter().find(|(unit, _)| *unit == sign.trim()).filter(|(_, metres)| *metres != 1.0)
-}
-
-/// A column of lengths; `share` of its values is the length wanted.
-fn length<'a>(frame: &'a Frame, column: &'a str, share: f64) -> Length<'a> {
-    Length { column, factor: share * unit(frame, column).map_or(1.0, |(_, metres)| metres) }
 }
 
 /// Whether a frame has a column of numbers of this name.
@@ -93,40 +90,75 @@ pub(super) fn is_numeric(frame: &Frame, name: &str) -> bool {
     !name.contains('`') && frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }))
 }
 
-/// The three columns of positions, if the frame has any.
-pub(super) fn position(frame: &Frame) -> Option<[Length<'_>; 3]> {
-    let exact = POSITIONS.into_iter().find(|p| p.iter().all(|name| is_numeric(frame, name)));
+/// Why a column is one of words: its first cell that is no number.
+fn misread(frame: &Frame, name: &str) -> Option<String> {
+    let column = frame.column(name).filter(|c| matches!(c, Column::Category { .. }))?;
+    let row = (0..frame.rows()).find(|row| frame::csv::number(&column.text(*row)).is_none())?;
+    Some(format!("column `{name}` has `{}` in row {}, which is no number", column.text(row), row + 1))
+}
+
+/// What is to be said of a table in which time goes on from row to row.
+fn several_times(frame: &Frame) -> Option<String> {
+    let name =
+        frame.names().into_iter().find(|name| ["time", "timestep", "step"].contains(&simplified(name).as_str()))?;
+    let (lo, hi) = frame.column(name)?.range().filter(|(lo, hi)| lo < hi)?;
+    Some(format!(
+        "`{name}` goes from {lo} to {hi} within a table: all of its rows are in one image; a file for each time makes frames"
+    ))
+}
+
+/// The columns that are taken for positions and radius in a table without names of columns: the first three of numbers after ids and
+/// other whole numbers, and the one behind them if it may be a radius.
+fn unnamed(frame: &Frame) -> Option<([&str; 3], Option<&str>)> {
+    let names = frame.names();
+    if !names.iter().enumerate().all(|(k, name)| *name == format!("c{}", k + 1)) {
+        return None;
+    }
+    let numbers: Vec<&str> = names.into_iter().filter(|name| is_numeric(frame, name)).collect();
+    let is_whole = |name: &str| matches!(frame.column(name), Some(Column::I64(_)));
+    let n_leading = numbers.iter().take_while(|name| is_whole(name)).count();
+    let skip = if numbers.len() >= n_leading + 3 { n_leading } else { 0 };
+    let position: [&str; 3] = numbers.get(skip..skip + 3)?.try_into().ok()?;
+    let range = |name: &str| frame.column(name).and_then(Column::range);
+    let width = position.iter().filter_map(|name| range(name)).map(|(lo, hi)| hi - lo).fold(0.0, f64::max);
+    let may_be_radius = |name: &&&str| range(name).is_some_and(|(lo, hi)| lo > 0.0 && hi < 0.5 * width);
+    Some((position, numbers.get(skip + 3).filter(may_be_radius).copied()))
+}
+
+/// The three columns of positions, of those that are accepted, if the frame has any.
+fn position_of(frame: &Frame, accepts: fn(&Frame, &str) -> bool) -> Option<[&str; 3]> {
+    let exact =
+        POSITIONS.into_iter().find(|p| p.iter().all(|name| frame.column(name).is_some() && accepts(frame, name)));
     let alike = || {
         PLACES.into_iter().flat_map(|place| AXES.map(|axes| (place, axes))).find_map(|(place, axes)| {
             // Numbers alone are no names of axes.
             let is_named = !place.is_empty() || axes[0] == 'x';
-            let found = axes.map(|axis| only(frame, &format!("{place}{axis}"))).map(|found| found.filter(|_| is_named));
+            let found = axes.map(|axis| only(frame, &format!("{place}{axis}"), accepts).filter(|_| is_named));
             Some([found[0]?, found[1]?, found[2]?])
         })
     };
-    exact.or_else(alike).map(|names| names.map(|name| length(frame, name, 1.0)))
+    exact.or_else(alike)
 }
 
-/// The column of the radius, or else of the diameter, if the frame has any.
-pub(super) fn radius(frame: &Frame) -> Option<Length<'_>> {
-    let exact = RADII.into_iter().find(|name| is_numeric(frame, name));
-    let radius = exact.or_else(|| ["radius", "particleradius", "rad", "r"].iter().find_map(|name| only(frame, name)));
-    let diameter = || ["diameter", "particlediameter", "diam", "dia", "d"].iter().find_map(|name| only(frame, name));
-    let halved = || diameter().map(|column| length(frame, column, 0.5));
-    radius.map(|column| length(frame, column, 1.0)).or_else(halved)
+/// The column of the radius, or else of the diameter, of those that are accepted, if the frame has any; with the radius over its value.
+fn radius_of(frame: &Frame, accepts: fn(&Frame, &str) -> bool) -> Option<(&str, f64)> {
+    let exact = RADII.into_iter().find(|name| frame.column(name).is_some() && accepts(frame, name));
+    let alike = |names: &[&str]| names.iter().find_map(|name| only(frame, name, accepts));
+    let radius = exact.or_else(|| alike(&["radius", "particleradius", "rad", "r"]));
+    let diameter = || alike(&["diameter", "particlediameter", "diam", "dia", "d"]);
+    radius.map(|column| (column, 1.0)).or_else(|| diameter().map(|column| (column, 0.5)))
 }
 
 /// Whether a column tells the position or the size.
 pub(super) fn is_position_or_size(frame: &Frame, name: &str) -> bool {
     let usual = POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
-    usual
-        || position(frame).is_some_and(|p| p.iter().any(|p| p.column == name))
-        || radius(frame).is_some_and(|r| r.column == name)
+    let is_found = |names: Names<'_>| names.position.iter().chain(&names.radius).any(|length| length.column == name);
+    usual || Names::of(frame).is_ok_and(|(names, _)| is_found(names))
 }
 
-/// The one column of numbers whose name is this but for capitals, units and characters between letters.
-fn only<'a>(frame: &'a Frame, simple: &str) -> Option<&'a str> {
-    let mut found = frame.names().into_iter().filter(|name| simplified(name) == simple && is_numeric(frame, name));
+/// The one column that is accepted and whose name is this but for capitals, units and characters between letters.
+fn only<'a>(frame: &'a Frame, simple: &str, accepts: fn(&Frame, &str) -> bool) -> Option<&'a str> {
+    let mut found = frame.names().into_iter().filter(|name| simplified(name) == simple && accepts(frame, name));
     found.next().filter(|_| found.next().is_none())
 }
 
@@ -139,6 +171,7 @@ fn simplified(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metadata::Quantity;
 
     fn table(names: &[&str]) -> Frame {
         let mut frame = Frame::new(0, 0.0);
@@ -147,7 +180,7 @@ mod tests {
     }
 
     fn columns(frame: &Frame) -> Option<[&str; 3]> {
-        position(frame).map(|p| p.map(|length| length.column))
+        Names::of(frame).ok().map(|(names, _)| names.position.map(|length| length.column))
     }
 
     #[test]
@@ -168,7 +201,9 @@ mod tests {
 
     #[test]
     fn a_diameter_is_halved_where_there_is_no_radius() {
-        let text = |names: &[&str]| match radius(&table(names)).map(Length::quantity) {
+        let radius =
+            |frame: &Frame| radius_of(frame, is_numeric).map(|(name, share)| Length::of(frame, name, share).quantity());
+        let text = |names: &[&str]| match radius(&table(names)) {
             Some(Quantity::Expression(text)) => text,
             _ => String::new(),
         };
@@ -178,5 +213,38 @@ mod tests {
         assert_eq!(text(&["R (µm)"]), "0.000001 * `R (µm)`");
         assert_eq!(text(&["diam", "Radius"]), "Radius");
         assert_eq!(text(&["id"]), "");
+    }
+
+    #[test]
+    fn tables_without_names_are_taken_by_their_values() {
+        let columns = |columns: &[Column]| {
+            let mut frame = Frame::new(0, 0.0);
+            columns.iter().enumerate().for_each(|(k, c)| frame.push(&format!("c{}", k + 1), "", c.clone()));
+            let (names, remarks) = Names::of(&frame).unwrap();
+            assert!(remarks[0].contains("no names"), "{remarks:?}");
+            let name = |l: &Length<'_>| l.column.to_string();
+            (names.position.iter().map(name).collect::<Vec<_>>().join(" "), names.radius.as_ref().map(name))
+        };
+        let (ids, place) = (Column::I64(vec![1, 2]), Column::F64(vec![-0.5, 1.5]));
+        let (radii, ones) = (Column::F64(vec![0.1, 0.2]), Column::F64(vec![1.0, 1.0]));
+        let xyz = [place.clone(), place.clone(), place.clone()];
+        assert_eq!(columns(&[&xyz[..], std::slice::from_ref(&radii)].concat()), ("c1 c2 c3".into(), Some("c4".into())));
+        assert_eq!(columns(&[std::slice::from_ref(&ids), &xyz[..], &[ones]].concat()), ("c2 c3 c4".into(), None));
+        assert_eq!(columns(&[&[ids.clone(), ids.clone()], &xyz[..]].concat()), ("c3 c4 c5".into(), None));
+        assert_eq!(columns(&[ids.clone(), ids.clone(), ids, radii]), ("c1 c2 c3".into(), Some("c4".into())));
+    }
+
+    #[test]
+    fn places_far_from_the_origin_count_from_one_among_them() {
+        let mut frame = Frame::new(0, 0.0);
+        let columns = [vec![450_122.5, 450_123.5], vec![-5e6, -5e6], vec![0.1, 0.2]];
+        ["x", "y", "z"].into_iter().zip(columns).for_each(|(name, v)| frame.push(name, "", Column::F64(v)));
+        let (names, remarks) = Names::of(&frame).unwrap();
+        let text = names.position.map(|p| match p.quantity() {
+            Quantity::Expression(text) => text,
+            Quantity::Number(x) => x.to_string(),
+        });
+        assert_eq!(text, ["x - 450123", "y + 5000000", "z"]);
+        assert!(remarks[0].contains("(450123, -5000000, 0)"), "{remarks:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! What the rows of a frame are: the boxes of things, and the classes with their shapes. Every row is read once.
 
-use super::names::{Length, Names};
+use super::lengths::Length;
+use super::names::Names;
 use frame::{Column, Frame};
 use glam::{Mat3, Quat, Vec3};
 
@@ -45,10 +46,22 @@ impl Thing {
     }
 }
 
+/// A column of lengths, m.
+struct Metres<'a> {
+    column: Option<&'a Column>,
+    length: Length<'a>,
+}
+
+impl Metres<'_> {
+    fn at(&self, row: usize) -> Option<f32> {
+        self.column.and_then(|c| c.number(row)).map(|x| self.length.metres(x) as f32)
+    }
+}
+
 /// The columns of a frame that are looked at.
 struct Columns<'a> {
-    place: [(Option<&'a Column>, f32); 3],
-    radius: (Option<&'a Column>, f32),
+    place: [Metres<'a>; 3],
+    radius: Option<Metres<'a>>,
     half: [Option<&'a Column>; 3],
     turn: [Option<&'a Column>; 4],
 }
@@ -58,11 +71,11 @@ fn number(column: Option<&Column>, row: usize) -> Option<f32> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(frame: &'a Frame, names: &Names<'_>) -> Columns<'a> {
-        let length = |length: Length<'_>| (frame.column(length.column), length.factor as f32);
+    fn of(frame: &'a Frame, names: &Names<'a>) -> Columns<'a> {
+        let metres = |length: Length<'a>| Metres { column: frame.column(length.column), length };
         Columns {
-            place: names.position.map(length),
-            radius: names.radius.map_or((None, 1.0), length),
+            place: names.position.map(metres),
+            radius: names.radius.map(metres),
             half: ["half_x", "half_y", "half_z"].map(|name| frame.column(name)),
             turn: ["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| frame.column(name)),
         }
@@ -71,7 +84,7 @@ impl<'a> Columns<'a> {
     /// The half lengths of the box around a row.
     fn half(&self, shape: &str, row: usize) -> Vec3 {
         if shape.is_empty() || shape == "sphere" {
-            return Vec3::splat((number(self.radius.0, row).unwrap_or(0.0) * self.radius.1).max(0.0));
+            return Vec3::splat(self.radius.as_ref().and_then(|r| r.at(row)).unwrap_or(0.0).max(0.0));
         }
         let mut half = Vec3::from_array(self.half.map(|c| number(c, row).unwrap_or(0.0)));
         if shape == "capsule" {
@@ -89,8 +102,8 @@ impl<'a> Columns<'a> {
     }
 
     fn thing(&self, shape: &str, class: u32, row: usize) -> Option<Thing> {
-        let [x, y, z] = self.place.map(|(column, factor)| number(column, row).map(|x| x * factor));
-        let place = Vec3::new(x?, y?, z?);
+        let [x, y, z] = &self.place;
+        let place = Vec3::new(x.at(row)?, y.at(row)?, z.at(row)?);
         let half = self.half(shape, row);
         let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class };
         (thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
@@ -98,7 +111,7 @@ impl<'a> Columns<'a> {
 }
 
 impl<'a> Survey<'a> {
-    pub(super) fn of(frame: &'a Frame, names: &Names<'_>) -> Survey<'a> {
+    pub(super) fn of(frame: &'a Frame, names: &Names<'a>) -> Survey<'a> {
         let category = |name: &str| match frame.column(name) {
             Some(Column::Category { codes, names }) => (codes.as_slice(), names.as_slice()),
             _ => (&[][..], &[][..]),
@@ -146,7 +159,7 @@ impl<'a> Kind<'a> {
             self.has_walls = true;
             return;
         }
-        let height = number(columns.place[2].0, row).filter(|_| normal_z > 0.999_999);
+        let height = columns.place[2].at(row).filter(|_| normal_z > 0.999_999);
         let plane = Kind { has_others: true, levels: height.map(|z| [z, z]), ..*self };
         self.merge(&plane);
     }
