@@ -326,6 +326,44 @@ joints:
 }
 
 #[test]
+fn springs_are_rows_from_point_to_point() {
+    let work = Work::new();
+    let text = "\
+step: 0.001
+duration: 0.02
+frame_rate: 100
+format: csv
+materials: {m: {density: 1000, friction: 0.3}}
+bodies:
+  - {name: bob, material: m, sphere: {radius: 0.1}, position: [0.3, 0, 0.6]}
+  - {name: flap, material: m, box: {size: [0.2, 0.2, 0.02]}, position: [2, 0, 1]}
+joints:
+  - {name: hinge, kind: revolute, a: world, b: flap, position: [1.9, 0, 1], axis: [0, 1, 0]}
+springs:
+  - {name: coil, a: world, b: bob, position: [0, 0, 1], position_b: [0.3, 0, 0.6], stiffness: 100}
+  - {name: late, a: world, b: bob, position: [0, 0, 1], position_b: [0.3, 0, 0.6], stiffness: 100, from: 0.005}
+  - {name: return, a: world, b: flap, position: [1.9, 0, 1], about: [0, 1, 0], stiffness: 10}
+";
+    let run = work.at("run");
+    scree(&["simulate", &work.write("m.yaml", text), "-o", &run]).ok();
+    let rows = |frame: &str| {
+        let table = work.read(&format!("run/frames/{frame}.csv"));
+        let mut lines = table.lines().map(|l| l.split(',').map(str::to_string).collect::<Vec<_>>());
+        let header = lines.next().unwrap();
+        let at = |name: &str| header.iter().position(|h| h.starts_with(name)).unwrap();
+        let columns = ["class", "shape", "pos_x", "pos_z", "half_z"].map(at);
+        lines.map(|l| columns.map(|c| l[c].clone())).collect::<Vec<_>>()
+    };
+    let first = rows("000000");
+    assert_eq!(first.len(), 3, "{first:?}");
+    assert_eq!(first[2], ["coil", "spring", "0.15", "0.8", "0.25"]);
+    assert_eq!(rows("000001").iter().map(|r| r[0].clone()).collect::<Vec<_>>(), ["bob", "flap", "coil", "late"]);
+    let metadata = work.read("run/metadata.yaml");
+    assert!(metadata.contains("- name: coil") && metadata.contains("- name: late"), "{metadata}");
+    scree(&["render", &run, "--res", "32x18", "--samples", "1"]).ok();
+}
+
+#[test]
 fn a_ground_is_left_out_in_scenes_that_have_one() {
     let work = Work::new();
     let run = work.at("run");
@@ -405,6 +443,20 @@ fills:
     // What stands still is no subject, nor is what fills the image.
     scree(&["simulate", &work.write("m.yaml", &text.replace("[3, 0, 0]", "[0, 0, 0]")), "-o", &run, "--fresh"]).ok();
     assert!(!work.read("run/metadata.yaml").contains("follow"));
+    // Things that stand about neither make the image wider nor hold what lies between them.
+    let post = |k: i32| {
+        let [x, y] = [20 - 5 * k, if k % 2 == 0 { 15 } else { -15 }];
+        format!(
+            "  - {{name: p{k}, class: post, material: m, fixed: true, box: {{size: [0.1, 0.1, 0.9]}}, position: [{x}, {y}, 0.45]}}\n"
+        )
+    };
+    let posts: String = (0..8).map(post).collect();
+    let wide = text.replace("fills:", &format!("{posts}fills:")).replace("[3, 0, 0]", "[0, 0, 0]");
+    scree(&["simulate", &work.write("m.yaml", &wide), "-o", &run, "--fresh"]).ok();
+    let metadata = work.read("run/metadata.yaml");
+    let eye = metadata.split("eye:\n").nth(1).unwrap().lines().take(3);
+    let far = eye.map(|l| l.trim().trim_start_matches("- ").parse::<f32>().unwrap().abs()).fold(0.0, f32::max);
+    assert!(far < 40.0 && !metadata.contains("opacity"), "{metadata}");
     let near = text
         .replace("[-6, -6, 0.2], max: [6, 6, 0.4]", "[-1, -1, 0.2], max: [1, 1, 1]")
         .replace("[3, 2, 0.45]", "[1, 2, 0.45]");

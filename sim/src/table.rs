@@ -7,41 +7,44 @@ use crate::simulation::StepReport;
 use crate::stages::Stage;
 use crate::state::State;
 use frame::{Column, Frame};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-/// The frame of the state's time, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes.
+/// The frame of the state's time, with index `index`: one row per shape of the bodies that have appeared, in the order of the shapes,
+/// then one per spring between two points that acts.
 ///
-/// Columns: id (of the body), part (index of the shape on its body), class, shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s),
-/// omega_x..z (rad/s, shape's frame), half_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius,
-/// half length for cylinder, capsule and cone; 0 for a plane, whose normal is its z axis). Each hull, mesh and height field has a
-/// shape name of its own, as `hull_0`.
+/// Columns: id (of the body; springs count on from the bodies), part (index of the shape on its body), class (of a spring its name),
+/// shape, pos_x..z (m) and quat_w..z of the shape, vel_x..z (m/s) at its centre, speed (m/s), omega_x..z (rad/s, shape's frame),
+/// half_x..z (m: radius three times for a sphere, half axes, half lengths; radius, radius, half length for cylinder, capsule and cone; 0
+/// for a plane, whose normal is its z axis). Each hull, mesh and height field has a shape name of its own, as `hull_0`. The shape
+/// `spring` is a rod along its z axis from point to point, as thick as it is drawn.
 pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
     let mut frame = Frame::new(index, state.time);
     let rows: Vec<usize> =
         (0..model.n_shapes()).filter(|s| !state.is_inactive(model.shape_body[*s] as usize)).collect();
+    let rods: Vec<Rod> = (0..model.springs.len()).filter_map(|k| Rod::of(model, state, k)).collect();
     let body = |s: usize| model.shape_body[s] as usize;
-    let places: Vec<Pose> = rows.iter().map(|s| state.shape_pose(model, *s)).collect();
-    frame.push("id", "", Column::I64(rows.iter().map(|s| body(*s) as i64).collect()));
-    frame.push("part", "", Column::I64(parts(model, &rows)));
-    let classes = rows.iter().map(|s| model.class[body(*s)]).collect();
-    frame.push("class", "", Column::Category { codes: classes, names: model.class_names.clone() });
-    let (names, codes) = shape_names(model, &rows);
-    frame.push("shape", "", Column::Category { codes, names });
+    let places: Vec<Pose> =
+        rows.iter().map(|s| state.shape_pose(model, *s)).chain(rods.iter().map(|rod| rod.place)).collect();
+    let ids = rows.iter().map(|s| body(*s)).chain(rods.iter().map(|rod| model.n_bodies() + rod.spring));
+    frame.push("id", "", Column::I64(ids.map(|id| id as i64).collect()));
+    let parts = parts(model, &rows).into_iter().chain(rods.iter().map(|_| 0)).collect();
+    frame.push("part", "", Column::I64(parts));
+    frame.push("class", "", classes(model, &rows, &rods));
+    frame.push("shape", "", shapes(model, &rows, &rods));
     for (i, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
         frame.push(name, "m", Column::F64(places.iter().map(|p| p.position[i]).collect()));
     }
     let spin = |s: usize| state.orientation[body(s)] * state.angular_velocity[body(s)];
-    let motion: Vec<(DVec3, DVec3)> = rows
-        .iter()
-        .zip(&places)
-        .map(|(s, place)| {
-            let arm = place.position - state.position[body(*s)];
-            let w = spin(*s);
-            (state.velocity[body(*s)] + w.cross(arm), place.orientation.inverse() * w)
-        })
-        .collect();
+    let of_shape = |(s, place): (&usize, &Pose)| {
+        let arm = place.position - state.position[body(*s)];
+        let w = spin(*s);
+        (state.velocity[body(*s)] + w.cross(arm), place.orientation.inverse() * w)
+    };
+    let motion: Vec<(DVec3, DVec3)> =
+        rows.iter().zip(&places).map(of_shape).chain(rods.iter().map(|rod| (rod.velocity, DVec3::ZERO))).collect();
+    let sizes: Vec<DVec3> = rows.iter().map(|s| model.shape_size[*s]).chain(rods.iter().map(|rod| rod.half)).collect();
     let mut single = |name: &str, unit: &str, value: &dyn Fn(usize) -> f64| {
-        frame.push(name, unit, Column::F32((0..rows.len()).map(|r| value(r) as f32).collect()));
+        frame.push(name, unit, Column::F32((0..places.len()).map(|r| value(r) as f32).collect()));
     };
     single("quat_w", "1", &|r| places[r].orientation.w);
     single("quat_x", "1", &|r| places[r].orientation.x);
@@ -55,9 +58,74 @@ pub fn frame_of(model: &Model, state: &State, index: u64) -> Frame {
         single(name, "rad/s", &|r| motion[r].1[i]);
     }
     for (i, name) in ["half_x", "half_y", "half_z"].into_iter().enumerate() {
-        single(name, "m", &|r| model.shape_size[rows[r]][i]);
+        single(name, "m", &|r| sizes[r][i]);
     }
     frame
+}
+
+/// A spring between two points, as a rod.
+struct Rod {
+    /// Index of the spring.
+    spring: usize,
+    /// Its middle, with z along it.
+    place: Pose,
+    /// Velocity of its middle, m/s.
+    velocity: DVec3,
+    /// Radius, radius and half length, m.
+    half: DVec3,
+}
+
+impl Rod {
+    /// The rod of a spring; none if it is rotational, does not act, or has no length.
+    fn of(model: &Model, state: &State, index: usize) -> Option<Rod> {
+        /// Radius over length.
+        const THICKNESS: f64 = 0.02;
+        let spring = &model.springs[index];
+        let ends = state.spring_frames(spring);
+        let (a, b) = (ends.a.position, ends.b.position);
+        let length = a.distance(b);
+        let is_there = spring.bodies.iter().all(|body| !state.is_inactive(*body as usize));
+        if spring.rotational || !is_there || !(spring.from..spring.until).contains(&state.time) || !(length > 1e-9) {
+            return None;
+        }
+        let orientation = DQuat::from_rotation_arc(DVec3::Z, (b - a) / length);
+        let at = |body: u32, point: DVec3| {
+            let body = body as usize;
+            let w = state.orientation[body] * state.angular_velocity[body];
+            state.velocity[body] + w.cross(point - state.position[body])
+        };
+        Some(Rod {
+            spring: index,
+            place: Pose { position: 0.5 * (a + b), orientation },
+            velocity: 0.5 * (at(spring.bodies[0], a) + at(spring.bodies[1], b)),
+            half: DVec3::new(THICKNESS * length, THICKNESS * length, 0.5 * length),
+        })
+    }
+}
+
+/// Classes of the rows: of the bodies, and the names of the springs.
+fn classes(model: &Model, rows: &[usize], rods: &[Rod]) -> Column {
+    let mut names = model.class_names.clone();
+    let mut codes: Vec<u32> = rows.iter().map(|s| model.class[model.shape_body[*s] as usize]).collect();
+    for rod in rods {
+        codes.push(code_of(&mut names, &model.springs[rod.spring].name));
+    }
+    Column::Category { codes, names }
+}
+
+/// Shapes of the rows.
+fn shapes(model: &Model, rows: &[usize], rods: &[Rod]) -> Column {
+    let (mut names, mut codes) = shape_names(model, rows);
+    codes.extend(rods.iter().map(|_| code_of(&mut names, "spring")));
+    Column::Category { codes, names }
+}
+
+/// The index of a name, which is added if it is missing.
+fn code_of(names: &mut Vec<String>, name: &str) -> u32 {
+    names.iter().position(|n| n == name).unwrap_or_else(|| {
+        names.push(name.into());
+        names.len() - 1
+    }) as u32
 }
 
 /// Index of each row's shape among the shapes of its body.
@@ -81,11 +149,7 @@ fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
             if !matches!(kind, ShapeKind::Hull | ShapeKind::Mesh | ShapeKind::HeightField) {
                 return kind as u32;
             }
-            let name = format!("{}_{}", kind.name(), model.shape_part[s]);
-            names.iter().position(|n| *n == name).unwrap_or_else(|| {
-                names.push(name);
-                names.len() - 1
-            }) as u32
+            code_of(&mut names, &format!("{}_{}", kind.name(), model.shape_part[s]))
         })
         .collect();
     (names, codes)

@@ -11,7 +11,7 @@ use crate::metadata::{
     RoundSpec, Shader, SphereSpec,
 };
 use frame::Frame;
-use framing::{Subject, rounded};
+use framing::{Classes, Subject, rounded};
 use names::Names;
 use survey::{Kind, Survey};
 
@@ -49,16 +49,18 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         remarks.clear();
     }
     let surveys: Vec<Survey> = frames.iter().map(|frame| Survey::of(frame, &names)).collect();
-    let [mut lo, mut hi] = framing::extent(&surveys).ok_or("the data has no finite positions")?;
+    let classes = Classes::of(&surveys);
+    let containers = classes.containers();
+    let [mut lo, mut hi] =
+        framing::extent(&surveys, &classes, &containers).ok_or("the data has no finite positions")?;
     let is_guessed = names.radius.is_none() && !is_ours;
-    let size = if is_guessed { framing::radius_by_spacing(&surveys) } else { None }.map_or(0.1, rounded);
+    let size = if is_guessed { framing::radius_by_spacing(&surveys, [lo, hi]) } else { None }.map_or(0.1, rounded);
     if hi == lo || is_guessed {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
     let kinds = kinds(&surveys);
     let ground_height = ground_height(&surveys, &kinds, lo.z, hi.z);
-    let containers = framing::containers(&surveys);
-    let camera = match framing::subject(&surveys, &containers, [lo, hi]).filter(|_| is_ours) {
+    let camera = match classes.subject(&containers, [lo, hi]).filter(|_| is_ours) {
         Some(Subject { class, lo, hi }) => {
             CameraSpec { follow: Some(format!("class == '{class}'")), ..framing::camera(lo, hi) }
         }
@@ -157,7 +159,7 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
         matches!(class, "ground" | "floor" | "wall" | "left" | "right" | "front" | "back" | "beam" | "table")
     };
     let mut names: Vec<&str> = vec![];
-    for kind in drawn().filter(|k| !matches!(k.shape, "sphere" | "plane") && !static_of(k.class)) {
+    for kind in drawn().filter(|k| !matches!(k.shape, "sphere" | "plane" | "spring") && !static_of(k.class)) {
         if !names.contains(&kind.class) {
             names.push(kind.class);
         }
@@ -186,6 +188,9 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
                 }
                 "cylinder" => {
                     (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53])
+                }
+                "spring" => {
+                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.85, 0.62, 0.16])
                 }
                 "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
                 "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),

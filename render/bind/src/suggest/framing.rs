@@ -3,44 +3,137 @@
 use super::survey::{Survey, Thing};
 use crate::metadata::CameraSpec;
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Number of alike rows of a frame from which on the outermost of them are strays.
+/// Number of alike bodies of a frame from which on they are grains, and the outermost of them are strays.
 const MANY: usize = 30;
 
 /// Share of alike rows that are strays on each side of each axis.
 const STRAYS: f32 = 0.03;
 
-/// The box of all frames; none if no row has a finite position. Terrain is looked at only where there is nothing else.
-pub(super) fn extent(surveys: &[Survey<'_>]) -> Option<[Vec3; 2]> {
-    let around = |of: for<'a> fn(&'a Survey<'_>) -> &'a [Thing]| {
-        let boxes = surveys.iter().filter_map(|survey| without_strays(of(survey)));
-        boxes.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])
-    };
-    around(|survey| &survey.things).or_else(|| around(|survey| &survey.terrain))
+/// The box around boxes; none if there are none.
+fn union(boxes: impl Iterator<Item = [Vec3; 2]>) -> Option<[Vec3; 2]> {
+    boxes.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])
 }
 
-/// Classes whose box has a large part of the grains in it, as a drum or a hopper has: opaque, they would hide what they hold.
-pub(super) fn containers<'a>(surveys: &[Survey<'a>]) -> Vec<&'a str> {
-    /// Share of the grains in a container.
-    const HELD: f32 = 0.3;
-    let mut found = vec![];
-    for survey in surveys.iter().filter(|survey| !survey.classes.is_empty()) {
-        let mut classes: BTreeMap<u32, Vec<&Thing>> = BTreeMap::new();
-        survey.things.iter().for_each(|thing| classes.entry(thing.class).or_default().push(thing));
-        let (grains, others): (Vec<_>, Vec<_>) = classes.into_iter().partition(|(_, things)| things.len() >= MANY);
-        let grains: Vec<Vec3> = grains.iter().flat_map(|(_, grains)| grains.iter().map(|g| g.center())).collect();
-        for (class, things) in others {
-            let lo = things.iter().map(|t| t.lo).fold(Vec3::INFINITY, Vec3::min);
-            let hi = things.iter().map(|t| t.hi).fold(Vec3::NEG_INFINITY, Vec3::max);
-            let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
-            let name = survey.classes[class as usize].as_str();
-            if !grains.is_empty() && n_inside as f32 > HELD * grains.len() as f32 && !found.contains(&name) {
-                found.push(name);
+/// The box around things.
+fn around<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Vec3; 2]> {
+    union(things.into_iter().map(|thing| [thing.lo, thing.hi]))
+}
+
+/// All things of a class in a frame.
+struct Class<'a> {
+    things: Vec<&'a Thing>,
+    lo: Vec3,
+    hi: Vec3,
+    /// Mean of the rows' places.
+    mean: Vec3,
+    /// Largest half length, m.
+    size: f32,
+}
+
+impl Class<'_> {
+    /// Whether they are many bodies, as grains are.
+    fn is_grains(&self) -> bool {
+        self.things.iter().filter(|thing| thing.is_body).count() >= MANY
+    }
+}
+
+/// The classes of an animation, frame by frame, by their names; one without a name in tables without classes.
+pub(super) struct Classes<'a> {
+    frames: Vec<BTreeMap<&'a str, Class<'a>>>,
+}
+
+impl<'a> Classes<'a> {
+    pub(super) fn of(surveys: &'a [Survey<'a>]) -> Classes<'a> {
+        Classes { frames: surveys.iter().map(classes).collect() }
+    }
+
+    /// Classes whose things move, or come and go.
+    fn moving(&self) -> BTreeSet<&'a str> {
+        let moves = |name: &str| {
+            let all: Vec<_> = self.frames.iter().map(|frame| frame.get(name)).collect();
+            let has_moved = |a: &Class<'_>, b: &Class<'_>| {
+                let ways = [a.mean - b.mean, a.lo - b.lo, a.hi - b.hi];
+                ways.iter().any(|way| way.length() > 0.25 * a.size)
+            };
+            all.windows(2).any(|w| w[0].is_some() != w[1].is_some())
+                || all[0].is_some_and(|first| all.iter().flatten().any(|class| has_moved(first, class)))
+        };
+        let names: BTreeSet<&str> = self.frames.iter().flat_map(|frame| frame.keys().copied()).collect();
+        names.into_iter().filter(|name| moves(name)).collect()
+    }
+
+    /// Classes whose box has a large part of the grains in it, as a drum or a hopper has: opaque, they would hide what they hold.
+    pub(super) fn containers(&self) -> Vec<&'a str> {
+        /// Share of the grains in a container.
+        const HELD: f32 = 0.3;
+        /// Size of the largest of several bodies that make a container, as walls do, over its own.
+        const WALL: f32 = 0.8;
+        let mut found = vec![];
+        for frame in &self.frames {
+            let grains: Vec<Vec3> = frame
+                .values()
+                .filter(|class| class.is_grains())
+                .flat_map(|c| c.things.iter().map(|t| t.center()))
+                .collect();
+            for (name, class) in frame.iter().filter(|(name, class)| !class.is_grains() && !name.is_empty()) {
+                let n_inside = grains.iter().filter(|g| g.cmpgt(class.lo).all() && g.cmplt(class.hi).all()).count();
+                // Wheels and boulders that stand about hold nothing.
+                let is_one = class.things.iter().filter(|thing| thing.is_body).count() == 1;
+                let is_vessel = is_one || class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
+                if is_container && !found.contains(name) {
+                    found.push(name);
+                }
             }
         }
+        found
     }
-    found
+
+    /// The box of what moves in an animation, with what holds it and what stands in it; none if nothing moves.
+    fn scene_of_action(&self, containers: &[&str]) -> Option<[Vec3; 2]> {
+        /// Growth of the box in which standing things belong to it, over its size.
+        const MARGIN: f32 = 0.1;
+        let moving = self.moving();
+        let is_of = |name: &str| moving.contains(name) || containers.contains(&name);
+        let [lo, hi] = union(self.frames.iter().filter_map(|frame| {
+            let things =
+                frame.iter().filter(|(name, _)| is_of(name)).flat_map(|(_, class)| class.things.iter().copied());
+            without_strays(things)
+        }))?;
+        let margin = MARGIN * (hi - lo);
+        let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();
+        let standing =
+            self.frames.first()?.iter().filter(|(name, _)| !is_of(name)).flat_map(|(_, class)| &class.things);
+        // What is larger than the action goes on out of the image.
+        let is_part = |thing: &&Thing| (thing.hi - thing.lo).length() < (hi - lo).length();
+        union([Some([lo, hi]), around(standing.copied().filter(is_near).filter(is_part))].into_iter().flatten())
+    }
+
+    /// The machine of an animation whose extent is `lo` to `hi`, if a camera that saw all would show it as a few pixels.
+    pub(super) fn subject(&self, containers: &[&str], [lo, hi]: [Vec3; 2]) -> Option<Subject<'a>> {
+        /// Largest diagonal of such a machine over that of the whole.
+        const SMALL: f32 = 0.06;
+        /// What is shown over the machine's size.
+        const CONTEXT: f32 = 4.0;
+        let is_machine = |name: &str, class: &Class<'_>| !class.is_grains() && !containers.contains(&name);
+        let mut moving = self.moving();
+        moving.retain(|name| self.frames.iter().flat_map(|f| f.get(name)).all(|class| is_machine(name, class)));
+        let first = self.frames.first()?;
+        let (class, _) = first
+            .iter()
+            .filter(|(name, _)| moving.contains(*name) && self.frames.iter().all(|f| f.contains_key(*name)))
+            .max_by(|a, b| a.1.size.total_cmp(&b.1.size))?;
+        // The machine as seen from its largest body.
+        let [a, b] = union(self.frames.iter().flat_map(|f| {
+            let from = f[class].mean;
+            let own = f.iter().filter(|(name, _)| moving.contains(*name));
+            own.map(move |(_, class)| [class.lo - from, class.hi - from])
+        }))?;
+        let (center, half) = (0.5 * (a + b), 0.5 * CONTEXT * (b - a));
+        (a.distance(b) < SMALL * lo.distance(hi)).then_some(Subject { class, lo: center - half, hi: center + half })
+    }
 }
 
 /// A machine that is small in what is seen of the whole, and moves: the camera goes with it.
@@ -52,61 +145,35 @@ pub(super) struct Subject<'a> {
     pub(super) hi: Vec3,
 }
 
-/// The box of a class in a frame, the mean of its rows' places, and its largest half length, m.
-#[derive(Clone, Copy)]
-struct ClassBox {
-    lo: Vec3,
-    hi: Vec3,
-    mean: Vec3,
-    size: f32,
-}
-
-/// The boxes of the classes of a frame that have few rows, but for containers.
-fn machines<'a>(survey: &Survey<'a>, containers: &[&str]) -> BTreeMap<&'a str, ClassBox> {
-    let mut classes: BTreeMap<u32, Vec<&Thing>> = BTreeMap::new();
-    survey.things.iter().for_each(|thing| classes.entry(thing.class).or_default().push(thing));
-    let named = classes.into_iter().filter_map(|(class, things)| {
-        let name = survey.classes.get(class as usize)?.as_str();
-        let is_machine = things.len() < MANY && !containers.contains(&name);
-        is_machine.then(|| {
-            let lo = things.iter().map(|t| t.lo).fold(Vec3::INFINITY, Vec3::min);
-            let hi = things.iter().map(|t| t.hi).fold(Vec3::NEG_INFINITY, Vec3::max);
-            let mean = things.iter().map(|t| t.center()).sum::<Vec3>() / things.len() as f32;
-            (name, ClassBox { lo, hi, mean, size: things.iter().map(|t| t.size).fold(0.0, f32::max) })
-        })
+/// The classes of a frame.
+fn classes<'a>(survey: &'a Survey<'a>) -> BTreeMap<&'a str, Class<'a>> {
+    let mut all: BTreeMap<&str, Vec<&Thing>> = BTreeMap::new();
+    for thing in &survey.things {
+        all.entry(survey.classes.get(thing.class as usize).map_or("", String::as_str)).or_default().push(thing);
+    }
+    let boxed = all.into_iter().filter_map(|(name, things)| {
+        let [lo, hi] = around(things.iter().copied())?;
+        let mean = things.iter().map(|t| t.center()).sum::<Vec3>() / things.len() as f32;
+        let size = things.iter().map(|t| t.size).fold(0.0, f32::max);
+        Some((name, Class { things, lo, hi, mean, size }))
     });
-    named.collect()
+    boxed.collect()
 }
 
-/// The machine of an animation whose extent is `lo` to `hi`, if a camera that saw all would show it as a few pixels.
-pub(super) fn subject<'a>(surveys: &[Survey<'a>], containers: &[&str], [lo, hi]: [Vec3; 2]) -> Option<Subject<'a>> {
-    /// Largest diagonal of such a machine over that of the whole.
-    const SMALL: f32 = 0.06;
-    /// What is shown over the machine's size.
-    const CONTEXT: f32 = 4.0;
-    let frames: Vec<_> = surveys.iter().map(|survey| machines(survey, containers)).collect();
-    let moves = |name: &str, first: &ClassBox| {
-        frames.iter().filter_map(|f| f.get(name)).any(|b| b.mean.distance(first.mean) > 0.5 * first.size)
+/// The box of all frames: of what moves, if they have classes, else of all; none if no row has a finite position. Terrain is looked at
+/// only where there is nothing else.
+pub(super) fn extent(surveys: &[Survey<'_>], classes: &Classes<'_>, containers: &[&str]) -> Option<[Vec3; 2]> {
+    let all = |of: for<'a> fn(&'a Survey<'_>) -> &'a [Thing]| {
+        union(surveys.iter().filter_map(|survey| without_strays(of(survey))))
     };
-    let first = frames.first()?;
-    let moving: BTreeMap<_, _> = first.iter().filter(|(name, b)| moves(name, b)).collect();
-    let (class, _) = moving
-        .iter()
-        .filter(|(name, _)| frames.iter().all(|f| f.contains_key(**name)))
-        .max_by(|a, b| a.1.size.total_cmp(&b.1.size))?;
-    // The machine as seen from its largest body.
-    let boxes = frames.iter().flat_map(|f| {
-        let from = f[*class].mean;
-        f.iter().filter(|(name, _)| moving.contains_key(name)).map(move |(_, b)| [b.lo - from, b.hi - from])
-    });
-    let [a, b] = boxes.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])?;
-    let (center, half) = (0.5 * (a + b), 0.5 * CONTEXT * (b - a));
-    (a.distance(b) < SMALL * lo.distance(hi)).then_some(Subject { class, lo: center - half, hi: center + half })
+    let has_classes = surveys.iter().any(|survey| !survey.classes.is_empty());
+    let action = has_classes.then(|| classes.scene_of_action(containers)).flatten();
+    action.or_else(|| all(|survey| &survey.things)).or_else(|| all(|survey| &survey.terrain))
 }
 
 /// Radius of spheres that stand for points: half the usual distance of a point to the nearest other, m. None where all are in one
 /// place.
-pub(super) fn radius_by_spacing(surveys: &[Survey<'_>]) -> Option<f32> {
+pub(super) fn radius_by_spacing(surveys: &[Survey<'_>], [lo, hi]: [Vec3; 2]) -> Option<f32> {
     /// Distances to compute in all.
     const WORK: usize = 1 << 26;
     /// Largest radius over the diagonal of the box, for few points.
@@ -122,15 +189,15 @@ pub(super) fn radius_by_spacing(surveys: &[Survey<'_>]) -> Option<f32> {
     let mut spacings: Vec<f32> = (0..n).filter_map(|k| nearest(k * things.len() / n)).collect();
     spacings.sort_by(f32::total_cmp);
     let usual = spacings.get(spacings.len() / 2)?.sqrt();
-    let [lo, hi] = extent(surveys)?;
     Some((0.5 * usual).min(MAX * lo.distance(hi)))
 }
 
 /// The box around things, without the outermost of many alike, as stray grains are. What is larger than most of its class is never
 /// left out, nor is a class of few: a vehicle among stones is no stray.
-fn without_strays(things: &[Thing]) -> Option<[Vec3; 2]> {
+fn without_strays<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Vec3; 2]> {
+    let things: Vec<&Thing> = things.into_iter().collect();
     let mut sizes: BTreeMap<u32, Vec<f32>> = BTreeMap::new();
-    things.iter().for_each(|t| sizes.entry(t.class).or_default().push(t.size));
+    things.iter().filter(|t| t.is_body).for_each(|t| sizes.entry(t.class).or_default().push(t.size));
     let median = |sizes: &mut Vec<f32>| {
         let half = sizes.len() / 2;
         *sizes.select_nth_unstable_by(half, f32::total_cmp).1
@@ -138,11 +205,7 @@ fn without_strays(things: &[Thing]) -> Option<[Vec3; 2]> {
     let limit: BTreeMap<u32, f32> =
         sizes.iter_mut().filter(|(_, s)| s.len() >= MANY).map(|(class, s)| (*class, 2.0 * median(s))).collect();
     let is_one_of_many = |t: &&Thing| limit.get(&t.class).is_some_and(|limit| t.size <= *limit);
-    let (grains, others): (Vec<&Thing>, Vec<&Thing>) = things.iter().partition(is_one_of_many);
-    let around = |things: &[&Thing]| {
-        let lo = things.iter().map(|t| t.lo).reduce(Vec3::min)?;
-        Some([lo, things.iter().map(|t| t.hi).reduce(Vec3::max)?])
-    };
+    let (grains, others): (Vec<&Thing>, Vec<&Thing>) = things.into_iter().partition(is_one_of_many);
     let skip = (grains.len() as f32 * STRAYS) as usize;
     let core = (!grains.is_empty()).then(|| {
         let nth = |end: &dyn Fn(&Thing) -> f32, k: usize| {
@@ -155,10 +218,7 @@ fn without_strays(things: &[Thing]) -> Option<[Vec3; 2]> {
         };
         [corner(&|t| t.lo, skip), corner(&|t| t.hi, last)]
     });
-    match (core, around(&others)) {
-        (Some([lo, hi]), Some([a, b])) => Some([lo.min(a), hi.max(b)]),
-        (core, others) => core.or(others),
-    }
+    union([core, around(others)].into_iter().flatten())
 }
 
 /// A camera from the front, a little to the side and above, near enough that the box fills the image.
@@ -200,7 +260,7 @@ mod tests {
 
     fn thing(at: [f32; 3], size: f32, class: u32) -> Thing {
         let at = Vec3::from_array(at);
-        Thing { lo: at - size, hi: at + size, size, class }
+        Thing { lo: at - size, hi: at + size, size, class, is_body: true }
     }
 
     #[test]

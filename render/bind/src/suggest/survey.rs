@@ -25,6 +25,8 @@ pub(super) struct Thing {
     pub(super) size: f32,
     /// Code of the class.
     pub(super) class: u32,
+    /// Whether it is a body, or the first part of one.
+    pub(super) is_body: bool,
 }
 
 /// All rows of one class and shape.
@@ -62,6 +64,7 @@ impl Metres<'_> {
 struct Columns<'a> {
     place: [Metres<'a>; 3],
     radius: Option<Metres<'a>>,
+    part: Option<&'a Column>,
     half: [Option<&'a Column>; 3],
     turn: [Option<&'a Column>; 4],
 }
@@ -76,6 +79,7 @@ impl<'a> Columns<'a> {
         Columns {
             place: names.position.map(metres),
             radius: names.radius.map(metres),
+            part: frame.column("part"),
             half: ["half_x", "half_y", "half_z"].map(|name| frame.column(name)),
             turn: ["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| frame.column(name)),
         }
@@ -105,7 +109,8 @@ impl<'a> Columns<'a> {
         let [x, y, z] = &self.place;
         let place = Vec3::new(x.at(row)?, y.at(row)?, z.at(row)?);
         let half = self.half(shape, row);
-        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class };
+        let is_body = number(self.part, row).is_none_or(|part| part == 0.0);
+        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class, is_body };
         (thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
     }
 }
