@@ -5,7 +5,7 @@ use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
 use bind::metadata::Data;
 use frame::{Column, Frame, list};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Run `scree inspect`.
@@ -13,7 +13,7 @@ pub fn run(job: InspectJob) -> Outcome {
     if job.json {
         println!("{}", json(&job.frames, &job.table));
     } else {
-        print(&job.frames, &job.table);
+        print(&job.frames, &job.table, job.data.is_dir());
     }
     if let Some(suggestion) = &job.suggestion {
         write(&job.data, suggestion)?;
@@ -21,17 +21,19 @@ pub fn run(job: InspectJob) -> Outcome {
     job.failed.outcome(job.frames.len(), &format!("frame {} is shown", job.table.number))
 }
 
-fn print(frames: &[u64], table: &Frame) {
-    println!("{}; frame {} at {} s has {} rows", list::describe(frames), table.number, table.time, table.rows());
+/// Print what a frame has. Tables of other programs tell no time (`is_timed`).
+fn print(frames: &[u64], table: &Frame, is_timed: bool) {
+    let time = if is_timed { format!(" at {} s", table.time) } else { String::new() };
+    println!("{}; frame {}{time} has {} rows", list::describe(frames), table.number, table.rows());
     let width = table.names().iter().map(|n| n.len()).max().unwrap_or(0);
     for (field, column) in &table.columns {
         let unit = if matches!(field.unit.as_str(), "" | "1") { "" } else { &format!(" {}", field.unit) };
         let values = match column {
-            Column::Category { names, .. } => {
-                format!(
-                    "names: {}",
-                    names.iter().take(8).map(|name| name.replace(['\r', '\n'], " ")).collect::<Vec<_>>().join(", ")
-                )
+            Column::Category { codes, names } => {
+                let used: BTreeSet<u32> = codes.iter().copied().collect();
+                let shown = used.iter().take(8).map(|code| names[*code as usize].replace(['\r', '\n'], " "));
+                let more = if used.len() > 8 { ", …" } else { "" };
+                format!("names: {}{more}", shown.collect::<Vec<_>>().join(", "))
             }
             _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}{}", missing(column))),
         };

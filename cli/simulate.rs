@@ -47,7 +47,7 @@ fn sweep(job: Sweep) -> Outcome {
 
 /// Print the combinations, and write a job array that simulates them.
 fn plan(job: &Plan) -> Outcome {
-    let Plan { combinations, set, model, folder, fresh } = job;
+    let Plan { combinations, set, csv, until, model, folder, fresh } = job;
     println!("index,run,{}", combinations[0].values.iter().map(|r| r.path.as_str()).collect::<Vec<_>>().join(","));
     for (i, combination) in combinations.iter().enumerate() {
         let values: Vec<&str> = combination.values.iter().map(|r| r.value.as_str()).collect();
@@ -56,10 +56,12 @@ fn plan(job: &Plan) -> Outcome {
     let quoted = |text: &str| format!("'{}'", text.replace('\'', "'\\''"));
     let quote = |p: &Path| quoted(&p.display().to_string());
     let set: String = set.iter().map(|r| format!(" --set {}", quoted(&format!("{}={}", r.path, r.value)))).collect();
+    let csv = if *csv { " --csv" } else { "" };
+    let until = until.map_or(String::new(), |until| format!(" --until {until}"));
     let model = std::path::absolute(model).unwrap_or_else(|_| model.clone());
     let out = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
     let script = format!(
-        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {}{set} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
+        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {}{set}{csv}{until} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
         combinations.len() - 1,
         out.join("sweep_%a.log").display(),
         quote(&model),

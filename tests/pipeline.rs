@@ -138,7 +138,7 @@ fn a_run_is_plotted_and_another_goes_on_from_it() {
     let one_text = one.to_str().unwrap();
     scree(&["simulate", "sim/models/pendulums.yaml", "--until", "0.1", "-o", one_text]).ok();
     scree(&["plot", one_text, "hinge", "energy.*"]).ok();
-    for file in ["hinge_N.png", "hinge_N.svg", "hinge_rad.png", "energy_J.png"] {
+    for file in ["hinge_joint_N.png", "hinge_world_N.svg", "hinge_rad.png", "energy_J.png"] {
         assert!(std::fs::metadata(one.join("plots").join(file)).unwrap().len() > 3000, "{file}");
     }
     assert!(scree(&["plot", one_text, "hindge"]).fails(2).contains("did you mean"));

@@ -169,6 +169,13 @@ fn combinations_keep_apart() {
     assert!(said.contains("--set step=0.0005: the model's `sweep` gives this key its values"), "{said}");
     scree(&["simulate", &model, "-o", &out, "--plan", "--sweep-index", "1"]).fails(2);
     scree(&["simulate", &model, "-o", &out, "--plan", "--set", "materials.stone.friction=0.3"]).ok();
+    let two = work.write(
+        "two.yaml",
+        &format!("{STONES}sweep:\n  bodies.ground.group: [a, b]\n  fills.stones.group: [c]\n  fills.stones.radius.1: [0.05]\n"),
+    );
+    let shown = scree(&["simulate", &two, "-o", &work.at("two"), "--plan", "--csv", "--until", "0.05"]).ok();
+    assert!(shown.contains("ground.group=a_stones.group=c_radius.1=0.05"), "{shown}");
+    assert!(work.read("two/sweep.sbatch").contains(" --csv --until 0.05 --sweep-index"));
     let script = work.read("out/sweep.sbatch");
     assert!(script.contains("--set 'materials.stone.friction=0.3' --sweep-index \"$SLURM_ARRAY_TASK_ID\""), "{script}");
     work.write("out/sweep.sbatch", "#!/bin/bash\n#SBATCH --partition=mine\n");
@@ -369,6 +376,7 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
     let run = work.at("run");
     scree(&["simulate", &work.write("m.yaml", STONES), "-o", &run]).ok();
     let metadata = work.read("run/metadata.yaml");
+    assert!(metadata.contains("frame_rate: 50"), "a movie as fast as time goes: {metadata}");
     let grounds = |scene: &str| {
         work.write("run/metadata.yaml", &metadata.replace("studio.rib", scene));
         scree(&["rib", &run, "-f", "0"]).ok().matches("Surface \"ground\"").count()
@@ -489,6 +497,26 @@ fills:
     let object = |name: &str| metadata.split("- name: ").find(|o| o.starts_with(name)).unwrap().to_string();
     assert!(object("bin").contains("opacity: 0.25"), "{metadata}");
     assert!(!object("block").contains("opacity") && !object("stones").contains("opacity"), "{metadata}");
+    // So are walls with names of their own, but not the floor or what stands beside.
+    let wall = |name: &str, x: f64, y: f64| {
+        let size = if x == 0.0 { "[0.8, 0.02, 1.2]" } else { "[0.02, 0.8, 1.2]" };
+        format!("  - {{name: {name}, material: m, fixed: true, box: {{size: {size}}}, position: [{x}, {y}, 0.6]}}\n")
+    };
+    let walls =
+        [wall("west", -0.4, 0.0), wall("east", 0.4, 0.0), wall("south", 0.0, -0.4), wall("north", 0.0, 0.4)].concat();
+    let rest = "  - {name: slab, material: m, fixed: true, box: {size: [2, 2, 0.1]}, position: [0, 0, -0.05]}\n";
+    let (head, tail) = (text.split("  - name: bin").next().unwrap(), text.split_once("  - {name: block").unwrap().1);
+    let model = work.write("w.yaml", &format!("{head}{walls}{rest}  - {{name: block{tail}"));
+    scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
+    let metadata = work.read("run/metadata.yaml");
+    let is_clear = |name: &str| {
+        metadata.split("- name: ").find(|o| o.starts_with(&format!("{name}\n"))).unwrap().contains("opacity: 0.25")
+    };
+    assert_eq!(["west", "east", "south", "north"].map(is_clear), [true; 4], "{metadata}");
+    assert_eq!(["slab", "block", "stones"].map(is_clear), [false; 3], "{metadata}");
+    // Only what is there is listed, and only missing frames that are asked for are missing.
+    let shown = scree(&["inspect", &run]).ok();
+    assert!(shown.contains("names: sphere, box\n") || shown.contains("names: box, sphere\n"), "{shown}");
 }
 
 #[cfg(unix)]

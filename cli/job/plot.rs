@@ -141,7 +141,9 @@ fn by_owner(run: &Path, table: TimeTable) -> Vec<Plot> {
     let mut plots: BTreeMap<(String, String), Vec<TimeColumn>> = BTreeMap::new();
     for column in table.columns {
         let owner = column.name.rsplit_once('.').map_or(column.name.as_str(), |(owner, _)| owner);
-        plots.entry((owner.into(), column.unit.clone())).or_default().push(column);
+        // The same vector in two frames of reference would be curves that hide each other.
+        let frame = ["_joint", "_world"].into_iter().find(|frame| column.name.ends_with(frame)).unwrap_or("");
+        plots.entry((format!("{owner}{frame}"), column.unit.clone())).or_default().push(column);
     }
     // The tables of a folder have plots of their own.
     let is_own = !run.is_file() || table::is_of_run(run);

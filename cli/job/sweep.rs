@@ -47,6 +47,10 @@ pub struct Plan {
     pub combinations: Vec<Combination>,
     /// The values of the command line that take the place of the model's.
     pub set: Vec<Replacement>,
+    /// Whether frames are written as CSV.
+    pub csv: bool,
+    /// The time to simulate to, s, if it is not the model's duration.
+    pub until: Option<f64>,
     /// The model.
     pub model: PathBuf,
     /// The folder of the runs.
@@ -106,7 +110,8 @@ impl SweepJob {
         });
         let (combinations, runs): (Vec<_>, Vec<_>) = runs.collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
         if args.plan {
-            return Ok(SweepJob::Plan(Plan { combinations, set, model: args.model, folder, fresh: args.fresh }));
+            let (csv, until, fresh) = (args.csv, args.until, args.fresh);
+            return Ok(SweepJob::Plan(Plan { combinations, set, csv, until, model: args.model, folder, fresh }));
         }
         let span = Span { until: args.until, resume: args.resume };
         Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
@@ -143,7 +148,10 @@ fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
             for (k, value) in values.iter().enumerate() {
                 let value = serde_json::to_string(value).map_err(|e| doc.fault(&key, e.to_string()))?;
                 let written = Some(format!("{key}.{k}"));
-                next.push(combination.with(Replacement { path: path.clone(), value, written }));
+                next.push(
+                    combination
+                        .with(key_name(path, file.sweep.keys()), Replacement { path: path.clone(), value, written }),
+                );
             }
         }
         all = next;
@@ -158,10 +166,17 @@ fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
     Ok(all)
 }
 
+/// The end of a path that tells it from all others, and begins with a name.
+fn key_name<'a>(path: &'a str, all: impl Iterator<Item = &'a String> + Clone) -> &'a str {
+    let starts = path.rmatch_indices('.').map(|(at, _)| at + 1).chain([0]);
+    let is_own = |end: &str| all.clone().filter(|p| *p == end || p.ends_with(&format!(".{end}"))).count() == 1;
+    let is_named = |end: &str| !end.starts_with(|c: char| c.is_ascii_digit());
+    starts.map(|at| &path[at..]).find(|end| is_named(end) && is_own(end)).unwrap_or(path)
+}
+
 impl Combination {
-    /// This combination with one more value.
-    fn with(&self, replacement: Replacement) -> Combination {
-        let key = replacement.path.rsplit('.').next().unwrap_or(&replacement.path);
+    /// This combination with one more value, of a key that is called `key`.
+    fn with(&self, key: &str, replacement: Replacement) -> Combination {
         let word: String = replacement
             .value
             .chars()

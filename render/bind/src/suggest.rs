@@ -7,7 +7,7 @@ mod survey;
 
 use crate::expr;
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Object, Parameter, PlaneSpec, Quantity,
+    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec, Quantity,
     RoundSpec, Shader, SphereSpec,
 };
 use frame::Frame;
@@ -86,12 +86,23 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         camera: Some(camera),
         ground_height,
         objects,
+        movie: if is_ours { Movie { frame_rate: real_time(frames) } } else { Movie::default() },
         ..Metadata::default()
     };
     if is_guessed {
         remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
     }
     Ok(Suggestion { yaml: to_yaml(&metadata, frame, &remarks), remarks })
+}
+
+/// The rate at which a movie of all frames of a run goes on as time does, where that is one of movies; else the usual one.
+fn real_time(frames: &[Frame]) -> f64 {
+    let usual = Movie::default().frame_rate;
+    let (Some(first), Some(last)) = (frames.first(), frames.last()) else { return usual };
+    let rate = (last.number - first.number) as f64 / (last.time - first.time);
+    // Frames are taken at the ends of steps.
+    let rate = if (rate - rate.round()).abs() < 0.02 * rate { rate.round() } else { (rate * 100.0).round() / 100.0 };
+    if (4.0..=120.0).contains(&rate) { rate } else { usual }
 }
 
 /// Colours of what people make, one after the other.

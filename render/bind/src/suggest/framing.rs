@@ -87,6 +87,21 @@ impl<'a> Classes<'a> {
                     found.push(name);
                 }
             }
+            // Walls with names of their own hold the grains together; a floor under these hides nothing.
+            let bottom = grains.iter().map(|g| g.z).fold(f32::INFINITY, f32::min);
+            let is_wall = |class: &Class<'_>| {
+                !class.is_grains()
+                    && class.things.iter().all(|t| t.is_plate)
+                    && 0.5 * (class.lo.z + class.hi.z) > bottom
+            };
+            let walls: Vec<_> = frame.iter().filter(|(name, class)| is_wall(class) && !name.is_empty()).collect();
+            let Some([lo, hi]) = union(walls.iter().map(|(_, class)| [class.lo, class.hi])) else { continue };
+            let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
+            if n_inside as f32 > HELD * grains.len() as f32 {
+                let is_large = |class: &Class<'_>| class.size > 0.3 * 0.5 * (hi - lo).max_element();
+                let large = walls.iter().filter(|(name, class)| is_large(class) && !found.contains(*name));
+                found.extend(large.map(|(name, _)| **name).collect::<Vec<_>>());
+            }
         }
         found
     }
@@ -260,7 +275,7 @@ mod tests {
 
     fn thing(at: [f32; 3], size: f32, class: u32) -> Thing {
         let at = Vec3::from_array(at);
-        Thing { lo: at - size, hi: at + size, size, class, is_body: true }
+        Thing { lo: at - size, hi: at + size, size, class, is_body: true, is_plate: false }
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub(super) struct Thing {
     pub(super) class: u32,
     /// Whether it is a body, or the first part of one.
     pub(super) is_body: bool,
+    /// Whether it is thin and wide, as walls are.
+    pub(super) is_plate: bool,
 }
 
 /// All rows of one class and shape.
@@ -85,6 +87,13 @@ impl<'a> Columns<'a> {
         }
     }
 
+    /// Whether the shape of a row is much thinner along one axis than along the two others.
+    fn is_plate(&self, shape: &str, row: usize) -> bool {
+        let mut half = self.half.map(|c| number(c, row).unwrap_or(0.0));
+        half.sort_by(f32::total_cmp);
+        matches!(shape, "box" | "cylinder") && half[0] <= 0.2 * half[1]
+    }
+
     /// The half lengths of the box around a row.
     fn half(&self, shape: &str, row: usize) -> Vec3 {
         if shape.is_empty() || shape == "sphere" {
@@ -110,7 +119,8 @@ impl<'a> Columns<'a> {
         let place = Vec3::new(x.at(row)?, y.at(row)?, z.at(row)?);
         let half = self.half(shape, row);
         let is_body = number(self.part, row).is_none_or(|part| part == 0.0);
-        let thing = Thing { lo: place - half, hi: place + half, size: half.max_element(), class, is_body };
+        let (size, is_plate) = (half.max_element(), self.is_plate(shape, row));
+        let thing = Thing { lo: place - half, hi: place + half, size, class, is_body, is_plate };
         (thing.lo.is_finite() && thing.hi.is_finite()).then_some(thing)
     }
 }
