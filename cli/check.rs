@@ -9,6 +9,7 @@ use crate::source::{self, Yaml};
 use bind::emit;
 use frame::{Fault, FaultKind};
 use render::Context;
+use render::ri::files::{Files, Permission};
 use render::ri::reader;
 use sim::model_file;
 use std::path::{Path, PathBuf};
@@ -65,7 +66,8 @@ fn check_metadata(path: &Path) -> Outcome {
     if binding.data.is_some() {
         let source = binding.open_data()?;
         if !source.numbers().is_empty() {
-            let job = ImageJob::resolve(binding, source, PathBuf::new(), &ImageOptions::default())?;
+            let options = ImageOptions { programs: Permission::PassOver, ..ImageOptions::default() };
+            let job = ImageJob::resolve(binding, source, PathBuf::new(), &options)?;
             check_image(&job)?;
             job.passes.iter().try_for_each(check_image)?;
             return Ok(());
@@ -83,6 +85,7 @@ fn check_image(job: &ImageJob) -> Outcome {
     let mut context = Context::new(job.files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     context.dry = true;
     let image = job.image(frame);
+    context.image = Some(image.to_string_lossy().into());
     let missing =
         emit::frame(&job.binding, &job.source.read(frame)?, &image.to_string_lossy(), &job.files, &mut context)?;
     let mut values = MissingValues::default();
@@ -93,7 +96,8 @@ fn check_image(job: &ImageJob) -> Outcome {
 
 fn check_scene(path: &Path) -> Outcome {
     let rib = frame::read_bytes(FaultKind::Input, path)?;
-    let files = library::files(path.parent().unwrap_or(Path::new(".")));
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let files = Files { programs: Permission::PassOver, ..library::files(folder) };
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     context.dry = true;
     reader::read(path, &rib, &files, &mut context, &mut |_, _| Ok(()))?;

@@ -13,7 +13,7 @@ pub fn files(folder: &Path) -> Files {
     for (name, dir) in [("shaders", &SHADERS), ("scenes", &SCENES)] {
         collect(name, dir, &mut built_in);
     }
-    Files { folders: vec![folder.into(), PathBuf::from(".")], built_in }
+    Files { folders: vec![folder.into(), PathBuf::from(".")], built_in, ..Files::default() }
 }
 
 fn collect(folder: &str, dir: &'static Dir<'static>, out: &mut Vec<(&'static str, &'static str)>) {

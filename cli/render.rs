@@ -84,10 +84,13 @@ fn image(job: &ImageJob, frame: u64, shard: Option<Shard>, values: &mut MissingV
     context.shard = shard;
     context.about = vec![("frame".into(), frame.to_string()), ("time".into(), table.time.to_string())];
     context.about.extend(job.source.run_hash().map(|hash| ("run".into(), hash.into())));
-    let missing = emit::frame(&job.binding, &table, &job.image(frame).to_string_lossy(), &job.files, &mut context)?;
+    let image = job.image(frame).to_string_lossy().to_string();
+    context.image = Some(image.clone());
+    context.allow_outside = job.allow_outside;
+    let missing = emit::frame(&job.binding, &table, &image, &job.files, &mut context)?;
     values.add(frame, &missing);
     let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
-    write(context, Path::new("."))?.pop().ok_or_else(no_world)
+    write(context, &job.folder)?.pop().ok_or_else(no_world)
 }
 
 fn context(files: &Files) -> Outcome<Context> {
@@ -98,6 +101,7 @@ fn context(files: &Files) -> Outcome<Context> {
 fn scene(job: &RenderScene) -> Outcome {
     let mut context = context(&job.files)?;
     context.shard = job.shard;
+    context.allow_outside = job.allow_outside;
     let progress = Arc::new(Progress::start("rendering", 100, "%"));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
@@ -127,6 +131,7 @@ fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
 /// Write the images of a context to their displays, and print its warnings.
 fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
     let mut results = std::mem::take(&mut context.results);
+    let (image, allow_outside) = (context.image.clone(), context.allow_outside);
     for warning in context.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -139,16 +144,39 @@ fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
             result.options.displays.push(render::Display { name, kind, mode, half: false });
         }
         for (name, displays) in display::files(&result.options.displays) {
+            let path = match &image {
+                Some(image) if *image == name => PathBuf::from(&name),
+                _ => display_path(folder, name, allow_outside)?,
+            };
             if let Some(shard) = result.options.shard {
-                shard_file::write(result, &displays, &folder.join(name), shard)?;
+                shard_file::write(result, &displays, &path, shard)?;
                 continue;
             }
             let bytes = result.image.encode(&displays, &result.options.encoding());
             let bytes = bytes.map_err(|m| Failure::new(Exit::Input, format!("{name}: {m}")))?;
-            frame::atomic::write(&folder.join(name), &bytes)?;
+            frame::atomic::write(&path, &bytes)?;
         }
     }
     Ok(results)
+}
+
+/// The file of a scene's display. No symbolic link leads it out of the output folder, unless that is allowed.
+fn display_path(folder: &Path, name: &str, allow_outside: bool) -> Outcome<PathBuf> {
+    let path = folder.join(name);
+    let there = |path: &Path| {
+        path.ancestors()
+            .skip(1)
+            .find_map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p }.canonicalize().ok())
+    };
+    let home = folder.canonicalize().ok();
+    match (there(&path), home) {
+        (Some(real), Some(home)) if !allow_outside && !real.starts_with(&home) => {
+            let message =
+                format!("{}: a link leads out of the output folder; --allow-outside allows it", path.display());
+            Err(Failure::new(Exit::Input, message))
+        }
+        _ => Ok(path),
+    }
 }
 
 /// Report the render statistics of an image: printed, and in a file beside the image.
@@ -194,14 +222,14 @@ fn print_statistics(result: &RenderResult, frame: u64) {
 
 /// Fail if frames are missing, as they are of an interrupted run; the others are rendered.
 pub fn missing_frames(job: &ImageJob) -> Outcome {
-    let missing = job.source.missing();
+    let missing = &job.lacking;
     match (missing.first(), missing.last()) {
         (Some(first), Some(last)) => Err(Failure::new(
             Exit::Partial,
             format!(
                 "the simulation was interrupted: {} of {} frames are missing ({first} to {last}); the others were rendered",
                 missing.len(),
-                missing.len() + job.source.numbers().len()
+                missing.len() + job.frames.len()
             ),
         )),
         _ => Ok(()),

@@ -2,7 +2,7 @@
 //! each answered with file, line and column, and none with a panic.
 
 use crate::cli::scree;
-use render::ri::files::Files;
+use render::ri::files::{Files, Permission};
 use render::ri::reader;
 use render::ri::writer::Writer;
 use render::sl;
@@ -68,7 +68,8 @@ fn hold(name: &str, now: &str) {
 fn calls(path: &Path, rib: &[u8], binary: bool) -> Vec<u8> {
     let mut writer = if binary { Writer::binary(Vec::new()) } else { Writer::new(Vec::new()) }.unwrap();
     let path = PathBuf::from(path.file_name().unwrap());
-    match reader::read(&path, rib, &Files::default(), &mut writer, &mut |_, _| Ok(())) {
+    let files = Files { programs: Permission::All, ..Files::default() };
+    match reader::read(&path, rib, &files, &mut writer, &mut |_, _| Ok(())) {
         Ok(()) => writer.into_inner(),
         Err(e) => format!("error: {e}\n").into_bytes(),
     }

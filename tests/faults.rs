@@ -59,7 +59,7 @@ proptest! {
 
     #[test]
     fn rib(w in wounds()) {
-        let files = Files { folders: vec![root()], built_in: vec![] };
+        let files = Files { folders: vec![root()], ..Files::default() };
         let mut context = render::Context::new(files.clone()).unwrap();
         context.dry = true;
         let _ = render::ri::reader::read(Path::new("t.rib"), wounded(RIB, &w).as_bytes(), &files, &mut context, &mut |_, _| Ok(()));

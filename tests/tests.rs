@@ -12,6 +12,7 @@ mod faults;
 mod friction;
 mod golden;
 mod hider;
+mod hostile;
 mod joints;
 mod lanes;
 mod language;

@@ -23,6 +23,17 @@ pub struct ImageArgs {
     /// size.
     #[arg(long)]
     pub missing: bool,
+    /// Run this program where a scene asks for it (RunProgram); may be given
+    /// several times [default: none runs].
+    #[arg(long, value_name = "FILE")]
+    pub allow_program: Vec<String>,
+    /// Write displays of a scene outside of the output folder where they are
+    /// named so, by an absolute name or `..`.
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Run every program that a scene asks for.
+    #[arg(long, conflicts_with = "allow_program")]
+    pub allow_programs: bool,
 }
 
 const RENDER_EXAMPLES: &str = "\

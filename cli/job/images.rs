@@ -8,7 +8,7 @@ use bind::binding::{Binding, ImageFormat};
 use bind::data::Source;
 use frame::Frame;
 use frame::list::FrameList;
-use render::ri::files::Files;
+use render::ri::files::{Files, Permission, resolve};
 use std::path::PathBuf;
 
 /// Choices of the command line for the images of a job.
@@ -22,12 +22,26 @@ pub struct ImageOptions {
     pub samples: Option<u32>,
     /// Whether only frames without an image are rendered.
     pub missing: bool,
+    /// Programs that scenes may run.
+    pub programs: Permission,
+    /// Whether displays of scenes may be written outside of the output folder.
+    pub allow_outside: bool,
 }
 
-impl From<ImageArgs> for ImageOptions {
-    fn from(args: ImageArgs) -> ImageOptions {
-        let ImageArgs { frames, res, samples, missing } = args;
-        ImageOptions { frames, resolution: res, samples, missing }
+impl ImageOptions {
+    /// Check the arguments: find the programs that are allowed.
+    pub fn check(args: ImageArgs) -> Outcome<ImageOptions> {
+        let ImageArgs { frames, res, samples, missing, allow_program, allow_programs, allow_outside } = args;
+        let find = |name: &String| {
+            let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
+            resolve(name).ok_or_else(missing)
+        };
+        let programs = match (allow_programs, allow_program.is_empty()) {
+            (true, _) => Permission::All,
+            (false, true) => Permission::None,
+            (false, false) => Permission::Named(allow_program.iter().map(find).collect::<Outcome<_>>()?),
+        };
+        Ok(ImageOptions { frames, resolution: res, samples, missing, programs, allow_outside })
     }
 }
 
@@ -41,10 +55,14 @@ pub struct ImageJob {
     pub files: Files,
     /// The frames, in order.
     pub frames: Vec<u64>,
+    /// Frames that an interrupted simulation did not reach, of those that are asked for.
+    pub lacking: Vec<u64>,
     /// The folder of the images.
     pub folder: PathBuf,
     /// Whether only frames without an image are rendered.
     pub missing: bool,
+    /// Whether displays of scenes may be written outside of the folder.
+    pub allow_outside: bool,
     /// Other images of the same frames, in folders of their own.
     pub passes: Vec<ImageJob>,
 }
@@ -60,13 +78,16 @@ impl ImageJob {
             output.samples = [n; 2];
         }
         let frames = frames(&binding, &source, options)?;
-        let files = binding.files(library::files(&binding.folder()));
+        let files = Files { programs: options.programs.clone(), ..library::files(&binding.folder()) };
+        let files = binding.files(files);
         binding.check_columns(&first_readable(&source, &frames)?)?;
         source::check_library(&binding)?;
         let passes = std::mem::take(&mut binding.passes).into_iter();
         let passes = passes.map(|(name, pass)| ImageJob::resolve(pass, source.clone(), folder.join(name), options));
         let passes = passes.collect::<Outcome<_>>()?;
-        Ok(ImageJob { binding, source, files, frames, folder, missing: options.missing, passes })
+        let lacking = lacking(&binding, &source, options);
+        let (missing, allow_outside) = (options.missing, options.allow_outside);
+        Ok(ImageJob { binding, source, files, frames, lacking, folder, missing, allow_outside, passes })
     }
 
     /// The file of a frame's image.
@@ -88,6 +109,16 @@ fn first_readable(source: &Source, frames: &[u64]) -> Outcome<Frame> {
     match frames[1..].iter().find_map(|frame| source.read(*frame).ok()) {
         Some(table) => Ok(table),
         None => Ok(first?),
+    }
+}
+
+/// The frames of a run that are not there yet, of those that the command line selects, or the metadata.
+fn lacking(binding: &Binding, source: &Source, options: &ImageOptions) -> Vec<u64> {
+    let missing = source.missing();
+    let of_file = || binding.output.frames.as_ref().and_then(|list| list.parse::<FrameList>().ok());
+    match options.frames.clone().or_else(of_file) {
+        Some(list) => list.select(&missing).unwrap_or_default(),
+        None => missing,
     }
 }
 

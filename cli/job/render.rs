@@ -29,6 +29,8 @@ pub struct RenderScene {
     pub files: Files,
     /// The folder that the names of its displays start from.
     pub folder: PathBuf,
+    /// Whether displays may be written outside of it.
+    pub allow_outside: bool,
     /// The shard to render; whole images if not given.
     pub shard: Option<Shard>,
     /// The statistics wanted.
@@ -68,7 +70,7 @@ impl RenderJob {
         let statistics = Statistics { print: args.verbose, write: args.stats };
         let folder = args.output.unwrap_or_else(|| frames.home.join("images"));
         let shard = args.bucket.map(Shard::from);
-        let options = args.image.into();
+        let options = ImageOptions::check(args.image)?;
         Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics })))
     }
 }
@@ -83,10 +85,19 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         return Err(Failure::new(Exit::Usage, message));
     }
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
-    let files = library::files(args.input.parent().unwrap_or(Path::new(".")));
+    let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image)?;
+    let files = Files { programs, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
     let statistics = Statistics { print: args.verbose, write: args.stats };
     let folder = args.output.unwrap_or_else(|| PathBuf::from("."));
-    Ok(RenderScene { path: args.input, rib, files, folder, shard: args.bucket.map(Shard::from), statistics })
+    Ok(RenderScene {
+        path: args.input,
+        rib,
+        files,
+        folder,
+        allow_outside,
+        shard: args.bucket.map(Shard::from),
+        statistics,
+    })
 }
 
 impl From<ShardArg> for Shard {

@@ -26,6 +26,6 @@ impl RunJob {
         let home = args.output.unwrap_or_else(|| default_folder(&args.input));
         let (images, movie) = (home.join("images"), MovieFile::Stem(home.join(stem(&args.input))));
         let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
-        Ok(RunJob { frames, options: args.image.into(), images, movie })
+        Ok(RunJob { frames, options: ImageOptions::check(args.image)?, images, movie })
     }
 }

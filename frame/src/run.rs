@@ -12,7 +12,7 @@
 use crate::{Fault, FaultKind, Frame, arrow, atomic, csv, sequence};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The version of the run directory's format that [`RunWriter`] writes and [`RunReader`] reads.
 pub const FORMAT_VERSION: u32 = 1;
@@ -267,7 +267,8 @@ impl RunReader {
         folder.join("run.json").is_file()
     }
 
-    /// Open a run directory. An error if `run.json` cannot be read, is malformed or is of another format version.
+    /// Open a run directory. An error if `run.json` cannot be read, is malformed, is of another format version or names a file outside of
+    /// the folder.
     pub fn open(folder: &Path) -> Result<RunReader, Fault> {
         if folder.is_dir() && !RunReader::is_run(folder) {
             return Err(sequence::not_a_run(folder));
@@ -279,6 +280,16 @@ impl RunReader {
         })?;
         if index.format_version != FORMAT_VERSION {
             let message = format!("has format version {}, this program reads {FORMAT_VERSION}", index.format_version);
+            return Err(Fault::whole(FaultKind::Data, &path, message));
+        }
+        let leaves =
+            |entry: &&FrameEntry| !Path::new(&entry.file).components().all(|c| matches!(c, Component::Normal(_)));
+        if let Some(entry) = index.frames.iter().find(leaves) {
+            let message = format!(
+                "names the file `{}` of frame {}, outside of the folder",
+                entry.file.escape_debug(),
+                entry.number
+            );
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
         let by_number = index.frames.iter().enumerate().map(|(i, f)| (f.number, i)).collect();

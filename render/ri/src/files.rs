@@ -1,5 +1,6 @@
 //! The search path of scenes, archives, shaders and textures: folders in order, then files built into the program.
 
+pub use crate::programs::{Permission, resolve};
 use std::path::{Path, PathBuf};
 
 /// A search path: folders, then files built into the program.
@@ -9,6 +10,8 @@ pub struct Files {
     pub folders: Vec<PathBuf>,
     /// Files built into the program: paths, as `scenes/studio.rib`, and texts.
     pub built_in: Vec<(&'static str, &'static str)>,
+    /// Programs that the files may run.
+    pub programs: Permission,
 }
 
 impl Files {

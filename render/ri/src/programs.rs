@@ -1,8 +1,10 @@
 //! `Procedural "RunProgram"`: programs that are told a level of detail and a request on a line, and answer with RIB that ends in
-//! byte 0377 (RISpec 5.8). A program is started once and asked again and again.
+//! byte 0377 (RISpec 5.8). A program is started once and asked again and again. None runs without permission: a scene may come from
+//! anybody.
 
 use std::collections::HashMap;
 use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -10,7 +12,57 @@ use std::time::Duration;
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Maximum length of an answer, bytes.
-const MAX_ANSWER: usize = 4 << 30;
+const MAX_ANSWER: usize = 1 << 30;
+
+/// Programs that a stream may run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Permission {
+    /// None: that a stream asks for one is an error.
+    #[default]
+    None,
+    /// None: what a stream asks for is passed over with a warning, as in a check.
+    PassOver,
+    /// Those at these resolved paths.
+    Named(Vec<PathBuf>),
+    /// All.
+    All,
+}
+
+/// The resolved path of a program: a name with a slash counts from the working folder, any other is looked for along `PATH`.
+pub fn resolve(name: &str) -> Option<PathBuf> {
+    let found = |path: &Path| path.canonicalize().ok().filter(|path| path.is_file());
+    if name.contains('/') {
+        return found(Path::new(name));
+    }
+    std::env::split_paths(&std::env::var_os("PATH")?).find_map(|folder| found(&folder.join(name)))
+}
+
+impl Permission {
+    /// The path of a program, given with its arguments on one line, that may run; none if it is to be passed over. An error says what
+    /// would have run.
+    pub fn path_of(&self, program: &str) -> Result<Option<PathBuf>, String> {
+        let name = program.split_whitespace().next().ok_or("RunProgram needs a program")?;
+        let path = resolve(name);
+        let is_allowed = match self {
+            Permission::None => false,
+            Permission::PassOver => return Ok(None),
+            Permission::Named(paths) => path.as_ref().is_some_and(|path| paths.contains(path)),
+            Permission::All => true,
+        };
+        match path {
+            Some(path) if is_allowed => Ok(Some(path)),
+            None if is_allowed => Err(format!("program `{name}` was not found")),
+            path => {
+                let place = path.map_or("not found on this machine".into(), |path| path.display().to_string());
+                Err(format!(
+                    "would run the program `{}` ({place}), which is not allowed; --allow-program {} allows it, --allow-programs allows all",
+                    program.escape_debug(),
+                    name.escape_debug()
+                ))
+            }
+        }
+    }
+}
 
 struct Running {
     child: Child,
@@ -23,10 +75,10 @@ struct Running {
 pub struct Programs(HashMap<String, Running>);
 
 impl Programs {
-    /// Ask a program, given with its arguments on one line.
-    pub fn ask(&mut self, program: &str, detail: f32, request: &str) -> Result<Vec<u8>, String> {
+    /// Ask a program at `path`, given with its arguments on one line.
+    pub fn ask(&mut self, path: &Path, program: &str, detail: f32, request: &str) -> Result<Vec<u8>, String> {
         if !self.0.contains_key(program) {
-            let running = start(program)?;
+            let running = start(path, program)?;
             self.0.insert(program.into(), running);
         }
         let running = self.0.get_mut(program).expect("started above");
@@ -46,15 +98,13 @@ impl Programs {
     }
 }
 
-fn start(program: &str) -> Result<Running, String> {
-    let mut words = program.split_whitespace();
-    let name = words.next().ok_or("RunProgram needs a program")?;
-    let mut child = Command::new(name)
-        .args(words)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|e| format!("program `{name}` cannot be started: {e}"))?;
+/// Start a program, without a shell, in a group of its own that ends with it.
+fn start(path: &Path, program: &str) -> Result<Running, String> {
+    let mut command = Command::new(path);
+    command.args(program.split_whitespace().skip(1)).stdin(Stdio::piped()).stdout(Stdio::piped());
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    let mut child = command.spawn().map_err(|e| format!("program `{}` cannot be started: {e}", path.display()))?;
     let (stdin, stdout) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
     let (send, answers) = channel();
     std::thread::spawn(move || {
@@ -84,6 +134,11 @@ fn start(program: &str) -> Result<Running, String> {
 
 impl Drop for Running {
     fn drop(&mut self) {
+        #[cfg(unix)]
+        // SAFETY: the group is that of the child, which has not been waited for, so that its number is still its own.
+        unsafe {
+            libc::kill(-(self.child.id() as i32), libc::SIGKILL);
+        }
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -336,9 +336,13 @@ impl<'a> Reader<'a> {
         match (kind.as_str(), args.as_slice()) {
             ("DelayedReadArchive", [name]) => self.archive(name, ri, on_directive, place),
             ("RunProgram", [program, request]) => {
-                let answer = self.shared.programs.ask(program, ri.detail(bound), request);
+                let path = self.files.programs.path_of(program).map_err(|m| self.error(place, m))?;
+                let Some(path) = path else {
+                    ri.warn(format!("the program `{}` is not run in a check", program.escape_debug()));
+                    return Ok(());
+                };
+                let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
                 let answer = answer.map_err(|m| self.error(place, m))?;
-                let path = PathBuf::from(program.split_whitespace().next().unwrap_or("program"));
                 self.nested(&path, &answer, ri, on_directive)
             }
             ("DynamicLoad", _) => {

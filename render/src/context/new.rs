@@ -79,6 +79,8 @@ impl Context {
             open_object: None,
             progress: Box::new(|_, _| {}),
             shard: None,
+            image: None,
+            allow_outside: false,
             about: vec![],
             dry: false,
             results: vec![],

@@ -8,6 +8,7 @@ use crate::texture;
 use glam::Mat4;
 use ri::{Fail, Params, RiResult, Values};
 use sl::machine::Answer;
+use std::path::{Component, Path};
 
 /// The largest image, pixels along a side.
 const MAX_SIZE: i32 = 65_536;
@@ -100,6 +101,13 @@ impl Context {
             self.scene.warn(message);
             self.options.unsupported_display = true;
             return Ok(());
+        }
+        let stays_inside = Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !stays_inside && !self.allow_outside && self.image.as_deref() != Some(name) {
+            let name = name.escape_debug();
+            return Err(Fail::new(format!(
+                "the display `{name}` would be written outside of the output folder; --allow-outside allows it"
+            )));
         }
         let depth = params.iter().find(|p| matches!(p.decl.name.as_str(), "type" | "exrpixeltype"));
         let half = match depth.map(|p| p.text()) {

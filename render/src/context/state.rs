@@ -59,6 +59,10 @@ pub struct Context {
     pub shard: Option<Shard>,
     /// Metadata for the image files, as keys and values.
     pub about: Vec<(String, String)>,
+    /// The file of the image, which the caller names and which may be anywhere.
+    pub image: Option<String>,
+    /// Whether displays may be written outside of the folder that their names count from, by an absolute name or `..`.
+    pub allow_outside: bool,
     /// Take all calls but render nothing: a check of a scene.
     pub dry: bool,
     /// Render results, one pushed at each `WorldEnd`; the caller takes them out.

@@ -50,6 +50,12 @@ impl ModelFile {
         for (i, stage) in self.stages.iter().enumerate() {
             let key = format!("stages.{i}");
             positive(doc, &format!("{key}.duration"), stage.duration)?;
+            // Its checkpoint is a file of this name.
+            if stage.name.is_empty() || stage.name.contains(['/', '\\', '\0']) {
+                return Err(
+                    doc.fault(&format!("{key}.name"), "names a file: expected letters, digits and signs but / and \\")
+                );
+            }
             build.content(&format!("{key}."), stage.content(), begin)?;
             for (k, name) in stage.release.iter().enumerate() {
                 build.release(&format!("{key}.release.{k}"), name, begin)?;
