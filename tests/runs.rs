@@ -261,6 +261,8 @@ fn faults_of_replaced_values_are_told_where_they_are_written() {
         assert!(said.contains(says), "{set}: {said}");
         assert!(!said.contains("m.yaml:"), "the file is sound: {said}");
     }
+    let said = scree(&["simulate", &model, "-o", &run, "--set", "bodies.ground.sphere={radius: 1}"]).fails(3);
+    assert!(said.contains("a value in it is replaced by --set bodies.ground.sphere={radius: 1}"), "{said}");
     let sweep = format!("{STONES}sweep:\n  materials.stone.friction: [0.2, -0.4]\n  step: [0.001, 0.002]\n");
     let model = work.write("s.yaml", &sweep);
     assert!(scree(&["check", &model]).fails(3).contains("s.yaml:10:35: "));

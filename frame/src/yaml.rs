@@ -67,7 +67,7 @@ fn deserialize<'a, T: DeserializeOwned>(
 
 impl Document {
     /// A fault at the key of a dotted path (`bodies.2.mass`), or at the longest part of the path that the file has; of a replaced
-    /// value, where that is written.
+    /// value, where that is written. That a value within the key's was replaced is said.
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
         let is_within =
             |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
@@ -75,6 +75,11 @@ impl Document {
             return Fault { message: message.into(), ..fault.clone() };
         }
         let (line, column) = self.place(key);
+        let mut message = message.into();
+        if let Some((_, with)) = self.replaced.iter().rev().find(|(path, _)| path.starts_with(&format!("{key}."))) {
+            let place = if with.line == 0 { String::new() } else { format!(":{}:{}", with.line, with.column) };
+            message += &format!("; a value in it is replaced by {}{place}", with.file.display());
+        }
         Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
     }
 
