@@ -16,7 +16,8 @@ pub use simulate::{Backend, Friction, Method, RunArgs, SimulateArgs, SolveArgs};
 pub use value::{Assignment, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};
-use value::whole;
+use std::path::PathBuf;
+use value::{size, whole};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -38,6 +39,14 @@ pub struct Args {
     /// Threads to use, 1 to 1024 [default: one for each processor].
     #[arg(long, global = true, value_name = "N", value_parser = whole::<u16>(1..=1024), display_order = 900)]
     pub threads: Option<u16>,
+    /// Memory that reading and rendering may take, as 8GiB or 500MiB
+    /// [default: half of this machine's; for simulations all of it].
+    #[arg(long, global = true, value_name = "SIZE", value_parser = size, display_order = 901)]
+    pub memory: Option<u64>,
+    /// Read no files outside of this folder, whatever scenes, metadata and
+    /// models name.
+    #[arg(long, global = true, value_name = "DIR", display_order = 902)]
+    pub root: Option<PathBuf>,
     #[command(subcommand)]
     pub command: Command,
 }

@@ -27,6 +27,9 @@ pub fn run(job: CheckJob) -> Outcome {
             }
         }
     }
+    if job.list_files {
+        guard::seen().iter().for_each(|path| println!("{}", path.display()));
+    }
     match exits.iter().max_by_key(|e| **e as u8) {
         None => Ok(()),
         Some(exit) => {
@@ -52,7 +55,11 @@ fn check(path: &Path, kind: Option<FileKind>) -> Outcome<&'static str> {
 fn check_model(path: &Path) -> Outcome {
     let (file, doc) = model_file::load(path, &[])?;
     let resolved = file.resolve(&doc)?;
-    resolved.warnings.iter().for_each(|w| eprintln!("warning: {}: {w}", path.display()));
+    // Those that have a place name their file.
+    let place = |w: &str| {
+        if w.starts_with(&path.display().to_string()) { String::new() } else { format!("{}: ", path.display()) }
+    };
+    resolved.warnings.iter().for_each(|w| eprintln!("warning: {}{w}", place(w)));
     if !file.sweep.is_empty() {
         let n = sweep::check(path, &file, &doc)?;
         println!("{}: {n} combinations of the sweep are valid", path.display());
@@ -65,6 +72,7 @@ fn check_metadata(path: &Path) -> Outcome {
     source::check_library(&binding)?;
     if binding.data.is_some() {
         let source = binding.open_data()?;
+        source.files().iter().for_each(|file| guard::note(file));
         if !source.numbers().is_empty() {
             let options = ImageOptions { programs: Permission::PassOver, ..ImageOptions::default() };
             let job = ImageJob::resolve(binding, source, PathBuf::new(), &options)?;

@@ -26,12 +26,17 @@ pub fn read_png(path: &Path) -> Result<Png, Fault> {
 /// Read a PNG whole, its pixels transformed; a truncated one is a fault.
 pub fn decode_png(path: &Path, transformations: Transformations) -> Result<Png, Fault> {
     let truncated = |e: png::DecodingError| Fault::whole(FaultKind::Data, path, format!("is not a complete PNG: {e}"));
-    let file = std::fs::File::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let file = guard::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
     decoder.set_transformations(transformations);
     let mut reader = decoder.read_info().map_err(truncated)?;
     let is_plain = reader.info().palette.is_none() && reader.info().trns.is_none();
-    let mut data = vec![0; reader.output_buffer_size().unwrap_or(0)];
+    let size = reader.output_buffer_size().filter(|size| *size as u64 <= guard::memory::room());
+    let [width, height] = [reader.info().width, reader.info().height];
+    let size = size.ok_or_else(|| {
+        Fault::whole(FaultKind::Data, path, format!("has {width}×{height} pixels: {}", guard::memory::Full))
+    })?;
+    let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(truncated)?;
     Ok(Png { width: info.width, height: info.height, kind: (info.color_type, info.bit_depth), is_plain, data })
 }

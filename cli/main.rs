@@ -41,7 +41,11 @@ use job::{
     BenchJob, CheckJob, InspectJob, MovieJob, PlotJob, RenderJob, RibJob, RunJob, SchemaJob, ShaderJob, SimulateJob,
     SolveJob, StitchJob,
 };
+use report::Exit;
 use std::process::ExitCode;
+
+#[global_allocator]
+static MEMORY: guard::memory::Counting = guard::memory::Counting;
 
 fn main() -> ExitCode {
     return_large_blocks();
@@ -55,6 +59,14 @@ fn main() -> ExitCode {
         eprintln!("error: cannot start {threads} threads: {e}");
         return ExitCode::from(1);
     }
+    machine::limit_memory(args.memory);
+    if let Some(root) = &args.root {
+        if !root.is_dir() {
+            eprintln!("error: --root {}: there is no such folder", root.display());
+            return ExitCode::from(Exit::Usage as u8);
+        }
+        guard::confine(root);
+    }
     let outcome = match args.command {
         Command::Run(args) => RunJob::check(args).and_then(run::run),
         Command::Simulate(args) => SimulateJob::check(args).and_then(simulate::run),
@@ -67,8 +79,8 @@ fn main() -> ExitCode {
         Command::Shader(args) => ShaderJob::check(args).and_then(shader::run),
         Command::Rib(args) => RibJob::check(args).and_then(rib::run),
         Command::Stitch(args) => StitchJob::check(args).and_then(stitch::run),
-        Command::Solve(args) => SolveJob::check(args).and_then(solve::run),
-        Command::Bench(args) => BenchJob::check(args).and_then(bench::run),
+        Command::Solve(args) => SolveJob::check(args).and_then(|job| machine::with_all_memory(|| solve::run(job))),
+        Command::Bench(args) => BenchJob::check(args).and_then(|job| machine::with_all_memory(|| bench::run(job))),
         Command::Doctor => doctor::run(),
     };
     match outcome {

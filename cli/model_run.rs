@@ -3,6 +3,7 @@
 use crate::geometry;
 use crate::interrupt::Listener;
 use crate::job::{FramesJob, ModelRun, Origin};
+use crate::machine;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
@@ -29,7 +30,9 @@ pub fn simulate(job: ModelRun) -> Outcome {
     }
     say_what_is_there(&file, &folder, span.resume)?;
     let mut console = Console { progress: None, interruption: Listener::new() };
-    run::simulate(&file, resolved, &folder, &span, &mut console).map_err(|e| match e {
+    guard::memory::doing("simulating into", &folder);
+    let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, &span, &mut console));
+    done.map_err(|e| match e {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
         RunError::Interrupted(time) => Failure::new(

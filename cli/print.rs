@@ -1,10 +1,11 @@
-//! Printing that goes on where nobody reads: the command's own `println` and `eprintln`.
+//! Printing that goes on where nobody reads, and in which names from files only stand there: the command's own `println` and
+//! `eprintln`.
 
 /// Print a line on standard error. That nobody reads it, as when a pipe is closed, stops no work.
 macro_rules! eprintln {
     ($($part:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($part)*);
+        let _ = writeln!(std::io::stderr(), "{}", guard::text::terminal(&format!($($part)*)));
     }};
 }
 
@@ -12,6 +13,6 @@ macro_rules! eprintln {
 macro_rules! println {
     ($($part:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($part)*);
+        let _ = writeln!(std::io::stdout(), "{}", guard::text::terminal(&format!($($part)*)));
     }};
 }

@@ -4,6 +4,7 @@ use crate::job::{ModelRun, Plan, SimulateJob, Sweep, SweepJob};
 use crate::model_run;
 use crate::report::{Exit, Failure, Outcome};
 use frame::atomic;
+use guard::text::{sbatch, shell};
 use sim::run;
 use std::path::Path;
 
@@ -53,17 +54,17 @@ fn plan(job: &Plan) -> Outcome {
         let values: Vec<&str> = combination.values.iter().map(|r| r.value.as_str()).collect();
         println!("{i},{},{}", folder.join(&combination.name).display(), values.join(","));
     }
-    let quoted = |text: &str| format!("'{}'", text.replace('\'', "'\\''"));
-    let quote = |p: &Path| quoted(&p.display().to_string());
-    let set: String = set.iter().map(|r| format!(" --set {}", quoted(&format!("{}={}", r.path, r.value)))).collect();
+    let quote = |p: &Path| shell(&p.display().to_string());
+    let set: String = set.iter().map(|r| format!(" --set {}", shell(&format!("{}={}", r.path, r.value)))).collect();
     let csv = if *csv { " --csv" } else { "" };
     let until = until.map_or(String::new(), |until| format!(" --until {until}"));
     let model = std::path::absolute(model).unwrap_or_else(|_| model.clone());
     let out = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+    let log = sbatch(&out.join("sweep").display().to_string(), "_%a.log")
+        .ok_or_else(|| Failure::new(Exit::Usage, format!("{}: a job script cannot name it", out.display())))?;
     let script = format!(
-        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={}\nexec scree simulate {} -o {}{set}{csv}{until} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
+        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={log}\nexec scree simulate {} -o {}{set}{csv}{until} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
         combinations.len() - 1,
-        out.join("sweep_%a.log").display(),
         quote(&model),
         quote(&out),
     );

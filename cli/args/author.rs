@@ -15,6 +15,10 @@ pub struct CheckArgs {
     /// and shaders (.sl).
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// List the files that these read: archives, shaders, textures, tables,
+    /// meshes.
+    #[arg(long)]
+    pub list_files: bool,
 }
 
 const SCHEMA_EXAMPLES: &str = "\

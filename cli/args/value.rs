@@ -60,6 +60,23 @@ pub fn shard(text: &str) -> Result<ShardArg, String> {
         .ok_or_else(|| "expected I/N with I from 1 to N and N at most 100000, as 2/8".into())
 }
 
+/// Parse a size of memory, bytes: `8GiB`, `8G`, `500MiB`.
+pub fn size(text: &str) -> Result<u64, String> {
+    /// Less than this holds no scene.
+    const LEAST: u64 = 64 << 20;
+    let fault = || "expected a size of at least 64MiB, as 8GiB or 500MiB".to_string();
+    let end = text.find(|c: char| c.is_ascii_alphabetic()).ok_or_else(fault)?;
+    let (number, unit) = (text[..end].trim().parse::<f64>().map_err(|_| fault())?, text[end..].to_lowercase());
+    let shift = match unit.as_str() {
+        "m" | "mb" | "mib" => 20,
+        "g" | "gb" | "gib" => 30,
+        "t" | "tb" | "tib" => 40,
+        _ => return Err(fault()),
+    };
+    let bytes = number * (1u64 << shift) as f64;
+    if bytes >= LEAST as f64 && bytes < 1e18 { Ok(bytes as u64) } else { Err(fault()) }
+}
+
 /// Parse an interval of time, `0.5-2`.
 pub fn interval(text: &str) -> Result<Interval, String> {
     let number = |text: &str| text.parse().ok().filter(|x: &f64| !x.is_nan());

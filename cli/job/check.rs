@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 pub struct CheckJob {
     /// The files, with their kinds; none where the name tells no kind.
     pub files: Vec<(PathBuf, Option<FileKind>)>,
+    /// Whether the files that they read are listed.
+    pub list_files: bool,
 }
 
 /// Kinds of file, as their names tell them.
@@ -29,7 +31,7 @@ impl CheckJob {
             let kind = kind_of(&path);
             (path, kind)
         });
-        Ok(CheckJob { files: files.collect() })
+        Ok(CheckJob { files: files.collect(), list_files: args.list_files })
     }
 }
 

@@ -105,6 +105,7 @@ impl Origin {
                 format!("{} has a `sweep`: simulate it with `scree simulate`, then render its runs", model.display());
             return Err(Failure::new(Exit::Usage, message));
         }
+        guard::allow(folder);
         run_folder::spare_model(model, &file, folder)?;
         if !fresh && run::is_done(&file, folder) {
             return Ok(Origin::Finished);

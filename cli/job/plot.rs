@@ -205,8 +205,7 @@ fn overlay(paths: &[PathBuf], tables: Vec<TimeTable>) -> Outcome<(Vec<Plot>, Vec
 
 /// A file name of what a plot shows.
 fn file_name(what: &str, unit: &str) -> String {
-    let name = format!("{what}_{}", if unit.is_empty() { "number" } else { unit });
-    name.chars().map(|c| if c.is_alphanumeric() || c == '_' || c == '-' { c } else { '_' }).collect()
+    guard::text::file_name(&format!("{what}_{}", if unit.is_empty() { "number" } else { unit }), "-")
 }
 
 /// Split plots of more curves than can be told apart.

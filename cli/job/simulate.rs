@@ -47,6 +47,7 @@ impl SimulateJob {
         if args.plan || args.sweep_index.is_some() {
             return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
         }
+        guard::allow(&folder);
         let resolved = file.resolve(&doc)?;
         let span = Span { until: args.until, resume: args.resume };
         run_folder::spare_model(&args.model, &file, &folder)?;

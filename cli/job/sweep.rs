@@ -7,6 +7,7 @@ use frame::run::{FrameFormat, RunReader};
 use frame::yaml::Document;
 use sim::model_file::{self, ModelFile, Replacement};
 use sim::run::Span;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// What to do with the combinations of a model.
@@ -103,6 +104,7 @@ impl SweepJob {
             file.resolve(&doc)?;
             let folder = folder.join(&combination.name);
             if !args.fresh && !args.plan {
+                guard::allow(&folder);
                 run_folder::check(&file, &folder, args.until)?;
             }
             let run = SweepRun { index, name: combination.name.clone(), file, doc, folder };
@@ -137,6 +139,13 @@ fn load(model: &Path, set: &[Replacement], combination: &Combination) -> Outcome
 
 /// All combinations of a sweep, the last key changing fastest.
 fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
+    /// The most combinations.
+    const MOST: usize = 100_000;
+    let n = file.sweep.iter().try_fold(1usize, |n, (_, values)| n.checked_mul(values.len())).unwrap_or(usize::MAX);
+    if n > MOST {
+        let message = format!("has {n} combinations, expected at most {MOST}");
+        return Err(doc.fault("sweep", message).hint("the values of all keys are combined").into());
+    }
     let mut all = vec![Combination { name: String::new(), values: vec![] }];
     for (path, values) in &file.sweep {
         let key = format!("sweep.{path}");
@@ -156,8 +165,10 @@ fn combinations(file: &ModelFile, doc: &Document) -> Outcome<Vec<Combination>> {
         }
         all = next;
     }
+    let mut first = HashMap::new();
     for (i, combination) in all.iter().enumerate() {
-        if let Some(other) = all[..i].iter().position(|other| other.name == combination.name) {
+        let other = *first.entry(&combination.name).or_insert(i);
+        if other < i {
             let message = format!("combinations {other} and {i} would share the run directory `{}`", combination.name);
             let hint = "give each value once, with letters, digits or signs of its own";
             return Err(doc.fault("sweep", message).hint(hint).into());
@@ -184,7 +195,7 @@ impl Combination {
             .filter(|c| c.is_alphanumeric() || matches!(c, '.' | '-' | '+' | '_'))
             .collect();
         let joint = if self.name.is_empty() { "" } else { "_" };
-        let name = format!("{}{joint}{key}={word}", self.name);
+        let name = format!("{}{joint}{}={word}", self.name, guard::text::file_name(key, ".-"));
         let mut values = self.values.clone();
         values.push(replacement);
         Combination { name, values }

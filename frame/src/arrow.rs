@@ -3,6 +3,8 @@
 //! The schema's metadata holds the frame's number and time (key `scree`, text `frame=NUMBER time=SECONDS`), each field's metadata
 //! the column's unit (key `unit`). Columns are float64, float32, int64, or dictionaries of words with uint32 keys.
 
+mod layout;
+
 use crate::{Column, Fault, FaultKind, Field, Frame};
 use arrow_array::types::UInt32Type;
 use arrow_array::{
@@ -50,7 +52,7 @@ pub fn encode(frame: &Frame) -> Vec<u8> {
 /// Read a frame from an Arrow IPC file. A file that scree wrote holds the frame's number and time (s); of any other file they are
 /// `number` and 0. An error if the file cannot be read, is no Arrow file or has columns of other types than those above.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     decode(path, bytes, number)
 }
 
@@ -60,6 +62,7 @@ pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> 
         Fault::whole(FaultKind::Data, path, format!("is not a whole Arrow IPC file: {e}"))
             .hint("the file is cut off or damaged: simulate again with --resume, or remove it")
     };
+    layout::check(&bytes).map_err(|e| damaged(&e))?;
     let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| damaged(&e))?;
     let schema = reader.schema();
     let mut frame = Frame::new(number, 0.0);

@@ -1,7 +1,6 @@
 //! Errors in files, with their place: the error type of all readers of input.
 
 use std::fmt;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The cause of a fault: a file that a person wrote, data that a program wrote, or the machine.
@@ -101,14 +100,8 @@ impl std::error::Error for Fault {}
 
 /// Read a whole file; `-` is the standard input. A fault of the given kind if it cannot be read.
 pub fn read_bytes(kind: FaultKind, path: &Path) -> Result<Vec<u8>, Fault> {
-    if path == Path::new("-") {
-        let mut all = Vec::new();
-        return match std::io::stdin().lock().read_to_end(&mut all) {
-            Ok(_) => Ok(all),
-            Err(e) => Err(Fault::unreadable(kind, path, &e)),
-        };
-    }
-    std::fs::read(path).map_err(|e| Fault::unreadable(kind, path, &e))
+    let bytes = if path == Path::new("-") { guard::read_stdin() } else { guard::read(path) };
+    bytes.map_err(|e| Fault::unreadable(kind, path, &e))
 }
 
 /// Read a whole text file; `-` is the standard input. A fault of the given kind if it cannot be read, or, with the place of the

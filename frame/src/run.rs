@@ -38,6 +38,9 @@ impl FrameFormat {
     }
 }
 
+/// The most frames of a run: a folder holds no more files.
+pub const MAX_FRAMES: u64 = 100_000_000;
+
 /// A column of the frames, as listed in `run.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColumnEntry {
@@ -274,12 +277,16 @@ impl RunReader {
             return Err(sequence::not_a_run(folder));
         }
         let path = folder.join("run.json");
-        let text = std::fs::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
+        let text = guard::read_to_string(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
         let index: Index = serde_json::from_str(&text).map_err(|e| {
             Fault::at(FaultKind::Data, &path, &text, e.line(), e.column(), format!("is not a run's index: {e}"))
         })?;
         if index.format_version != FORMAT_VERSION {
             let message = format!("has format version {}, this program reads {FORMAT_VERSION}", index.format_version);
+            return Err(Fault::whole(FaultKind::Data, &path, message));
+        }
+        if index.expected_frames > MAX_FRAMES {
+            let message = format!("expects {} frames, and a run has at most {MAX_FRAMES}", index.expected_frames);
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
         let leaves =
@@ -310,7 +317,7 @@ impl RunReader {
         };
         let entry = &self.index.frames[i];
         let path = self.folder.join(&entry.file);
-        let bytes = std::fs::read(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
+        let bytes = guard::read(&path).map_err(|e| Fault::unreadable(FaultKind::Data, &path, &e))?;
         if blake3::hash(&bytes).to_hex().as_str() != entry.hash {
             return Err(Fault::whole(
                 FaultKind::Data,

@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
     let folder = pattern.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = pattern.file_name().and_then(|n| n.to_str()).unwrap_or("");
-    let entries = std::fs::read_dir(folder).map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?;
+    let entries = guard::permit(folder)
+        .and_then(|()| std::fs::read_dir(folder))
+        .map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?;
     let mut found: BTreeMap<u64, PathBuf> = BTreeMap::new();
     for entry in entries {
         let path = entry.map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?.path();

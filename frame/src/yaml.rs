@@ -39,7 +39,9 @@ pub fn parse<T: DeserializeOwned>(path: &Path, mut text: String) -> Result<(T, D
     if text.trim().is_empty() {
         return Err(Fault::at(FaultKind::Input, path, "", 1, 1, "is empty"));
     }
-    let (places, repeated) = places(&text);
+    let (places, repeated) = places(&text).map_err(|(line, column)| {
+        Fault::at(FaultKind::Input, path, &text, line, column, format!("is nested more than {MAX_DEPTH} deep"))
+    })?;
     let doc = Document { path: path.into(), places, repeated, text, replaced: vec![] };
     let value = deserialize(&doc, serde_yaml::Deserializer::from_str(&doc.text))?;
     Ok((value, doc))
@@ -207,9 +209,15 @@ fn in_plain_words(message: &str) -> String {
     format!("{head}expected {words}")
 }
 
+/// Lines and columns of keys and list items, and of the first key that stands twice.
+type Places = (HashMap<String, (usize, usize)>, Option<(usize, usize)>);
+
+/// The deepest nesting of lists and maps.
+const MAX_DEPTH: usize = 64;
+
 /// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came
-/// before the error.
-fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)>) {
+/// before the error. An error, with its place, if lists and maps are nested too deep.
+fn places(text: &str) -> Result<Places, (usize, usize)> {
     enum Level {
         Map { path: String, key: Option<String> },
         List { path: String, next: usize },
@@ -218,8 +226,16 @@ fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)
     let (mut found, mut repeated) = (HashMap::new(), None);
     let mut stack: Vec<Level> = Vec::new();
     for event in Parser::new_from_str(text) {
-        let Ok((event, span)) = event else { break };
+        let (event, span) = match event {
+            Ok(next) => next,
+            // The parser reads ahead of what it tells of.
+            Err(e) if e.info().contains("recursion") => return Err((e.marker().line(), e.marker().col() + 1)),
+            Err(_) => break,
+        };
         let at = (span.start.line(), span.start.col() + 1);
+        if stack.len() > MAX_DEPTH {
+            return Err(at);
+        }
         // The path of the value that this event starts; a map's keys are consumed here.
         let mut value_path = || -> Option<String> {
             match stack.last_mut() {
@@ -261,7 +277,7 @@ fn places(text: &str) -> (HashMap<String, (usize, usize)>, Option<(usize, usize)
             _ => {}
         }
     }
-    (found, repeated)
+    Ok((found, repeated))
 }
 
 #[cfg(test)]

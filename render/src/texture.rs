@@ -6,7 +6,7 @@ use crate::warnings::Warnings;
 use sl::ir::Lookup;
 use sl::machine::MapQuery;
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use texels::{Cache, Levels, Texels, decoded};
 
@@ -81,6 +81,21 @@ impl Map {
     }
 }
 
+/// Note the files of the texture of this name, if there is one.
+pub fn note(name: &str, made: &Made, folders: &[PathBuf]) {
+    let paths = match made.get(name) {
+        Some(Source::Image(path, _)) => vec![path.clone()],
+        Some(Source::CubeFaces(paths, _)) => paths.to_vec(),
+        None => vec![name.into()],
+    };
+    paths.iter().filter_map(|path| find(path, folders)).for_each(|path| guard::note(&path));
+}
+
+/// The file of an image: in one of the folders, or where its path leads.
+fn find(path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+    folders.iter().map(|f| f.join(path)).chain([path.into()]).find(|p| p.is_file() && guard::permit(p).is_ok())
+}
+
 impl Textures {
     /// Textures of files in folders.
     pub fn new(folders: Vec<PathBuf>, made: Made, memory: usize) -> Textures {
@@ -99,7 +114,7 @@ impl Textures {
         let taken = loaded.values().flatten().map(|map| map.bytes()).sum::<usize>();
         let room = std::cell::Cell::new((self.memory / 4 * 3).saturating_sub(taken));
         let read = |path: &PathBuf, wrap| {
-            let found = self.folders.iter().map(|f| f.join(path)).find(|p| p.is_file());
+            let found = find(path, &self.folders);
             let texture = Texture::read(found.as_ref().unwrap_or(path), wrap, room.get(), &self.cache)
                 .map_err(|e| format!("`{}`: {e}", path.display()))?;
             room.set(room.get().saturating_sub(texture.levels.bytes()));
@@ -204,12 +219,11 @@ fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
 impl Texture {
     /// Read an image.
     fn read(path: &std::path::Path, wrap: [Wrap; 2], room: usize, cache: &Arc<Cache>) -> Result<Texture, String> {
-        let mut reader = image::ImageReader::open(path)
-            .map_err(|e| e.to_string())?
-            .with_guessed_format()
-            .map_err(|e| e.to_string())?;
+        let file = guard::open(path).map_err(|e| e.to_string())?;
+        let mut reader =
+            image::ImageReader::new(std::io::BufReader::new(file)).with_guessed_format().map_err(|e| e.to_string())?;
         let mut limits = image::Limits::default();
-        limits.max_alloc = Some(4 << 30);
+        limits.max_alloc = Some((guard::memory::room() / 4).min(4 << 30));
         reader.limits(limits);
         let image = reader.decode().map_err(|e| e.to_string())?;
         let (w, h) = (image.width() as usize, image.height() as usize);

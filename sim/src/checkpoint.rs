@@ -42,7 +42,7 @@ pub fn write(path: &Path, state: &State, model_hash: &str) -> Result<(), Fault> 
 /// # Errors
 /// A file that cannot be read, is not a checkpoint, has another version of the format, is truncated, or differs from its hash.
 pub fn read(path: &Path) -> Result<(State, String), Fault> {
-    let bytes = std::fs::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let broken = |why: &str| Fault::whole(FaultKind::Data, path, format!("is not a checkpoint: {why}"));
     let rest = bytes.strip_prefix(head().as_bytes()).ok_or_else(|| {
         let first = bytes.split(|b| *b == b'\n').next().unwrap_or_default();

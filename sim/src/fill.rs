@@ -45,6 +45,11 @@ pub struct Region {
 }
 
 impl Region {
+    /// Whether spheres of a radius, m, have more sites here than are tried one by one.
+    pub fn has_too_many_sites(&self, radius: f64) -> bool {
+        (self.max - self.min).element_product() / radius.powi(3) > MAX_SITES
+    }
+
     /// Whether a sphere at a position lies inside the region.
     fn contains(&self, p: DVec3, radius: f64) -> bool {
         let inside = (p - radius).cmpge(self.min - 1e-12).all() && (p + radius).cmple(self.max + 1e-12).all();

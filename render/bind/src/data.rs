@@ -59,6 +59,14 @@ impl Source {
         }
     }
 
+    /// The files of the stored frames.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match &self.store {
+            Store::Run(run) => run.index.frames.iter().map(|frame| run.folder.join(&frame.file)).collect(),
+            Store::Csv { files, .. } => files.values().cloned().collect(),
+        }
+    }
+
     /// Numbers of the missing frames: those that an interrupted simulation did not reach. Empty for CSV files.
     pub fn missing(&self) -> Vec<u64> {
         match &self.store {

@@ -10,7 +10,7 @@ use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec, Quantity,
     RoundSpec, Shader, SphereSpec,
 };
-use frame::Frame;
+use frame::{Column, Frame};
 use framing::{Classes, Subject, rounded};
 use names::Names;
 use survey::{Kind, Survey};
@@ -91,6 +91,9 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     };
     if is_guessed {
         remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
+    }
+    if !is_ours {
+        remarks.extend(names.unused(frame));
     }
     Ok(Suggestion { yaml: to_yaml(&metadata, frame, &remarks), remarks })
 }
@@ -239,18 +242,22 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
 fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
     let mut head = "# What to draw, found out from the data; change what you like.\n".to_string();
-    remarks.iter().for_each(|remark| head += &format!("# {remark}.\n"));
+    remarks.iter().for_each(|remark| head += &format!("# {}.\n", guard::text::line(remark)));
     let taken = |name: &str| names::is_position_or_size(frame, name);
     let numeric = |name: &&str| names::is_numeric(frame, name);
     let names = frame.names();
-    let by = names.iter().find(|n| **n == "speed").or(names.iter().find(|n| !taken(n) && **n != "id" && numeric(n)));
+    // What is measured rather than counted: ids and types tell little as colours.
+    let is_measured = |name: &&&str| matches!(frame.column(name), Some(Column::F32(_) | Column::F64(_)));
+    let others = || names.iter().filter(|n| !taken(n) && **n != "id" && numeric(n));
+    let by = names.iter().find(|n| **n == "speed").or_else(|| others().find(is_measured)).or_else(|| others().next());
     let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
     match (by, first) {
         (Some(column), Some(first)) => {
             let quoted = expr::quoted(column);
             // A backtick begins no plain text in YAML.
             let value = if quoted == **column { quoted } else { format!("'{}'", quoted.replace('\'', "''")) };
-            let line = format!("{first}  # color: {{column: {value}, map: viridis}}\n");
+            let line = format!("color: {{column: {value}, map: viridis}}");
+            let line = format!("{first}  # {}\n", guard::text::line(&line));
             format!("{head}{}", yaml.replacen(&first, &line, 1))
         }
         _ => format!("{head}{yaml}"),

@@ -41,14 +41,22 @@ impl Files {
                 places.extend(rooms.iter().map(|room| folder.join(room).join(path)));
             }
         }
-        if let Some(found) = places.iter().find(|p| p.is_file()) {
-            let bytes = std::fs::read(found).map_err(|e| format!("{} cannot be read: {e}", found.display()))?;
+        let is_free = |p: &&PathBuf| p.is_file() && guard::permit(p).is_ok();
+        if let Some(found) = places.iter().find(is_free) {
+            let bytes = guard::read(found).map_err(|e| format!("{} cannot be read: {e}", found.display()))?;
             return Ok((found.clone(), bytes));
         }
         let inside = |p: &str| p == name || rooms.iter().any(|room| p == format!("{room}/{name}"));
-        match self.built_in.iter().find(|(p, _)| inside(p)) {
-            Some((p, text)) => Ok((PathBuf::from(p), text.as_bytes().to_vec())),
-            None => Err(self.not_found(name, rooms)),
+        if let Some((p, text)) = self.built_in.iter().find(|(p, _)| inside(p)) {
+            return Ok((PathBuf::from(p), text.as_bytes().to_vec()));
+        }
+        if let Some(other) = places.iter().find(|p| p.exists() && !p.is_file()) {
+            let kind = if other.is_dir() { "a folder" } else { "a device, a pipe or a socket" };
+            return Err(format!("{} is {kind}, expected a file", other.display()));
+        }
+        match places.iter().find(|p| p.is_file()).map(|p| (p, guard::permit(p))) {
+            Some((path, Err(e))) => Err(format!("{} cannot be read: {e}", path.display())),
+            _ => Err(self.not_found(name, rooms)),
         }
     }
 
@@ -59,7 +67,7 @@ impl Files {
         match beside {
             Some(path) => {
                 let text =
-                    std::fs::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
+                    guard::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
                 Ok((path, text))
             }
             None => self.read(name, &["shaders/include", "shaders"]),

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Maximum length of an answer, bytes.
+/// Maximum length of an answer, bytes; less where reading may not take as much.
 const MAX_ANSWER: usize = 1 << 30;
 
 /// Programs that a stream may run.
@@ -109,14 +109,17 @@ fn start(path: &Path, program: &str) -> Result<Running, String> {
     let (send, answers) = channel();
     std::thread::spawn(move || {
         let mut answer = Vec::new();
+        let most = || (guard::memory::room() as usize / 2).min(MAX_ANSWER);
+        let mut longest = most();
         for byte in BufReader::new(stdout).bytes() {
             match byte {
                 Ok(0xff) => {
                     if send.send(Ok(std::mem::take(&mut answer))).is_err() {
                         return;
                     }
+                    longest = most();
                 }
-                Ok(byte) if answer.len() < MAX_ANSWER => answer.push(byte),
+                Ok(byte) if answer.len() < longest => answer.push(byte),
                 Ok(_) => {
                     let _ = send.send(Err("answers without end".into()));
                     return;

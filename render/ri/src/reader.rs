@@ -7,11 +7,13 @@ use crate::lexer::Token;
 use crate::programs::Programs;
 use crate::requests::Request;
 use crate::ri::{Fail, Ri, RiResult};
+use guard::memory::Bytes;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A place in a file; line and column count from 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +48,9 @@ impl std::error::Error for RibError {}
 /// Maximum depth of archives that read each other.
 const MAX_DEPTH: usize = 32;
 
+/// Maximum depth of conditions within each other.
+const MAX_BRANCHES: usize = 256;
+
 /// A function that handles a directive, a comment `#scree …` of the stream. It gets the [`Ri`] and the directive's text after
 /// `scree`; an error stops the reading.
 pub type Directive<'a> = dyn FnMut(&mut dyn Ri, &str) -> RiResult + 'a;
@@ -76,17 +81,23 @@ pub fn read(
 
 /// A gzip file unpacked; anything else as it is.
 fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
-    /// A packed file that grows beyond this is not a scene.
-    const MAX_UNPACKED: u64 = 16 << 30;
+    /// Bytes that are unpacked at once.
+    const PART: u64 = 1 << 20;
     if !rib.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(rib));
     }
     let mut out = Vec::new();
-    let n = flate2::read::MultiGzDecoder::new(rib).take(MAX_UNPACKED).read_to_end(&mut out);
-    match n {
-        Ok(n) if (n as u64) < MAX_UNPACKED => Ok(Cow::Owned(out)),
-        Ok(_) => Err("the packed file is too large".into()),
-        Err(e) => Err(format!("the packed file cannot be read: {e}")),
+    let mut packed = flate2::read::MultiGzDecoder::new(rib);
+    loop {
+        // A vector that grows is there twice for a moment.
+        if guard::memory::room() < 2 * out.len() as u64 + PART {
+            return Err(format!("the packed file has more than {}: {}", Bytes(out.len() as u64), guard::memory::Full));
+        }
+        match packed.by_ref().take(PART).read_to_end(&mut out) {
+            Ok(0) => return Ok(Cow::Owned(out)),
+            Ok(_) => {}
+            Err(e) => return Err(format!("the packed file cannot be read: {e}")),
+        }
     }
 }
 
@@ -94,7 +105,11 @@ fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 #[derive(Default)]
 struct Shared {
     /// Archives that the stream itself holds.
-    archives: HashMap<String, Vec<u8>>,
+    archives: HashMap<String, Arc<[u8]>>,
+    /// Files of archives that were read.
+    files: HashSet<PathBuf>,
+    /// Bytes of archives that were read again.
+    repeated: u64,
     /// Programs that make geometry, kept running.
     programs: Programs,
 }
@@ -177,6 +192,7 @@ impl<'a> Reader<'a> {
         on_directive: &mut Directive<'_>,
         place: Spot,
     ) -> Result<(), Box<RibError>> {
+        guard::memory::check().map_err(|full| self.error(place, format!("the scene is too large: {full}")))?;
         self.arguments.request = place;
         let start = self.arguments.lexer.mark();
         if let Ok(request) = request {
@@ -217,6 +233,9 @@ impl<'a> Reader<'a> {
         match request {
             Request::IfBegin => {
                 let text = self.arguments.text()?;
+                if self.branches.len() >= MAX_BRANCHES {
+                    return Err(Fail::new(format!("conditions are nested more than {MAX_BRANCHES} deep")));
+                }
                 let yes = outer(&self.branches) && self.arguments.known.conditions.holds(&text).map_err(Fail::new)?;
                 self.branches.push(Branch { taken: yes, done: yes });
             }
@@ -263,12 +282,32 @@ impl<'a> Reader<'a> {
             ));
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
+            self.repeat(own.len(), place)?;
             return self.nested(self.path, &own, ri, on_directive);
         }
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
         let bytes = unpack(&bytes).map_err(|m| self.error(place, format!("archive `{name}`: {m}")))?;
+        if !self.shared.files.insert(path.clone()) {
+            self.repeat(bytes.len(), place)?;
+        }
         self.nested(&path, &bytes, ri, on_directive)
+    }
+
+    /// Count an archive that is read again: a few lines could read each other more often than there is time for.
+    fn repeat(&mut self, n_bytes: usize, place: Spot) -> Result<(), Box<RibError>> {
+        /// Bytes that a short archive counts for.
+        const LEAST: u64 = 256;
+        self.shared.repeated += (n_bytes as u64).max(LEAST);
+        let most = (guard::memory::limit() / 4).min(8 << 30);
+        if self.shared.repeated <= most {
+            return Ok(());
+        }
+        let message = format!(
+            "archives are read again and again, {} in all, which is more than a quarter of the memory that reading may take; --memory allows more",
+            Bytes(most)
+        );
+        Err(self.error(place, message))
     }
 
     fn nested(
@@ -301,7 +340,7 @@ impl<'a> Reader<'a> {
                 Some((Token::Word(word), _)) if word == "ArchiveEnd" => {
                     depth -= 1;
                     if depth == 0 {
-                        self.shared.archives.insert(name, self.bytes[start..before].to_vec());
+                        self.shared.archives.insert(name, self.bytes[start..before].into());
                         return Ok(());
                     }
                 }

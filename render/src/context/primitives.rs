@@ -34,8 +34,17 @@ impl Context {
     }
 
     pub(super) fn draw_general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
-        let total: i32 = n_vertices.iter().map(|n| (*n).max(0)).sum();
-        self.draw_points_general_polygons(vec![n_vertices.len() as i32], n_vertices, (0..total).collect(), params)
+        let total: i64 = n_vertices.iter().map(|n| i64::from(*n).max(0)).sum();
+        let given = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
+        if total > given as i64 {
+            return Err(Fail::new(format!("the loops have {total} vertices, and \"P\" has {given}")));
+        }
+        self.draw_points_general_polygons(
+            vec![n_vertices.len() as i32],
+            n_vertices,
+            (0..total as i32).collect(),
+            params,
+        )
     }
 
     pub(super) fn draw_points_general_polygons(

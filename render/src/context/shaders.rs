@@ -1,6 +1,7 @@
 //! Shaders by their names: found, compiled once, and given the parameters of a call.
 
 use crate::context::state::Context;
+use crate::texture;
 use glam::{Mat4, Vec3};
 use ri::{Fail, Params, Values};
 use sl::ir::Kind;
@@ -74,6 +75,11 @@ impl Context {
                     )));
                 }
             }
+        }
+        if self.dry {
+            // Maps are looked up when the image is rendered.
+            let names = program.texts().into_iter().chain(texts.iter().map(|(_, text)| text.clone()));
+            names.for_each(|name| texture::note(&name, &self.made, &self.files.folders));
         }
         Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
     }

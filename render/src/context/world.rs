@@ -14,6 +14,7 @@ use crate::stats::Stats;
 use crate::texture::Textures;
 use glam::Mat4;
 use ri::{Fail, RiResult};
+use std::path::Path;
 
 impl Context {
     /// `WorldBegin`: the camera is where the current transformation leads, and the scene begins.
@@ -74,10 +75,15 @@ impl Context {
             (self.options.filter, self.options.filter_width) = (FilterKind::Box, [1.0; 2]);
             self.options.lens = None;
         }
+        let name = self.options.displays.first().map_or("an image", |display| &display.name);
+        guard::memory::doing("rendering", Path::new(name));
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.shard = self.shard;
         self.options.about.clone_from(&self.about);
         let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
+        if let Some(shader) = self.scene.stopped() {
+            return Err(Fail::new(format!("the loops of the shader `{shader}` do not end")));
+        }
         image.expose(self.options.gain, self.options.gamma);
         let warnings = self.scene.take_warnings();
         self.results.push(RenderResult { frame: self.frame, options: self.options.clone(), image, stats, warnings });

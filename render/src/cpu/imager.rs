@@ -22,6 +22,12 @@ impl sl::machine::Scene for ImagerScene<'_> {
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.0.ask(what, names)
     }
+    fn stop(&self, shader: &str) {
+        self.0.stop(shader);
+    }
+    fn is_stopped(&self) -> bool {
+        self.0.stopped().is_some()
+    }
 }
 
 /// Run an imager over rows of `width` pixels whose first is at (`x`, `y`): P is the pixel's middle on the raster, Ci its

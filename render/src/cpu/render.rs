@@ -43,6 +43,9 @@ pub fn render(
     // Memory between buckets, so that it is taken once a thread.
     let idle = Mutex::new(Vec::<Memory>::new());
     for batch in own.chunks(BATCH) {
+        if scene.stopped().is_some() {
+            break;
+        }
         let render = |bucket: &Bucket| {
             let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
             let found = spare().pop();

@@ -338,6 +338,14 @@ impl sl::machine::Scene for View<'_> {
         segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
     }
 
+    fn stop(&self, shader: &str) {
+        self.scene.stop(shader);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.scene.stopped().is_some()
+    }
+
     fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
         for (ray, distance) in rays.iter().zip(distances) {
             let dir = Vec3::from(ray.direction);

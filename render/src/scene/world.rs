@@ -11,7 +11,7 @@ use glam::{Mat4, Vec3};
 use sl::ir::Ask;
 use sl::machine::Answer;
 use std::collections::HashMap;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// The scene.
 #[derive(Default)]
@@ -32,6 +32,8 @@ pub struct Scene {
     pub area_lights: Vec<AreaLight>,
     /// Warnings about the scene.
     pub warnings: Warnings,
+    /// A shader whose loops did not end.
+    pub stopped: OnceLock<String>,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
 }
@@ -39,6 +41,16 @@ pub struct Scene {
 static WHOLE_SPHERE: Shape = Shape::Sphere;
 
 impl Scene {
+    /// Take that the loops of a shader do not end: nothing more is rendered.
+    pub fn stop(&self, shader: &str) {
+        let _ = self.stopped.set(shader.into());
+    }
+
+    /// The shader whose loops did not end, if there is one.
+    pub fn stopped(&self) -> Option<&str> {
+        self.stopped.get().map(String::as_str)
+    }
+
     /// All items, in order.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         self.sources

@@ -23,6 +23,9 @@ use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+/// The most steps of a run: a million bodies, or one, take longer than anybody waits for.
+const MAX_STEPS: f64 = 1e12;
+
 impl ModelFile {
     /// The model as YAML, with its defaults filled in.
     pub fn to_yaml(&self) -> String {
@@ -101,6 +104,17 @@ impl ModelFile {
             ("probes.interval", self.probes.interval.unwrap_or(1.0)),
         ] {
             positive(doc, key, value)?;
+        }
+        let steps = self.whole_duration() / self.step;
+        if steps > MAX_STEPS {
+            let message =
+                format!("{:.0e} s in steps of {:.0e} s are {steps:.0e} steps", self.whole_duration(), self.step);
+            return Err(doc.fault("step", message).hint("times are in seconds"));
+        }
+        let frames = self.whole_duration() * self.frame_rate;
+        if frames > frame::run::MAX_FRAMES as f64 {
+            let message = format!("{:e} frames a second are {frames:.0e} frames", self.frame_rate);
+            return Err(doc.fault("frame_rate", message).hint("expected frames per second, as 25"));
         }
         finite(doc, "gravity", &self.gravity)?;
         if !(s.tolerance >= 0.0) || s.envelope.is_some_and(|e| !(e >= 0.0)) {

@@ -6,6 +6,7 @@ use crate::geometry::{Hull, Surface};
 use frame::Fault;
 use frame::yaml::Document;
 use glam::{DQuat, DVec3};
+use std::io::BufReader;
 use std::path::Path;
 
 /// A resolved shape.
@@ -187,7 +188,10 @@ fn read_triangles(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<
     let (vertices, triangles): (Vec<DVec3>, Vec<[u32; 3]>) = match ending.as_str() {
         "obj" => {
             let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-            let (models, _) = tobj::load_obj(path, &options).map_err(|e| fail(e.to_string()))?;
+            let mut file = BufReader::new(guard::open(path).map_err(|e| fail(e.to_string()))?);
+            // Only the shape is wanted: files of materials that it names are not opened.
+            let no_materials = |_: &Path| Ok((vec![], Default::default()));
+            let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials).map_err(|e| fail(e.to_string()))?;
             let (mut vertices, mut triangles) = (vec![], vec![]);
             for m in models {
                 let first = vertices.len() as u32;
@@ -199,7 +203,7 @@ fn read_triangles(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<
             (vertices, triangles)
         }
         "stl" => {
-            let mut file = std::fs::File::open(path).map_err(|e| fail(e.to_string()))?;
+            let mut file = guard::open(path).map_err(|e| fail(e.to_string()))?;
             let mesh = stl_io::read_stl(&mut file).map_err(|e| fail(e.to_string()))?;
             let point = |v: &stl_io::Vertex| DVec3::new(v[0].into(), v[1].into(), v[2].into());
             (
@@ -221,7 +225,14 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
     let (heights, n) = match (&file.image, &file.grid) {
         (Some(path), None) => {
             let fail = |why: String| doc.fault(&format!("{key}.image"), format!("{}: {why}", path.display()));
-            let image = image::open(path).map_err(|e| fail(e.to_string()))?.into_luma16();
+            let mut image =
+                image::ImageReader::new(BufReader::new(guard::open(path).map_err(|e| fail(e.to_string()))?))
+                    .with_guessed_format()
+                    .map_err(|e| fail(e.to_string()))?;
+            let mut limits = image::Limits::default();
+            limits.max_alloc = Some(guard::memory::room() / 4);
+            image.limits(limits);
+            let image = image.decode().map_err(|e| fail(e.to_string()))?.into_luma16();
             let [black, white] = file.height;
             let (nx, ny) = (image.width() as usize, image.height() as usize);
             // The image's first row is the far side, +y.
@@ -246,7 +257,7 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
 
 /// Heights of a text file, row by row, m, and their counts along x and y.
 fn read_grid(doc: &Document, key: &str, path: &Path) -> Result<(Vec<f64>, [usize; 2]), Fault> {
-    let text = std::fs::read_to_string(path).map_err(|e| doc.fault(key, format!("{}: {e}", path.display())))?;
+    let text = guard::read_to_string(path).map_err(|e| doc.fault(key, format!("{}: {e}", path.display())))?;
     let (mut heights, mut nx, mut ny) = (vec![], 0, 0);
     for (line, row) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#')) {
         let before = heights.len();

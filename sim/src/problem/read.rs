@@ -101,6 +101,10 @@ type Blocks = (Vec<u32>, Vec<u32>, Vec<DMat3>);
 fn dense(w: &mut Words, n: usize) -> Result<Blocks, Fault> {
     w.expect(3 * n, "the number of rows")?;
     w.expect(3 * n, "the number of columns")?;
+    if n.saturating_mul(n) > w.words.len() {
+        let message = format!("has {} more numbers, and a dense matrix of {n} contacts has {n}² × 9", w.words.len());
+        return Err(Fault::whole(FaultKind::Input, w.path, message));
+    }
     let mut all = vec![DMat3::ZERO; n * n];
     for c in 0..3 * n {
         for r in 0..3 * n {

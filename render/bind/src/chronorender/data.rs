@@ -38,7 +38,7 @@ impl Table {
 
     /// Whether files without a header look as the exporter writes them: the tenth cell is the name of a shape.
     fn looks_exported(&self) -> bool {
-        let Some(text) = self.first_file().and_then(|path| std::fs::read_to_string(path).ok()) else { return false };
+        let Some(text) = self.first_file().and_then(|path| guard::read_to_string(&path).ok()) else { return false };
         let line = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
         let cells: Vec<&str> = line.split(self.delimiter.unwrap_or(',')).map(str::trim).collect();
         let shapes = ["sphere", "cube", "box", "ellipsoid", "cylinder", "cone", "obj"];

@@ -37,8 +37,7 @@ pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
     for (k, pass) in passes.iter().map(Some).chain(passes.is_empty().then_some(None)).enumerate() {
         let name = pass.and_then(|(_, map)| map.get("name")).map_or(format!("pass{k}"), text);
         // Names become folders.
-        let name: String =
-            name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        let name = guard::text::file_name(&name, "-.");
         all.push((name.trim_matches('.').to_string(), image(&job, &top, pass)?));
     }
     // All of the file is read before any of it is checked.
@@ -46,7 +45,7 @@ pub fn check(root: &Value, doc: Document) -> Result<Binding, Fault> {
         all.into_iter().map(|(name, image)| Ok((name, image.check(&doc)?))).collect::<Result<Vec<_>, Fault>>()?;
     let (_, mut first) = all.remove(0);
     for k in 0..all.len() {
-        if all[k].0.is_empty() || all[..k].iter().any(|(name, _)| *name == all[k].0) {
+        if all[..k].iter().any(|(name, _)| *name == all[k].0) {
             all[k].0 = format!("{}{}", all[k].0, k + 1);
         }
     }

@@ -33,7 +33,9 @@ pub(super) fn parse(text: &str) -> Result<Program, ExprError> {
         } else {
             ""
         };
-        return p.fail(format!("unexpected `{rest}`{hint}"));
+        let shown = &rest[..rest.floor_char_boundary(40)];
+        let more = if shown.len() < rest.len() { "…" } else { "" };
+        return p.fail(format!("unexpected `{shown}{more}`{hint}"));
     }
     Ok(p.program)
 }

@@ -82,6 +82,21 @@ impl<'a> Names<'a> {
         remarks.extend(several_times(frame));
         Ok((Names { position, radius }, remarks))
     }
+
+    /// What is to be said of the columns that tell neither position nor radius, but for ids.
+    pub(super) fn unused(&self, frame: &Frame) -> Option<String> {
+        /// Names that are written.
+        const WRITTEN: usize = 12;
+        let drawn = |name: &str| self.position.iter().chain(&self.radius).any(|length| length.column == name);
+        let others: Vec<&str> =
+            frame.names().into_iter().filter(|name| !drawn(name) && simplified(name) != "id").collect();
+        let more = others.len().saturating_sub(WRITTEN);
+        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+        let names = others.iter().take(WRITTEN).copied().collect::<Vec<_>>().join(", ");
+        (!others.is_empty()).then(|| {
+            format!("rows are drawn as spheres; not used, but there to select, turn or colour them, are the columns {names}{more}")
+        })
+    }
 }
 
 /// Whether a frame has a column of numbers of this name.

@@ -2,6 +2,7 @@
 
 use super::bound::{Answer, BoundShader};
 use crate::ir::{Ask, Lookup};
+use std::io::Write;
 use std::sync::Arc;
 
 /// The queries that a shader makes of the scene. A query for many points is one call, so that it can be answered in bulk; its
@@ -41,9 +42,17 @@ pub trait Scene {
     fn trace(&self, _rays: &[Ray], _many: bool, colors: &mut [[f32; 3]]) {
         colors.fill([0.0; 3]);
     }
-    /// Take the text that `printf` prints; by default to the standard error.
+    /// Take that the loops of a shader do not end ([`is_stopped`](Scene::is_stopped)).
+    fn stop(&self, _shader: &str) {}
+    /// Whether a shader's loops did not end, so that no loop is to go on.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+    /// Take the text that `printf` prints; by default to the standard error, without control characters but tabs and ends of lines.
     fn print(&self, text: &str) {
-        eprint!("{text}");
+        let plain: String = text.chars().filter(|c| !c.is_control() || matches!(c, '\t' | '\n')).collect();
+        // That nobody reads it stops no shader.
+        let _ = std::io::stderr().write_all(plain.as_bytes());
     }
 }
 

@@ -4,6 +4,7 @@ use super::globals::Global;
 use super::op::Op;
 use super::register::{Operand, Reg};
 use super::types::{Kind, ShaderKind};
+use super::walk::visit;
 
 /// A shader parameter.
 #[derive(Clone, Debug)]
@@ -51,6 +52,18 @@ pub struct Program {
 }
 
 impl Program {
+    /// The strings that stand in the shader.
+    pub fn texts(&self) -> Vec<String> {
+        let mut found = vec![];
+        let mut take = |op: &Op| {
+            if let Op::TextConst(_, text) = op {
+                found.push(text.clone());
+            }
+        };
+        self.params.iter().map(|param| &param.default).chain([&self.body]).for_each(|ops| visit(ops, &mut take));
+        found
+    }
+
     /// The register of a global variable, if the program uses it.
     pub fn global(&self, global: Global) -> Option<Reg> {
         self.globals.iter().find(|(g, _)| *g == global).map(|(_, r)| *r)

@@ -8,12 +8,19 @@ pub enum Value<'a> {
     Text(&'a str),
 }
 
-/// The text of a format (the first value) and what its `%f`, `%d`, `%s`, `%p`, `%c`, `%m` take.
+/// Longest text that a shader makes, bytes: one that doubles itself in a loop would take the memory of the machine.
+const LONGEST: usize = 1 << 16;
+
+/// The text of a format (the first value) and what its `%f`, `%d`, `%s`, `%p`, `%c`, `%m` take; cut where it is too long.
 pub fn format(values: &[Value]) -> String {
     let Some((Value::Text(pattern), mut rest)) = values.split_first() else { return String::new() };
     let mut out = String::new();
     let mut chars = pattern.chars().peekable();
     while let Some(c) = chars.next() {
+        if out.len() > LONGEST {
+            out.truncate(out.floor_char_boundary(LONGEST));
+            break;
+        }
         if c != '%' {
             out.push(c);
             continue;

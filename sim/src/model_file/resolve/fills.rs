@@ -73,6 +73,10 @@ impl Builder<'_> {
             Packing::PoissonDisk => fill::poisson_disk(&region, max, count, &mut self.random),
         }
         .map_err(|fits| {
+            if fits == 0 && region.has_too_many_sites(max) {
+                let message = format!("the region is too large to be packed so with spheres of radius {max} m");
+                return doc.fault(&format!("{key}.max"), message).hint("a `lattice` fills it from the bottom up");
+            }
             let count = fill.count.unwrap_or(0);
             doc.fault(
                 &format!("{key}.count"),

@@ -75,7 +75,7 @@ impl Builder<'_> {
             FunctionFile::Csv { csv } => {
                 let key = format!("{key}.csv");
                 let text =
-                    std::fs::read_to_string(csv).map_err(|e| doc.fault(&key, format!("{}: {e}", csv.display())))?;
+                    guard::read_to_string(csv).map_err(|e| doc.fault(&key, format!("{}: {e}", csv.display())))?;
                 let mut points = vec![];
                 for (i, line) in text.lines().enumerate() {
                     let line = line.trim();

@@ -36,12 +36,19 @@ impl Machine {
     }
 
     pub(super) fn repeat(&mut self, head: &[Op], c: FloatReg, body: &[Op], step: &[Op], scene: &dyn Scene) {
-        /// A shader whose loop does not end must not hang the render.
-        const MAX_TURNS: usize = 1_000_000;
+        /// Points that a turn counts for at least.
+        const LEAST: usize = 128;
         let n = self.n;
+        if scene.is_stopped() {
+            return;
+        }
         let outer = self.mask.clone();
         self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n], inline: false });
-        for _ in 0..MAX_TURNS {
+        loop {
+            self.turns_left = self.turns_left.saturating_sub(n.max(LEAST));
+            if self.turns_left == 0 {
+                break;
+            }
             self.block(head, scene);
             let condition = &self.regs[c.index()];
             if condition.len() == 1 {

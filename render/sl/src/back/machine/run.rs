@@ -11,6 +11,9 @@ use crate::shadeop::matrix::{element, triple16};
 use crate::shadeop::runs::at;
 use crate::shadeop::spline;
 
+/// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
+const MAX_TURNS: usize = 1 << 27;
+
 impl Machine {
     /// Run a shader over points: reads the global variables that it uses and writes those that it changed.
     pub fn run(&mut self, shader: &BoundShader, points: &mut Points, scene: &dyn Scene) {
@@ -45,6 +48,9 @@ impl Machine {
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
+        if self.turns_left == 0 {
+            scene.stop(&program.name);
+        }
         for (global, reg) in &program.globals {
             if let Some(values) = points.get_mut(*global) {
                 std::mem::swap(values, &mut self.regs[reg.index()]);
@@ -69,6 +75,7 @@ impl Machine {
         self.place = program.global(Global::P);
         self.mask = None;
         self.loops.clear();
+        self.turns_left = MAX_TURNS;
         self.lit.clear();
         self.reached.clear();
         self.reached.resize(self.n, false);

@@ -45,6 +45,8 @@ pub struct Machine {
     /// Active points; `None` is all.
     pub(super) mask: Option<Vec<bool>>,
     pub(super) loops: Vec<LoopFrame>,
+    /// What loops may still do in this run: turns over points.
+    pub(super) turns_left: usize,
     pub(super) receiver: Option<Receiver>,
     /// Points that `solar` or `illuminate` reached.
     pub(super) reached: Vec<bool>,

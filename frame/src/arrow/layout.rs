@@ -1,0 +1,150 @@
+//! The layout of an Arrow IPC file, checked before it is decoded: the decoder trusts lengths and offsets, and a file that lies about
+//! them would take memory without end, or end the program.
+//!
+//! Only columns are accepted that a [`Frame`](crate::Frame) can hold. Names are those of the format's description
+//! (Apache Arrow Columnar Format, "IPC File Format").
+
+use arrow_ipc::{
+    Block, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch, Type, root_as_footer,
+    root_as_message,
+};
+
+/// What ends a file: the footer's length, and these bytes.
+const MAGIC: &[u8] = b"ARROW1";
+
+/// Check the layout of a file; an error says what is wrong.
+pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
+    let footer = footer(bytes)?;
+    let schema = footer.schema().ok_or("it has no schema")?;
+    if schema.endianness() != Endianness::Little {
+        return Err("its numbers are big-endian".into());
+    }
+    let notes = [schema.custom_metadata(), footer.custom_metadata()];
+    let mut notes = notes.into_iter().flatten().flatten();
+    if notes.any(|note| note.key().is_none() || note.value().is_none()) {
+        return Err("its metadata has a key without value".into());
+    }
+    let fields = schema.fields().ok_or("it has no columns")?;
+    let widths = fields.iter().map(|field| width(&field)).collect::<Result<Vec<_>, _>>()?;
+    for block in footer.dictionaries().into_iter().flatten() {
+        let (message, body) = message(bytes, block)?;
+        let batch = message.header_as_dictionary_batch().ok_or("a dictionary is none")?;
+        dictionary(&batch, body)?;
+    }
+    for block in footer.recordBatches().ok_or("it has no rows")? {
+        let (message, body) = message(bytes, block)?;
+        let batch = message.header_as_record_batch().ok_or("rows are none")?;
+        columns(&batch, body, &widths)?;
+    }
+    Ok(())
+}
+
+fn footer(bytes: &[u8]) -> Result<Footer<'_>, String> {
+    let rest = bytes.strip_suffix(MAGIC).ok_or("it does not end as one")?;
+    let (rest, length) = rest.split_last_chunk().ok_or("it has no footer")?;
+    let length = usize::try_from(i32::from_le_bytes(*length)).map_err(|_| "its footer has a negative length")?;
+    let start = rest.len().checked_sub(length).ok_or("its footer is longer than the file")?;
+    root_as_footer(&rest[start..]).map_err(|e| format!("its footer cannot be read: {e}"))
+}
+
+/// Bytes of a value of a column, of the codes if it has words.
+fn width(field: &Field<'_>) -> Result<usize, String> {
+    let refuse = || {
+        let name = field.name().unwrap_or_default();
+        let kind = field.type_type().variant_name().unwrap_or("unknown");
+        format!("column `{name}` has type {kind}, which is not a number or a dictionary of words")
+    };
+    if field.custom_metadata().into_iter().flatten().any(|note| note.key().is_none() || note.value().is_none()) {
+        return Err(refuse());
+    }
+    let code = field.dictionary().map(|d| d.indexType());
+    match (field.type_type(), code) {
+        (Type::Utf8, Some(Some(code))) if code.bitWidth() == 32 && !code.is_signed() => Ok(4),
+        (Type::Int, None) => {
+            let int = field.type_as_int().filter(|int| int.bitWidth() == 64 && int.is_signed());
+            int.map(|_| 8).ok_or_else(refuse)
+        }
+        (Type::FloatingPoint, None) => match field.type_as_floating_point().map(|x| x.precision()) {
+            Some(Precision::DOUBLE) => Ok(8),
+            Some(Precision::SINGLE) => Ok(4),
+            _ => Err(refuse()),
+        },
+        _ => Err(refuse()),
+    }
+}
+
+/// The message of a block, and its body.
+fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8]), String> {
+    let outside = "a part of it is outside of the file";
+    let of = |x: i64| usize::try_from(x).map_err(|_| outside.to_string());
+    let (start, head, body) = (of(block.offset())?, of(block.metaDataLength().into())?, of(block.bodyLength())?);
+    let rest = bytes.get(start..).ok_or(outside)?;
+    let (head, rest) = rest.split_at_checked(head).ok_or(outside)?;
+    let body = rest.get(..body).ok_or(outside)?;
+    // A mark and the length of what follows; older files have the length alone.
+    let skip = if head.starts_with(&[0xff; 4]) { 8 } else { 4 };
+    let message = root_as_message(head.get(skip..).ok_or(outside)?);
+    Ok((message.map_err(|e| format!("a part of it cannot be read: {e}"))?, body))
+}
+
+/// The buffers of a batch in its body, with the count of values of each column.
+fn buffers<'a>(batch: &RecordBatch<'_>, body: &'a [u8], each: usize) -> Result<Vec<(usize, Vec<&'a [u8]>)>, String> {
+    if batch.compression().is_some() {
+        return Err("it is compressed: write it without compression".into());
+    }
+    let (Some(nodes), Some(buffers)) = (batch.nodes(), batch.buffers()) else {
+        return Err("rows have no values".into());
+    };
+    if batch.variadicBufferCounts().is_some_and(|n| !n.is_empty()) || buffers.len() != each * nodes.len() {
+        return Err("it has not the buffers that its columns need".into());
+    }
+    let buffer = |k: usize| {
+        let buffer = buffers.get(k);
+        let (start, length) = (usize::try_from(buffer.offset()).ok()?, usize::try_from(buffer.length()).ok()?);
+        body.get(start..start.checked_add(length)?)
+    };
+    let column = |k: usize| {
+        let n = usize::try_from(nodes.get(k).length()).ok()?;
+        let own = (0..each).map(|b| buffer(each * k + b)).collect::<Option<Vec<_>>>()?;
+        // A bit for each value, unless all are there.
+        let has_marks = own[0].len() >= n.div_ceil(8) || own[0].is_empty() && nodes.get(k).null_count() == 0;
+        has_marks.then_some((n, own))
+    };
+    let all = (0..nodes.len()).map(column).collect::<Option<Vec<_>>>();
+    all.ok_or_else(|| "a column is longer than its values".into())
+}
+
+/// Check the columns of a batch, given with the bytes of a value of each.
+fn columns(batch: &RecordBatch<'_>, body: &[u8], widths: &[usize]) -> Result<(), String> {
+    let columns = buffers(batch, body, 2)?;
+    let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
+    let fits = |((n, own), width): (&(usize, Vec<&[u8]>), &usize)| {
+        *n == rows && n.checked_mul(*width).is_some_and(|bytes| own[1].len() >= bytes)
+    };
+    if columns.len() == widths.len() && columns.iter().zip(widths).all(fits) {
+        return Ok(());
+    }
+    Err("its columns are not of one length".into())
+}
+
+/// Check the words of a dictionary.
+fn dictionary(batch: &DictionaryBatch<'_>, body: &[u8]) -> Result<(), String> {
+    let batch = batch.data().ok_or("a dictionary has no words")?;
+    let columns = buffers(&batch, body, 3)?;
+    let [(n, own)] = columns.as_slice() else { return Err("a dictionary has several columns".into()) };
+    let bad = "the words of a dictionary are not in order";
+    if usize::try_from(batch.length()) != Ok(*n) {
+        return Err(bad.into());
+    }
+    if *n == 0 {
+        return Ok(());
+    }
+    let ends = own[1].chunks_exact(4).map(|b| i32::from_le_bytes(b.try_into().unwrap_or_default()));
+    let ends: Vec<i32> = ends.take(n + 1).collect();
+    let is_in_order = ends.len() == n + 1 && ends[0] >= 0 && ends.is_sorted();
+    let words =
+        ends.last().and_then(|end| own[2].get(..usize::try_from(*end).ok()?)).filter(|_| is_in_order).ok_or(bad)?;
+    // Each word is text of its own.
+    let is_text = |w: &[i32]| std::str::from_utf8(&words[w[0] as usize..w[1] as usize]).is_ok();
+    if ends.windows(2).all(is_text) { Ok(()) } else { Err("the words of a dictionary are not UTF-8 text".into()) }
+}

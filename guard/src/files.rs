@@ -1,0 +1,109 @@
+//! Opening input files: within a folder, if there is one to keep to, and noted.
+
+use crate::memory;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// The folders that files may be read from; all if there are none.
+static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+/// The files that were opened.
+static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Read no files from now on but those in this folder and below.
+pub fn confine(folder: &Path) {
+    *FOLDERS.lock().unwrap_or_else(|e| e.into_inner()) = vec![folder.into()];
+}
+
+/// Read files in this folder and below, too, as in one that the program itself writes to. It need not be there yet.
+pub fn allow(folder: &Path) {
+    let mut folders = FOLDERS.lock().unwrap_or_else(|e| e.into_inner());
+    if !folders.is_empty() {
+        folders.push(folder.into());
+    }
+}
+
+/// The files that were opened or noted so far, as they were named, in the order of their names.
+pub fn seen() -> Vec<PathBuf> {
+    SEEN.lock().unwrap_or_else(|e| e.into_inner()).iter().cloned().collect()
+}
+
+/// Note a file that would be read.
+pub fn note(path: &Path) {
+    SEEN.lock().unwrap_or_else(|e| e.into_inner()).insert(path.into());
+}
+
+/// An error if a file or folder is outside of the folders to keep to, wherever its links lead.
+pub fn permit(path: &Path) -> Result<()> {
+    let folders = FOLDERS.lock().unwrap_or_else(|e| e.into_inner());
+    let Some(first) = folders.first() else { return Ok(()) };
+    // What is not there is not read, either.
+    let Ok(real) = path.canonicalize() else { return Ok(()) };
+    if folders.iter().any(|folder| folder.canonicalize().is_ok_and(|folder| real.starts_with(folder))) {
+        return Ok(());
+    }
+    let message = format!("it is outside of {}, where --root keeps reading", first.display());
+    Err(Error::new(ErrorKind::PermissionDenied, message))
+}
+
+/// Open an input file. An error if it cannot be read or may not be, if it is a device, or larger than the memory that is left.
+pub fn open(path: &Path) -> Result<File> {
+    permit(path)?;
+    let kind = std::fs::metadata(path)?;
+    // Pipes are named by shells alone: a name in a scene that leads to one would be waited for.
+    let is_pipe = ["/dev/fd", "/dev/stdin", "/proc/self/fd"].iter().any(|folder| path.starts_with(folder));
+    if kind.is_dir() {
+        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if !kind.is_file() && !is_pipe {
+        return Err(Error::new(ErrorKind::InvalidInput, "it is a device, a pipe or a socket"));
+    }
+    if kind.len() > memory::room() {
+        return Err(too_large());
+    }
+    let file = File::open(path)?;
+    note(path);
+    memory::doing("reading", path);
+    Ok(file)
+}
+
+/// Read an input file whole, as [`open`] opens it.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let file = open(path)?;
+    let size = file.metadata().map_or(0, |m| m.len());
+    whole(file, size as usize)
+}
+
+/// Read the standard input whole. An error if it is larger than the memory that is left.
+pub fn read_stdin() -> Result<Vec<u8>> {
+    memory::doing("reading", Path::new("the standard input"));
+    whole(std::io::stdin().lock(), 0)
+}
+
+/// Read a stream whole, which is expected to have so many bytes.
+fn whole(mut stream: impl Read, expected: usize) -> Result<Vec<u8>> {
+    /// Bytes that are read at once, beyond those that are expected.
+    const PART: u64 = 1 << 20;
+    let mut bytes = Vec::with_capacity(expected);
+    loop {
+        // A vector that grows is there twice for a moment.
+        if bytes.len() > expected && memory::room() < bytes.len() as u64 {
+            return Err(too_large());
+        }
+        let part = PART + (expected as u64).saturating_sub(bytes.len() as u64);
+        if stream.by_ref().take(part).read_to_end(&mut bytes)? == 0 {
+            return Ok(bytes);
+        }
+    }
+}
+
+/// Read an input file whole as text, as [`open`] opens it. An error, too, if it is not UTF-8.
+pub fn read_to_string(path: &Path) -> Result<String> {
+    String::from_utf8(read(path)?).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+}
+
+fn too_large() -> Error {
+    Error::new(ErrorKind::OutOfMemory, memory::Full.to_string())
+}

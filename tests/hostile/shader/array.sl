@@ -1,0 +1,1 @@
+surface array() { float a[1000000000]; a[5] = 1; Ci = a[5]; }

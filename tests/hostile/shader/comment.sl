@@ -1,0 +1,1 @@
+/* surface comment() { Ci = 1; }

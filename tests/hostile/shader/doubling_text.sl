@@ -1,0 +1,1 @@
+surface doubling_text() { string s = "xxxxxxxx"; float i; for (i = 0; i < 1000; i += 1) s = concat(s, s); if (s == "y") Ci = 1; }

@@ -1,0 +1,1 @@
+surface endless() { float i = 0; while (i < 1) { Ci = Cs; } }

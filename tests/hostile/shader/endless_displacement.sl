@@ -1,0 +1,1 @@
+displacement endless_displacement() { while (1 == 1) { P += 0.0001 * N; } }

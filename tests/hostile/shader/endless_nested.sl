@@ -1,0 +1,1 @@
+surface endless_nested() { float i, j, k; for (i = 0; i < 1e9; i += 1) for (j = 0; j < 1e9; j += 1) for (k = 0; k < 1e9; k += 1) Ci += i; }

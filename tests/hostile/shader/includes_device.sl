@@ -1,0 +1,2 @@
+#include "/dev/zero"
+surface includes_device() { Ci = 1; }

@@ -1,0 +1,2 @@
+#include "includes_itself.sl"
+surface includes_itself() { Ci = 1; }

@@ -1,0 +1,1 @@
+surface negations() { Ci = <<200000 x ->>1; }

@@ -1,0 +1,1 @@
+surface painted(string map = "") { Ci = color texture(map); }

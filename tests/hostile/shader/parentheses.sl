@@ -1,0 +1,1 @@
+surface parentheses() { Ci = <<100000 x (>>1<<100000 x )>>; }
