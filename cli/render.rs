@@ -160,9 +160,13 @@ fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
     Ok(results)
 }
 
-/// The file of a scene's display. No symbolic link leads it out of the output folder, unless that is allowed.
+/// The file of a scene's display: no input, and no symbolic link leads it out of the output folder, unless that is allowed.
 fn display_path(folder: &Path, name: &str, allow_outside: bool) -> Outcome<PathBuf> {
     let path = folder.join(name);
+    if guard::was_seen(&path) {
+        let message = format!("{}: the display would replace a file that the scene is made of", path.display());
+        return Err(Failure::new(Exit::Input, message));
+    }
     let there = |path: &Path| {
         path.ancestors()
             .skip(1)

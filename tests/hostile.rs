@@ -119,6 +119,10 @@ fn displays_stay_in_the_output_folder() {
     }
     assert!(!absolute.exists() && !out.join("up.png").exists());
     render("below/a.png", &[]).ok();
+    // An input is no output, even where it is allowed to be elsewhere.
+    std::fs::copy(work.path().join("s.rib"), work.path().join("kept.rib")).unwrap();
+    let said = render("../../s.rib", &["--allow-outside"]).fails(3);
+    assert!(said.contains("would replace a file that the scene is made of"), "{said}");
     render("../up.png", &["--allow-outside"]).ok();
     assert!(out.join("deep/below/a.png").exists() && out.join("up.png").exists());
     #[cfg(unix)]
@@ -399,5 +403,25 @@ fn memory_is_bounded_by_what_is_allowed() {
     check("2GiB").ok();
     for wrong in ["5", "0GiB", "1KiB", "many"] {
         assert!(check(wrong).fails(2).contains("expected a size"), "{wrong}");
+    }
+}
+
+#[test]
+fn names_of_models_only_stand_in_tables() {
+    let work = scratch();
+    let (model, run) = (work.path().join("m.yaml"), work.path().join("run"));
+    let body = "bodies: [{name: \"a,b\\\"c\\nd\", class: \"x,\\\"y\\nz\\e[2J\", material: m, sphere: {radius: 0.1}}]\nprobes: {interval: 0.01, bodies: [\"a,b\\\"c\\nd\"]}\n";
+    let head = "step: 0.01\nduration: 0.1\nframe_rate: 50\nmaterials: {m: {density: 1000, friction: 0.5}}\n";
+    std::fs::write(&model, format!("{head}{body}")).unwrap();
+    let (model, run) = (model.to_str().unwrap(), run.to_str().unwrap());
+    for format in [&[][..], &["--csv"]] {
+        scree(&[&["simulate", model, "-o", run, "--fresh", "--until", "0.05"], format].concat()).ok();
+        scree(&[&["simulate", model, "-o", run, "--resume"], format].concat()).ok();
+        let probes = std::fs::read_to_string(work.path().join("run/probes.csv")).unwrap();
+        assert_eq!(probes.lines().count(), 12, "{probes}");
+        assert!(probes.contains(",\"a,b\"\"c d.x [m]\","), "{probes}");
+        scree(&["plot", run]).ok();
+        assert!(!scree(&["inspect", run]).ok().contains('\u{1b}'));
+        scree(&["render", run, "-f", "0", "--res", "16x16"]).ok();
     }
 }

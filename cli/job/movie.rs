@@ -76,6 +76,13 @@ impl MovieJob {
         }
         check_folder(&folder)?;
         let found = frame::sequence::find(&folder.join("*.png"))?;
+        if let MovieFile::OfKind(_, path) = &output
+            && let Ok(real) = path.canonicalize()
+            && found.values().any(|image| image.canonicalize().is_ok_and(|image| image == real))
+        {
+            let message = format!("--output {}: is one of the images", path.display());
+            return Err(Failure::new(Exit::Usage, message));
+        }
         let missing = missing_frames(&found.keys().copied().collect::<Vec<_>>());
         if !missing.is_empty() && !keep_gaps {
             return Err(gap_fault(&folder, &missing).into());

@@ -31,7 +31,8 @@ impl Series {
         let text = read_text(FaultKind::Data, path)?;
         let mut lines = text.lines();
         let header = lines.next().unwrap_or_default();
-        let cells = |line: &str| line.split(',').count();
+        // Names in the header may have commas, within quotes.
+        let cells = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
         let stays = |line: &&str| {
             let value = line.split(',').nth(column).and_then(|c| c.parse::<f64>().ok());
             cells(line) == cells(header) && value.is_some_and(|v| v <= until)

@@ -35,6 +35,12 @@ pub fn note(path: &Path) {
     SEEN.lock().unwrap_or_else(|e| e.into_inner()).insert(path.into());
 }
 
+/// Whether a file is one that was opened or noted: an input, which is not to be written.
+pub fn was_seen(path: &Path) -> bool {
+    let Ok(real) = path.canonicalize() else { return false };
+    seen().iter().any(|input| input.canonicalize().is_ok_and(|input| input == real))
+}
+
 /// An error if a file or folder is outside of the folders to keep to, wherever its links lead.
 pub fn permit(path: &Path) -> Result<()> {
     let folders = FOLDERS.lock().unwrap_or_else(|e| e.into_inner());

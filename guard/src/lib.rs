@@ -8,4 +8,4 @@ mod files;
 pub mod memory;
 pub mod text;
 
-pub use files::{allow, confine, note, open, permit, read, read_stdin, read_to_string, seen};
+pub use files::{allow, confine, note, open, permit, read, read_stdin, read_to_string, seen, was_seen};

@@ -32,6 +32,12 @@ pub fn line(text: &str) -> String {
         .collect()
 }
 
+/// Text as a cell of a table with commas, in one line.
+pub fn cell(text: &str) -> String {
+    let text = line(text);
+    if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+}
+
 /// Text as one word of a shell script.
 pub fn shell(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
@@ -64,6 +70,7 @@ mod tests {
         assert_eq!(terminal("a\tb\nä"), "a\tb\nä");
         assert_eq!(terminal("\x1b[2J\u{202e}x\x07"), "\\u{1b}[2J\\u{202e}x\\u{7}");
         assert_eq!(line("a\nb: c\r"), "a b: c\\r");
+        assert_eq!(["a.x [m]", "a,b\nc", "\""].map(cell), ["a.x [m]", "\"a,b c\"", "\"\"\"\""]);
         assert_eq!(shell("it's $(x)"), "'it'\\''s $(x)'");
         assert_eq!(sbatch("/a \"b\"/%a", "_%a").as_deref(), Some("\"/a \\\"b\\\"/%%a_%a\""));
         assert_eq!(sbatch("a\nrm -rf", ""), None);

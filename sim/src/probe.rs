@@ -17,7 +17,7 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
     let mut h = String::from("time [s]");
     let mut add = |name: &str, parts: &[(&str, &str)]| {
         for (part, unit) in parts {
-            let _ = write!(h, ",{name}.{part} [{unit}]");
+            let _ = write!(h, ",{}", guard::text::cell(&format!("{name}.{part} [{unit}]")));
         }
     };
     let name_of = |b: u32| {
