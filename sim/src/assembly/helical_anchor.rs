@@ -6,6 +6,9 @@ use crate::joint::JointKind;
 use crate::model_file::{BoxFile, CylinderFile, FunctionFile, LoadFile, ShapeFile, SphereFile};
 use serde::{Deserialize, Serialize};
 
+/// The most boxes of a blade.
+const MAX_BOXES: usize = 100_000;
+
 /// A helical anchor (Negrut et al. 2012, §5.3): a sphere as tip, a cylinder as shaft and a helix of boxes as blade. The tip's lowest
 /// point is at `position`; the axis is vertical.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
@@ -78,6 +81,9 @@ impl HelicalAnchor {
             ("boxes", self.boxes as f64),
             ("thickness", self.thickness),
         ])?;
+        if self.boxes > MAX_BOXES {
+            return Err(("boxes", format!("is {}, expected at most {MAX_BOXES}", self.boxes)));
+        }
         if self.radius <= self.shaft_radius {
             return Err((
                 "radius",

@@ -26,6 +26,12 @@ use std::path::PathBuf;
 /// The most steps of a run: a million bodies, or one, take longer than anybody waits for.
 const MAX_STEPS: f64 = 1e12;
 
+/// The most frames that repeat the state after one step.
+const MAX_FRAMES_PER_STEP: f64 = 100.0;
+
+/// Longest name of a stage, bytes: that of its checkpoint has an ending, too, and systems take 255.
+const LONGEST_NAME: usize = 200;
+
 impl ModelFile {
     /// The model as YAML, with its defaults filled in.
     pub fn to_yaml(&self) -> String {
@@ -54,10 +60,11 @@ impl ModelFile {
             let key = format!("stages.{i}");
             positive(doc, &format!("{key}.duration"), stage.duration)?;
             // Its checkpoint is a file of this name.
-            if stage.name.is_empty() || stage.name.contains(['/', '\\', '\0']) {
-                return Err(
-                    doc.fault(&format!("{key}.name"), "names a file: expected letters, digits and signs but / and \\")
-                );
+            let is_bad = |c: char| c.is_control() || c == '/' || c == '\\';
+            if stage.name.is_empty() || stage.name.contains(is_bad) || stage.name.len() > LONGEST_NAME {
+                let message =
+                    format!("names a file: expected letters, digits and signs but / and \\, at most {LONGEST_NAME}");
+                return Err(doc.fault(&format!("{key}.name"), message));
             }
             build.content(&format!("{key}."), stage.content(), begin)?;
             for (k, name) in stage.release.iter().enumerate() {
@@ -110,6 +117,11 @@ impl ModelFile {
             let message =
                 format!("{:.0e} s in steps of {:.0e} s are {steps:.0e} steps", self.whole_duration(), self.step);
             return Err(doc.fault("step", message).hint("times are in seconds"));
+        }
+        if self.frame_rate * self.step > MAX_FRAMES_PER_STEP {
+            let message =
+                format!("{:e} frames a second are {:.0e} of each step", self.frame_rate, self.frame_rate * self.step);
+            return Err(doc.fault("frame_rate", message).hint("expected frames per second, as 25"));
         }
         let frames = self.whole_duration() * self.frame_rate;
         if frames > frame::run::MAX_FRAMES as f64 {

@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// The most boulders of a terrain.
+const MAX_BOULDERS: usize = 1_000_000;
+
 impl Builder<'_> {
     /// The distribution of radii of a fill.
     fn radii(&self, key: &str, file: &RadiusFile) -> Result<Radii, Fault> {
@@ -166,6 +169,9 @@ impl Builder<'_> {
         self.model.body_names.insert(t.name.clone(), id);
         if let Some(b) = &t.boulders {
             positive(doc, &at("boulders.radius"), b.radius[0])?;
+            if b.count > MAX_BOULDERS {
+                return Err(doc.fault(&at("boulders.count"), format!("is more than {MAX_BOULDERS}")));
+            }
             if !(b.radius[1] >= b.radius[0] && b.radius[1].is_finite()) {
                 let message =
                     format!("runs from {} to {}, expected the smaller radius first", b.radius[0], b.radius[1]);
