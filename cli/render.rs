@@ -13,7 +13,7 @@ use render::film::display;
 use render::ri::files::Files;
 use render::ri::reader;
 use render::{Context, RenderResult};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -135,6 +135,7 @@ fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
     for warning in context.warnings() {
         eprintln!("warning: {warning}");
     }
+    let mut written = HashSet::new();
     for result in &mut results {
         for warning in &result.warnings {
             eprintln!("warning: {warning}");
@@ -148,6 +149,9 @@ fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
                 Some(image) if *image == name => PathBuf::from(&name),
                 _ => display_path(folder, name, allow_outside)?,
             };
+            if !written.insert(path.clone()) {
+                eprintln!("warning: {} is written again: an earlier image of the scene is replaced", path.display());
+            }
             if let Some(shard) = result.options.shard {
                 shard_file::write(result, &displays, &path, shard)?;
                 continue;

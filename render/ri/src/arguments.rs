@@ -88,6 +88,11 @@ impl<'a> Arguments<'a> {
         }
     }
 
+    /// Whether there was a warning under this key.
+    pub(crate) fn has_warned(&self, key: &str) -> bool {
+        self.known.warned.contains(key)
+    }
+
     /// Note the request under way, which is warned of where it is misplaced.
     pub(crate) fn note(&mut self, request: Request) {
         let place = || format!("{}:{}:{}", self.path.display(), self.request.0, self.request.1);

@@ -19,8 +19,12 @@ impl From<Fail> for Placed {
 
 /// Read over a request that is not known. The specification asks to go on; a name near a known one is most likely a slip.
 pub(crate) fn pass_over(arguments: &mut Arguments<'_>, name: &str) -> Result<(), Placed> {
-    let near = nearest(name).map_or(String::new(), |known| format!(", did you mean `{known}`?"));
-    arguments.warn(&format!("request {name}"), &format!("unknown request `{name}`{near}; it is passed over"));
+    let key = format!("request {name}");
+    // The nearest name is looked for once.
+    if !arguments.has_warned(&key) {
+        let near = nearest(name).map_or(String::new(), |known| format!(", did you mean `{known}`?"));
+        arguments.warn(&key, &format!("unknown request `{name}`{near}; it is passed over"));
+    }
     Ok(arguments.pass_over()?)
 }
 

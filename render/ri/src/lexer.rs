@@ -69,6 +69,16 @@ impl<'a> Lexer<'a> {
         Lexer { bytes, at: 0, line: 1, line_start: 0, codes: Codes::default() }
     }
 
+    /// Count lines from this one: what is read is a part of a file.
+    pub(crate) fn begin_at(&mut self, line: usize) {
+        self.line = line;
+    }
+
+    /// The line that the next byte is in, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
     /// The byte that comes next.
     pub fn position(&self) -> usize {
         self.at

@@ -72,7 +72,7 @@ pub fn read(
     })?;
     let arguments = Arguments::new(path, &unpacked, &mut known);
     let bytes = &unpacked;
-    let mut reader = Reader { path, bytes, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
+    let mut reader = Reader { path, bytes, line: 1, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
     if unpacked.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
@@ -105,13 +105,21 @@ fn unpack(rib: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 #[derive(Default)]
 struct Shared {
     /// Archives that the stream itself holds.
-    archives: HashMap<String, Arc<[u8]>>,
+    archives: HashMap<String, Arc<Inline>>,
     /// Files of archives that were read.
     files: HashSet<PathBuf>,
     /// Bytes of archives that were read again.
     repeated: u64,
     /// Programs that make geometry, kept running.
     programs: Programs,
+}
+
+/// An archive between `ArchiveBegin` and `ArchiveEnd`, and where it stands.
+struct Inline {
+    path: PathBuf,
+    /// The line of its first byte, from 1.
+    line: usize,
+    bytes: Vec<u8>,
 }
 
 /// An open `IfBegin`.
@@ -126,6 +134,8 @@ struct Branch {
 struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
+    /// The line of the first byte, from 1.
+    line: usize,
     arguments: Arguments<'a>,
     shared: &'a mut Shared,
     files: &'a Files,
@@ -135,7 +145,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn error(&self, (line, column): Spot, message: impl Into<String>) -> Box<RibError> {
-        let text = self.bytes.split(|b| *b == b'\n').nth(line - 1).unwrap_or(b"");
+        let text = self.bytes.split(|b| *b == b'\n').nth(line.saturating_sub(self.line)).unwrap_or(b"");
         Box::new(RibError {
             place: Place { file: self.path.into(), line, column },
             text: String::from_utf8_lossy(&text[..text.len().min(500)]).trim_end_matches('\r').to_string(),
@@ -282,8 +292,8 @@ impl<'a> Reader<'a> {
             ));
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
-            self.repeat(own.len(), place)?;
-            return self.nested(self.path, &own, ri, on_directive);
+            self.repeat(own.bytes.len(), place)?;
+            return self.nested(&own.path, own.line, &own.bytes, ri, on_directive);
         }
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
@@ -291,7 +301,7 @@ impl<'a> Reader<'a> {
         if !self.shared.files.insert(path.clone()) {
             self.repeat(bytes.len(), place)?;
         }
-        self.nested(&path, &bytes, ri, on_directive)
+        self.nested(&path, 1, &bytes, ri, on_directive)
     }
 
     /// Count an archive that is read again: a few lines could read each other more often than there is time for.
@@ -310,9 +320,11 @@ impl<'a> Reader<'a> {
         Err(self.error(place, message))
     }
 
+    /// Read a stream within this one; `line` is the line of its first byte.
     fn nested(
         &mut self,
         path: &Path,
+        line: usize,
         bytes: &[u8],
         ri: &mut dyn Ri,
         on_directive: &mut Directive<'_>,
@@ -320,8 +332,9 @@ impl<'a> Reader<'a> {
         let codes = self.arguments.lexer.codes.clone();
         let mut arguments = Arguments::new(path, bytes, self.arguments.known);
         arguments.lexer.codes = codes;
+        arguments.lexer.begin_at(line);
         let (shared, files, depth) = (&mut *self.shared, self.files, self.depth + 1);
-        Reader { path, bytes, arguments, shared, files, depth, branches: vec![] }.run(ri, on_directive)
+        Reader { path, bytes, line, arguments, shared, files, depth, branches: vec![] }.run(ri, on_directive)
     }
 
     /// Keep what stands between `ArchiveBegin` and its `ArchiveEnd`.
@@ -329,10 +342,12 @@ impl<'a> Reader<'a> {
         let name = self.arguments.text().map_err(|f| self.error(place, f.message))?;
         self.arguments.params().map_err(|f| self.error(place, f.message))?;
         let start = self.peeked_start();
+        // What was looked at stands in the lexer's line.
+        let line = self.arguments.peeked().map_or_else(|| self.arguments.lexer.line(), |(_, (line, _))| *line);
         let mut depth = 1;
         loop {
-            let here = self.arguments.lexer.place();
             let before = self.peeked_start();
+            let here = self.arguments.lexer.place();
             let token = self.arguments.take().map_err(|m| self.error(here, m))?;
             match token {
                 None => return Err(self.error(place, "`ArchiveBegin` without `ArchiveEnd`")),
@@ -340,7 +355,8 @@ impl<'a> Reader<'a> {
                 Some((Token::Word(word), _)) if word == "ArchiveEnd" => {
                     depth -= 1;
                     if depth == 0 {
-                        self.shared.archives.insert(name, self.bytes[start..before].into());
+                        let inline = Inline { path: self.path.into(), line, bytes: self.bytes[start..before].into() };
+                        self.shared.archives.insert(name, Arc::new(inline));
                         return Ok(());
                     }
                 }
@@ -382,7 +398,7 @@ impl<'a> Reader<'a> {
                 };
                 let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
                 let answer = answer.map_err(|m| self.error(place, m))?;
-                self.nested(&path, &answer, ri, on_directive)
+                self.nested(&path, 1, &answer, ri, on_directive)
             }
             ("DynamicLoad", _) => {
                 self.arguments.warn("DynamicLoad", "`DynamicLoad` runs code of other programs and is passed over");

@@ -16,6 +16,9 @@ const MAX_SIZE: i32 = 65_536;
 /// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
 const MAX_PIXELS: i64 = 1 << 28;
 
+/// Longest name of a file of a display, bytes: the file is first written under a longer one.
+const LONGEST_NAME: usize = 200;
+
 impl Context {
     /// Size of the image.
     pub(super) fn set_format(&mut self, width: i32, height: i32, aspect: f32) -> RiResult {
@@ -102,8 +105,14 @@ impl Context {
             self.options.unsupported_display = true;
             return Ok(());
         }
+        let is_file = Path::new(name).file_name().is_some() && !name.ends_with(['/', '\\', '.']);
+        let fits = Path::new(name).components().all(|part| part.as_os_str().len() <= LONGEST_NAME);
+        let is_own = self.image.as_deref() == Some(name);
+        if !is_own && (!(is_file && fits) || name.contains(char::is_control)) {
+            return Err(Fail::new(format!("the display `{}` is no name of a file", name.escape_debug())));
+        }
         let stays_inside = Path::new(name).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-        if !stays_inside && !self.allow_outside && self.image.as_deref() != Some(name) {
+        if !stays_inside && !self.allow_outside && !is_own {
             let name = name.escape_debug();
             return Err(Fail::new(format!(
                 "the display `{name}` would be written outside of the output folder; --allow-outside allows it"

@@ -22,6 +22,9 @@ impl sl::machine::Scene for ImagerScene<'_> {
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.0.ask(what, names)
     }
+    fn print(&self, text: &str) {
+        self.0.print(text);
+    }
     fn stop(&self, shader: &str) {
         self.0.stop(shader);
     }

@@ -338,6 +338,10 @@ impl sl::machine::Scene for View<'_> {
         segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
     }
 
+    fn print(&self, text: &str) {
+        self.scene.print(text);
+    }
+
     fn stop(&self, shader: &str) {
         self.scene.stop(shader);
     }

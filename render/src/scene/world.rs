@@ -11,6 +11,7 @@ use glam::{Mat4, Vec3};
 use sl::ir::Ask;
 use sl::machine::Answer;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 /// The scene.
@@ -32,6 +33,8 @@ pub struct Scene {
     pub area_lights: Vec<AreaLight>,
     /// Warnings about the scene.
     pub warnings: Warnings,
+    /// Bytes that shaders have printed.
+    pub printed: AtomicUsize,
     /// A shader whose loops did not end.
     pub stopped: OnceLock<String>,
     /// Displacement bounds that are needed, by shader.
@@ -41,6 +44,17 @@ pub struct Scene {
 static WHOLE_SPHERE: Shape = Shape::Sphere;
 
 impl Scene {
+    /// Print what a shader prints, up to a length in all: a scene must not fill a disk with it.
+    pub fn print(&self, text: &str) {
+        const MOST: usize = 16 << 20;
+        let before = self.printed.fetch_add(text.len(), Ordering::Relaxed);
+        if before < MOST {
+            sl::machine::print(text);
+        } else {
+            self.warn("shaders print more than 16 MiB: the rest is left out".into());
+        }
+    }
+
     /// Take that the loops of a shader do not end: nothing more is rendered.
     pub fn stop(&self, shader: &str) {
         let _ = self.stopped.set(shader.into());

@@ -66,11 +66,8 @@ impl Default for HelicalAnchor {
 }
 
 impl HelicalAnchor {
-    /// The body, guide and loads of an anchor; `name` is its body's, and the prefix of its joint's.
-    ///
-    /// # Errors
-    /// A dimension that is not above zero, or a blade that is no wider than the shaft.
-    pub(crate) fn build(&self, name: &str) -> Result<Parts, DimensionError> {
+    /// Check the dimensions.
+    fn check(&self) -> Result<(), DimensionError> {
         positive(&[
             ("mass", self.mass),
             ("radius", self.radius),
@@ -90,6 +87,15 @@ impl HelicalAnchor {
                 format!("is {}, expected more than the shaft's {}", self.radius, self.shaft_radius),
             ));
         }
+        Ok(())
+    }
+
+    /// The body, guide and loads of an anchor; `name` is its body's, and the prefix of its joint's.
+    ///
+    /// # Errors
+    /// A dimension that is not above zero, or a blade that is no wider than the shaft.
+    pub(crate) fn build(&self, name: &str) -> Result<Parts, DimensionError> {
+        self.check()?;
         let [x, y, z] = self.position;
         let r = self.shaft_radius;
         // The body's frame is at the sphere's centre.

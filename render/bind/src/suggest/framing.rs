@@ -110,6 +110,8 @@ impl<'a> Classes<'a> {
     fn scene_of_action(&self, containers: &[&str]) -> Option<[Vec3; 2]> {
         /// Growth of the box in which standing things belong to it, over its size.
         const MARGIN: f32 = 0.1;
+        /// Largest part of a mechanism over what moves of it.
+        const MECHANISM: f32 = 8.0;
         let moving = self.moving();
         let is_of = |name: &str| moving.contains(name) || containers.contains(&name);
         let [lo, hi] = union(self.frames.iter().filter_map(|frame| {
@@ -117,13 +119,22 @@ impl<'a> Classes<'a> {
                 frame.iter().filter(|(name, _)| is_of(name)).flat_map(|(_, class)| class.things.iter().copied());
             without_strays(things)
         }))?;
-        let margin = MARGIN * (hi - lo);
-        let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();
         let standing =
             self.frames.first()?.iter().filter(|(name, _)| !is_of(name)).flat_map(|(_, class)| &class.things);
-        // What is larger than the action goes on out of the image.
-        let is_part = |thing: &&Thing| (thing.hi - thing.lo).length() < (hi - lo).length();
-        union([Some([lo, hi]), around(standing.copied().filter(is_near).filter(is_part))].into_iter().flatten())
+        let standing: Vec<&Thing> = standing.copied().collect();
+        let n_bodies = self.frames.first()?.values().flat_map(|c| &c.things).filter(|thing| thing.is_body).count();
+        // What is larger than the action goes on out of the image; but of few bodies those that hang together are a mechanism, of
+        // which one may have begun to move.
+        let (larger, rounds) = if n_bodies < MANY { (MECHANISM, n_bodies) } else { (1.0, 1) };
+        let (mut lo, mut hi) = (lo, hi);
+        for _ in 0..rounds {
+            let margin = MARGIN * (hi - lo);
+            let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();
+            let is_part = |thing: &&Thing| (thing.hi - thing.lo).length() < larger * (hi - lo).length();
+            let Some([a, b]) = around(standing.iter().copied().filter(is_near).filter(is_part)) else { break };
+            (lo, hi) = (lo.min(a), hi.max(b));
+        }
+        Some([lo, hi])
     }
 
     /// The machine of an animation whose extent is `lo` to `hi`, if a camera that saw all would show it as a few pixels.

@@ -48,12 +48,17 @@ pub trait Scene {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// Take the text that `printf` prints; by default to the standard error, without control characters but tabs and ends of lines.
+    /// Take the text that `printf` prints.
     fn print(&self, text: &str) {
-        let plain: String = text.chars().filter(|c| !c.is_control() || matches!(c, '\t' | '\n')).collect();
-        // That nobody reads it stops no shader.
-        let _ = std::io::stderr().write_all(plain.as_bytes());
+        print(text);
     }
+}
+
+/// Write text to the standard error, without control characters but tabs and ends of lines.
+pub fn print(text: &str) {
+    let plain: String = text.chars().filter(|c| !c.is_control() || matches!(c, '\t' | '\n')).collect();
+    // That nobody reads it stops no shader.
+    let _ = std::io::stderr().write_all(plain.as_bytes());
 }
 
 /// A ray, in the current space.

@@ -8,6 +8,9 @@ use crate::ir::ShaderKind;
 /// The deepest that expressions and statements may nest.
 const MAX_DEPTH: usize = 200;
 
+/// The most terms that operators of one rank join: the tree of a sum is as deep as the sum is long.
+const MAX_TERMS: usize = 500;
+
 /// Binary operators by rising precedence.
 const LEVELS: &[&[&str]] =
     &[&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["/", "*"], &["^"], &["."]];
@@ -419,11 +422,16 @@ impl Parser<'_> {
     fn binary(&mut self, level: usize) -> Result<Expr, Error> {
         let Some(ops) = LEVELS.get(level) else { return self.unary() };
         let mut left = self.binary(level + 1)?;
+        let mut n_terms = 1;
         while let Tok::Op(op) = *self.peek() {
             if !ops.contains(&op) {
                 break;
             }
             let at = self.place();
+            n_terms += 1;
+            if n_terms > MAX_TERMS {
+                return error(at, format!("an expression of more than {MAX_TERMS} terms: compute it in parts"));
+            }
             self.take();
             let right = self.binary(level + 1)?;
             left = Expr { at, kind: ExprKind::Binary(op, Box::new(left), Box::new(right)) };

@@ -15,6 +15,10 @@ type Tokens = Vec<(Tok, usize)>;
 
 /// The deepest that files include each other.
 const MAX_INCLUDES: usize = 64;
+/// The most files that are included in all.
+const MAX_FILES: usize = 2000;
+/// The deepest that `#if` and its kin may nest.
+const MAX_BRANCHES: usize = 100;
 /// The most tokens that a file may grow to.
 const MAX_TOKENS: usize = 2_000_000;
 
@@ -37,11 +41,14 @@ struct Preprocessor<'a> {
     pending: Tokens,
     out: Tokens,
     depth: usize,
+    /// Files that were included.
+    n_files: usize,
 }
 
 /// Tokens of a file and all that it includes, macros expanded; the last is [`Tok::End`].
 pub fn preprocess(path: &Path, text: &str, sources: &mut Sources, include: &Include<'_>) -> Result<Tokens, Error> {
-    let mut p = Preprocessor { sources, include, macros: HashMap::new(), pending: vec![], out: vec![], depth: 0 };
+    let mut p =
+        Preprocessor { sources, include, macros: HashMap::new(), pending: vec![], out: vec![], depth: 0, n_files: 0 };
     let end = p.file(path, text)?;
     p.flush()?;
     let mut out = p.out;
@@ -90,6 +97,9 @@ impl Preprocessor<'_> {
             all.iter_mut().for_each(|t| t.1 = at);
             Ok(all)
         };
+        if name.starts_with("if") && branches.len() >= MAX_BRANCHES {
+            return error(at, format!("conditions are nested more than {MAX_BRANCHES} deep"));
+        }
         match name.as_str() {
             "ifdef" | "ifndef" => {
                 let known = self.macros.contains_key(rest.trim());
@@ -164,6 +174,10 @@ impl Preprocessor<'_> {
                 at,
                 format!("files include each other more than {MAX_INCLUDES} deep: does `{name}` include itself?"),
             );
+        }
+        self.n_files += 1;
+        if self.n_files > MAX_FILES {
+            return error(at, format!("more than {MAX_FILES} files are included"));
         }
         let (path, text) = (self.include)(name, self.sources.path(at)).map_err(|message| Error::new(at, message))?;
         self.depth += 1;

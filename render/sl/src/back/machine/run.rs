@@ -12,7 +12,7 @@ use crate::shadeop::runs::at;
 use crate::shadeop::spline;
 
 /// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
-const MAX_TURNS: usize = 1 << 27;
+const MAX_TURNS: usize = 1 << 25;
 
 impl Machine {
     /// Run a shader over points: reads the global variables that it uses and writes those that it changed.
