@@ -2,6 +2,7 @@
 
 use frame::{Fault, FaultKind};
 use png::{BitDepth, ColorType, Transformations};
+use std::io::Read;
 use std::path::Path;
 
 /// A decoded PNG.
@@ -39,6 +40,26 @@ pub fn decode_png(path: &Path, transformations: Transformations) -> Result<Png, 
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(truncated)?;
     Ok(Png { width: info.width, height: info.height, kind: (info.color_type, info.bit_depth), is_plain, data })
+}
+
+/// An error if a file is there that is no image: images whose names come from files of others take no other file's place.
+pub fn spare_others(path: &Path) -> Result<(), Fault> {
+    let mut start = Vec::new();
+    let is_file = match path.metadata() {
+        Ok(there) if !there.is_dir() => there.is_file(),
+        _ => return Ok(()),
+    };
+    if is_file && let Ok(file) = std::fs::File::open(path) {
+        let _ = file.take(8).read_to_end(&mut start);
+    }
+    let is_image = |magic: &&[u8]| start.starts_with(magic);
+    let magics: [&[u8]; 4] = [b"\x89PNG", b"\x76\x2f\x31\x01", b"II*\0", b"MM\0*"];
+    if (is_file && start.is_empty()) || magics.iter().any(is_image) {
+        return Ok(());
+    }
+    let fault =
+        Fault::whole(FaultKind::Input, path, "is a file that is no image: an image is not written in its place");
+    Err(fault.hint("remove it, or write to another folder, -o DIR (--output)"))
 }
 
 /// Whether the file of an image exists, is complete and has this width and height.

@@ -23,21 +23,23 @@ pub fn run(job: InspectJob) -> Outcome {
 
 /// Print what a frame has. Tables of other programs tell no time (`is_timed`).
 fn print(frames: &[u64], table: &Frame, is_timed: bool) {
+    /// Characters of the names that the next column keeps clear of.
+    const WIDEST: usize = 40;
     let time = if is_timed { format!(" at {} s", table.time) } else { String::new() };
     println!("{}; frame {}{time} has {} rows", list::describe(frames), table.number, table.rows());
-    let width = table.names().iter().map(|n| n.len()).max().unwrap_or(0);
+    let width = table.names().iter().map(|n| n.chars().count()).max().unwrap_or(0).min(WIDEST);
     for (field, column) in &table.columns {
         let unit = if matches!(field.unit.as_str(), "" | "1") { "" } else { &format!(" {}", field.unit) };
         let values = match column {
             Column::Category { codes, names } => {
                 let used: BTreeSet<u32> = codes.iter().copied().collect();
-                let shown = used.iter().take(8).map(|code| names[*code as usize].replace(['\r', '\n'], " "));
+                let shown = used.iter().take(8).map(|code| guard::text::line(&names[*code as usize]));
                 let more = if used.len() > 8 { ", …" } else { "" };
                 format!("names: {}{more}", shown.collect::<Vec<_>>().join(", "))
             }
             _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}{}", missing(column))),
         };
-        println!("  {:width$}  {:8}  {values}", field.name, column.kind());
+        println!("  {:width$}  {:8}  {values}", guard::text::line(&field.name), column.kind());
     }
 }
 

@@ -53,6 +53,7 @@ fn main() -> ExitCode {
         eprintln!("warning: signals end the program without a message: {e}");
     }
     let args = Args::parse();
+    std::env::args_os().for_each(guard::give);
     if let Some(threads) = args.threads
         && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
     {

@@ -171,20 +171,12 @@ fn display_path(folder: &Path, name: &str, allow_outside: bool) -> Outcome<PathB
         let message = format!("{}: the display would replace a file that the scene is made of", path.display());
         return Err(Failure::new(Exit::Input, message));
     }
-    let there = |path: &Path| {
-        path.ancestors()
-            .skip(1)
-            .find_map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p }.canonicalize().ok())
-    };
-    let home = folder.canonicalize().ok();
-    match (there(&path), home) {
-        (Some(real), Some(home)) if !allow_outside && !real.starts_with(&home) => {
-            let message =
-                format!("{}: a link leads out of the output folder; --allow-outside allows it", path.display());
-            Err(Failure::new(Exit::Input, message))
-        }
-        _ => Ok(path),
+    image_file::spare_others(&path)?;
+    if !allow_outside && path.parent().is_some_and(|parent| guard::leads_out(parent, folder)) {
+        let message = format!("{}: a link leads out of the output folder; --allow-outside allows it", path.display());
+        return Err(Failure::new(Exit::Input, message));
     }
+    Ok(path)
 }
 
 /// Report the render statistics of an image: printed, and in a file beside the image.

@@ -2,7 +2,7 @@
 
 use bind::emit::EmitError;
 use frame::{Fault, FaultKind};
-use render::ri::reader::RibError;
+use render::ri::reader::{Place, RibError};
 use render::sl::Diagnostic;
 use std::fmt;
 
@@ -61,18 +61,14 @@ impl From<Fault> for Failure {
 
 impl From<RibError> for Failure {
     fn from(e: RibError) -> Failure {
-        let p = e.place;
-        let fault = Fault {
-            kind: FaultKind::Input,
-            file: p.file,
-            line: p.line,
-            column: p.column,
-            text: e.text,
-            message: e.message,
-            hint: None,
-        };
-        fault.into()
+        of_scene(e).into()
     }
+}
+
+/// A fault in a scene.
+fn of_scene(RibError { place, text, message }: RibError) -> Fault {
+    let Place { file, line, column } = place;
+    Fault { kind: FaultKind::Input, file, line, column, text, message, hint: None }
 }
 
 impl From<Diagnostic> for Failure {
@@ -86,7 +82,9 @@ impl From<EmitError> for Failure {
     fn from(e: EmitError) -> Failure {
         match e {
             EmitError::Fault(fault) => fault.into(),
-            EmitError::Rib(error) => error.into(),
+            EmitError::Rib(error, by) => {
+                of_scene(error).hint(format!("the scene is filled in by {}", by.display())).into()
+            }
         }
     }
 }

@@ -28,6 +28,10 @@ pub fn run(job: RibJob) -> Outcome {
     values.warn();
     let bytes = writer.into_inner();
     match &job.output {
+        Some(path) if guard::was_seen(path) => {
+            let message = format!("--output {}: is one of the files that the frame is made of", path.display());
+            Err(Failure::new(Exit::Usage, message))
+        }
         Some(path) => Ok(frame::atomic::write(path, &bytes)?),
         None => match std::io::stdout().lock().write_all(&bytes) {
             // A reader may stop early, as `head` does.

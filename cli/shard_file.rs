@@ -2,17 +2,22 @@
 //! NAME.part-I-of-N.
 //!
 //! A shard file is a line of JSON and the pixels of its buckets: four floats (RGBA) and those of the image's other variables for
-//! each pixel, bucket after bucket, rows from the top. The line has a hash of the pixels: a truncated or changed file is an error,
-//! never a hole in an image.
+//! each pixel, bucket after bucket, rows from the top. The line has a hash of itself and the pixels: a truncated or changed file is an
+//! error, never a hole in an image.
 
 use crate::report::{Exit, Failure, Outcome};
 use frame::{Fault, FaultKind};
 use render::film::bucket::{Shard, buckets};
 use render::film::display;
-use render::film::image::Image;
+use render::film::image::{self, Image};
 use render::{Display, Options, RenderResult};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+
+/// Version of the format.
+const VERSION: u32 = 2;
+/// Most shards of an image.
+const MOST_PARTS: usize = 1_000_000;
 
 /// The first line of a shard file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,7 +47,7 @@ pub struct Header {
     dither: f32,
     /// Crop window: left, right, top and bottom, as fractions of the image.
     crop: [f32; 4],
-    /// blake3 hash of the pixels, hexadecimal.
+    /// blake3 hash of this header, in which it is empty, and of the pixels, hexadecimal.
     hash: String,
 }
 
@@ -56,7 +61,9 @@ pub fn path_of(image: &Path, shard: Shard) -> PathBuf {
 pub fn parse_path(path: &Path) -> Option<(PathBuf, Shard)> {
     let (image, shard) = path.file_name()?.to_str()?.rsplit_once(".part-")?;
     let (part, parts) = shard.split_once("-of-")?;
-    Some((path.with_file_name(image), Shard { part: part.parse().ok()?, parts: parts.parse().ok()? }))
+    let shard = Shard { part: part.parse().ok()?, parts: parts.parse().ok()? };
+    let is_sound = (1..=shard.parts).contains(&shard.part) && path_of(&path.with_file_name(image), shard) == path;
+    (is_sound && shard.parts <= MOST_PARTS).then(|| (path.with_file_name(image), shard))
 }
 
 /// Write a shard of an image.
@@ -73,8 +80,8 @@ pub fn write(result: &RenderResult, displays: &[&Display], image_path: &Path, sh
             }
         }
     }
-    let header = Header {
-        scree_part: 1,
+    let mut header = Header {
+        scree_part: VERSION,
         part: shard.part,
         parts: shard.parts,
         width: image.width,
@@ -86,8 +93,9 @@ pub fn write(result: &RenderResult, displays: &[&Display], image_path: &Path, sh
         one: options.quantize_one,
         dither: options.dither,
         crop: options.crop,
-        hash: blake3::hash(&pixels).to_hex().to_string(),
+        hash: String::new(),
     };
+    header.hash = header.hash_with(&pixels);
     let mut bytes = serde_json::to_vec(&header).map_err(|e| Failure::new(Exit::Fault, e.to_string()))?;
     bytes.push(b'\n');
     bytes.extend(pixels);
@@ -108,15 +116,15 @@ pub fn read(path: &Path) -> Result<(Header, Vec<u8>), Fault> {
     let header: Header =
         serde_json::from_slice(&bytes[..end]).map_err(|e| fault(&format!("is not a shard file: {e}")))?;
     let pixels = bytes.split_off(end + 1);
-    let valid = header.scree_part == 1
+    let sides = [header.width, header.height, header.bucket];
+    let valid = header.scree_part == VERSION
         && (1..=header.parts).contains(&header.part)
-        && header.bucket > 0
-        && header.width.checked_mul(header.height).is_some_and(|n| n <= 1 << 32);
+        && sides.iter().all(|n| (1..=image::LONGEST_SIDE).contains(n));
     if !valid {
-        return Err(fault("has a header that describes no image"));
+        return Err(fault("has a header that describes no image, or was written by another version"));
     }
-    if blake3::hash(&pixels).to_hex().as_str() != header.hash {
-        return Err(fault("is truncated or changed: its pixels are not those that were written"));
+    if header.hash_with(&pixels) != header.hash {
+        return Err(fault("is truncated or changed: it is not what was written"));
     }
     let shard = Shard { part: header.part, parts: header.parts };
     let tiles = buckets(header.width, header.height, header.bucket, Some(shard));
@@ -125,10 +133,22 @@ pub fn read(path: &Path) -> Result<(Header, Vec<u8>), Fault> {
     if pixels.len() != 4 * n_values * n_pixels {
         return Err(fault("has fewer or more pixels than its shard"));
     }
+    if (4 * n_values * header.width * header.height) as u64 > guard::memory::room() {
+        let message = format!("is of {}×{} pixels: {}", header.width, header.height, guard::memory::Full);
+        return Err(Fault::whole(FaultKind::Data, path, message));
+    }
     Ok((header, pixels))
 }
 
 impl Header {
+    /// The hash of the header and these pixels.
+    fn hash_with(&self, pixels: &[u8]) -> String {
+        let own = Header { hash: String::new(), ..self.clone() };
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&serde_json::to_vec(&own).unwrap_or_default()).update(pixels);
+        hasher.finalize().to_hex().to_string()
+    }
+
     /// An empty image of the header's size and variables.
     pub fn image(&self) -> Image {
         Image::new(self.width, self.height, display::aovs(&self.displays))

@@ -1,5 +1,6 @@
 //! `scree stitch`: shard files → whole images, bit for bit those of a single render.
 
+use crate::image_file;
 use crate::job::StitchJob;
 use crate::report::{Exit, Failure, Outcome};
 use crate::shard_file::{self, Header};
@@ -10,13 +11,18 @@ use std::path::Path;
 
 /// Run `scree stitch`.
 pub fn run(job: StitchJob) -> Outcome {
+    /// Missing shards of an image whose indices are printed.
+    const PRINTED: usize = 20;
     let mut missing = Vec::new();
     for image in &job.images {
         if image.missing.is_empty() {
             join(&image.path, image.n_shards, job.keep)?;
             println!("{}", image.path.display());
         } else {
-            let indices: Vec<String> = image.missing.iter().map(usize::to_string).collect();
+            let mut indices: Vec<String> = image.missing.iter().take(PRINTED).map(usize::to_string).collect();
+            if image.missing.len() > PRINTED {
+                indices.push("…".into());
+            }
             missing.push(format!("{}: shard {} of {}", image.path.display(), indices.join(", "), image.n_shards));
         }
     }
@@ -41,7 +47,8 @@ fn join(path: &Path, n_shards: usize, keep: bool) -> Outcome {
         header.copy_pixels(&pixels, image);
     }
     let Some((header, image)) = joined else { return Ok(()) };
-    let bytes = header.encode(&image).map_err(|m| Failure::new(Exit::Fault, m))?;
+    let bytes = header.encode(&image).map_err(|m| Fault::whole(FaultKind::Data, path, m))?;
+    image_file::spare_others(path)?;
     frame::atomic::write(path, &bytes)?;
     if !keep {
         for shard in 1..=n_shards {

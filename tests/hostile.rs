@@ -147,10 +147,10 @@ fn runs_and_models_name_no_files_outside() {
     let victim = work.path().join("victim.arrow");
     std::fs::write(&victim, "mine").unwrap();
     let index = std::fs::read_to_string(run.join("run.json")).unwrap();
-    for name in ["../victim.arrow", victim.to_str().unwrap()] {
+    for name in ["../victim.arrow", "frames/model.yaml", victim.to_str().unwrap()] {
         std::fs::write(run.join("run.json"), index.replace("frames/000002.arrow", name)).unwrap();
         for said in [simulate(&["--resume"]).fails(4), scree(&["inspect", run.to_str().unwrap()]).fails(4)] {
-            assert!(said.contains("outside of the folder"), "{said}");
+            assert!(said.contains("is no table in its folder"), "{said}");
         }
     }
     assert_eq!(std::fs::read_to_string(&victim).unwrap(), "mine");

@@ -13,6 +13,7 @@ mod friction;
 mod golden;
 mod hider;
 mod hostile;
+mod intact;
 mod joints;
 mod lanes;
 mod language;

@@ -107,6 +107,7 @@ impl Origin {
         }
         guard::allow(folder);
         run_folder::spare_model(model, &file, folder)?;
+        run_folder::spare_linked(folder, folder)?;
         if !fresh && run::is_done(&file, folder) {
             return Ok(Origin::Finished);
         }

@@ -1,5 +1,6 @@
 //! Images to render of frames that exist: which frames, at which resolution, to which files.
 
+use super::run_folder::spare_link;
 use crate::args::ImageArgs;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
@@ -77,13 +78,19 @@ impl ImageJob {
         if let Some(n) = options.samples {
             output.samples = [n; 2];
         }
+        guard::allow(&folder);
         let frames = frames(&binding, &source, options)?;
         let files = Files { programs: options.programs.clone(), ..library::files(&binding.folder()) };
         let files = binding.files(files);
         binding.check_columns(&first_readable(&source, &frames)?)?;
         source::check_library(&binding)?;
-        let passes = std::mem::take(&mut binding.passes).into_iter();
-        let passes = passes.map(|(name, pass)| ImageJob::resolve(pass, source.clone(), folder.join(name), options));
+        let passes = std::mem::take(&mut binding.passes).into_iter().map(|(name, pass)| {
+            let own = folder.join(name);
+            if !options.allow_outside {
+                spare_link(&own, &folder)?;
+            }
+            ImageJob::resolve(pass, source.clone(), own, options)
+        });
         let passes = passes.collect::<Outcome<_>>()?;
         let lacking = lacking(&binding, &source, options);
         let (missing, allow_outside) = (options.missing, options.allow_outside);

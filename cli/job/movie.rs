@@ -77,8 +77,7 @@ impl MovieJob {
         check_folder(&folder)?;
         let found = frame::sequence::find(&folder.join("*.png"))?;
         if let MovieFile::OfKind(_, path) = &output
-            && let Ok(real) = path.canonicalize()
-            && found.values().any(|image| image.canonicalize().is_ok_and(|image| image == real))
+            && guard::is_one_of(path, found.values())
         {
             let message = format!("--output {}: is one of the images", path.display());
             return Err(Failure::new(Exit::Usage, message));

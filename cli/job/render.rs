@@ -2,6 +2,7 @@
 
 use super::frames::FramesJob;
 use super::images::ImageOptions;
+use super::run_folder::spare_link;
 use crate::args::{RenderArgs, ShardArg};
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
@@ -68,7 +69,16 @@ impl RenderJob {
         }
         let frames = FramesJob::open(&args.input)?;
         let statistics = Statistics { print: args.verbose, write: args.stats };
-        let folder = args.output.unwrap_or_else(|| frames.home.join("images"));
+        let folder = match args.output {
+            Some(folder) => folder,
+            None => {
+                let folder = frames.home.join("images");
+                if !args.image.allow_outside {
+                    spare_link(&folder, &frames.home)?;
+                }
+                folder
+            }
+        };
         let shard = args.bucket.map(Shard::from);
         let options = ImageOptions::check(args.image)?;
         Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics })))

@@ -4,6 +4,7 @@ use super::frames::FramesJob;
 use super::images::ImageOptions;
 use super::movie::MovieFile;
 use super::output::{default_folder, stem};
+use super::run_folder::spare_link;
 use crate::args::RunArgs;
 use crate::report::Outcome;
 use std::path::PathBuf;
@@ -25,6 +26,9 @@ impl RunJob {
     pub fn check(args: RunArgs) -> Outcome<RunJob> {
         let home = args.output.unwrap_or_else(|| default_folder(&args.input));
         let (images, movie) = (home.join("images"), MovieFile::Stem(home.join(stem(&args.input))));
+        if !args.image.allow_outside {
+            spare_link(&images, &home)?;
+        }
         let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
         Ok(RunJob { frames, options: ImageOptions::check(args.image)?, images, movie })
     }

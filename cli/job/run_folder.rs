@@ -14,8 +14,7 @@ const FOLDERS: [(&str, &[&str]); 3] =
 /// Check that a simulation of the model `file`, which was read from the path `model`, does not replace that file by its resolved form.
 pub fn spare_model(model: &Path, file: &ModelFile, folder: &Path) -> Outcome {
     let copy = folder.join("model.yaml");
-    let is_same = matches!((model.canonicalize(), copy.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if is_same && std::fs::read_to_string(model).ok().as_ref() != Some(&file.to_yaml()) {
+    if guard::is_one_of(&copy, [model]) && std::fs::read_to_string(model).ok().as_ref() != Some(&file.to_yaml()) {
         let message = format!(
             "the run in {} would replace the model file itself, {}\n  = simulate elsewhere: -o DIR (--output)",
             folder.display(),
@@ -24,6 +23,25 @@ pub fn spare_model(model: &Path, file: &ModelFile, folder: &Path) -> Outcome {
         return Err(Failure::new(Exit::Usage, message));
     }
     Ok(())
+}
+
+/// Check that no link in the run directory `folder` leads what is written or removed there out of the folder `home`, which is the run
+/// directory itself or that of its sweep.
+pub fn spare_linked(folder: &Path, home: &Path) -> Outcome {
+    FOLDERS.iter().map(|(name, _)| *name).chain(["geometry"]).try_for_each(|name| spare_link(&folder.join(name), home))
+}
+
+/// Check that no link leads what is written to a folder out of the folder `home`.
+pub fn spare_link(folder: &Path, home: &Path) -> Outcome {
+    if !guard::leads_out(folder, home) {
+        return Ok(());
+    }
+    let message = format!(
+        "{}: a link leads out of {}\n  = remove the link, or write elsewhere: -o DIR (--output)",
+        folder.display(),
+        home.display()
+    );
+    Err(Failure::new(Exit::Usage, message))
 }
 
 /// Check that a simulation of a model into `folder` loses nothing: no run of another model, no longer run of the same model, and no

@@ -41,16 +41,17 @@ impl SimulateJob {
             file.format = FrameFormat::Csv;
         }
         let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.model));
+        guard::allow(&folder);
         if !file.sweep.is_empty() {
             return Ok(SimulateJob::Sweep(SweepJob::check(args, (&file, &doc), set, folder)?));
         }
         if args.plan || args.sweep_index.is_some() {
             return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
         }
-        guard::allow(&folder);
         let resolved = file.resolve(&doc)?;
         let span = Span { until: args.until, resume: args.resume };
         run_folder::spare_model(&args.model, &file, &folder)?;
+        run_folder::spare_linked(&folder, &folder)?;
         if !args.fresh {
             run_folder::check(&file, &folder, args.until)?;
         }

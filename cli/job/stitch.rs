@@ -4,7 +4,7 @@ use crate::args::StitchArgs;
 use crate::report::{Exit, Failure, Outcome};
 use crate::shard_file;
 use frame::{Fault, FaultKind};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// Images to stitch.
@@ -52,6 +52,7 @@ fn sharded_image(path: PathBuf, shards: &BTreeMap<usize, Vec<usize>>) -> Outcome
         return Err(Fault::whole(FaultKind::Data, &path, message).hint("remove those that are not wanted").into());
     }
     let (n_shards, indices) = shards.iter().next().expect("an image is found with its shards");
+    let indices: BTreeSet<usize> = indices.iter().copied().collect();
     let missing = (1..=*n_shards).filter(|i| !indices.contains(i)).collect();
     Ok(ShardedImage { path, n_shards: *n_shards, missing })
 }

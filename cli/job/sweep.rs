@@ -5,10 +5,10 @@ use crate::args::SimulateArgs;
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::{FrameFormat, RunReader};
 use frame::yaml::Document;
-use sim::model_file::{self, ModelFile, Replacement};
+use sim::model_file::{ModelFile, Replacement, Variants};
 use sim::run::Span;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What to do with the combinations of a model.
 pub enum SweepJob {
@@ -96,15 +96,16 @@ impl SweepJob {
         }
         let is_chosen = |i: usize| args.sweep_index.is_none_or(|only| only == i);
         let chosen = combinations.into_iter().enumerate().filter(|(i, _)| is_chosen(*i));
+        let variants = Variants::without_sweep(doc)?;
         let runs = chosen.map(|(index, combination)| {
-            let (mut file, doc) = load(&args.model, &set, &combination)?;
+            let (mut file, doc) = variants.load(&[&set[..], &combination.values].concat())?;
             if args.csv {
                 file.format = FrameFormat::Csv;
             }
             file.resolve(&doc)?;
-            let folder = folder.join(&combination.name);
+            let (home, folder) = (&folder, folder.join(&combination.name));
+            run_folder::spare_linked(&folder, home)?;
             if !args.fresh && !args.plan {
-                guard::allow(&folder);
                 run_folder::check(&file, &folder, args.until)?;
             }
             let run = SweepRun { index, name: combination.name.clone(), file, doc, folder };
@@ -121,20 +122,14 @@ impl SweepJob {
 }
 
 /// Check the models of all combinations of a sweep; their number.
-pub fn check(model: &Path, file: &ModelFile, doc: &Document) -> Outcome<usize> {
+pub fn check(file: &ModelFile, doc: &Document) -> Outcome<usize> {
     let combinations = combinations(file, doc)?;
+    let variants = Variants::without_sweep(doc)?;
     for combination in &combinations {
-        let (file, doc) = load(model, &[], combination)?;
+        let (file, doc) = variants.load(&combination.values)?;
         file.resolve(&doc)?;
     }
     Ok(combinations.len())
-}
-
-/// Load the model of a combination, which has no sweep itself.
-fn load(model: &Path, set: &[Replacement], combination: &Combination) -> Outcome<(ModelFile, Document)> {
-    let (mut file, doc) = model_file::load(model, &[set, &combination.values].concat())?;
-    file.sweep.clear();
-    Ok((file, doc))
 }
 
 /// All combinations of a sweep, the last key changing fastest.

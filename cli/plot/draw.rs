@@ -31,7 +31,7 @@ pub fn draw<B: DrawingBackend>(area: &DrawingArea<B, Shift>, figure: &Figure, sc
     for (i, curve) in figure.plot.curves.iter().enumerate() {
         for piece in pieces(&curve.points, figure.range) {
             let places: Vec<Place> = piece.iter().map(|p| layout.place(figure, *p)).collect();
-            stroke(&pen, &places, i)?;
+            stroke(&pen, &thinned(places), i)?;
         }
     }
     legend(&pen, &layout)?;
@@ -71,6 +71,7 @@ fn axes<B: DrawingBackend>(pen: &Pen<B>, figure: &Figure, layout: &Layout) -> Re
     let time = axis::name("time", "s", layout.x.exponent);
     pen.text(&time, [middle[0], bottom + 9.0 + LABEL + 8.0], NAME, (HPos::Center, VPos::Top))?;
     let value = axis::name(&figure.plot.quantity, &figure.plot.unit, layout.y.exponent);
+    let value = pen.shortened(&value, NAME, bottom - top);
     pen.text_upwards(&value, [20.0 + NAME / 2.0, middle[1]], NAME)
 }
 
@@ -94,6 +95,27 @@ fn stroke<B: DrawingBackend>(pen: &Pen<B>, places: &[Place], index: usize) -> Re
         _ if index < COLORS.len() => pen.line(places, color, 2.0),
         _ => dashes(places).iter().try_for_each(|dash| pen.line(dash, color, 2.0)),
     }
+}
+
+/// A line that looks the same with fewer places: of many in a column of pixels, the first, the lowest, the highest and the last.
+fn thinned(places: Vec<Place>) -> Vec<Place> {
+    /// Places that are drawn one by one.
+    const FEW: usize = 20_000;
+    if places.len() <= FEW {
+        return places;
+    }
+    let column = |place: &Place| place[0].floor();
+    let mut thin = vec![];
+    for group in places.chunk_by(|a, b| column(a) == column(b)) {
+        let by_height = |a: &usize, b: &usize| group[*a][1].total_cmp(&group[*b][1]);
+        let mut kept: Vec<usize> = [0, group.len() - 1].into();
+        kept.extend((0..group.len()).min_by(by_height));
+        kept.extend((0..group.len()).max_by(by_height));
+        kept.sort_unstable();
+        kept.dedup();
+        thin.extend(kept.into_iter().map(|i| group[i]));
+    }
+    thin
 }
 
 /// The dashes along a line.

@@ -64,13 +64,18 @@ impl<B: DrawingBackend> Pen<'_, B> {
 
     /// A text without what does not fit into a width: its middle is left out.
     pub fn shortened(&self, text: &str, size: f64, width: f64) -> String {
+        /// More characters fit nowhere.
+        const MOST: usize = 256;
         let all: Vec<char> = text.chars().collect();
-        let mut keep = all.len();
-        let mut short = text.to_string();
+        let without_middle = |keep: usize| -> String {
+            let (head, tail) = (&all[..keep.div_ceil(2)], &all[all.len() - keep / 2..]);
+            head.iter().chain(&['…']).chain(tail).collect()
+        };
+        let mut keep = all.len().min(MOST);
+        let mut short = if keep == all.len() { text.to_string() } else { without_middle(keep) };
         while self.width(&short, size) > width && keep > 2 {
             keep -= 1;
-            let (head, tail) = (&all[..keep.div_ceil(2)], &all[all.len() - keep / 2..]);
-            short = head.iter().chain(&['…']).chain(tail).collect();
+            short = without_middle(keep);
         }
         short
     }

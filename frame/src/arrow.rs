@@ -75,13 +75,8 @@ pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> 
     }
     for field in schema.fields() {
         let unit = field.metadata().get("unit").cloned().unwrap_or_default();
-        let empty = empty_column(field.data_type()).ok_or_else(|| {
-            damaged(&format!(
-                "column `{}` has type {}, which is not a number or a dictionary of words",
-                field.name(),
-                field.data_type()
-            ))
-        })?;
+        let empty = empty_column(field.data_type())
+            .ok_or_else(|| damaged(&layout::refused(field.name(), field.data_type())))?;
         frame.columns.push((Field::new(field.name(), unit), empty));
     }
     for batch in reader {

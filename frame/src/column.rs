@@ -1,5 +1,7 @@
 //! Named, typed, unit-carrying columns, and the table of one instant that they make.
 
+use std::collections::HashSet;
+
 /// Name and unit of a column; the unit is SI text such as `m/s`, or empty for a pure number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
@@ -146,4 +148,25 @@ impl Frame {
     pub fn names(&self) -> Vec<&str> {
         self.columns.iter().map(|(f, _)| f.name.as_str()).collect()
     }
+}
+
+/// The index of the first name that stands before already.
+pub fn repeated<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<usize> {
+    let mut seen = HashSet::new();
+    names.into_iter().position(|name| !seen.insert(name))
+}
+
+/// Names for a message, the first few of many, in one line.
+pub fn listed(names: &[&str]) -> String {
+    /// Names that are written out.
+    const FEW: usize = 40;
+    /// Characters of a name that are.
+    const LONGEST: usize = 60;
+    let short = |name: &str| match name.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.into(),
+    };
+    let shown: Vec<String> = names.iter().take(FEW).map(|name| short(name)).collect();
+    let more = if names.len() > FEW { format!(", … ({} in all)", names.len()) } else { String::new() };
+    guard::text::line(&shown.join(", ")) + &more
 }

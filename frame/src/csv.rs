@@ -9,7 +9,7 @@ mod values;
 
 pub use values::number;
 
-use crate::{Fault, FaultKind, Field, Frame, foreign, read_bytes, text};
+use crate::{Fault, FaultKind, Field, Frame, foreign, listed, read_bytes, repeated, text};
 use cells::{Row, Rows, Unclosed};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -211,19 +211,13 @@ fn with_units(cells: &[&str], delimiter: u8) -> Vec<String> {
 
 /// Two columns of one name are a fault: an expression could not tell which it reads.
 fn check_names(table: &Table<'_>, fields: &[Field], head: &Head<'_>) -> Result<(), Fault> {
-    for (i, field) in fields.iter().enumerate() {
-        if fields[..i].iter().any(|other| other.name == field.name) {
-            let message = format!("two columns are named `{}`", field.name);
-            let fault = match head.header.get(i).filter(|_| head.header.len() == fields.len()) {
-                Some(cell) => table.fault_of(cell, message),
-                None => table.fault(1, 1, message),
-            };
-            return Err(
-                fault.hint("name all columns in a metadata file, `data: {csv: …, columns: […]}`, or in the table")
-            );
-        }
-    }
-    Ok(())
+    let Some(i) = repeated(fields.iter().map(|field| field.name.as_str())) else { return Ok(()) };
+    let message = format!("two columns are named `{}`", fields[i].name);
+    let fault = match head.header.get(i).filter(|_| head.header.len() == fields.len()) {
+        Some(cell) => table.fault_of(cell, message),
+        None => table.fault(1, 1, message),
+    };
+    Err(fault.hint("name all columns in a metadata file, `data: {csv: …, columns: […]}`, or in the table"))
 }
 
 /// Make a row have a cell for each column: a separator at its end adds none, and missing ones are 0 where the layout allows it.
@@ -234,7 +228,8 @@ fn fit(table: &Table<'_>, row: &mut Vec<&str>, found: Row, names: &[String], lay
     }
     if !(layout.min_cells.unwrap_or(names.len())..=names.len()).contains(&row.len()) {
         let cells = if row.len() == 1 { "cell" } else { "cells" };
-        let message = format!("row has {} {cells}, expected {} ({})", row.len(), names.len(), names.join(", "));
+        let named: Vec<&str> = names.iter().map(String::as_str).collect();
+        let message = format!("row has {} {cells}, expected {} ({})", row.len(), names.len(), listed(&named));
         let column = table.text.lines().nth(found.line - 1).map_or(1, |l| l.trim_end().chars().count().max(1));
         let fault = table.fault(found.line, column, message);
         let is_last = table.text.lines().count() <= found.line;

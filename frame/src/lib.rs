@@ -18,5 +18,5 @@ pub mod series;
 mod text;
 pub mod yaml;
 
-pub use column::{Column, Field, Frame};
+pub use column::{Column, Field, Frame, listed, repeated};
 pub use fault::{Fault, FaultKind, nearest, read_bytes, read_text};

@@ -120,11 +120,19 @@ pub struct WarningEntry {
 
 /// Files of frames in a folder, whether or not it is a run directory: [`RunWriter::create`] removes them.
 fn tables(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let is_table = |path: &PathBuf| {
-        let extension = path.extension().and_then(|e| e.to_str());
-        [FrameFormat::Arrow, FrameFormat::Csv].iter().any(|format| extension == Some(format.extension()))
-    };
-    Ok(std::fs::read_dir(folder.join("frames"))?.flatten().map(|entry| entry.path()).filter(is_table).collect())
+    let files = std::fs::read_dir(folder.join("frames"))?.flatten().map(|entry| entry.path());
+    Ok(files.filter(|path| is_table(path)).collect())
+}
+
+fn is_table(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    [FrameFormat::Arrow, FrameFormat::Csv].iter().any(|format| extension == Some(format.extension()))
+}
+
+/// Whether a path, relative to a run directory, is that of a table of its frames: what a run removes is nothing else.
+fn is_table_of_run(path: &Path) -> bool {
+    let parts: Vec<Component> = path.components().collect();
+    matches!(parts[..], [Component::Normal(folder), Component::Normal(_)] if folder == "frames") && is_table(path)
 }
 
 /// A run directory that is being written.
@@ -289,11 +297,9 @@ impl RunReader {
             let message = format!("expects {} frames, and a run has at most {MAX_FRAMES}", index.expected_frames);
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
-        let leaves =
-            |entry: &&FrameEntry| !Path::new(&entry.file).components().all(|c| matches!(c, Component::Normal(_)));
-        if let Some(entry) = index.frames.iter().find(leaves) {
+        if let Some(entry) = index.frames.iter().find(|entry| !is_table_of_run(Path::new(&entry.file))) {
             let message = format!(
-                "names the file `{}` of frame {}, outside of the folder",
+                "names the file `{}` of frame {}, which is no table in its folder `frames`",
                 entry.file.escape_debug(),
                 entry.number
             );

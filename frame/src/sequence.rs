@@ -17,10 +17,23 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
     for entry in entries {
         let path = entry.map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?.path();
         let Some(file) = path.file_name().and_then(|n| n.to_str()) else { continue };
-        if !matches(name, file) || !path.is_file() {
+        if !matches(name, file) || path.is_dir() {
             continue;
         }
-        let number = number_in(file).unwrap_or(0);
+        if !path.is_file() {
+            let message = "is no file that can be read: a device, a pipe, or a link to a file that is gone";
+            return Err(Fault::whole(FaultKind::Data, &path, message));
+        }
+        let number = match number_in(file) {
+            None if digits(file).is_some() => {
+                return Err(Fault::whole(
+                    FaultKind::Data,
+                    &path,
+                    "has a number in its name that is too large to count by",
+                ));
+            }
+            number => number.unwrap_or(0),
+        };
         if let Some(other) = found.get(&number) {
             let message = format!("has frame number {number}, and so has {}", other.display());
             return Err(Fault::whole(FaultKind::Data, &path, message)
@@ -131,10 +144,15 @@ fn has_fraction(path: &Path) -> bool {
 
 /// The frame number in a file name: the last run of digits before the extension, if any.
 pub fn number_in(file: &str) -> Option<u64> {
+    digits(file)?.parse().ok()
+}
+
+/// The last run of digits of a file name before the extension.
+fn digits(file: &str) -> Option<&str> {
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
     let start = stem[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| i + 1);
-    stem[start..end].parse().ok()
+    Some(&stem[start..end])
 }
 
 #[cfg(test)]

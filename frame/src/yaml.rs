@@ -3,25 +3,35 @@
 //! Structure (types, unknown and missing keys) is checked while reading. Meaning is checked later by the caller, who makes faults
 //! through the [`Document`], which knows the place of each key: `doc.fault("materials.stone.density", "must be positive")`.
 
-use crate::{Fault, FaultKind, nearest, read_text};
+use crate::{Fault, FaultKind, listed, nearest, read_text};
 use saphyr_parser::{Event, Parser};
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// The text of a YAML file, and the place of each of its keys.
+/// The text of a YAML file, and the place of each of its keys. Copies share them.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     /// Path of the file.
     pub path: PathBuf,
     /// The whole text.
-    pub text: String,
+    pub text: Arc<str>,
     /// `a.b.2.c` → line and column, from 1, of the key (or of the list's item).
-    places: HashMap<String, (usize, usize)>,
+    places: Arc<HashMap<String, (usize, usize)>>,
     /// Where a key stands for the second time.
     repeated: Option<(usize, usize)>,
-    /// Keys whose values were replaced after reading, each with the fault of its new value, which lacks only the message.
-    replaced: Vec<(String, Fault)>,
+    /// Keys whose values were replaced after reading, each with the place of its new value.
+    replaced: Vec<(String, Written)>,
+}
+
+/// Where a value is written that takes the place of another.
+#[derive(Clone, Debug)]
+pub enum Written {
+    /// At a key of the document.
+    Key(String),
+    /// In this argument of the command line.
+    Argument(String),
 }
 
 /// Read a YAML file into `T`. An error, with its place, if the file cannot be read or does not fit `T`.
@@ -42,17 +52,16 @@ pub fn parse<T: DeserializeOwned>(path: &Path, mut text: String) -> Result<(T, D
     let (places, repeated) = places(&text).map_err(|(line, column)| {
         Fault::at(FaultKind::Input, path, &text, line, column, format!("is nested more than {MAX_DEPTH} deep"))
     })?;
-    let doc = Document { path: path.into(), places, repeated, text, replaced: vec![] };
+    let doc = Document { path: path.into(), places: Arc::new(places), repeated, text: text.into(), replaced: vec![] };
     let value = deserialize(&doc, serde_yaml::Deserializer::from_str(&doc.text))?;
     Ok((value, doc))
 }
 
-/// Read a document again as `value`, in which values are replaced. `replaced` has their keys, each with the fault of its new value,
-/// which lacks only the message.
+/// Read a document again as `value`, in which values are replaced. `replaced` has their keys, each with the place of its new value.
 pub fn replace<T: DeserializeOwned>(
     doc: Document,
     value: serde_yaml::Value,
-    replaced: Vec<(String, Fault)>,
+    replaced: Vec<(String, Written)>,
 ) -> Result<(T, Document), Fault> {
     let doc = Document { replaced, ..doc };
     let value = deserialize(&doc, value)?;
@@ -73,16 +82,28 @@ impl Document {
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
         let is_within =
             |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        if let Some((_, fault)) = self.replaced.iter().rev().find(|(path, _)| is_within(path)) {
-            return Fault { message: message.into(), ..fault.clone() };
+        if let Some((_, written)) = self.replaced.iter().rev().find(|(path, _)| is_within(path)) {
+            return self.fault_in(written, message);
         }
         let (line, column) = self.place(key);
         let mut message = message.into();
         if let Some((_, with)) = self.replaced.iter().rev().find(|(path, _)| path.starts_with(&format!("{key}."))) {
+            let with = self.fault_in(with, "");
             let place = if with.line == 0 { String::new() } else { format!(":{}:{}", with.line, with.column) };
             message += &format!("; a value in it is replaced by {}{place}", with.file.display());
         }
         Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
+    }
+
+    /// A fault of a value that takes the place of another.
+    pub fn fault_in(&self, written: &Written, message: impl Into<String>) -> Fault {
+        match written {
+            Written::Key(key) => {
+                let (line, column) = self.place(key);
+                Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
+            }
+            Written::Argument(argument) => Fault::whole(FaultKind::Input, Path::new(argument), message),
+        }
     }
 
     /// A fault of another file that the value of a key names: told with that file's place and hint, at the key.
@@ -90,6 +111,12 @@ impl Document {
         let hint = other.hint.clone();
         let message = Fault { text: String::new(), hint: None, ..other }.to_string();
         Fault { hint, ..self.fault(key, message) }
+    }
+
+    /// Let a key that the file does not have, by which its readers name a value, stand where the key `at` does.
+    pub fn stand(&mut self, key: &str, at: &str) {
+        let place = self.place(at);
+        Arc::make_mut(&mut self.places).insert(key.into(), place);
     }
 
     /// The place of the key of a dotted path, or of the longest part of the path that the file has: line and column, from 1.
@@ -109,7 +136,7 @@ impl Document {
     /// A fault at a dotted path for the unknown name `name` of a `what`, such as a material; its advice is the nearest of the known
     /// names.
     pub fn unknown(&self, key: &str, what: &str, name: &str, known: &[&str]) -> Fault {
-        let fault = self.fault(key, format!("unknown {what} `{name}`, expected one of {}", known.join(", ")));
+        let fault = self.fault(key, format!("unknown {what} `{name}`, expected one of {}", listed(known)));
         match nearest(name, known.iter().copied()) {
             Some(near) => fault.hint(format!("did you mean `{near}`?")),
             None => fault,
@@ -178,8 +205,8 @@ fn structural_fault(
     let key = key.trim_start_matches('.');
     // The file was sound before values were replaced: one of those is at fault.
     let is_below = |replaced: &str| key.is_empty() || replaced.starts_with(&format!("{key}."));
-    if let Some((_, fault)) = doc.replaced.iter().rev().find(|(replaced, _)| is_below(replaced)) {
-        return Fault { message, ..fault.clone() };
+    if let Some((_, written)) = doc.replaced.iter().rev().find(|(replaced, _)| is_below(replaced)) {
+        return doc.fault_in(written, message);
     }
     let known_place = name.is_some() && doc.places.contains_key(key);
     let (line, column) = match error.location() {

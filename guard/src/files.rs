@@ -5,45 +5,70 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 
 /// The folders that files may be read from; all if there are none.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+/// What the command line names.
+static GIVEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The files that were opened.
 static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(|e| e.into_inner())
+}
+
 /// Read no files from now on but those in this folder and below.
 pub fn confine(folder: &Path) {
-    *FOLDERS.lock().unwrap_or_else(|e| e.into_inner()) = vec![folder.into()];
+    *lock(&FOLDERS) = vec![folder.into()];
 }
 
 /// Read files in this folder and below, too, as in one that the program itself writes to. It need not be there yet.
 pub fn allow(folder: &Path) {
-    let mut folders = FOLDERS.lock().unwrap_or_else(|e| e.into_inner());
+    let mut folders = lock(&FOLDERS);
     if !folders.is_empty() {
         folders.push(folder.into());
     }
 }
 
+/// Note an argument of the command line. It may be the name of a pipe; those that files name are not read.
+pub fn give(argument: impl Into<PathBuf>) {
+    lock(&GIVEN).insert(argument.into());
+}
+
 /// The files that were opened or noted so far, as they were named, in the order of their names.
 pub fn seen() -> Vec<PathBuf> {
-    SEEN.lock().unwrap_or_else(|e| e.into_inner()).iter().cloned().collect()
+    lock(&SEEN).iter().cloned().collect()
 }
 
 /// Note a file that would be read.
 pub fn note(path: &Path) {
-    SEEN.lock().unwrap_or_else(|e| e.into_inner()).insert(path.into());
+    lock(&SEEN).insert(path.into());
 }
 
 /// Whether a file is one that was opened or noted: an input, which is not to be written.
 pub fn was_seen(path: &Path) -> bool {
+    is_one_of(path, seen())
+}
+
+/// Whether a file that is there is one of others, by whatever names and links.
+pub fn is_one_of<P: AsRef<Path>>(path: &Path, others: impl IntoIterator<Item = P>) -> bool {
     let Ok(real) = path.canonicalize() else { return false };
-    seen().iter().any(|input| input.canonicalize().is_ok_and(|input| input == real))
+    others.into_iter().any(|other| other.as_ref().canonicalize().is_ok_and(|other| other == real))
+}
+
+/// Whether links lead what is written to a path out of a folder, which need not be there yet.
+pub fn leads_out(path: &Path, folder: &Path) -> bool {
+    let nearest = |path: &Path| {
+        let real = |p: &Path| if p.as_os_str().is_empty() { Path::new(".") } else { p }.canonicalize().ok();
+        path.ancestors().find_map(real)
+    };
+    matches!((nearest(path), folder.canonicalize()), (Some(real), Ok(home)) if !real.starts_with(&home))
 }
 
 /// An error if a file or folder is outside of the folders to keep to, wherever its links lead.
 pub fn permit(path: &Path) -> Result<()> {
-    let folders = FOLDERS.lock().unwrap_or_else(|e| e.into_inner());
+    let folders = lock(&FOLDERS);
     let Some(first) = folders.first() else { return Ok(()) };
     // What is not there is not read, either.
     let Ok(real) = path.canonicalize() else { return Ok(()) };
@@ -58,12 +83,13 @@ pub fn permit(path: &Path) -> Result<()> {
 pub fn open(path: &Path) -> Result<File> {
     permit(path)?;
     let kind = std::fs::metadata(path)?;
-    // Pipes are named by shells alone: a name in a scene that leads to one would be waited for.
-    let is_pipe = ["/dev/fd", "/dev/stdin", "/proc/self/fd"].iter().any(|folder| path.starts_with(folder));
     if kind.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
     }
-    if !kind.is_file() && !is_pipe {
+    // Pipes are named by shells alone: a name in a scene that leads to one would be waited for.
+    let is_pipe = ["/dev/fd", "/dev/stdin", "/proc/self/fd"].iter().any(|folder| path.starts_with(folder));
+    let is_readable = if is_pipe { lock(&GIVEN).contains(path) } else { kind.is_file() && is_stored(path) };
+    if !is_readable {
         return Err(Error::new(ErrorKind::InvalidInput, "it is a device, a pipe or a socket"));
     }
     if kind.len() > memory::room() {
@@ -73,6 +99,11 @@ pub fn open(path: &Path) -> Result<File> {
     note(path);
     memory::doing("reading", path);
     Ok(file)
+}
+
+/// Whether a file stands on a disk: those in which the system tells of itself may be waited for, and look like any other.
+fn is_stored(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|real| !["/proc", "/sys"].iter().any(|folder| real.starts_with(folder)))
 }
 
 /// Read an input file whole, as [`open`] opens it.
@@ -85,10 +116,15 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 /// Read the standard input whole. An error if it is larger than the memory that is left.
 pub fn read_stdin() -> Result<Vec<u8>> {
     memory::doing("reading", Path::new("the standard input"));
+    if let Ok(file) = Path::new("/dev/stdin").canonicalize()
+        && file.is_file()
+    {
+        note(&file);
+    }
     whole(std::io::stdin().lock(), 0)
 }
 
-/// Read a stream whole, which is expected to have so many bytes.
+/// Read a stream whole, of which a number of bytes is expected.
 fn whole(mut stream: impl Read, expected: usize) -> Result<Vec<u8>> {
     /// Bytes that are read at once, beyond those that are expected.
     const PART: u64 = 1 << 20;

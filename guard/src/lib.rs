@@ -2,10 +2,13 @@
 //!
 //! Scenes, shaders, tables, models and runs come by mail and from the net. Every reader of them opens files here ([`read`], [`open`]),
 //! so that one place knows what was read ([`seen`]), keeps within a folder ([`confine`]) and within the memory that reading may take
-//! ([`memory`]). What of their text is printed, or becomes a name or a part of a script, goes through [`text`]. What it is that was named wrongly, and where, the reader knows: errors here are those of reading a file.
+//! ([`memory`]). What of their text is printed, or becomes a name or a part of a script, goes through [`text`]. What it is that was
+//! named wrongly, and where, the reader knows: errors here are those of reading a file.
 
 mod files;
 pub mod memory;
 pub mod text;
 
-pub use files::{allow, confine, note, open, permit, read, read_stdin, read_to_string, seen, was_seen};
+pub use files::{
+    allow, confine, give, is_one_of, leads_out, note, open, permit, read, read_stdin, read_to_string, seen, was_seen,
+};

@@ -54,7 +54,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// Let the process take so many bytes, and end with this exit code if it would take more.
+/// Let the process take a number of bytes, and end with this exit code if it would take more.
 pub fn set_limit(bytes: u64, exit: i32) {
     LIMIT.store(i64::try_from(bytes).unwrap_or(i64::MAX), Relaxed);
     EXIT.store(exit, Relaxed);

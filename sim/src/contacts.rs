@@ -80,6 +80,33 @@ impl Default for Arms {
 }
 
 impl Contacts {
+    /// Check that contacts, as a file gives them, are between bodies and shapes of a model with these counts.
+    pub(crate) fn fit(&self, n_bodies: usize, n_shapes: usize, n_laws: usize) -> Result<(), String> {
+        let (n, rolling) = (self.len(), self.rolling_impulse.len());
+        let arms = match &self.arms {
+            Arms::Any(arms) => arms.len(),
+            Arms::Along(reach) => reach.len(),
+        };
+        let vectors = [&self.normal, &self.impulse].map(Vec::len);
+        let columns = [self.key.len(), arms, self.gap.len(), self.law.len(), vectors[0], vectors[1]];
+        if columns.iter().any(|l| *l != n) || (rolling != 0 && rolling != n) {
+            return Err("has columns of contacts of different lengths".into());
+        }
+        let is_sound = |i: usize| {
+            let ([a, b], [s, t, _]) = (self.bodies[i], self.key[i]);
+            a < b
+                && (b as usize) < n_bodies
+                && (s.max(t) as usize) < n_shapes
+                && (self.law[i] as usize) < n_laws
+                && self.normal[i].is_normalized()
+                && self.impulse[i].is_finite()
+        };
+        match (0..n).find(|i| !is_sound(*i)) {
+            Some(i) => Err(format!("has a contact {i} of no bodies of the model")),
+            None => Ok(()),
+        }
+    }
+
     /// The arms of contact `i` on A and B, m, world.
     #[inline]
     pub fn arms(&self, i: usize) -> [DVec3; 2] {

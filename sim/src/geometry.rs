@@ -265,23 +265,56 @@ impl Surface {
     }
 }
 
+/// The edges of triangles, in the direction in which each triangle goes about itself.
+struct Edges {
+    /// Where the edges from a vertex begin (n_vertices + 1).
+    first: Vec<u32>,
+    /// The other vertex and the triangle of each edge, ordered by them within a vertex (3 n_triangles).
+    ends: Vec<[u32; 2]>,
+}
+
+impl Edges {
+    fn of(n_vertices: usize, triangles: &[[u32; 3]]) -> Edges {
+        let mut first = vec![0u32; n_vertices + 1];
+        for v in triangles.as_flattened() {
+            first[*v as usize + 1] += 1;
+        }
+        for v in 0..n_vertices {
+            first[v + 1] += first[v];
+        }
+        let mut next = first.clone();
+        let mut ends = vec![[0u32; 2]; 3 * triangles.len()];
+        for (i, t) in triangles.iter().enumerate() {
+            for e in 0..3 {
+                let at = &mut next[t[e] as usize];
+                ends[*at as usize] = [t[(e + 1) % 3], i as u32];
+                *at += 1;
+            }
+        }
+        first.windows(2).for_each(|range| ends[range[0] as usize..range[1] as usize].sort_unstable());
+        Edges { first, ends }
+    }
+
+    /// The triangle that has an edge, the last of several.
+    fn triangle(&self, from: u32, to: u32) -> Option<usize> {
+        let ends = &self.ends[self.first[from as usize] as usize..self.first[from as usize + 1] as usize];
+        let beyond = ends.partition_point(|[end, _]| *end <= to);
+        ends[..beyond].last().filter(|[end, _]| *end == to).map(|[_, triangle]| *triangle as usize)
+    }
+}
+
 /// The bits of convex edges and corners, each of which belongs to one triangle.
 fn sharp_edges(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u8> {
     let at = |v: u32| vertices[v as usize];
     let normal = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalize_or_zero();
-    let mut across: HashMap<[u32; 2], usize> = HashMap::with_capacity(3 * triangles.len());
-    for (i, t) in triangles.iter().enumerate() {
-        for e in 0..3 {
-            across.insert([t[e], t[(e + 1) % 3]], i);
-        }
-    }
+    let edges = Edges::of(vertices.len(), triangles);
     let mut sharp = vec![0u8; triangles.len()];
     let mut corner_taken = vec![false; vertices.len()];
     for (i, t) in triangles.iter().enumerate() {
         for e in 0..3 {
-            let is_convex = match across.get(&[t[(e + 1) % 3], t[e]]) {
+            let is_convex = match edges.triangle(t[(e + 1) % 3], t[e]) {
                 None => true,
-                Some(&j) => {
+                Some(j) => {
                     let other = triangles[j].iter().find(|v| **v != t[e] && **v != t[(e + 1) % 3]);
                     let beyond = other.map_or(DVec3::ZERO, |v| at(*v) - at(t[e]));
                     i < j && beyond.dot(normal(t)) < -1e-6 * beyond.length()

@@ -10,7 +10,7 @@ mod types;
 pub use types::*;
 
 use crate::{Model, State};
-use frame::yaml::Document;
+use frame::yaml::{Document, Written};
 use frame::{Fault, FaultKind, nearest};
 use std::path::Path;
 
@@ -41,15 +41,50 @@ pub struct Replacement {
 /// The faults of [`read`] that are found without resolving; those of a replacement, where its value is written.
 pub fn load(path: &Path, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
     // The file itself must be valid, so that the faults of others are those of the replacements.
-    let (mut file, mut doc): (ModelFile, Document) = frame::yaml::read(path)?;
+    let (mut file, doc): (ModelFile, Document) = frame::yaml::read(path)?;
     if !replacements.is_empty() {
-        (file, doc) = replace(doc, replacements)?;
+        return Variants { root: root(&doc)?, doc }.load(replacements);
     }
+    name(&mut file, path);
+    Ok((file, doc))
+}
+
+/// A model file that is read many times, with other values each time.
+pub struct Variants {
+    doc: Document,
+    root: serde_yaml::Value,
+}
+
+impl Variants {
+    /// The variants of a model file, of which this is the document, without its sweep.
+    ///
+    /// # Errors
+    /// A text that is not YAML.
+    pub fn without_sweep(doc: &Document) -> Result<Variants, Fault> {
+        let mut root = root(doc)?;
+        if let Some(root) = root.as_mapping_mut() {
+            root.remove("sweep");
+        }
+        Ok(Variants { doc: doc.clone(), root })
+    }
+
+    /// Read the file with values replaced, as [`load`] does.
+    ///
+    /// # Errors
+    /// Those of [`load`].
+    pub fn load(&self, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
+        let (mut file, doc): (ModelFile, Document) = replace(self.doc.clone(), self.root.clone(), replacements)?;
+        name(&mut file, &doc.path);
+        Ok((file, doc))
+    }
+}
+
+/// Name the model of a file that gives no name, and let the paths in it start at its folder.
+fn name(file: &mut ModelFile, path: &Path) {
     file.anchor_paths(path.parent().unwrap_or(Path::new("")));
     if file.name.is_empty() {
         file.name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("model").into();
     }
-    Ok((file, doc))
 }
 
 /// A resolved model, ready to run.
@@ -86,15 +121,22 @@ pub struct Probes {
     pub contact_tables: bool,
 }
 
-/// Read a document again with values replaced or added.
-fn replace(doc: Document, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
-    let unreadable = |e: serde_yaml::Error| Fault::whole(FaultKind::Input, &doc.path, format!("is not YAML: {e}"));
-    let mut root: serde_yaml::Value = serde_yaml::from_str(&doc.text).map_err(unreadable)?;
+/// The values of a document.
+fn root(doc: &Document) -> Result<serde_yaml::Value, Fault> {
+    serde_yaml::from_str(&doc.text).map_err(|e| Fault::whole(FaultKind::Input, &doc.path, format!("is not YAML: {e}")))
+}
+
+/// Read a document again with values replaced or added. `root` has its values.
+fn replace(
+    doc: Document,
+    mut root: serde_yaml::Value,
+    replacements: &[Replacement],
+) -> Result<(ModelFile, Document), Fault> {
     let mut replaced = vec![];
     for replacement in replacements {
-        let fault = fault_of(&doc, replacement);
+        let written = replacement.place();
         let value: serde_yaml::Value = serde_yaml::from_str(&replacement.value)
-            .map_err(|e| Fault { message: format!("the value is not YAML: {e}"), ..fault.clone() })?;
+            .map_err(|e| doc.fault_in(&written, format!("the value is not YAML: {e}")))?;
         let mut at = &mut root;
         let mut key = vec![];
         let n_parts = replacement.path.split('.').count();
@@ -106,7 +148,7 @@ fn replace(doc: Document, replacements: &[Replacement]) -> Result<(ModelFile, Do
                 _ => nearest(part, known.iter().map(String::as_str)).is_none(),
             };
             let (name, next) = step_into(at, part, &may_add).map_err(|known| {
-                let fault = Fault { message: format!("there is no key, index or name `{part}`"), ..fault.clone() };
+                let fault = doc.fault_in(&written, format!("there is no key, index or name `{part}`"));
                 match nearest(part, known.iter().map(String::as_str)) {
                     Some(near) => fault.hint(format!("did you mean `{near}`?")),
                     None => fault,
@@ -116,18 +158,17 @@ fn replace(doc: Document, replacements: &[Replacement]) -> Result<(ModelFile, Do
             at = next;
         }
         *at = value;
-        replaced.push((key.join("."), fault));
+        replaced.push((key.join("."), written));
     }
     frame::yaml::replace(doc, root, replaced)
 }
 
-/// The fault of a replacement, without a message: at the key where its value is written, or of the command line.
-fn fault_of(doc: &Document, replacement: &Replacement) -> Fault {
-    match &replacement.written {
-        Some(key) => doc.fault(key, ""),
-        None => {
-            let argument = format!("--set {}={}", replacement.path, replacement.value);
-            Fault::whole(FaultKind::Input, Path::new(&argument), "")
+impl Replacement {
+    /// Where the value is written.
+    fn place(&self) -> Written {
+        match &self.written {
+            Some(key) => Written::Key(key.clone()),
+            None => Written::Argument(format!("--set {}={}", self.path, self.value)),
         }
     }
 }

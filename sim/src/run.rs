@@ -216,10 +216,7 @@ impl<'a> Run<'a> {
             let fault = Fault::whole(FaultKind::Input, path, "is a checkpoint of another model");
             return Err(fault.hint("simulate without --resume to start again, or restore the model"));
         }
-        if state.position.len() != sim.model.n_bodies() {
-            let counts = format!("has {} bodies, expected the model's {}", state.position.len(), sim.model.n_bodies());
-            return Err(Fault::whole(FaultKind::Data, path, counts));
-        }
+        state.fit(&sim.model).map_err(|why| Fault::whole(FaultKind::Data, path, why))?;
         let (h, time, expected) = (sim.model.step, state.time, index.expected_frames);
         if time > until + 0.5 * h {
             let fault = Fault::whole(FaultKind::Input, path, format!("is at {time:.6} s, after the end at {until} s"));

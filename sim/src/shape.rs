@@ -1,5 +1,8 @@
 //! The kinds of shapes.
 
+/// Farthest that anything reaches or is, m: the single precision of collisions and images holds squares of it.
+pub const FARTHEST: f64 = 1e15;
+
 /// The kind of a shape, which defines the meaning of its size, m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]

@@ -5,6 +5,7 @@ use crate::contacts::Contacts;
 use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
 use crate::model::{Model, Scheduled};
 use crate::pose::Pose;
+use crate::shape::FARTHEST;
 use crate::twist::Twist;
 use crate::warning::WatchState;
 use glam::{DQuat, DVec3};
@@ -52,6 +53,51 @@ pub struct State {
 }
 
 impl State {
+    /// Check that a state, as a file gives it, is one of a model: its columns have the model's lengths, what they name is there, and
+    /// bodies, contacts and boxes are where they can be.
+    ///
+    /// # Errors
+    /// What does not fit, for a message.
+    pub fn fit(&self, model: &Model) -> Result<(), String> {
+        let (n, n_joints, n_springs) = (model.n_bodies(), model.joints.len(), model.springs.len());
+        let is = |found: usize, expected: usize, what: &str| match found == expected {
+            true => Ok(()),
+            false => Err(format!("has {found} {what}, expected the model's {expected}")),
+        };
+        is(self.position.len(), n, "bodies")?;
+        let bodies = [&self.velocity, &self.angular_velocity].map(Vec::len);
+        bodies.into_iter().chain([self.orientation.len(), self.activity.len()]).try_for_each(|l| is(l, n, "bodies"))?;
+        is(self.joints.len(), n_joints, "joints")?;
+        is(self.springs.len(), n_springs, "springs")?;
+        self.watch.fit(n, n_joints + n_springs)?;
+        let is_sound = |b: usize| {
+            let vectors = [self.position[b], self.velocity[b], self.angular_velocity[b]];
+            vectors.iter().all(|v| v.abs().max_element() <= FARTHEST && !v.is_nan())
+                && (self.orientation[b].length() - 1.0).abs() < 1e-3
+        };
+        if let Some(b) = (0..n).find(|b| !is_sound(*b)) {
+            return Err(format!(
+                "has a body {b} that is nowhere: its position, orientation or velocity is no such thing"
+            ));
+        }
+        if !self.time.is_finite() || !self.step_length.is_finite() {
+            return Err("has a time or a step length that is not finite".into());
+        }
+        self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
+        let Some(boxes) = &self.fat_aabb else { return Ok(()) };
+        is(boxes.len(), model.n_shapes(), "shapes")?;
+        let is_around = |s: usize| {
+            let (own, centre) = (boxes[s], self.shape_pose(model, s).position.as_vec3a());
+            let is_inactive = self.is_inactive(model.shape_body[s] as usize);
+            let (around, width) = (own.min.cmple(centre) & own.max.cmpge(centre), (own.max - own.min).max_element());
+            is_inactive || model.shape_kind[s].is_surface() || (around.all() && width > 0.0 && width < FARTHEST as f32)
+        };
+        match (0..boxes.len()).find(|s| !is_around(*s)) {
+            Some(s) => Err(format!("has a box of shape {s} that is not around it")),
+            None => Ok(()),
+        }
+    }
+
     /// Wake the scheduled bodies for the step that begins now: a body appears, or begins to move, in the first step whose middle is not
     /// before the scheduled time. Returns whether any activity has changed.
     pub fn wake(&mut self, model: &Model) -> bool {

@@ -83,3 +83,15 @@ pub struct WatchState {
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }
+
+impl WatchState {
+    /// Check that a state, as a file gives it, is one of a model with these counts.
+    pub(crate) fn fit(&self, n_bodies: usize, n_acting: usize) -> Result<(), String> {
+        let is_started = self.diagonal != 0.0;
+        let [bodies, acting] = if is_started { [n_bodies, n_acting] } else { [0, 0] };
+        match self.lowest.len() == bodies && self.acting.len() == acting {
+            true => Ok(()),
+            false => Err("has a watch of other bodies or joints than the model's".into()),
+        }
+    }
+}

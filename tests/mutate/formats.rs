@@ -30,44 +30,42 @@ pub struct Format {
 
 /// All formats. Reading a model or a metadata file resolves it, meshes and images are read as a model's terrain and as textures.
 pub const FORMATS: [Format; 15] = [
-    text("rib", "rib", 240, |_| folder("tests/corpus/rib"), rib),
-    text("sl", "sl", 240, |_| folder("tests/corpus/shader"), sl),
-    text("model", "yaml", 60, models, |path, _| model(path)),
-    text("metadata", "yaml", 60, metadata, |path, _| read_metadata(path)),
-    text("job", "yml", 40, jobs, |path, _| read_metadata(path)),
-    text("csv", "csv", 120, |_| tables(), |path, _| frame::csv::read(path, 0, &Default::default()).is_ok()),
-    text("run_json", "json", 40, run_index, run_json),
-    text("obj", "obj", 30, obj, |path, _| model(&path.with_file_name("obj.yaml"))),
-    text("grid", "txt", 20, grid, |path, _| model(&path.with_file_name("grid.yaml"))),
-    text("problem", "dat", 20, |_| folder("tests/data/friction"), |path, _| sim::problem::read(path).is_ok()),
-    bytes("arrow", "arrow", 60, |_| vec![frame::arrow::encode(&table())], arrow),
+    Format::text("rib", "rib", 240, |_| folder("tests/corpus/rib"), rib),
+    Format::text("sl", "sl", 240, |_| folder("tests/corpus/shader"), sl),
+    Format::text("model", "yaml", 60, models, |path, _| model(path)),
+    Format::text("metadata", "yaml", 60, metadata, |path, _| read_metadata(path)),
+    Format::text("job", "yml", 40, jobs, |path, _| read_metadata(path)),
+    Format::text("csv", "csv", 120, |_| tables(), |path, _| frame::csv::read(path, 0, &Default::default()).is_ok()),
+    Format::text("run_json", "json", 40, run_index, run_json),
+    Format::text("obj", "obj", 30, obj, |path, _| model(&path.with_file_name("obj.yaml"))),
+    Format::text("grid", "txt", 20, grid, |path, _| model(&path.with_file_name("grid.yaml"))),
+    Format::text("problem", "dat", 20, |_| folder("tests/data/friction"), |path, _| sim::problem::read(path).is_ok()),
+    Format::text("arrow", "arrow", 60, |_| vec![frame::arrow::encode(&table())], arrow).binary(),
     Format {
         mend: Some(hash),
-        ..bytes("checkpoint", "state", 30, checkpoint, |path, _| sim::checkpoint::read(path).is_ok())
+        ..Format::text("checkpoint", "state", 30, checkpoint, |path, _| sim::checkpoint::read(path).is_ok()).binary()
     },
-    bytes("stl", "stl", 30, stl, |path, _| model(&path.with_file_name("stl.yaml"))),
-    bytes("png", "png", 5, |work| images(work, "png"), |path, _| image(path)),
-    bytes("exr", "exr", 5, |work| images(work, "exr"), |path, _| image(path)),
+    Format::text("stl", "stl", 30, stl, |path, _| model(&path.with_file_name("stl.yaml"))).binary(),
+    Format::text("png", "png", 5, |work| images(work, "png"), |path, _| image(path)).binary(),
+    Format::text("exr", "exr", 5, |work| images(work, "exr"), |path, _| image(path)).binary(),
 ];
 
-const fn text(
-    name: &'static str,
-    ending: &'static str,
-    share: u64,
-    samples: fn(&Path) -> Vec<Vec<u8>>,
-    read: fn(&Path, &[u8]) -> bool,
-) -> Format {
-    Format { name, ending, is_text: true, share, samples, mend: None, read }
-}
+impl Format {
+    /// A format of text, whose wounds show.
+    const fn text(
+        name: &'static str,
+        ending: &'static str,
+        share: u64,
+        samples: fn(&Path) -> Vec<Vec<u8>>,
+        read: fn(&Path, &[u8]) -> bool,
+    ) -> Format {
+        Format { name, ending, is_text: true, share, samples, mend: None, read }
+    }
 
-const fn bytes(
-    name: &'static str,
-    ending: &'static str,
-    share: u64,
-    samples: fn(&Path) -> Vec<Vec<u8>>,
-    read: fn(&Path, &[u8]) -> bool,
-) -> Format {
-    Format { is_text: false, ..text(name, ending, share, samples, read) }
+    /// The same of bytes that are no text.
+    const fn binary(self) -> Format {
+        Format { is_text: false, ..self }
+    }
 }
 
 /// The files of a folder of the tree.

@@ -92,7 +92,7 @@ fn read_file(path: &Path) -> Outcome<Vec<TimeColumn>> {
     let table = csv::read(path, 0, &csv::Layout::default())?;
     let Some(time) = table.column("time").filter(|c| !matches!(c, Column::Category { .. })) else {
         let fault = Fault::whole(FaultKind::Data, path, "has no column `time` of numbers");
-        return Err(fault.hint(format!("its columns are {}", table.names().join(", "))).into());
+        return Err(fault.hint(format!("its columns are {}", frame::listed(&table.names()))).into());
     };
     let seconds = seconds(path, &table)?;
     let times: Vec<Option<f64>> = (0..table.rows()).map(|r| Some(time.number(r)? * seconds)).collect();

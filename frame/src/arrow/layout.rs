@@ -8,6 +8,7 @@ use arrow_ipc::{
     Block, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch, Type, root_as_footer,
     root_as_message,
 };
+use std::fmt::Display;
 
 /// What ends a file: the footer's length, and these bytes.
 const MAGIC: &[u8] = b"ARROW1";
@@ -47,13 +48,14 @@ fn footer(bytes: &[u8]) -> Result<Footer<'_>, String> {
     root_as_footer(&rest[start..]).map_err(|e| format!("its footer cannot be read: {e}"))
 }
 
+/// Why a column of this type is none that a frame can hold.
+pub(super) fn refused(name: &str, kind: &dyn Display) -> String {
+    format!("column `{name}` has type {kind}, which is not a number or a dictionary of words")
+}
+
 /// Bytes of a value of a column, of the codes if it has words.
 fn width(field: &Field<'_>) -> Result<usize, String> {
-    let refuse = || {
-        let name = field.name().unwrap_or_default();
-        let kind = field.type_type().variant_name().unwrap_or("unknown");
-        format!("column `{name}` has type {kind}, which is not a number or a dictionary of words")
-    };
+    let refuse = || refused(field.name().unwrap_or_default(), &field.type_type().variant_name().unwrap_or("unknown"));
     if field.custom_metadata().into_iter().flatten().any(|note| note.key().is_none() || note.value().is_none()) {
         return Err(refuse());
     }

@@ -100,10 +100,8 @@ impl Source {
                     }
                 }
                 let names = frame.names();
-                if let Some(name) =
-                    names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)).map(|(_, n)| n)
-                {
-                    let message = format!("two columns are named `{name}` once they are renamed");
+                if let Some(i) = frame::repeated(names.iter().copied()) {
+                    let message = format!("two columns are named `{}` once they are renamed", names[i]);
                     return Err(Fault::whole(FaultKind::Data, path, message));
                 }
                 (frame, path.clone())

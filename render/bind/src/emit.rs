@@ -23,14 +23,15 @@ pub use missing::{Lack, Missing};
 use ri::files::Files;
 use ri::reader::{self, RibError};
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
+use std::path::PathBuf;
 
 /// An error in emitting a frame.
 #[derive(Debug)]
 pub enum EmitError {
     /// A fault in the metadata file or job, or in the data.
     Fault(Fault),
-    /// An error in a RIB file.
-    Rib(RibError),
+    /// An error in a RIB file, and the metadata file or job that draws with it.
+    Rib(RibError, PathBuf),
 }
 
 impl From<Fault> for EmitError {
@@ -88,7 +89,7 @@ pub fn frame(
             _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject`, `override` or `ground`"))),
         }
     });
-    done.map_err(EmitError::Rib)?;
+    done.map_err(|e| EmitError::Rib(e, binding.doc.path.clone()))?;
     if !drawn {
         let message = format!("scene {} has no `#scree inject objects`: the data would not be drawn", path.display());
         return Err(binding.doc.fault("scene", message).into());

@@ -64,7 +64,7 @@ pub fn read(
     ri: &mut dyn Ri,
     on_directive: &mut Directive<'_>,
 ) -> Result<(), RibError> {
-    let (mut known, mut shared) = (Known::default(), Shared::default());
+    let mut known = Known::default();
     let unpacked = unpack(rib).map_err(|message| RibError {
         place: Place { file: path.into(), line: 1, column: 1 },
         text: String::new(),
@@ -72,6 +72,7 @@ pub fn read(
     })?;
     let arguments = Arguments::new(path, &unpacked, &mut known);
     let bytes = &unpacked;
+    let mut shared = Shared { read: bytes.len() as u64, ..Default::default() };
     let mut reader = Reader { path, bytes, line: 1, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
     if unpacked.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
@@ -108,6 +109,8 @@ struct Shared {
     archives: HashMap<String, Arc<Inline>>,
     /// Files of archives that were read.
     files: HashSet<PathBuf>,
+    /// Bytes of the stream, and of files of archives that were read for the first time.
+    read: u64,
     /// Bytes of archives that were read again.
     repeated: u64,
     /// Programs that make geometry, kept running.
@@ -298,24 +301,31 @@ impl<'a> Reader<'a> {
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
         let bytes = unpack(&bytes).map_err(|m| self.error(place, format!("archive `{name}`: {m}")))?;
-        if !self.shared.files.insert(path.clone()) {
+        if self.shared.files.insert(path.clone()) {
+            self.shared.read += bytes.len() as u64;
+        } else {
             self.repeat(bytes.len(), place)?;
         }
         self.nested(&path, 1, &bytes, ri, on_directive)
     }
 
-    /// Count an archive that is read again: a few lines could read each other more often than there is time for.
+    /// Count an archive that is read again: a few lines could read each other more often than there is time for. A long scene may read
+    /// its archives more often than a short one.
     fn repeat(&mut self, n_bytes: usize, place: Spot) -> Result<(), Box<RibError>> {
         /// Bytes that a short archive counts for.
         const LEAST: u64 = 256;
+        /// Bytes that may be read again for each byte of the scene and of its archives.
+        const GAIN: u64 = 4096;
         self.shared.repeated += (n_bytes as u64).max(LEAST);
-        let most = (guard::memory::limit() / 4).min(8 << 30);
+        let (limit, own) = (guard::memory::limit(), self.shared.read.saturating_mul(GAIN));
+        let most = (limit / 32 + own).min(limit / 4).min(8 << 30);
         if self.shared.repeated <= most {
             return Ok(());
         }
         let message = format!(
-            "archives are read again and again, {} in all, which is more than a quarter of the memory that reading may take; --memory allows more",
-            Bytes(most)
+            "archives are read again and again, {} in all, which is more than a scene of {} may; --memory allows more",
+            Bytes(most),
+            Bytes(self.shared.read)
         );
         Err(self.error(place, message))
     }

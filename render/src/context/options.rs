@@ -3,15 +3,13 @@
 use crate::context::state::{Context, positive};
 use crate::film::display::Display;
 use crate::film::filter::FilterKind;
+use crate::film::image::LONGEST_SIDE;
 use crate::scene::options::Hider;
 use crate::texture;
 use glam::Mat4;
 use ri::{Fail, Params, RiResult, Values};
 use sl::machine::Answer;
 use std::path::{Component, Path};
-
-/// The largest image, pixels along a side.
-const MAX_SIZE: i32 = 65_536;
 
 /// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
 const MAX_PIXELS: i64 = 1 << 28;
@@ -22,8 +20,10 @@ const LONGEST_NAME: usize = 200;
 impl Context {
     /// Size of the image.
     pub(super) fn set_format(&mut self, width: i32, height: i32, aspect: f32) -> RiResult {
-        if !(1..=MAX_SIZE).contains(&width) || !(1..=MAX_SIZE).contains(&height) {
-            return Err(Fail::new(format!("format {width}×{height}: expected 1 to {MAX_SIZE} pixels along each side")));
+        let fits = |side: i32| usize::try_from(side).is_ok_and(|n| (1..=LONGEST_SIDE).contains(&n));
+        if !fits(width) || !fits(height) {
+            let message = format!("format {width}×{height}: expected 1 to {LONGEST_SIDE} pixels along each side");
+            return Err(Fail::new(message));
         }
         if width as i64 * height as i64 > MAX_PIXELS {
             let max = MAX_PIXELS / 1_000_000;

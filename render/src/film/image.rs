@@ -4,6 +4,9 @@ use crate::film::display::{self, Aov, Channel, Display, Layer, channels};
 use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
+/// Longest side of an image, pixels.
+pub const LONGEST_SIDE: usize = 65_536;
+
 /// An image: colour, coverage and arbitrary output variables of each pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {

@@ -11,6 +11,7 @@ use glam::{Mat4, Vec3};
 use sl::ir::Ask;
 use sl::machine::Answer;
 use std::collections::HashMap;
+use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
@@ -49,7 +50,8 @@ impl Scene {
         const MOST: usize = 16 << 20;
         let before = self.printed.fetch_add(text.len(), Ordering::Relaxed);
         if before < MOST {
-            sl::machine::print(text);
+            // That nobody reads it stops no shader.
+            let _ = std::io::stderr().write_all(guard::text::terminal(text).as_bytes());
         } else {
             self.warn("shaders print more than 16 MiB: the rest is left out".into());
         }

@@ -3,6 +3,7 @@
 use super::types::*;
 use crate::ShapeKind;
 use crate::geometry::{Hull, Surface};
+use crate::shape::FARTHEST;
 use frame::Fault;
 use frame::yaml::Document;
 use glam::{DQuat, DVec3};
@@ -111,6 +112,14 @@ pub fn count(file: &ShapeFile) -> usize {
 
 /// Check and resolve a shape. `key` is its key in the file, `what` the name of its owner for messages.
 pub fn resolve(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
+    let shape = resolve_any(doc, key, what, file)?;
+    match shape.size.max_element().max(shape.shift.abs().max_element()) <= FARTHEST {
+        true => Ok(shape),
+        false => Err(doc.fault(key, format!("{what} has a shape that reaches farther than {FARTHEST:e} m"))),
+    }
+}
+
+fn resolve_any(doc: &Document, key: &str, what: &str, file: &ShapeFile) -> Result<Shape, Fault> {
     if count(file) != 1 {
         return Err(doc.fault(key, format!("{what} needs exactly one shape: {NAMES}")));
     }
@@ -166,7 +175,7 @@ fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault
     positive(doc, &format!("{key}.scale"), file.scale)?;
     let points: Vec<DVec3> = match (&file.points, &file.file) {
         (Some(points), None) => points.iter().map(|p| DVec3::from_array(*p) * file.scale).collect(),
-        (None, Some(path)) => read_triangles(doc, &format!("{key}.file"), path, file.scale)?.0,
+        (None, Some(path)) => read_vertices(doc, &format!("{key}.file"), path, file.scale)?,
         _ => return Err(doc.fault(key, "needs exactly one of `points` and `file`")),
     };
     if points.iter().any(|p| !p.is_finite()) {
@@ -179,6 +188,21 @@ fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault
         .ok_or_else(|| doc.fault(key, "has points that lie in a plane: expected points that enclose a volume"))?;
     let size = hull.half_extent();
     Ok(Shape { hull: Some(hull), shift: centre, ..Shape::simple(ShapeKind::Hull, size) })
+}
+
+/// Vertices of an OBJ or STL file. An OBJ of vertices alone is a cloud of points.
+fn read_vertices(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<Vec<DVec3>, Fault> {
+    let (vertices, _) = read_triangles(doc, key, path, scale)?;
+    if !vertices.is_empty() {
+        return Ok(vertices);
+    }
+    let fail = |why: String| doc.fault(key, format!("{}: {why}", path.display()));
+    let text = guard::read_to_string(path).map_err(|e| fail(e.to_string()))?;
+    let vertex = |line: &str| -> Option<DVec3> {
+        let mut numbers = line.strip_prefix("v ")?.split_whitespace().map(str::parse::<f64>);
+        Some(DVec3::new(numbers.next()?.ok()?, numbers.next()?.ok()?, numbers.next()?.ok()?) * scale)
+    };
+    Ok(text.lines().filter_map(|line| vertex(line.trim())).collect())
 }
 
 /// Vertices and triangles of an OBJ or STL file.

@@ -6,7 +6,7 @@ use crate::colormap::{self, Map};
 use crate::expr::Expr;
 use frame::Fault;
 use frame::yaml::Document;
-use ri::Params;
+use ri::{Param, Params, Values};
 
 /// A compiled expression and its key in the file.
 #[derive(Clone, Debug)]
@@ -108,7 +108,10 @@ impl Object<String, String> {
     pub fn compile(self, doc: &Document, i: usize) -> Result<Object, Fault> {
         let key = format!("objects.{i}");
         let color = match self.color {
-            Color::Rgb(rgb) => Color::Rgb(rgb),
+            Color::Rgb(rgb) if rgb.iter().all(|x| x.is_finite()) => Color::Rgb(rgb),
+            Color::Rgb(_) => {
+                return Err(doc.fault(&format!("{key}.color"), "is not finite, expected red, green and blue"));
+            }
             Color::By { value, map, range } => {
                 let found = colormap::named(&map)
                     .ok_or_else(|| doc.unknown(&format!("{key}.color.map"), "colour map", &map, &colormap::names()))?;
@@ -121,6 +124,15 @@ impl Object<String, String> {
         };
         if self.opacity.is_some_and(|o| !(0.0..=1.0).contains(&o)) {
             return Err(doc.fault(&format!("{key}.opacity"), "expected a number from 0 to 1"));
+        }
+        for (part, shader) in [("surface", &self.surface), ("displacement", &self.displacement)] {
+            let is_finite =
+                |param: &Param| !matches!(&param.values, Values::Floats(v) if v.iter().any(|x| !x.is_finite()));
+            let params = shader.iter().flat_map(|s| &s.params);
+            if let Some(param) = params.into_iter().find(|param| !is_finite(param)) {
+                let name = &param.decl.name;
+                return Err(doc.fault(&format!("{key}.{part}.{name}"), format!("`{name}` is not finite")));
+            }
         }
         let compile = |part: &str, text: String| Formula::compile(doc, format!("{key}.{part}"), &text);
         Ok(Object {

@@ -206,7 +206,7 @@ impl Binding {
         for formula in follow.into_iter().chain(self.objects.iter().flat_map(Object::formulas)) {
             for column in formula.expr.columns() {
                 if !names.contains(&column.as_str()) {
-                    let message = format!("unknown column `{column}`, the data has {}", names.join(", "));
+                    let message = format!("unknown column `{column}`, the data has {}", frame::listed(&names));
                     let fault = self.doc.fault(&formula.key, message);
                     return Err(match nearest(column, names.iter().copied()) {
                         Some(near) => fault.hint(format!("did you mean `{near}`?")),

@@ -59,20 +59,24 @@ struct Image {
     camera: Option<String>,
     output: Output,
     table: Table,
-    objects: Vec<Drawn>,
+    /// The objects, each with the key of its element.
+    objects: Vec<(String, Drawn)>,
+    /// The key of the settings, and that of the data.
+    keys: [String; 2],
     made: Vec<(String, String)>,
     folders: Vec<PathBuf>,
 }
 
 impl Image {
     fn check(self, doc: &Document) -> Result<Binding, Fault> {
+        let doc = &self.places(doc);
         self.output.check(doc)?;
         let layout = self.table.layout(delimiter(doc, self.table.delimiter)?);
         some_objects(doc, self.objects.len())?;
         let Table { pattern, derive, select, .. } = self.table;
         let place = Place::Csv { pattern, layout, rename: BTreeMap::new() };
         let data = Data::compile(doc, Some(place), &derive, select.as_deref())?;
-        let compile = |(i, object): (usize, Drawn)| object.compile(doc, i);
+        let compile = |(i, (_, object)): (usize, (String, Drawn))| object.compile(doc, i);
         Ok(Binding {
             doc: doc.clone(),
             model: None,
@@ -88,6 +92,36 @@ impl Image {
             folders: self.folders,
             passes: vec![],
         })
+    }
+}
+
+impl Image {
+    /// The document, in which the keys of a metadata file, by which faults of a binding are found, stand where the job says the same.
+    fn places(&self, doc: &Document) -> Document {
+        let mut doc = doc.clone();
+        let [settings, data] = &self.keys;
+        let parts = [("resolution", "resolution"), ("samples", "pixelsamples"), ("shading_rate", "shadingrate")];
+        for (key, own) in parts {
+            doc.stand(&format!("output.{key}"), &format!("{settings}.{own}"));
+        }
+        for (key, own) in [("output", settings.as_str()), ("data", data.as_str()), ("scene", ROOT), ("objects", ROOT)] {
+            doc.stand(key, own);
+        }
+        let parts = [
+            ("select", "condition"),
+            ("color", "color"),
+            ("geometry", "geometry"),
+            ("surface", "shader"),
+            ("displacement", "shader"),
+        ];
+        for (i, (own, _)) in self.objects.iter().enumerate() {
+            doc.stand(&format!("objects.{i}"), own);
+            doc.stand(&format!("objects.{i}.position"), data);
+            for (key, part) in parts {
+                doc.stand(&format!("objects.{i}.{key}"), &format!("{own}.{part}"));
+            }
+        }
+        doc
     }
 }
 
@@ -132,6 +166,7 @@ fn image(job: &Job<'_>, top: &Map, pass: Option<&(String, Map)>) -> Result<Image
     let simulation = job.map(&key, &simulation, &["name", "data", "renderobject", "dataprocess"])?;
     let mut table = data::table(job, &key, &simulation, &places)?;
     data::processes(job, &format!("{key}.dataprocess"), simulation.get("dataprocess"), &mut table)?;
+    let data_key = format!("{key}.data");
     let (at, list) = match pass.and_then(|(key, map)| Some((key, map.get("renderobject")?))) {
         Some((key, own)) => (format!("{key}.renderobject"), Some(own)),
         None => (format!("{key}.renderobject"), simulation.get("renderobject")),
@@ -139,12 +174,14 @@ fn image(job: &Job<'_>, top: &Map, pass: Option<&(String, Map)>) -> Result<Image
     let mut objects = Vec::new();
     let mut source = Source { job, table: &table, places: &places, made: &mut made };
     for (k, (key, value)) in list_of(&at, list).into_iter().enumerate() {
-        objects.extend(source.objects(&key, k, &value)?);
+        objects.extend(source.objects(&key, k, &value)?.into_iter().map(|object| (key.clone(), object)));
     }
     if let Some(surface) = parts.surface {
-        objects.iter_mut().for_each(|o| o.surface = Some(surface.clone()));
+        objects.iter_mut().for_each(|(_, o)| o.surface = Some(surface.clone()));
     }
-    Ok(Image { scene_file, camera, output, table, objects, made, folders: places.0 })
+    let settings = pass.map_or(ROOT.into(), |(key, _)| format!("{key}.settings"));
+    let keys = [settings, data_key];
+    Ok(Image { scene_file, camera, output, table, objects, keys, made, folders: places.0 })
 }
 
 /// Settings of a pass; the surface that it puts on everything, if it does.

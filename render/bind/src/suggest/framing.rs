@@ -114,19 +114,18 @@ impl<'a> Classes<'a> {
         const MECHANISM: f32 = 8.0;
         let moving = self.moving();
         let is_of = |name: &str| moving.contains(name) || containers.contains(&name);
-        let [lo, hi] = union(self.frames.iter().filter_map(|frame| {
+        let [mut lo, mut hi] = union(self.frames.iter().filter_map(|frame| {
             let things =
                 frame.iter().filter(|(name, _)| is_of(name)).flat_map(|(_, class)| class.things.iter().copied());
             without_strays(things)
         }))?;
-        let standing =
-            self.frames.first()?.iter().filter(|(name, _)| !is_of(name)).flat_map(|(_, class)| &class.things);
+        let first = self.frames.first()?;
+        let standing = first.iter().filter(|(name, _)| !is_of(name)).flat_map(|(_, class)| &class.things);
         let standing: Vec<&Thing> = standing.copied().collect();
-        let n_bodies = self.frames.first()?.values().flat_map(|c| &c.things).filter(|thing| thing.is_body).count();
+        let n_bodies = first.values().flat_map(|c| &c.things).filter(|thing| thing.is_body).count();
         // What is larger than the action goes on out of the image; but of few bodies those that hang together are a mechanism, of
         // which one may have begun to move.
         let (larger, rounds) = if n_bodies < MANY { (MECHANISM, n_bodies) } else { (1.0, 1) };
-        let (mut lo, mut hi) = (lo, hi);
         for _ in 0..rounds {
             let margin = MARGIN * (hi - lo);
             let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();

@@ -60,7 +60,7 @@ impl<'a> Names<'a> {
         let position = position.ok_or_else(|| {
             let misread = position_of(frame, any).and_then(|names| names.iter().find_map(|name| misread(frame, name)));
             misread.unwrap_or_else(|| {
-                let names = frame.names().join(", ");
+                let names = frame::listed(&frame.names());
                 format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {names}")
             })
         })?;

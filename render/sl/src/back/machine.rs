@@ -17,6 +17,6 @@ mod text;
 
 pub use super::bound::{Answer, BoundShader};
 pub use super::points::Points;
-pub use super::scene::{Emitter, Lights, MapQuery, Ray, Scene, Segment, print};
+pub use super::scene::{Emitter, Lights, MapQuery, Ray, Scene, Segment};
 pub use super::slots::VariableSlots;
 pub use state::Machine;

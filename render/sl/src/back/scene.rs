@@ -2,7 +2,6 @@
 
 use super::bound::{Answer, BoundShader};
 use crate::ir::{Ask, Lookup};
-use std::io::Write;
 use std::sync::Arc;
 
 /// The queries that a shader makes of the scene. A query for many points is one call, so that it can be answered in bulk; its
@@ -48,17 +47,8 @@ pub trait Scene {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// Take the text that `printf` prints.
-    fn print(&self, text: &str) {
-        print(text);
-    }
-}
-
-/// Write text to the standard error, without control characters but tabs and ends of lines.
-pub fn print(text: &str) {
-    let plain: String = text.chars().filter(|c| !c.is_control() || matches!(c, '\t' | '\n')).collect();
-    // That nobody reads it stops no shader.
-    let _ = std::io::stderr().write_all(plain.as_bytes());
+    /// Take the text that `printf` prints; by default it is dropped.
+    fn print(&self, _text: &str) {}
 }
 
 /// A ray, in the current space.
@@ -100,7 +90,6 @@ impl Scene for Lights {
     fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
         None
     }
-    fn print(&self, _: &str) {}
 }
 
 /// A lookup in a map at one point.
