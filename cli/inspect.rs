@@ -63,12 +63,14 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
 }
 
 /// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
-fn write(data_path: &Path, Suggestion { path, frames }: &Suggestion) -> Outcome {
+fn write(data_path: &Path, Suggestion { path, frames, is_dump }: &Suggestion) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
     let mut data = Data { rename: BTreeMap::new(), ..Data::default() };
     if data_path.is_dir() {
         data.run = Some(path_in_file);
+    } else if *is_dump {
+        data.files = Some(path_in_file);
     } else {
         data.csv = Some(path_in_file);
     }

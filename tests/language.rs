@@ -176,11 +176,19 @@ fn tables_of_other_programs_are_drawn_or_named() {
     scree(&["render", &at("m.yaml"), "--res", "64x48", "--samples", "2", "-o", &at("o")]).ok();
     let [first, second] = [0, 1].map(|k| image::open(at(&format!("o/00000{k}.png"))).unwrap().to_rgb8());
     assert!(crate::golden::worst_block(&first, &second).error > 20.0, "the first ball has fallen between the frames");
-    // What is no table is not taken for one: the dumps of LIGGGHTS and files of VTK.
-    for (file, what) in [("dump100.fill", ": is a dump of LAMMPS"), ("part100.vtk", ": is a legacy VTK file")] {
-        let said = scree(&["inspect", folder.join(file).to_str().unwrap()]).fails(4);
-        assert!(said.contains(&format!("{file}{what}")), "{said}");
-    }
+    // A dump of LIGGGHTS tells its columns; several time steps of one file are as many frames.
+    let dump = std::fs::read_to_string(folder.join("dump100.fill")).unwrap();
+    let next = dump.replacen("100", "250", 1).replace("-0.25 0 0.2 0", "-0.25 0 0.6 0");
+    std::fs::write(at("all.dump"), dump + &next).unwrap();
+    let said = scree(&["inspect", &at("all.dump"), "--write", &at("d.yaml")]).ok();
+    assert!(said.contains("2 frames") && said.contains("radius"), "{said}");
+    scree(&["check", &at("d.yaml")]).ok();
+    scree(&["render", &at("d.yaml"), "--res", "64x48", "--samples", "2", "-o", &at("d")]).ok();
+    let [first, second] = ["100", "250"].map(|k| image::open(at(&format!("d/000{k}.png"))).unwrap().to_rgb8());
+    assert!(crate::golden::worst_block(&first, &second).error > 20.0, "the first ball is higher in the second frame");
+    // What is no table is not taken for one, as files of VTK.
+    let said = scree(&["inspect", folder.join("part100.vtk").to_str().unwrap()]).fails(4);
+    assert!(said.contains("part100.vtk: is a legacy VTK file"), "{said}");
 }
 
 /// Two passes, a camera that moves, and data that is worked on first: the ball of row 2 alone is left, twice as large as it says.

@@ -243,7 +243,7 @@ fn what_is_no_table_is_named() {
     let work = scratch();
     for (name, bytes, expected, way) in [
         ("part.vtk", &b"# vtk DataFile Version 3.0\n"[..], "a legacy VTK file", "Save Data"),
-        ("dump100.liggghts", b"ITEM: TIMESTEP\n100\n", "a dump of LAMMPS or LIGGGHTS", "awk"),
+        ("dump100.liggghts", b"ITEM: TIMESTEP\n100\n", "ends here, expected `ITEM: ATOMS`", "interrupted"),
         ("table.csv", b"PK\x03\x04\0\0xl/workbook.xml", "an Excel workbook", "as CSV"),
         ("data.h5", b"\0\0\0\x01", "an HDF5 file", "to_csv"),
         ("data.bin", b"x\0\x01\x02", "is not text", "UTF-8"),

@@ -3,9 +3,10 @@
 use crate::args::InspectArgs;
 use crate::failed::FailedFrames;
 use crate::report::{Exit, Failure, Outcome};
-use bind::data::Source;
+use bind::data::{Source, Store};
 use frame::Frame;
 use frame::list;
+use frame::table::Stored;
 use std::path::PathBuf;
 
 /// Data to inspect.
@@ -30,6 +31,8 @@ pub struct Suggestion {
     pub path: PathBuf,
     /// Frames of the whole data, from which it is suggested.
     pub frames: Vec<Frame>,
+    /// Whether the data is dumps of LAMMPS or LIGGGHTS.
+    pub is_dump: bool,
 }
 
 impl InspectJob {
@@ -89,6 +92,8 @@ impl Suggestion {
                 Err(fault) => failed.note(frame, fault.into(), false, frames.len())?,
             }
         }
-        Ok(Suggestion { path, frames: read })
+        let is_dump =
+            matches!(&source.store, Store::Files { files, .. } if files.values().next().is_some_and(Stored::is_dump));
+        Ok(Suggestion { path, frames: read, is_dump })
     }
 }

@@ -9,7 +9,7 @@ mod values;
 
 pub use values::number;
 
-use crate::{Fault, FaultKind, Field, Frame, foreign, listed, read_bytes, repeated, text};
+use crate::{Column, Fault, FaultKind, Field, Frame, foreign, listed, read_bytes, repeated, text};
 use cells::{Row, Rows, Unclosed};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -38,6 +38,11 @@ pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
     }
     let text = text::decode(bytes).map_err(|at| foreign::binary(path, at))?;
     parse(path, &text, number, layout)
+}
+
+/// A column of cells: numbers if every cell that is not missing is one, else words. None if numbers in it are not written alike.
+pub(crate) fn column(cells: &[&str]) -> Option<Column> {
+    values::column(cells).ok().map(|(column, _)| column)
 }
 
 const ALIKE: &str = "write all numbers alike; separators of thousands are not read";
@@ -283,7 +288,6 @@ pub fn encode(frame: &Frame) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Column;
 
     fn read_text(text: &str) -> Result<Frame, Fault> {
         parse(Path::new("t.csv"), text, 0, &Layout::default())

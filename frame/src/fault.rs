@@ -60,6 +60,12 @@ impl Fault {
         Fault { kind, file: file.into(), line: 0, column: 0, text: String::new(), message: message.into(), hint: None }
     }
 
+    /// The fault in a file of whose text the fault's own was a part, after a number of lines.
+    pub fn moved(mut self, lines: usize) -> Fault {
+        self.line += if self.line > 0 { lines } else { 0 };
+        self
+    }
+
     /// Add advice on how to correct the fault.
     pub fn hint(mut self, hint: impl Into<String>) -> Fault {
         self.hint = Some(hint.into());

@@ -26,12 +26,6 @@ const VTK: Format = Format { name: "a legacy VTK file", hint: PARAVIEW, endings:
 const VTK_XML: Format =
     Format { name: "a VTK file in XML", hint: PARAVIEW, endings: &["vtu", "vtp", "pvtu", "pvtp", "vti", "vtr", "vts"] };
 const PVD: Format = Format { name: "a ParaView collection", hint: PARAVIEW, endings: &["pvd"] };
-const DUMP: Format = Format {
-    name: "a dump of LAMMPS or LIGGGHTS",
-    hint: "of a dump with one time step a file, make a table by: awk '/^ITEM: ATOMS/ {$1 = $2 = \"\"; on = 1; print; next} \
-           /^ITEM:/ {on = 0} on' dump100 > p_100.csv",
-    endings: &["lammpstrj", "liggghts", "dump"],
-};
 const HDF5: Format = Format {
     name: "an HDF5 file",
     hint: "write its tables as CSV, by Python: pandas.DataFrame(h5py.File(FILE)[NAME][:]).to_csv('p_0.csv', index=False)",
@@ -83,17 +77,16 @@ const IMAGE_FILE: Format =
 const PDF: Format = Format { name: "a PDF document", hint: IMAGE, endings: &["pdf"] };
 
 /// All formats, for their endings.
-const ALL: [Format; 23] = [
-    VTK, VTK_XML, PVD, DUMP, HDF5, NPY, NPZ, PARQUET, ARROW, JSON, XYZ, PLY, STL, OBJ, GZIP, PACKED, ZIP, XLSX, ODS,
-    MATLAB, IMAGE_FILE, PDF, RIB,
+const ALL: [Format; 22] = [
+    VTK, VTK_XML, PVD, HDF5, NPY, NPZ, PARQUET, ARROW, JSON, XYZ, PLY, STL, OBJ, GZIP, PACKED, ZIP, XLSX, ODS, MATLAB,
+    IMAGE_FILE, PDF, RIB,
 ];
 const RIB: Format =
     Format { name: "a RIB scene", hint: "a scene is rendered as it is: scree render FILE", endings: &["rib", "ribz"] };
 
 /// Formats by the bytes that all their files begin with.
-const MAGIC: [(&[u8], Format); 24] = [
+const MAGIC: [(&[u8], Format); 23] = [
     (b"# vtk DataFile", VTK),
-    (b"ITEM: ", DUMP),
     (b"\x89HDF\r\n\x1a\n", HDF5),
     (b"\x93NUMPY", NPY),
     (b"PAR1", PARQUET),
@@ -213,7 +206,6 @@ mod tests {
             (&b"# vtk DataFile Version 3.0\n"[..], Some("a legacy VTK file")),
             (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">", Some("a VTK file in XML")),
             (b"<VTKFile type=\"Collection\">", Some("a ParaView collection")),
-            (b"ITEM: TIMESTEP\n100\n", Some("a dump of LAMMPS or LIGGGHTS")),
             (b"PK\x03\x04....xl/workbook.xml", Some("an Excel workbook")),
             (b"PK\x03\x04....x.npy", Some("an archive of NumPy arrays")),
             (b"PK\x03\x04....x.txt", Some("a zip archive")),

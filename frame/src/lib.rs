@@ -9,12 +9,14 @@ pub mod arrow;
 pub mod atomic;
 mod column;
 pub mod csv;
+pub mod dump;
 mod fault;
 pub mod foreign;
 pub mod list;
 pub mod run;
 pub mod sequence;
 pub mod series;
+pub mod table;
 mod text;
 pub mod yaml;
 

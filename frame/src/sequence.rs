@@ -104,7 +104,7 @@ pub fn not_a_run(folder: &Path) -> Fault {
 /// Whether a file is a table by the ending of its name.
 pub fn is_table(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    ["csv", "tsv", "txt", "dat", "tab", "asc", "prn"].contains(&ending.as_str())
+    ["csv", "tsv", "txt", "dat", "tab", "asc", "prn", "dump", "lammpstrj", "liggghts"].contains(&ending.as_str())
 }
 
 /// The pattern of a file and its like: the last number of its name may be any.

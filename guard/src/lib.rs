@@ -5,10 +5,12 @@
 //! ([`memory`]). What of their text is printed, or becomes a name or a part of a script, goes through [`text`]. What it is that was
 //! named wrongly, and where, the reader knows: errors here are those of reading a file.
 
+mod decode;
 mod files;
 pub mod memory;
 pub mod text;
 
+pub use decode::read_image;
 pub use files::{
     allow, confine, give, is_one_of, leads_out, note, open, permit, read, read_stdin, read_to_string, seen, was_seen,
 };

@@ -219,13 +219,7 @@ fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
 impl Texture {
     /// Read an image.
     fn read(path: &std::path::Path, wrap: [Wrap; 2], room: usize, cache: &Arc<Cache>) -> Result<Texture, String> {
-        let file = guard::open(path).map_err(|e| e.to_string())?;
-        let mut reader =
-            image::ImageReader::new(std::io::BufReader::new(file)).with_guessed_format().map_err(|e| e.to_string())?;
-        let mut limits = image::Limits::default();
-        limits.max_alloc = Some((guard::memory::room() / 4).min(4 << 30));
-        reader.limits(limits);
-        let image = reader.decode().map_err(|e| e.to_string())?;
+        let image = guard::read_image(path)?;
         let (w, h) = (image.width() as usize, image.height() as usize);
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
         let linear = matches!(image, ImageRgb32F(_) | ImageRgba32F(_));

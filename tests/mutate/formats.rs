@@ -29,13 +29,14 @@ pub struct Format {
 }
 
 /// All formats. Reading a model or a metadata file resolves it, meshes and images are read as a model's terrain and as textures.
-pub const FORMATS: [Format; 15] = [
+pub const FORMATS: [Format; 16] = [
     Format::text("rib", "rib", 240, |_| folder("tests/corpus/rib"), rib),
     Format::text("sl", "sl", 240, |_| folder("tests/corpus/shader"), sl),
     Format::text("model", "yaml", 60, models, |path, _| model(path)),
     Format::text("metadata", "yaml", 60, metadata, |path, _| read_metadata(path)),
     Format::text("job", "yml", 40, jobs, |path, _| read_metadata(path)),
     Format::text("csv", "csv", 120, |_| tables(), |path, _| frame::csv::read(path, 0, &Default::default()).is_ok()),
+    Format::text("dump", "dump", 40, |_| dumps(), |path, _| dump(path)),
     Format::text("run_json", "json", 40, run_index, run_json),
     Format::text("obj", "obj", 30, obj, |path, _| model(&path.with_file_name("obj.yaml"))),
     Format::text("grid", "txt", 20, grid, |path, _| model(&path.with_file_name("grid.yaml"))),
@@ -43,7 +44,7 @@ pub const FORMATS: [Format; 15] = [
     Format::text("arrow", "arrow", 60, |_| vec![frame::arrow::encode(&table())], arrow).binary(),
     Format {
         mend: Some(hash),
-        ..Format::text("checkpoint", "state", 30, checkpoint, |path, _| sim::checkpoint::read(path).is_ok()).binary()
+        ..Format::text("checkpoint", "state", 30, checkpoint, |path, _| resumes(path)).binary()
     },
     Format::text("stl", "stl", 30, stl, |path, _| model(&path.with_file_name("stl.yaml"))).binary(),
     Format::text("png", "png", 5, |work| images(work, "png"), |path, _| image(path)).binary(),
@@ -154,6 +155,19 @@ fn tables() -> Vec<Vec<u8>> {
     all
 }
 
+fn dumps() -> Vec<Vec<u8>> {
+    let own = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign/dump100.fill"));
+    let own = own.expect("a dump of the tree");
+    let tilted = "ITEM: TIMESTEP\n7\nITEM: TIME\n0.5\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS xy xz yz pp pp pp\n-1 3 2\n0 5 0\n2 3 1\nITEM: ATOMS id xs ys zs\n1 0 0.5 1\n2 1 0.25 0\n";
+    vec![[&own[..], tilted.as_bytes()].concat(), own]
+}
+
+/// Read all time steps of a dump.
+fn dump(path: &Path) -> bool {
+    let read = |(number, table): (u64, frame::table::Stored)| table.read(number, &Default::default()).is_ok();
+    frame::table::find(path).is_ok_and(|found| found.into_iter().map(read).fold(true, |all, one| all & one))
+}
+
 /// A frame as a run has it.
 fn table() -> Frame {
     let mut frame = Frame::new(3, 0.25);
@@ -187,8 +201,7 @@ fn simulate(work: &Path, run: &Path) {
     struct Quiet;
     impl sim::run::Observer for Quiet {}
     let path = work.join("ball.yaml");
-    let text =
-        "checkpoint_interval: 0.05\nbodies: [{name: a, material: m, sphere: {radius: 0.1}, position: [0, 0, 1]}]\n";
+    let text = "checkpoint_interval: 0.05\nbodies: [{name: a, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.1]}, {name: g, material: m, plane: {normal: [0, 0, 1]}}]\n";
     std::fs::write(&path, format!("{MODEL}{text}")).expect("a model");
     let (file, resolved) = model_file::read(&path).expect("the model is sound");
     let span = sim::run::Span { until: None, resume: false };
@@ -200,6 +213,17 @@ fn checkpoint(work: &Path) -> Vec<Vec<u8>> {
     simulate(work, &run);
     let path = sim::checkpoint::latest(&run).expect("a run").expect("a checkpoint");
     vec![std::fs::read(path).expect("a checkpoint")]
+}
+
+/// Go on from a checkpoint for a few steps, as a run that is resumed does.
+fn resumes(path: &Path) -> bool {
+    let (_, resolved) = model_file::read(&path.with_file_name("ball.yaml")).expect("the model is sound");
+    let Ok((state, _)) = sim::checkpoint::read(path) else { return false };
+    if state.fit(&resolved.model).is_err() {
+        return false;
+    }
+    let mut sim = sim::Simulation::new(resolved.model, state);
+    (0..3).all(|_| sim.step().broken.is_none())
 }
 
 /// Give most checkpoints the hash of what they hold.

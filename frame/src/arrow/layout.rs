@@ -121,7 +121,8 @@ fn columns(batch: &RecordBatch<'_>, body: &[u8], widths: &[usize]) -> Result<(),
     let columns = buffers(batch, body, 2)?;
     let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
     let fits = |((n, own), width): (&(usize, Vec<&[u8]>), &usize)| {
-        *n == rows && n.checked_mul(*width).is_some_and(|bytes| own[1].len() >= bytes)
+        let is_whole = own[1].len().is_multiple_of(*width);
+        *n == rows && is_whole && n.checked_mul(*width).is_some_and(|bytes| own[1].len() >= bytes)
     };
     if columns.len() == widths.len() && columns.iter().zip(widths).all(fits) {
         return Ok(());
@@ -143,7 +144,7 @@ fn dictionary(batch: &DictionaryBatch<'_>, body: &[u8]) -> Result<(), String> {
     }
     let ends = own[1].chunks_exact(4).map(|b| i32::from_le_bytes(b.try_into().unwrap_or_default()));
     let ends: Vec<i32> = ends.take(n + 1).collect();
-    let is_in_order = ends.len() == n + 1 && ends[0] >= 0 && ends.is_sorted();
+    let is_in_order = own[1].len().is_multiple_of(4) && ends.len() == n + 1 && ends[0] >= 0 && ends.is_sorted();
     let words =
         ends.last().and_then(|end| own[2].get(..usize::try_from(*end).ok()?)).filter(|_| is_in_order).ok_or(bad)?;
     // Each word is text of its own.

@@ -1,10 +1,11 @@
-//! Sources of frames: a run directory, or CSV files found by a pattern.
+//! Sources of frames: a run directory, or tables of other programs found by a pattern.
 
 use crate::expr::Expr;
 use frame::csv::Layout;
 use frame::run::RunReader;
-use frame::{Column, Fault, FaultKind, Frame, sequence};
-use std::collections::BTreeMap;
+use frame::table::{self, Stored};
+use frame::{Column, Fault, FaultKind, Frame};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A source of frames, with the operations on each frame: derived columns, then the selection of rows.
@@ -18,16 +19,16 @@ pub struct Source {
     pub select: Option<Expr>,
 }
 
-/// Stored frames: a run directory or CSV files.
+/// Stored frames: a run directory or tables of other programs.
 #[derive(Clone, Debug)]
 pub enum Store {
     /// A run directory.
     Run(RunReader),
-    /// CSV files by frame number.
-    Csv {
-        /// Paths of the files by frame number.
-        files: BTreeMap<u64, PathBuf>,
-        /// Layout of the files.
+    /// Tables of other programs.
+    Files {
+        /// The tables by frame number.
+        files: BTreeMap<u64, Stored>,
+        /// Layout of those that are CSV files.
         layout: Layout,
         /// New names of columns, by their old ones.
         rename: BTreeMap<String, String>,
@@ -41,12 +42,12 @@ impl From<Store> for Source {
 }
 
 impl Source {
-    /// Open the source at a path: a run directory, or a CSV file or pattern of CSV files. An error if there is none.
+    /// Open the source at a path: a run directory, or a table of another program, or a pattern of such files. An error if there is none.
     pub fn open(path: &Path) -> Result<Source, Fault> {
         let store = if path.is_dir() {
             Store::Run(RunReader::open(path)?)
         } else {
-            Store::Csv { files: sequence::find(path)?, layout: Layout::default(), rename: BTreeMap::new() }
+            Store::Files { files: table::find(path)?, layout: Layout::default(), rename: BTreeMap::new() }
         };
         Ok(store.into())
     }
@@ -55,7 +56,7 @@ impl Source {
     pub fn numbers(&self) -> Vec<u64> {
         match &self.store {
             Store::Run(run) => run.numbers(),
-            Store::Csv { files, .. } => files.keys().copied().collect(),
+            Store::Files { files, .. } => files.keys().copied().collect(),
         }
     }
 
@@ -63,37 +64,39 @@ impl Source {
     pub fn files(&self) -> Vec<PathBuf> {
         match &self.store {
             Store::Run(run) => run.index.frames.iter().map(|frame| run.folder.join(&frame.file)).collect(),
-            Store::Csv { files, .. } => files.values().cloned().collect(),
+            Store::Files { files, .. } => {
+                files.values().map(|stored| stored.path.clone()).collect::<BTreeSet<_>>().into_iter().collect()
+            }
         }
     }
 
-    /// Numbers of the missing frames: those that an interrupted simulation did not reach. Empty for CSV files.
+    /// Numbers of the missing frames: those that an interrupted simulation did not reach. Empty for tables of other programs.
     pub fn missing(&self) -> Vec<u64> {
         match &self.store {
             Store::Run(run) => {
                 let have = self.numbers();
                 (0..run.index.expected_frames).filter(|f| have.binary_search(f).is_err()).collect()
             }
-            Store::Csv { .. } => vec![],
+            Store::Files { .. } => vec![],
         }
     }
 
-    /// The hash of the model that was run; `None` for CSV files.
+    /// The hash of the model that was run; `None` for tables of other programs.
     pub fn run_hash(&self) -> Option<&str> {
         match &self.store {
             Store::Run(run) => Some(&run.index.model_hash),
-            Store::Csv { .. } => None,
+            Store::Files { .. } => None,
         }
     }
 
     /// Read a frame, compute its derived columns and select its rows. An error if the file is bad or an expression cannot be
-    /// evaluated. Panics if a CSV source has no frame of this number.
+    /// evaluated. Panics if tables of other programs have no frame of this number.
     pub fn read(&self, number: u64) -> Result<Frame, Fault> {
         let (mut frame, path) = match &self.store {
             Store::Run(run) => (run.read_frame(number)?, run.folder.clone()),
-            Store::Csv { files, layout, rename } => {
-                let path = &files[&number];
-                let mut frame = frame::csv::read(path, number, layout)?;
+            Store::Files { files, layout, rename } => {
+                let path = &files[&number].path;
+                let mut frame = files[&number].read(number, layout)?;
                 for (field, _) in &mut frame.columns {
                     if let Some(new) = rename.get(&field.name) {
                         field.name.clone_from(new);

@@ -249,14 +249,7 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
     let (heights, n) = match (&file.image, &file.grid) {
         (Some(path), None) => {
             let fail = |why: String| doc.fault(&format!("{key}.image"), format!("{}: {why}", path.display()));
-            let mut image =
-                image::ImageReader::new(BufReader::new(guard::open(path).map_err(|e| fail(e.to_string()))?))
-                    .with_guessed_format()
-                    .map_err(|e| fail(e.to_string()))?;
-            let mut limits = image::Limits::default();
-            limits.max_alloc = Some(guard::memory::room() / 4);
-            image.limits(limits);
-            let image = image.decode().map_err(|e| fail(e.to_string()))?.into_luma16();
+            let image = guard::read_image(path).map_err(fail)?.into_luma16();
             let [black, white] = file.height;
             let (nx, ny) = (image.width() as usize, image.height() as usize);
             // The image's first row is the far side, +y.

@@ -5,7 +5,7 @@ use crate::data::{Source, Store};
 use crate::expr::Expr;
 use frame::csv::Layout;
 use frame::yaml::Document;
-use frame::{Fault, Frame, nearest, run, sequence};
+use frame::{Fault, Frame, nearest, run, table};
 use ri::files::Files;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -57,11 +57,11 @@ pub struct Data {
 pub enum Place {
     /// A run directory.
     Run(PathBuf),
-    /// CSV files.
-    Csv {
+    /// Tables of other programs.
+    Files {
         /// Path of the files, in which `*` stands for any characters.
         pattern: PathBuf,
-        /// Layout of the files.
+        /// Layout of those that are CSV files.
         layout: Layout,
         /// New names of columns, by their old ones.
         rename: BTreeMap<String, String>,
@@ -183,15 +183,15 @@ impl Binding {
     /// Open the data. An error if the binding names no data, or not exactly one place of it, or the data cannot be opened.
     pub fn open_data(&self) -> Result<Source, Fault> {
         let Some(data) = &self.data else {
-            return Err(self.doc.fault("data", "names no data: expected `data: {run: …}` or `data: {csv: …}`"));
+            return Err(self.doc.fault("data", "names no data: expected `data: {run: …}` or `data: {files: …}`"));
         };
         let store = match &data.place {
             Some(Place::Run(folder)) => Store::Run(run::RunReader::open(&self.folder().join(folder))?),
-            Some(Place::Csv { pattern, layout, rename }) => {
-                let files = sequence::find(&self.folder().join(pattern))?;
-                Store::Csv { files, layout: layout.clone(), rename: rename.clone() }
+            Some(Place::Files { pattern, layout, rename }) => {
+                let files = table::find(&self.folder().join(pattern))?;
+                Store::Files { files, layout: layout.clone(), rename: rename.clone() }
             }
-            None => return Err(self.doc.fault("data", "needs exactly one of `run` and `csv`")),
+            None => return Err(self.doc.fault("data", "needs exactly one of `run`, `files` and `csv`")),
         };
         Ok(Source { store, derive: data.derive.clone(), select: data.select.clone() })
     }

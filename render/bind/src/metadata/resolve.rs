@@ -71,11 +71,11 @@ fn output(o: types::Output) -> Output {
 }
 
 fn resolve_data(data: types::Data, delimiter: Option<u8>, doc: &Document) -> Result<Data, Fault> {
-    let place = match (data.run, data.csv) {
-        (Some(folder), None) => Some(Place::Run(folder)),
-        (None, Some(pattern)) => {
+    let place = match (data.run, data.files, data.csv) {
+        (Some(folder), None, None) => Some(Place::Run(folder)),
+        (None, Some(pattern), None) | (None, None, Some(pattern)) => {
             let layout = Layout { delimiter, header: data.header, names: data.columns, min_cells: data.least_cells };
-            Some(Place::Csv { pattern, layout, rename: data.rename })
+            Some(Place::Files { pattern, layout, rename: data.rename })
         }
         _ => None,
     };

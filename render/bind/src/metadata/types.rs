@@ -36,14 +36,18 @@ pub struct Metadata {
     pub movie: Movie,
 }
 
-/// The place of the data, exactly one of `run` and `csv`, and the operations on each frame.
+/// The place of the data, exactly one of `run`, `files` and `csv`, and the operations on each frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct Data {
     /// A run directory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<PathBuf>,
-    /// CSV files, in whose name `*` stands for any characters; the last number in a file's name is its frame number.
+    /// Tables of other programs, told by their content: CSV files, or dumps of LAMMPS and LIGGGHTS. In the name `*` stands for any
+    /// characters; the last number in a file's name is its frame number, or the time step where a dump has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub files: Option<PathBuf>,
+    /// The same, as metadata files of CSV files have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub csv: Option<PathBuf>,
     /// Delimiter of cells; detected if not given.
