@@ -89,6 +89,10 @@ impl WatchState {
     pub(crate) fn fit(&self, n_bodies: usize, n_acting: usize) -> Result<(), String> {
         let is_started = self.diagonal != 0.0;
         let [bodies, acting] = if is_started { [n_bodies, n_acting] } else { [0, 0] };
+        let sizes = [self.diagonal, self.mass, self.by_size];
+        if !sizes.iter().all(|size| size.is_finite() && *size >= 0.0) || self.min_energy.is_nan() {
+            return Err("has a watch whose sizes are none".into());
+        }
         match self.lowest.len() == bodies && self.acting.len() == acting {
             true => Ok(()),
             false => Err("has a watch of other bodies or joints than the model's".into()),

@@ -244,6 +244,8 @@ fn read_triangles(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<
 }
 
 fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Result<Shape, Fault> {
+    /// Bytes that a height takes while its surface is made.
+    const POINT: u64 = 200;
     file.size.iter().try_for_each(|l| positive(doc, &format!("{key}.size"), *l))?;
     finite(doc, &format!("{key}.height"), &file.height)?;
     let (heights, n) = match (&file.image, &file.grid) {
@@ -266,6 +268,9 @@ fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Resu
     };
     if n[0] < 2 || n[1] < 2 {
         return Err(doc.fault(key, format!("has {}×{} heights, expected at least 2×2", n[0], n[1])));
+    }
+    if (n[0] * n[1]) as u64 * POINT > guard::memory::room() {
+        return Err(doc.fault(key, format!("has {}×{} heights: {}", n[0], n[1], guard::memory::Full)));
     }
     let spacing = [0, 1].map(|k| file.size[k] / (n[k] - 1) as f64);
     let origin = file.size.map(|l| -0.5 * l);
