@@ -4,6 +4,7 @@ use crate::job::{InspectJob, Suggestion};
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
 use bind::metadata::Data;
+use frame::table::Kind;
 use frame::{Column, Frame, list};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -63,17 +64,15 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
 }
 
 /// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
-fn write(data_path: &Path, Suggestion { path, frames, is_dump }: &Suggestion) -> Outcome {
+fn write(data_path: &Path, Suggestion { path, frames, kind }: &Suggestion) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
     let mut data = Data { rename: BTreeMap::new(), ..Data::default() };
-    if data_path.is_dir() {
-        data.run = Some(path_in_file);
-    } else if *is_dump {
-        data.files = Some(path_in_file);
-    } else {
-        data.csv = Some(path_in_file);
-    }
+    *(match kind {
+        None => &mut data.run,
+        Some(Kind::Csv) => &mut data.csv,
+        Some(_) => &mut data.files,
+    }) = Some(path_in_file);
     let suggestion = bind::suggest::metadata(data, frames)
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", data_path.display())))?;
     if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&suggestion.yaml) {

@@ -6,7 +6,7 @@ use crate::report::{Exit, Failure, Outcome};
 use bind::data::{Source, Store};
 use frame::Frame;
 use frame::list;
-use frame::table::Stored;
+use frame::table::Kind;
 use std::path::PathBuf;
 
 /// Data to inspect.
@@ -31,8 +31,8 @@ pub struct Suggestion {
     pub path: PathBuf,
     /// Frames of the whole data, from which it is suggested.
     pub frames: Vec<Frame>,
-    /// Whether the data is dumps of LAMMPS or LIGGGHTS.
-    pub is_dump: bool,
+    /// What the files of the data are, if it is no run directory.
+    pub kind: Option<Kind>,
 }
 
 impl InspectJob {
@@ -92,8 +92,10 @@ impl Suggestion {
                 Err(fault) => failed.note(frame, fault.into(), false, frames.len())?,
             }
         }
-        let is_dump =
-            matches!(&source.store, Store::Files { files, .. } if files.values().next().is_some_and(Stored::is_dump));
-        Ok(Suggestion { path, frames: read, is_dump })
+        let kind = match &source.store {
+            Store::Files { files, .. } => files.values().next().map(|stored| stored.kind),
+            Store::Run(_) => None,
+        };
+        Ok(Suggestion { path, frames: read, kind })
     }
 }

@@ -6,27 +6,40 @@ use crate::{Fault, FaultKind, Frame, sequence};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// What a file of tables is, told by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Text in rows and cells: CSV in its dialects.
+    Csv,
+    /// A dump of LAMMPS or LIGGGHTS.
+    Dump,
+}
+
+impl Kind {
+    /// The kind of a file; CSV if it is no other, and where it cannot be opened.
+    pub fn of(path: &Path) -> Kind {
+        if dump::is_dump(path) { Kind::Dump } else { Kind::Csv }
+    }
+}
+
 /// A frame's table: a file, or a part of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// The file.
     pub path: PathBuf,
-    /// The time step of a dump that has several.
-    snapshot: Option<Snapshot>,
+    /// What it is.
+    pub kind: Kind,
+    /// The part of a file that has several tables.
+    part: Option<Snapshot>,
 }
 
 impl Stored {
-    /// Whether the table is one of a dump of LAMMPS or LIGGGHTS.
-    pub fn is_dump(&self) -> bool {
-        self.snapshot.is_some() || dump::is_dump(&self.path)
-    }
-
-    /// Read the table as the frame `number`: a dump of LAMMPS or LIGGGHTS if it begins as one does, else a CSV file of a layout.
+    /// Read the table as the frame `number`; a CSV file by its layout.
     pub fn read(&self, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-        if self.is_dump() {
-            return dump::read(&self.path, self.snapshot.as_ref(), number);
+        match self.kind {
+            Kind::Csv => csv::read(&self.path, number, layout),
+            Kind::Dump => dump::read(&self.path, self.part.as_ref(), number),
         }
-        csv::read(&self.path, number, layout)
     }
 }
 
@@ -35,16 +48,17 @@ impl Stored {
 pub fn find(pattern: &Path) -> Result<BTreeMap<u64, Stored>, Fault> {
     let files = sequence::find(pattern)?;
     let several = match files.values().next() {
-        Some(first) if dump::is_dump(first) => dump::snapshots(first)?.len() > 1,
+        Some(first) if Kind::of(first) == Kind::Dump => dump::snapshots(first)?.len() > 1,
         _ => false,
     };
     if !several {
-        return Ok(files.into_iter().map(|(number, path)| (number, Stored { path, snapshot: None })).collect());
+        let whole = |(number, path): (u64, PathBuf)| (number, Stored { kind: Kind::of(&path), path, part: None });
+        return Ok(files.into_iter().map(whole).collect());
     }
     let mut found: BTreeMap<u64, Stored> = BTreeMap::new();
     for path in files.into_values() {
         for snapshot in dump::snapshots(&path)? {
-            let stored = Stored { path: path.clone(), snapshot: Some(snapshot) };
+            let stored = Stored { path: path.clone(), kind: Kind::Dump, part: Some(snapshot) };
             if let Some(other) = found.insert(snapshot.step, stored) {
                 let message = format!("has the time step {}, and so has {}", snapshot.step, other.path.display());
                 return Err(
