@@ -2,6 +2,7 @@
 //! checked in `job`.
 
 mod author;
+mod batch;
 mod bench;
 mod data;
 mod image;
@@ -9,6 +10,7 @@ mod simulate;
 mod value;
 
 pub use author::{CheckArgs, SchemaArgs, SchemaKind, ShaderArgs};
+pub use batch::{CutArgs, PlanArgs, ResumeArgs, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
 pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload};
 pub use data::{InspectArgs, PlotArgs};
 pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};
@@ -69,6 +71,24 @@ pub enum Command {
     /// The image of frame 12 is 000012.png, or .exr if the metadata says so. The images of a RIB scene have the names of its
     /// Display requests.
     Render(RenderArgs),
+    /// Say which tasks a film has and how long they take; make nothing.
+    Plan(PlanArgs),
+    /// Make a film by tasks: by Slurm, PBS or Grid Engine, or here.
+    ///
+    /// The model is simulated if its run is not there, the images that are missing or stale are drawn by arrays of tasks, and a last
+    /// task checks all of them and makes the movie. Tasks may be killed and run again at any time.
+    Submit(SubmitArgs),
+    /// Say how far a film, or a folder of images, is.
+    Status(StatusArgs),
+    /// Check that every image is whole and up to date.
+    ///
+    /// What is truncated, edited, missing or stale is named, with exit code 5.
+    Verify(VerifyArgs),
+    /// Submit the tasks of a film again that are not done.
+    Resume(ResumeArgs),
+    /// Run one task of a film, as job scripts do.
+    #[command(hide = true)]
+    Task(TaskArgs),
     /// Encode a folder of images as a movie.
     Movie(MovieArgs),
     /// Plot the probes of a run over time, as PNG and SVG.

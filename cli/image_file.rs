@@ -61,11 +61,3 @@ pub fn spare_others(path: &Path) -> Result<(), Fault> {
         Fault::whole(FaultKind::Input, path, "is a file that is no image: an image is not written in its place");
     Err(fault.hint("remove it, or write to another folder, -o DIR (--output)"))
 }
-
-/// Whether the file of an image exists, is complete and has this width and height.
-pub fn is_complete(path: &Path, [width, height]: [u32; 2]) -> bool {
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("png") => read_png(path).is_ok_and(|p| (p.width, p.height) == (width, height)),
-        _ => render::film::image::decode_size(path).is_some_and(|size| size == (width, height)),
-    }
-}

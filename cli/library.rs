@@ -16,6 +16,15 @@ pub fn files(folder: &Path) -> Files {
     Files { folders: vec![folder.into(), PathBuf::from(".")], built_in, ..Files::default() }
 }
 
+/// A hash of the built-in files of a search path, hexadecimal.
+pub fn hash(files: &Files) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for (path, text) in &files.built_in {
+        hasher.update(path.as_bytes()).update(&[0]).update(text.as_bytes()).update(&[0]);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
 fn collect(folder: &str, dir: &'static Dir<'static>, out: &mut Vec<(&'static str, &'static str)>) {
     for file in dir.files() {
         if let Some(text) = file.contents_utf8() {

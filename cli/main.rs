@@ -8,21 +8,27 @@
 mod print;
 
 mod args;
+mod batch;
 mod bench;
 mod check;
+mod displays;
 mod doctor;
 mod failed;
 mod geometry;
 mod image_file;
+mod images;
 mod inspect;
 mod interrupt;
 mod job;
+mod ledger;
 mod library;
 mod machine;
 mod model_run;
 mod movie;
+mod plan;
 mod plot;
 mod progress;
+mod ranges;
 mod render;
 mod report;
 mod rib;
@@ -33,13 +39,16 @@ mod shard_file;
 mod simulate;
 mod solve;
 mod source;
+mod status;
 mod stitch;
+mod submit;
+mod task;
 
 use args::{Args, Command};
 use clap::Parser;
 use job::{
-    BenchJob, CheckJob, InspectJob, MovieJob, PlotJob, RenderJob, RibJob, RunJob, SchemaJob, ShaderJob, SimulateJob,
-    SolveJob, StitchJob,
+    BenchJob, CheckJob, FilmJob, InspectJob, MovieJob, PlanJob, PlotJob, RenderJob, RibJob, RunJob, SchemaJob,
+    ShaderJob, SimulateJob, SolveJob, StatusJob, StitchJob, TaskJob,
 };
 use report::Exit;
 use std::process::ExitCode;
@@ -72,6 +81,12 @@ fn main() -> ExitCode {
         Command::Run(args) => RunJob::check(args).and_then(run::run),
         Command::Simulate(args) => SimulateJob::check(args).and_then(simulate::run),
         Command::Render(args) => RenderJob::check(args).and_then(render::run),
+        Command::Plan(args) => PlanJob::check(args).and_then(plan::run),
+        Command::Submit(args) => FilmJob::check(args).and_then(submit::run),
+        Command::Status(args) => StatusJob::check(args).and_then(status::run),
+        Command::Verify(args) => StatusJob::verify(args).and_then(status::verify),
+        Command::Resume(args) => FilmJob::resume(args).and_then(submit::run),
+        Command::Task(args) => TaskJob::check(args).and_then(task::run),
         Command::Movie(args) => MovieJob::check(args).and_then(movie::run),
         Command::Plot(args) => PlotJob::check(args).and_then(plot::run),
         Command::Inspect(args) => InspectJob::check(args).and_then(inspect::run),

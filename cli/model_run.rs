@@ -3,6 +3,7 @@
 use crate::geometry;
 use crate::interrupt::Listener;
 use crate::job::{FramesJob, ModelRun, Origin};
+use crate::ledger::Claims;
 use crate::machine;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
@@ -27,6 +28,14 @@ pub fn simulate(job: ModelRun) -> Outcome {
     let (duration, until) = (resolved.model.duration, span.until);
     if let Some(until) = until.filter(|until| *until > duration) {
         eprintln!("warning: --until {until} is after the end of the model: its `duration` is {duration} s");
+    }
+    let claims = Claims::open(&folder.join(".lock"));
+    let Some(_claim) = claims.claim("simulation") else {
+        let message = format!("{}: another process is simulating into it", folder.display());
+        return Err(Failure::new(Exit::Usage, message));
+    };
+    for place in [folder.clone(), folder.join("frames"), folder.join("checkpoints")] {
+        frame::atomic::sweep(&place);
     }
     say_what_is_there(&file, &folder, span.resume)?;
     let mut console = Console { progress: None, interruption: Listener::new() };

@@ -88,7 +88,7 @@ fn check_images(images: &[PathBuf]) -> Outcome<Format> {
                 first.width,
                 first.height
             );
-            let hint = "render all images at one resolution: `scree render … --missing --res WxH` renders those of others again";
+            let hint = "render all images at one resolution: `scree render … --res WxH` renders those of others again";
             return Err(Fault::whole(FaultKind::Data, path, message).hint(hint).into());
         }
         first.kind = first.kind.filter(|kind| format.kind == Some(*kind));

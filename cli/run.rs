@@ -2,7 +2,7 @@
 
 use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
 use crate::report::Outcome;
-use crate::{model_run, movie, render};
+use crate::{images, model_run, movie};
 use std::path::PathBuf;
 
 /// Run `scree run`.
@@ -10,8 +10,8 @@ pub fn run(job: RunJob) -> Outcome {
     let home = job.frames.home.clone();
     let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
     let (binding, source) = model_run::provide(job.frames)?;
-    let images = ImageJob::resolve(binding, source, job.images, &job.options)?;
-    let failed = render::images(&images, None, Statistics::default())?;
+    let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
+    let failed = images::render(&mut images, None, Statistics::default())?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());
@@ -19,11 +19,12 @@ pub fn run(job: RunJob) -> Outcome {
     // A movie that jumps over frames would be taken for a whole one.
     failed.outcome(n, "the others were rendered, and no movie is written")?;
     encode(&images, &job.movie)?;
-    render::missing_frames(&images)?;
+    images::check_missing(&images)?;
     if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }
 }
 
-fn encode(images: &ImageJob, output: &MovieFile) -> Outcome {
+/// Make the movie of a job's images; of EXR images there is none.
+pub fn encode(images: &ImageJob, output: &MovieFile) -> Outcome {
     let files: Vec<PathBuf> = images.frames.iter().map(|f| images.image(*f)).collect();
     if files.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
         eprintln!("warning: movies are made of PNG images, and these are EXR (`output.format`): no movie is written");

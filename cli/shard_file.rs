@@ -102,12 +102,6 @@ pub fn write(result: &RenderResult, displays: &[&Display], image_path: &Path, sh
     Ok(frame::atomic::write(&path_of(image_path, shard), &bytes)?)
 }
 
-/// Whether a shard file of an image exists, is complete and is of an image of this width and height.
-pub fn is_complete(image: &Path, shard: Shard, [width, height]: [u32; 2]) -> bool {
-    let size = (width as usize, height as usize);
-    read(&path_of(image, shard)).is_ok_and(|(header, _)| (header.width, header.height) == size)
-}
-
 /// Read a shard file: its header, and its pixels as bytes.
 pub fn read(path: &Path) -> Result<(Header, Vec<u8>), Fault> {
     let mut bytes = frame::read_bytes(FaultKind::Data, path)?;

@@ -2,6 +2,7 @@
 
 use crate::image_file;
 use crate::job::StitchJob;
+use crate::ledger::Ledger;
 use crate::report::{Exit, Failure, Outcome};
 use crate::shard_file::{self, Header};
 use frame::{Fault, FaultKind};
@@ -33,9 +34,12 @@ pub fn run(job: StitchJob) -> Outcome {
 }
 
 /// Join the shards of an image, write the image, and remove the shard files unless they are kept.
-fn join(path: &Path, n_shards: usize, keep: bool) -> Outcome {
+pub fn join(path: &Path, n_shards: usize, keep: bool) -> Outcome {
+    let ledger = Ledger::of(path.parent().unwrap_or(Path::new("")));
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let shard_path = |part: usize| shard_file::path_of(path, Shard { part, parts: n_shards });
     let mut joined: Option<(Header, Image)> = None;
+    let mut entries = vec![];
     for shard in 1..=n_shards {
         let (header, pixels) = shard_file::read(&shard_path(shard))?;
         let (first, image) = joined.get_or_insert_with(|| (header.clone(), header.image()));
@@ -45,14 +49,26 @@ fn join(path: &Path, n_shards: usize, keep: bool) -> Outcome {
             return Err(fault.hint("render all shards with the same options").into());
         }
         header.copy_pixels(&pixels, image);
+        entries.extend(ledger.entry(&name(&shard_path(shard))));
+        if entries.first().zip(entries.last()).is_some_and(|(first, last)| first.imprint != last.imprint) {
+            let message = "was drawn of other data, metadata or scenes than shard 1";
+            return Err(Fault::whole(FaultKind::Data, &shard_path(shard), message)
+                .hint("render the shards again")
+                .into());
+        }
     }
     let Some((header, image)) = joined else { return Ok(()) };
     let bytes = header.encode(&image).map_err(|m| Fault::whole(FaultKind::Data, path, m))?;
     image_file::spare_others(path)?;
     frame::atomic::write(path, &bytes)?;
+    // Shards of a RIB scene have no entries.
+    if entries.len() == n_shards {
+        ledger.record_joined(&name(path), &entries)?;
+    }
     if !keep {
         for shard in 1..=n_shards {
             std::fs::remove_file(shard_path(shard)).map_err(|e| Fault::unwritable(&shard_path(shard), &e))?;
+            ledger.forget(&name(&shard_path(shard)));
         }
     }
     Ok(())

@@ -183,7 +183,7 @@ fn gaps_are_named_or_kept() {
     let args = ["movie", images.to_str().unwrap(), "-o", out.to_str().unwrap()];
     let refused = scree(&args).fails(4);
     assert!(refused.contains("2 images are missing between the others: frames 2-3"), "{refused}");
-    assert!(refused.contains("--missing") && refused.contains("--keep-gaps"), "{refused}");
+    assert!(refused.contains("scree render") && refused.contains("--keep-gaps"), "{refused}");
     let kept = scree(&[&args[..], &["--keep-gaps"]].concat());
     kept.ok();
     assert!(kept.errors().contains("2 images are missing and skipped"), "{}", kept.errors());

@@ -540,7 +540,7 @@ fn a_signal_ends_a_render_between_whole_images() {
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{said}");
-    assert!(said.contains("of 5 images are rendered; go on with --missing"), "{said}");
+    assert!(said.contains("of 5 images are done; the same command goes on"), "{said}");
     let images = std::fs::read_dir(Path::new(&run).join("images")).unwrap().flatten();
     for path in images.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "png")) {
         image::open(path).unwrap();

@@ -19,9 +19,11 @@ pub struct ImageArgs {
     /// [default: as the metadata says].
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=64))]
     pub samples: Option<u32>,
-    /// Render only frames whose image is missing, truncated or of another
-    /// size.
+    /// Render images that are up to date again, too.
     #[arg(long)]
+    pub redraw: bool,
+    /// The default, which once was not: images that are up to date are kept.
+    #[arg(long, hide = true, conflicts_with = "redraw")]
     pub missing: bool,
     /// Run this program where a scene asks for it (RunProgram); may be given
     /// several times [default: none runs].

@@ -91,6 +91,11 @@ pub fn interval(text: &str) -> Result<Interval, String> {
     }
 }
 
+/// Parse text that stays in one line.
+pub fn one_line(text: &str) -> Result<String, String> {
+    if text.chars().any(char::is_control) { Err("expected one line".into()) } else { Ok(text.into()) }
+}
+
 /// Parse a number.
 pub fn number<T: FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "expected a number".into())

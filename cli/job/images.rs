@@ -21,8 +21,8 @@ pub struct ImageOptions {
     pub resolution: Option<[u32; 2]>,
     /// Samples along each side of a pixel; those of the metadata if not given.
     pub samples: Option<u32>,
-    /// Whether only frames without an image are rendered.
-    pub missing: bool,
+    /// Whether images that are up to date are rendered, too.
+    pub redraw: bool,
     /// Programs that scenes may run.
     pub programs: Permission,
     /// Whether displays of scenes may be written outside of the output folder.
@@ -32,7 +32,7 @@ pub struct ImageOptions {
 impl ImageOptions {
     /// Check the arguments: find the programs that are allowed.
     pub fn check(args: ImageArgs) -> Outcome<ImageOptions> {
-        let ImageArgs { frames, res, samples, missing, allow_program, allow_programs, allow_outside } = args;
+        let ImageArgs { frames, res, samples, missing: _, redraw, allow_program, allow_programs, allow_outside } = args;
         let find = |name: &String| {
             let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
             resolve(name).ok_or_else(missing)
@@ -42,7 +42,7 @@ impl ImageOptions {
             (false, true) => Permission::None,
             (false, false) => Permission::Named(allow_program.iter().map(find).collect::<Outcome<_>>()?),
         };
-        Ok(ImageOptions { frames, resolution: res, samples, missing, programs, allow_outside })
+        Ok(ImageOptions { frames, resolution: res, samples, redraw, programs, allow_outside })
     }
 }
 
@@ -60,8 +60,10 @@ pub struct ImageJob {
     pub lacking: Vec<u64>,
     /// The folder of the images.
     pub folder: PathBuf,
-    /// Whether only frames without an image are rendered.
-    pub missing: bool,
+    /// Hash of the files that are built into the program.
+    pub library: String,
+    /// Whether images that are up to date are rendered, too.
+    pub redraw: bool,
     /// Whether displays of scenes may be written outside of the folder.
     pub allow_outside: bool,
     /// Other images of the same frames, in folders of their own.
@@ -93,8 +95,8 @@ impl ImageJob {
         });
         let passes = passes.collect::<Outcome<_>>()?;
         let lacking = lacking(&binding, &source, options);
-        let (missing, allow_outside) = (options.missing, options.allow_outside);
-        Ok(ImageJob { binding, source, files, frames, lacking, folder, missing, allow_outside, passes })
+        let (library, redraw, allow_outside) = (library::hash(&files), options.redraw, options.allow_outside);
+        Ok(ImageJob { binding, source, files, frames, lacking, folder, library, redraw, allow_outside, passes })
     }
 
     /// The file of a frame's image.

@@ -205,7 +205,7 @@ fn gap_fault(folder: &Path, missing: &[Missing]) -> Fault {
     let (noun, verb) = if count == 1 { ("image", "is") } else { ("images", "are") };
     let message = format!("{count} {noun} {verb} missing between the others: frames {}", names.join(", "));
     Fault::whole(FaultKind::Data, folder, message)
-        .hint("render them with `scree render … --missing`, or encode the images that are there with `--keep-gaps`")
+        .hint("render them with `scree render …`, or encode the images that are there with `--keep-gaps`")
 }
 
 #[cfg(test)]

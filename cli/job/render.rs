@@ -86,8 +86,8 @@ impl RenderJob {
 }
 
 fn scene(args: RenderArgs) -> Outcome<RenderScene> {
-    if args.image.frames.is_some() || args.image.missing {
-        let message = "--frames and --missing are for data: a RIB scene has no frames to choose from";
+    if args.image.frames.is_some() || args.image.missing || args.image.redraw {
+        let message = "--frames, --missing and --redraw are for data: a RIB scene has no frames to choose from, and is always drawn";
         return Err(Failure::new(Exit::Usage, message));
     }
     if args.image.res.is_some() || args.image.samples.is_some() {

@@ -10,10 +10,33 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     write_io(path, bytes).map_err(|e| Fault::unwritable(path, &e))
 }
 
+/// What the names of temporary files begin with.
+const PREFIX: &str = ".part-";
+
+/// Remove the temporary files that writers of this machine have left in a folder, which were ended before they could.
+pub fn sweep(folder: &Path) {
+    let own = format!("{PREFIX}{}-", host());
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let writer = name.strip_prefix(&own).and_then(|rest| rest.split_once('-')?.0.parse::<u32>().ok());
+        let is_left = |writer: u32| !Path::new("/proc").join(writer.to_string()).exists();
+        if Path::new("/proc/self").exists() && writer.is_some_and(is_left) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// The name of this machine, in letters, digits and dots.
+fn host() -> String {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '.').collect()
+}
+
 fn write_io(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
-    let mut part = tempfile::Builder::new().prefix(".part-").tempfile_in(folder)?;
+    let mut part =
+        tempfile::Builder::new().prefix(&format!("{PREFIX}{}-{}-", host(), std::process::id())).tempfile_in(folder)?;
     part.write_all(bytes)?;
     part.flush()?;
     publish_permissions(part.as_file())?;

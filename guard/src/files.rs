@@ -14,6 +14,9 @@ static GIVEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The files that were opened.
 static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// The files that were opened or looked for since the last call of [`trace`].
+static TRACE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(|e| e.into_inner())
 }
@@ -44,6 +47,17 @@ pub fn seen() -> Vec<PathBuf> {
 /// Note a file that would be read.
 pub fn note(path: &Path) {
     lock(&SEEN).insert(path.into());
+    look_for(path);
+}
+
+/// Note that a file would be read if it were there.
+pub fn look_for(path: &Path) {
+    lock(&TRACE).insert(path.into());
+}
+
+/// The files that were opened, noted or looked for since the last call, as they were named: what the work in between depends on.
+pub fn trace() -> BTreeSet<PathBuf> {
+    std::mem::take(&mut *lock(&TRACE))
 }
 
 /// Whether a file is one that was opened or noted: an input, which is not to be written.

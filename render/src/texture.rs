@@ -93,7 +93,11 @@ pub fn note(name: &str, made: &Made, folders: &[PathBuf]) {
 
 /// The file of an image: in one of the folders, or where its path leads.
 fn find(path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
-    folders.iter().map(|f| f.join(path)).chain([path.into()]).find(|p| p.is_file() && guard::permit(p).is_ok())
+    let mut places = folders.iter().map(|f| f.join(path)).chain([path.into()]);
+    places.find(|place| {
+        guard::look_for(place);
+        place.is_file() && guard::permit(place).is_ok()
+    })
 }
 
 impl Textures {

@@ -70,6 +70,22 @@ impl Source {
         }
     }
 
+    /// What tells the table of a frame from any other that stood in its place: its hash, or the size and time of its file. Panics if
+    /// tables of other programs have no frame of this number.
+    pub fn stamp(&self, number: u64) -> String {
+        match &self.store {
+            Store::Run(run) => {
+                let entry = run.index.frames.iter().find(|frame| frame.number == number);
+                entry.map_or(String::new(), |frame| frame.hash.clone())
+            }
+            Store::Files { files, layout, rename } => {
+                let stored = &files[&number];
+                let file = stored.path.metadata().map(|m| (m.len(), m.modified().ok()));
+                format!("{stored:?} {layout:?} {rename:?} {:?}", file.unwrap_or_default())
+            }
+        }
+    }
+
     /// Numbers of the missing frames: those that an interrupted simulation did not reach. Empty for tables of other programs.
     pub fn missing(&self) -> Vec<u64> {
         match &self.store {

@@ -103,6 +103,13 @@ pub fn check(binding: &Binding, frame: &Frame) -> Result<Missing, Fault> {
     prepare(binding, frame).map(|(_, missing)| missing)
 }
 
+/// The range of the values that each object of a binding is coloured by, in a frame; none of an object of one colour, without rows,
+/// or whose values cannot be computed.
+pub fn color_ranges(binding: &Binding, frame: &Frame) -> Vec<Option<[f64; 2]>> {
+    let range = |(i, object)| instances::color_range(binding, i, object, frame).ok().flatten();
+    binding.objects.iter().enumerate().map(range).collect()
+}
+
 /// The instances of all objects, and what the rows lack.
 fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
     let mut missing = Missing::default();

@@ -42,7 +42,9 @@ impl Files {
             }
         }
         let is_free = |p: &&PathBuf| p.is_file() && guard::permit(p).is_ok();
-        if let Some(found) = places.iter().find(is_free) {
+        let found = places.iter().find(is_free);
+        places.iter().take_while(|place| Some(*place) != found).for_each(|place| guard::look_for(place));
+        if let Some(found) = found {
             let bytes = guard::read(found).map_err(|e| format!("{} cannot be read: {e}", found.display()))?;
             return Ok((found.clone(), bytes));
         }
@@ -63,8 +65,9 @@ impl Files {
     /// Find and read a file that the shader file `from` includes: in that file's own folder, or as [`Files::read`] does in
     /// `shaders/include` and `shaders`.
     pub fn include(&self, name: &str, from: &Path) -> Result<(PathBuf, String), String> {
-        let beside = from.parent().map(|folder| folder.join(name)).filter(|p| p.is_file());
-        match beside {
+        let beside = from.parent().map(|folder| folder.join(name));
+        beside.iter().for_each(|path| guard::look_for(path));
+        match beside.filter(|path| path.is_file()) {
             Some(path) => {
                 let text =
                     guard::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;

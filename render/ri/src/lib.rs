@@ -11,6 +11,7 @@ mod conditions;
 mod dispatch;
 pub mod files;
 mod groups;
+pub mod imprint;
 mod instances;
 mod lexer;
 mod line;

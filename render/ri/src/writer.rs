@@ -48,6 +48,11 @@ impl<W: Write> Writer<W> {
         self.out
     }
 
+    /// Write bytes that are no RIB.
+    pub(crate) fn raw(&mut self, bytes: &[u8]) -> RiResult {
+        self.out.write_all(bytes).map_err(|e| Fail::new(format!("RIB cannot be written: {e}")))
+    }
+
     fn put(&mut self, request: &str) -> RiResult {
         let fail = |e: std::io::Error| Fail::new(format!("RIB cannot be written: {e}"));
         if let Some(encoder) = &mut self.encoder {

@@ -31,7 +31,17 @@ struct Rows<'a> {
     missing: RefCell<BTreeMap<usize, String>>,
 }
 
-impl Rows<'_> {
+impl<'a> Rows<'a> {
+    /// The rows of the `i`th object.
+    fn of(binding: &'a Binding, i: usize, object: &Object, frame: &'a Frame) -> Result<Rows<'a>, Fault> {
+        let mut rows = Rows { binding, frame, key: format!("objects.{i}"), rows: vec![], missing: RefCell::default() };
+        rows.rows = (0..frame.rows()).collect();
+        if let Some(select) = &object.select {
+            rows.rows = select.expr.select(frame).map_err(|m| rows.row_fault("select", &select.expr, m))?;
+        }
+        Ok(rows)
+    }
+
     /// What is wrong with a part of the object.
     fn fault(&self, part: &str, message: String) -> Fault {
         self.binding.doc.fault(&format!("{}.{part}", self.key), message)
@@ -179,6 +189,18 @@ fn exprs<const N: usize>(formulas: &[Formula; N]) -> [&Expr; N] {
     formulas.each_ref().map(|formula| &formula.expr)
 }
 
+/// The range of the values that the `i`th object is coloured by; none if it is of one colour, or has no values.
+pub(super) fn color_range(
+    binding: &Binding,
+    i: usize,
+    object: &Object,
+    frame: &Frame,
+) -> Result<Option<[f64; 2]>, Fault> {
+    let Color::By { value, .. } = &object.color else { return Ok(None) };
+    let (lo, hi) = range_of(&Rows::of(binding, i, object, frame)?.values("color", &value.expr)?);
+    Ok((lo <= hi).then_some([lo, hi]))
+}
+
 /// Evaluate the rows of the `i`th object into columns of instances.
 pub(super) fn prepare<'a>(
     binding: &Binding,
@@ -186,11 +208,7 @@ pub(super) fn prepare<'a>(
     object: &'a Object,
     frame: &Frame,
 ) -> Result<Prepared<'a>, Fault> {
-    let mut rows = Rows { binding, frame, key: format!("objects.{i}"), rows: vec![], missing: RefCell::default() };
-    rows.rows = (0..frame.rows()).collect();
-    if let Some(select) = &object.select {
-        rows.rows = select.expr.select(frame).map_err(|m| rows.row_fault("select", &select.expr, m))?;
-    }
+    let mut rows = Rows::of(binding, i, object, frame)?;
     let sphere = matches!(object.shape, Shape::Sphere(_) | Shape::Ellipsoid(_));
     let handle = (!sphere).then(|| format!("scree:{}", object.name));
     let mut instances = rows.instances(object, handle.as_ref())?;

@@ -1,0 +1,249 @@
+//! The images of a job: those that are not there as they would be drawn again, by the ledger of their folder.
+
+use crate::displays::{context, report_statistics, write, written};
+use crate::failed::{FailedFrames, MissingValues};
+use crate::interrupt;
+use crate::job::{ImageJob, Statistics};
+use crate::ledger::{Hashes, Ledger, Standing};
+use crate::progress::Progress;
+use crate::ranges;
+use crate::report::{Exit, Failure, Outcome};
+use bind::emit;
+use frame::{Fault, FaultKind, Frame};
+use render::RenderResult;
+use render::film::bucket::Shard;
+use render::ri::imprint::Imprint;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Render the images of a job, or a shard of each, but for those that are up to date; the frames whose data cannot be drawn are
+/// returned.
+pub fn render(job: &mut ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<FailedFrames> {
+    let mut failed = FailedFrames::new("rendered");
+    ranges::settle(job)?;
+    render_pass(job, shard, statistics, &mut failed)?;
+    Ok(failed)
+}
+
+/// Put the images of a job, and those of its passes, into a folder of their own.
+pub fn redirect(job: &mut ImageJob, folder: &Path) {
+    for pass in &mut job.passes {
+        let name = pass.folder.file_name().map(|name| folder.join(name)).unwrap_or_default();
+        redirect(pass, &name);
+    }
+    job.folder = folder.into();
+}
+
+/// How the images of a job stand, and where images are cut to `n_shards`, each shard of them; of a frame with passes, the worst of them.
+pub fn standings(job: &mut ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standing>)>> {
+    ranges::settle(job)?;
+    standings_of(job, n_shards)
+}
+
+fn standings_of(job: &ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standing>)>> {
+    let progress = Progress::start("checking", job.frames.len() as u64, "images");
+    let mut work = Work::new(job, None, Statistics::default());
+    let mut found = vec![];
+    for (done, frame) in job.frames.iter().enumerate() {
+        let imprint = job.source.read(*frame).map_err(Failure::from).and_then(|table| {
+            let about = work.about(&table);
+            work.imprint(&table, &about)
+        });
+        let whole = work.file(*frame);
+        let mut of_frame = vec![];
+        for part in 1..=n_shards {
+            work.shard = (n_shards > 1).then_some(Shard { part, parts: n_shards });
+            of_frame.push(match &imprint {
+                Ok(imprint) => work.standing(&work.file(*frame), &whole, imprint),
+                // What cannot be drawn is said when it is tried.
+                Err(_) => Standing::Missing,
+            });
+        }
+        work.shard = None;
+        found.push((*frame, of_frame));
+        progress.at(done as u64 + 1);
+    }
+    progress.finish();
+    for pass in &job.passes {
+        for ((_, all), (_, own)) in found.iter_mut().zip(standings_of(pass, n_shards)?) {
+            for (all, own) in all.iter_mut().zip(own) {
+                if *all == Standing::Done {
+                    *all = own;
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What was found and done of the images of a pass.
+#[derive(Default)]
+struct Tally {
+    /// Images that were up to date.
+    kept: usize,
+    /// Why others were drawn again, and how many.
+    again: BTreeMap<String, usize>,
+}
+
+fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, failed: &mut FailedFrames) -> Outcome {
+    let mut frames: Vec<u64> = job.frames.iter().filter(|f| !failed.contains(**f)).copied().collect();
+    let (ledger, n) = (Ledger::of(&job.folder), frames.len());
+    frame::atomic::sweep(&job.folder);
+    frame::atomic::sweep(&ledger.folder());
+    let claims = ledger.claims();
+    let progress = Progress::start("rendering", n as u64, "frames");
+    let mut work = Work::new(job, shard, statistics);
+    let (mut tally, mut proven, mut done) = (Tally::default(), false, 0);
+    // Images that another process is drawing are looked at again when it is done with them.
+    while !frames.is_empty() {
+        let mut busy = vec![];
+        for frame in &frames {
+            interrupt::remark(format!("{done} of {n} images are done; the same command goes on"));
+            let file = work.file(*frame);
+            let Some(_claim) = claims.claim(&file) else {
+                busy.push(*frame);
+                continue;
+            };
+            match work.image(*frame, &file, &mut tally) {
+                Ok(()) => proven = true,
+                Err(failure) => {
+                    work.ledger.note_failure(&file, &failure.message)?;
+                    failed.note(*frame, failure, proven, job.frames.len())?;
+                }
+            }
+            done += 1;
+            progress.at(done);
+        }
+        if busy.len() == frames.len() {
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        frames = busy;
+    }
+    interrupt::remark(String::new());
+    progress.finish();
+    tally.say(n);
+    work.values.warn();
+    job.passes.iter().try_for_each(|pass| render_pass(pass, shard, statistics, failed))
+}
+
+impl Tally {
+    /// Say which of `n` images were kept, and why others were not.
+    fn say(&self, n: usize) {
+        if self.kept > 0 {
+            eprintln!("{} of {n} images were up to date; --redraw draws them again", self.kept);
+        }
+        for (why, count) in &self.again {
+            eprintln!("{count} of {n} images were drawn again: {why}");
+        }
+    }
+}
+
+/// Images as they are drawn, one after the other.
+struct Work<'a> {
+    job: &'a ImageJob,
+    shard: Option<Shard>,
+    statistics: Statistics,
+    ledger: Ledger,
+    hashes: Hashes,
+    values: MissingValues,
+}
+
+impl<'a> Work<'a> {
+    /// No image yet.
+    fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Work<'a> {
+        let ledger = Ledger::of(&job.folder);
+        Work { job, shard, statistics, ledger, hashes: Hashes::default(), values: MissingValues::default() }
+    }
+
+    /// Name of the file that is written of a frame.
+    fn file(&self, frame: u64) -> String {
+        let path = written(&self.job.image(frame), self.shard);
+        path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Render a frame and record its image, unless that is up to date.
+    fn image(&mut self, frame: u64, file: &str, tally: &mut Tally) -> Outcome {
+        let started = Instant::now();
+        let table = self.job.source.read(frame)?;
+        // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
+        self.job.binding.check_columns(&table).map_err(|fault| Fault { kind: FaultKind::Data, ..fault })?;
+        let about = self.about(&table);
+        let imprint = self.imprint(&table, &about)?;
+        let whole = self.job.image(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let standing = if self.job.redraw { Standing::Changed } else { self.standing(file, &whole, &imprint) };
+        let lacks_statistics = || self.statistics.write && !self.job.folder.join(format!("{file}.stats.json")).exists();
+        match &standing {
+            Standing::Done if !lacks_statistics() => {
+                tally.kept += 1;
+                return Ok(());
+            }
+            Standing::Missing | Standing::Done => {}
+            _ if self.job.redraw => {}
+            why => *tally.again.entry(why.to_string()).or_default() += 1,
+        }
+        guard::trace();
+        let result = self.draw(&table, about)?;
+        let read = guard::trace();
+        report_statistics(&result, frame, &written(&self.job.image(frame), self.shard), self.statistics)?;
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(self.ledger.record(file, &imprint, read, seconds, &mut self.hashes)?)
+    }
+
+    /// How the file of an image or of a shard stands: a shard of a `whole` image that is up to date is not needed.
+    fn standing(&mut self, file: &str, whole: &str, imprint: &str) -> Standing {
+        let own = self.ledger.standing(file, Some(imprint), &mut self.hashes);
+        let is_needed = own != Standing::Done && file != whole;
+        if is_needed && self.ledger.standing(whole, Some(imprint), &mut self.hashes) == Standing::Done {
+            return Standing::Done;
+        }
+        own
+    }
+
+    /// What is written into the file of an image beside its pixels.
+    fn about(&self, table: &Frame) -> Vec<(String, String)> {
+        let mut about = vec![("frame".into(), table.number.to_string()), ("time".into(), table.time.to_string())];
+        about.extend(self.job.source.run_hash().map(|hash| ("run".into(), hash.into())));
+        about
+    }
+
+    /// A hash of all that is drawn: the program, and every call to the renderer, which has data, metadata and scene in it.
+    fn imprint(&self, table: &Frame, about: &[(String, String)]) -> Outcome<String> {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(env!("CARGO_PKG_VERSION").as_bytes()).update(self.job.library.as_bytes());
+        hasher.update(format!("{about:?}").as_bytes());
+        let mut ri = Imprint::new(hasher);
+        emit::frame(&self.job.binding, table, "image", &self.job.files, &mut ri)?;
+        Ok(ri.into_inner().finalize().to_hex().to_string())
+    }
+
+    /// Render a frame and write its image.
+    fn draw(&mut self, table: &Frame, about: Vec<(String, String)>) -> Outcome<RenderResult> {
+        let job = self.job;
+        let mut context = context(&job.files)?;
+        (context.shard, context.about) = (self.shard, about);
+        let image = job.image(table.number).to_string_lossy().to_string();
+        context.image = Some(image.clone());
+        context.allow_outside = job.allow_outside;
+        let missing = emit::frame(&job.binding, table, &image, &job.files, &mut context)?;
+        self.values.add(table.number, &missing);
+        let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
+        write(context, &job.folder)?.pop().ok_or_else(no_world)
+    }
+}
+
+/// Fail if frames are missing, as they are of an interrupted run; the others are rendered.
+pub fn check_missing(job: &ImageJob) -> Outcome {
+    let missing = &job.lacking;
+    match (missing.first(), missing.last()) {
+        (Some(first), Some(last)) => Err(Failure::new(
+            Exit::Partial,
+            format!(
+                "the simulation was interrupted: {} of {} frames are missing ({first} to {last}); the others were rendered",
+                missing.len(),
+                missing.len() + job.frames.len()
+            ),
+        )),
+        _ => Ok(()),
+    }
+}

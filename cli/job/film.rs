@@ -1,0 +1,323 @@
+//! The jobs of `scree plan`, `submit`, `status`, `verify`, `resume` and `task`: films that are cut into tasks.
+
+use super::frames::{FramesJob, Origin};
+use super::images::{ImageJob, ImageOptions};
+use super::output::default_folder;
+use super::run_folder::{self, spare_link};
+use super::sweep;
+use crate::args::{CutArgs, ImageArgs, PlanArgs, ResumeArgs, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
+use crate::batch::{ImageChoices, Plan, Requests, Scheduler, Simulation, Task};
+use crate::report::{Exit, Failure, Outcome};
+use crate::source::{self, Yaml};
+use bind::Binding;
+use bind::binding::Color;
+use bind::data::{Source, Store};
+use frame::list::FrameList;
+use frame::run::RunReader;
+use sim::{model_file, run};
+use std::path::{Path, PathBuf};
+
+/// A film to cut into tasks.
+pub struct FilmJob {
+    /// Its plan.
+    pub plan: Plan,
+    /// Whether scripts are printed, and nothing is written.
+    pub dry_run: bool,
+}
+
+/// A film to look over before it is made.
+pub struct PlanJob {
+    /// Its plan.
+    pub plan: Plan,
+    /// Whether a few frames are drawn to measure the time.
+    pub samples: bool,
+    /// Whether JSON is printed.
+    pub json: bool,
+}
+
+/// A film, or a folder of images, to say of how far it is.
+pub struct StatusJob {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Whether it is said again and again.
+    pub watch: bool,
+    /// Whether JSON is printed.
+    pub json: bool,
+}
+
+/// A task of a film.
+pub struct TaskJob {
+    /// The film's plan.
+    pub plan: Plan,
+    /// The task.
+    pub task: Task,
+}
+
+impl FilmJob {
+    /// Check the arguments of `scree submit`.
+    pub fn check(args: SubmitArgs) -> Outcome<FilmJob> {
+        let home = home(&args.input, args.output);
+        let mut plan = plan(&args.input, &home, args.image, &args.cut)?;
+        plan.movie = !args.no_movie;
+        (plan.scheduler, plan.processes) = (args.scheduler, args.processes);
+        let template = args.template.map(|path| std::path::absolute(&path).unwrap_or(path));
+        plan.requests = Requests {
+            max_running: args.max_running,
+            time: args.time,
+            mem: args.mem,
+            cpus: args.cpus,
+            gpus: args.gpus,
+            partition: args.partition,
+            account: args.account,
+            directives: args.directive,
+            requeue: args.requeue,
+            template,
+        };
+        if args.scheduler == Scheduler::Local && plan.requests != Requests::default() {
+            let message = "--scheduler local runs the tasks on this machine: it takes no requests to a scheduler";
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        Ok(FilmJob { plan, dry_run: args.dry_run })
+    }
+
+    /// Check the arguments of `scree resume`.
+    pub fn resume(args: ResumeArgs) -> Outcome<FilmJob> {
+        Ok(FilmJob { plan: read(&args.folder)?, dry_run: args.dry_run })
+    }
+}
+
+impl PlanJob {
+    /// Check the arguments.
+    pub fn check(args: PlanArgs) -> Outcome<PlanJob> {
+        let home = home(&args.input, args.output);
+        let plan = plan(&args.input, &home, args.image, &args.cut)?;
+        Ok(PlanJob { plan, samples: !args.no_samples, json: args.json })
+    }
+}
+
+impl StatusJob {
+    /// Check the arguments of `scree status`.
+    pub fn check(args: StatusArgs) -> Outcome<StatusJob> {
+        Ok(StatusJob { folder: args.folder, watch: args.watch, json: args.json })
+    }
+
+    /// Check the arguments of `scree verify`.
+    pub fn verify(args: VerifyArgs) -> Outcome<StatusJob> {
+        Ok(StatusJob { folder: args.folder, watch: false, json: false })
+    }
+}
+
+impl TaskJob {
+    /// Check the arguments.
+    pub fn check(args: TaskArgs) -> Outcome<TaskJob> {
+        let plan = read(&args.folder)?;
+        let most = |task: &Task| match task {
+            Task::Draw(_) => plan.n_tasks(),
+            Task::Simulate(_) => plan.simulation.as_ref().map_or(0, |s| s.until.len()),
+            Task::Sweep(_) => plan.simulation.as_ref().map_or(0, |s| s.sweep),
+            Task::Finish => 1,
+        };
+        let index = |task: &Task| match task {
+            Task::Draw(i) | Task::Simulate(i) | Task::Sweep(i) => *i,
+            Task::Finish => 0,
+        };
+        let task = Task::parse(&args.task).filter(|task| index(task) < most(task));
+        let unknown = || Failure::new(Exit::Usage, format!("{} is no task of the plan", args.task));
+        Ok(TaskJob { task: task.ok_or_else(unknown)?, plan })
+    }
+}
+
+/// The plan of a folder, whose tasks start where it was made.
+fn read(folder: &Path) -> Outcome<Plan> {
+    if !Plan::exists(folder) {
+        let message = format!("{} has no plan: `scree submit` makes one", folder.display());
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let plan = Plan::read(folder)?;
+    std::env::set_current_dir(&plan.from)
+        .map_err(|e| Failure::new(Exit::Fault, format!("{}: {e}", plan.from.display())))?;
+    Ok(plan)
+}
+
+/// The folder of a film's results.
+fn home(input: &Path, output: Option<PathBuf>) -> PathBuf {
+    output.unwrap_or_else(|| if input.is_dir() { input.into() } else { default_folder(input) })
+}
+
+/// Cut a film into tasks.
+fn plan(input: &Path, home: &Path, image: ImageArgs, cut: &CutArgs) -> Outcome<Plan> {
+    let choices = ImageChoices {
+        res: image.res,
+        samples: image.samples,
+        allow_program: image.allow_program.clone(),
+        allow_programs: image.allow_programs,
+        allow_outside: image.allow_outside,
+    };
+    if image.redraw {
+        let message = "--redraw is of `scree render`: the tasks of a film draw what is missing or stale";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let frames = image.frames.clone();
+    let options = ImageOptions::check(image)?;
+    if !options.allow_outside {
+        spare_link(&home.join("images"), home)?;
+    }
+    spare_link(&Plan::folder(home), home)?;
+    let fault = |e: std::io::Error| Failure::new(Exit::Fault, e.to_string());
+    let mut plan = Plan::new(input, home, vec![]).map_err(fault)?;
+    (plan.images, plan.buckets, plan.frames_per_task) = (choices, cut.buckets, cut.frames_per_task);
+    plan.flags = flags();
+    if let Some((model, binding)) = unfinished(input, home)? {
+        simulation(&mut plan, &model, binding.as_ref(), frames, cut)?;
+        return Ok(plan);
+    }
+    if cut.segments > 1 || cut.chain > 1 {
+        let message = "--segments and --chain are of a simulation, and there is none to run: its data is there";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    plan.frames = image_job(&plan, options)?.frames;
+    Ok(plan)
+}
+
+/// The flags of every command that tasks are given, too.
+fn flags() -> Vec<String> {
+    let given: Vec<String> = std::env::args().collect();
+    let mut flags = vec![];
+    for (i, word) in given.iter().enumerate() {
+        for name in ["--threads", "--memory", "--root"] {
+            if word == name {
+                flags.extend(given[i..].iter().take(2).cloned());
+            } else if word.starts_with(&format!("{name}=")) {
+                flags.push(word.clone());
+            }
+        }
+    }
+    flags
+}
+
+/// The model that must be simulated first, and the metadata that names it, if there is one.
+fn unfinished(input: &Path, home: &Path) -> Outcome<Option<(PathBuf, Option<Binding>)>> {
+    if input.is_dir() || !input.exists() {
+        return Ok(None);
+    }
+    let (model, binding) = match source::kind_of(input)? {
+        Yaml::Model => (input.to_path_buf(), None),
+        Yaml::Metadata => {
+            let binding = bind::read(input)?;
+            match &binding.model {
+                Some(model) if binding.data.is_none() => (binding.folder().join(model), Some(binding)),
+                _ => return Ok(None),
+            }
+        }
+    };
+    if !model.is_file() {
+        let message = format!("the model {} does not exist", model.display());
+        return Err(Failure::new(Exit::Input, message));
+    }
+    let (file, _) = model_file::read(&model)?;
+    let is_done = file.sweep.is_empty() && run::is_done(&file, home);
+    Ok((!is_done).then_some((model, binding)))
+}
+
+/// Plan the simulation of a model, and the frames that it will have.
+fn simulation(
+    plan: &mut Plan,
+    model: &Path,
+    binding: Option<&Binding>,
+    frames: Option<FrameList>,
+    cut: &CutArgs,
+) -> Outcome {
+    let (file, doc) = model_file::load(model, &[])?;
+    let model = std::path::absolute(model).unwrap_or_else(|_| model.into());
+    run_folder::spare_linked(&plan.home, &plan.home)?;
+    let mut simulation = Simulation { model, until: vec![], chain: cut.chain, sweep: 0 };
+    if !file.sweep.is_empty() {
+        simulation.sweep = sweep::check(&file, &doc)?;
+        plan.simulation = Some(simulation);
+        return Ok(());
+    }
+    run_folder::spare_model(&simulation.model, &file, &plan.home)?;
+    run_folder::check(&file, &plan.home, None)?;
+    if let Some(binding) = binding {
+        source::check_library(binding)?;
+    }
+    let all: Vec<u64> = (0..run::n_frames(file.whole_duration(), file.frame_rate)).collect();
+    let of_file = binding.and_then(|b| b.output.frames.as_ref()?.parse::<FrameList>().ok());
+    plan.frames = match frames.or(of_file) {
+        Some(list) => list.select(&all).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
+        None => all,
+    };
+    let is_settled = binding.is_some_and(|binding| {
+        binding.objects.iter().all(|object| !matches!(object.color, Color::By { range: None, .. }))
+    });
+    if cut.segments > 1 && !is_settled {
+        let message = "--segments: images can be drawn before the simulation has ended only by a metadata file whose colours \
+                       have a `range`: camera and colours are found from the whole run otherwise";
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let n_chunks = plan.frames.len().div_ceil(plan.frames_per_task);
+    let per_segment = n_chunks.div_ceil(cut.segments.min(n_chunks));
+    let n_segments = n_chunks.div_ceil(per_segment);
+    let per_segment = n_chunks.div_ceil(n_segments);
+    simulation.until = (1..n_segments)
+        .map(|s| plan.frames[..(s * per_segment * plan.frames_per_task)].iter().max())
+        .map(|last| *last.expect("a segment has frames") as f64 / file.frame_rate)
+        .chain([file.whole_duration()])
+        .collect();
+    plan.simulation = Some(simulation);
+    Ok(())
+}
+
+/// The images of a plan, of the frames that are there.
+pub fn images_of(plan: &Plan, frames: &[u64]) -> Outcome<ImageJob> {
+    let list = frames.iter().map(u64::to_string).collect::<Vec<_>>().join(",");
+    let choices = &plan.images;
+    let args = ImageArgs {
+        frames: list.parse().ok(),
+        res: choices.res,
+        samples: choices.samples,
+        redraw: false,
+        missing: false,
+        allow_program: choices.allow_program.clone(),
+        allow_programs: choices.allow_programs,
+        allow_outside: choices.allow_outside,
+    };
+    image_job(plan, ImageOptions::check(args)?)
+}
+
+fn image_job(plan: &Plan, options: ImageOptions) -> Outcome<ImageJob> {
+    let (binding, source) = match &plan.simulation {
+        None => data_of(plan)?,
+        Some(_) => {
+            let source: Source = Store::Run(RunReader::open(&plan.home)?).into();
+            let binding = match source::kind_of(&plan.input)? {
+                Yaml::Metadata => bind::read(&plan.input)?,
+                Yaml::Model => source::metadata_of_run(&plan.home)?.0,
+            };
+            (binding, source)
+        }
+    };
+    ImageJob::resolve(binding, source, plan.images_folder(), &options)
+}
+
+/// The metadata and the data of a plan without a simulation.
+fn data_of(plan: &Plan) -> Outcome<(Binding, Source)> {
+    let is_folder = plan.input.is_dir() || !plan.input.exists();
+    let FramesJob { binding, origin, .. } = if is_folder {
+        FramesJob::open(&plan.input)?
+    } else {
+        FramesJob::of_yaml(&plan.input, plan.home.clone(), false)?
+    };
+    let source = match origin {
+        Origin::Data(source) => *source,
+        Origin::Finished => Store::Run(RunReader::open(&plan.home)?).into(),
+        Origin::Model(_) => {
+            let message = "the model has changed since the film was submitted: submit it again";
+            return Err(Failure::new(Exit::Usage, message));
+        }
+    };
+    match binding {
+        Some(binding) => Ok((binding, source)),
+        None => Ok((source::metadata_of_run(&plan.home)?.0, source)),
+    }
+}

@@ -1,0 +1,217 @@
+//! The ledger of a folder of images: of each image, what was written and what it was made of, in a file of its own in `.ledger/`, so that
+//! any number of writers never contend. An image is done if its file is there and is what was written, and it is stale once anything
+//! that it was made of is another.
+
+mod claim;
+
+pub use claim::Claims;
+
+use frame::Fault;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// Version of the entries.
+const VERSION: u32 = 1;
+/// The folder of the entries, in that of the images.
+const FOLDER: &str = ".ledger";
+
+/// The ledger of a folder of images.
+#[derive(Clone, Debug)]
+pub struct Ledger {
+    /// The folder of the images.
+    pub images: PathBuf,
+}
+
+/// What is known of an image, or of a shard of one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// Version of the format.
+    ledger: u32,
+    /// Name of the image's file.
+    pub file: String,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// blake3 hash of the file, hexadecimal.
+    pub blake3: String,
+    /// Hash of what was drawn: the program's version and all calls to the renderer.
+    pub imprint: String,
+    /// Hashes of the files that were read, and none of those that were looked for and not there.
+    pub depends_on: BTreeMap<PathBuf, Option<String>>,
+    /// Time that the image took, s.
+    pub seconds: f64,
+}
+
+/// How an image stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Standing {
+    /// Its file is what would be drawn again.
+    Done,
+    /// There is no file, or no entry that can be read.
+    Missing,
+    /// The file is not what was written: truncated or edited.
+    Damaged,
+    /// What is drawn has changed: the data, the metadata, the scene, or the program.
+    Changed,
+    /// A file that it was made of has changed.
+    Depends(PathBuf),
+}
+
+impl fmt::Display for Standing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Standing::Done => f.write_str("up to date"),
+            Standing::Missing => f.write_str("not there"),
+            Standing::Damaged => f.write_str("not as it was written"),
+            Standing::Changed => f.write_str("stale: data, metadata, scene or program have changed"),
+            Standing::Depends(path) => write!(f, "stale: {} has changed", path.display()),
+        }
+    }
+}
+
+/// Hashes of files, each read once as long as it is not written again.
+#[derive(Default)]
+pub struct Hashes(HashMap<PathBuf, ((u64, Option<SystemTime>), Option<String>)>);
+
+impl Hashes {
+    /// The blake3 hash of a file; none if it is not there or cannot be read.
+    pub fn of(&mut self, path: &Path) -> Option<String> {
+        let stamp = path.metadata().map(|m| (m.len(), m.modified().ok())).unwrap_or_default();
+        if let Some((known, hash)) = self.0.get(path)
+            && *known == stamp
+        {
+            return hash.clone();
+        }
+        let hash = hash_of(path);
+        self.0.insert(path.into(), (stamp, hash.clone()));
+        hash
+    }
+}
+
+/// The blake3 hash of a file; none if it is not there or cannot be read.
+pub fn hash_of(path: &Path) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    if !path.is_file() {
+        return None;
+    }
+    std::io::copy(&mut std::fs::File::open(path).ok()?, &mut hasher).ok()?;
+    Some(hasher.finalize().to_hex().to_string())
+}
+
+impl Ledger {
+    /// The ledger of a folder of images.
+    pub fn of(images: &Path) -> Ledger {
+        Ledger { images: images.into() }
+    }
+
+    /// The folder of its files.
+    pub fn folder(&self) -> PathBuf {
+        self.images.join(FOLDER)
+    }
+
+    /// The claims on its images.
+    pub fn claims(&self) -> Claims {
+        Claims::open(&self.folder().join("lock"))
+    }
+
+    fn path(&self, file: &str, ending: &str) -> PathBuf {
+        self.folder().join(format!("{file}.{ending}"))
+    }
+
+    /// The entry of a file; none if there is none, or it is not whole.
+    pub fn entry(&self, file: &str) -> Option<Entry> {
+        let bytes = std::fs::read(self.path(file, "json")).ok()?;
+        let entry: Entry = serde_json::from_slice(&bytes).ok()?;
+        (entry.ledger == VERSION && entry.file == file).then_some(entry)
+    }
+
+    /// Record a file that has been written, which took `seconds`: what it hangs on, by the imprint of what was drawn and the files that
+    /// were read or looked for.
+    pub fn record(
+        &self,
+        file: &str,
+        imprint: &str,
+        read: BTreeSet<PathBuf>,
+        seconds: f64,
+        hashes: &mut Hashes,
+    ) -> Result<(), Fault> {
+        let depend = |path: PathBuf| {
+            let path = std::path::absolute(&path).unwrap_or(path);
+            let hash = hashes.of(&path);
+            (path, hash)
+        };
+        let entry = Entry { depends_on: read.into_iter().map(depend).collect(), ..self.seal(file, imprint, seconds)? };
+        self.write(&entry)
+    }
+
+    /// The entry of a file as it is, which depends on no others.
+    fn seal(&self, file: &str, imprint: &str, seconds: f64) -> Result<Entry, Fault> {
+        let path = self.images.join(file);
+        let bytes = path.metadata().map(|m| m.len()).unwrap_or(0);
+        let gone = || Fault::whole(frame::FaultKind::Data, &path, "was removed while it was being written");
+        let blake3 = hash_of(&path).ok_or_else(gone)?;
+        let (file, imprint) = (file.into(), imprint.into());
+        Ok(Entry { ledger: VERSION, file, bytes, blake3, imprint, depends_on: BTreeMap::new(), seconds })
+    }
+
+    /// Record a file that was joined from parts, with their entries.
+    pub fn record_joined(&self, file: &str, parts: &[Entry]) -> Result<(), Fault> {
+        let Some(first) = parts.first() else { return Ok(()) };
+        let seconds = parts.iter().map(|part| part.seconds).sum();
+        let depends_on = parts.iter().flat_map(|part| part.depends_on.clone()).collect();
+        self.write(&Entry { depends_on, ..self.seal(file, &first.imprint, seconds)? })
+    }
+
+    fn write(&self, entry: &Entry) -> Result<(), Fault> {
+        let bytes = serde_json::to_vec(entry).unwrap_or_default();
+        frame::atomic::write(&self.path(&entry.file, "json"), &bytes)?;
+        let _ = std::fs::remove_file(self.path(&entry.file, "failed"));
+        Ok(())
+    }
+
+    /// Note why a file could not be made.
+    pub fn note_failure(&self, file: &str, why: &str) -> Result<(), Fault> {
+        frame::atomic::write(&self.path(file, "failed"), why.as_bytes())
+    }
+
+    /// Why a file could not be made, if that is so.
+    pub fn failure(&self, file: &str) -> Option<String> {
+        std::fs::read_to_string(self.path(file, "failed")).ok()
+    }
+
+    /// Names of the files that have entries, in order.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder()).into_iter().flatten().flatten();
+        let name =
+            |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().strip_suffix(".json").map(String::from);
+        let mut files: Vec<String> = entries.filter_map(name).filter(|name| name != "ranges").collect();
+        files.sort();
+        files
+    }
+
+    /// Forget the entry of a file.
+    pub fn forget(&self, file: &str) {
+        let _ = std::fs::remove_file(self.path(file, "json"));
+    }
+
+    /// How a file stands, of which `imprint` would be drawn now; whatever was drawn is taken where that is not known.
+    pub fn standing(&self, file: &str, imprint: Option<&str>, hashes: &mut Hashes) -> Standing {
+        let path = self.images.join(file);
+        let (Some(entry), true) = (self.entry(file), path.is_file()) else { return Standing::Missing };
+        if imprint.is_some_and(|imprint| imprint != entry.imprint) {
+            return Standing::Changed;
+        }
+        let changed = entry.depends_on.iter().find(|(path, hash)| hashes.of(path) != **hash);
+        if let Some((path, _)) = changed {
+            return Standing::Depends(path.clone());
+        }
+        let size = path.metadata().map(|m| m.len()).ok();
+        if size != Some(entry.bytes) || hash_of(&path).as_ref() != Some(&entry.blake3) {
+            return Standing::Damaged;
+        }
+        Standing::Done
+    }
+}

@@ -1,0 +1,73 @@
+//! The ranges of colours that the metadata leaves open: one for all frames of the data, so that the images of an animation agree.
+
+use crate::job::ImageJob;
+use crate::ledger::Ledger;
+use crate::progress::Progress;
+use crate::report::Outcome;
+use bind::binding::Color;
+use bind::emit;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What has been found so far, in the ledger's folder.
+#[derive(Default, Serialize, Deserialize)]
+struct Found {
+    /// Hash of the objects and of how the data is read.
+    of: String,
+    /// Of each frame, what its table was, and the range of each object's values.
+    frames: BTreeMap<u64, (String, Vec<Option<[f64; 2]>>)>,
+}
+
+/// Settle the ranges that are open, of a job and of its passes.
+pub fn settle(job: &mut ImageJob) -> Outcome {
+    for pass in &mut job.passes {
+        settle(pass)?;
+    }
+    let is_open = |color: &Color| matches!(color, Color::By { range: None, .. });
+    if !job.binding.objects.iter().any(|object| is_open(&object.color)) {
+        return Ok(());
+    }
+    let found = scan(job)?;
+    for (i, object) in job.binding.objects.iter_mut().enumerate() {
+        if let Color::By { range: range @ None, .. } = &mut object.color {
+            let ranges = found.frames.values().filter_map(|(_, ranges)| *ranges.get(i)?);
+            *range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+            if let Some([lo, hi]) = range {
+                eprintln!("note: the colours of `{}` go from {lo} to {hi}, the range of all frames", object.name);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The ranges of all frames of the data. Frames that were looked at before, and are as they were, are not read again; those that cannot
+/// be read have none.
+fn scan(job: &ImageJob) -> Outcome<Found> {
+    let path = Ledger::of(&job.folder).folder().join("ranges.json");
+    let read = |bytes: Vec<u8>| serde_json::from_slice::<Found>(&bytes).ok();
+    let before = std::fs::read(&path).ok().and_then(read).unwrap_or_default();
+    let text = format!("{:?}{:?}{:?}", job.binding.objects, job.source.derive, job.source.select);
+    let of = blake3::hash(text.as_bytes()).to_hex().to_string();
+    let is_known = before.of == of;
+    let mut found = Found { of, frames: BTreeMap::new() };
+    let numbers = job.source.numbers();
+    let mut progress = None;
+    for (done, number) in numbers.iter().enumerate() {
+        let stamp = job.source.stamp(*number);
+        if let Some(known) = before.frames.get(number).filter(|known| is_known && known.0 == stamp) {
+            found.frames.insert(*number, known.clone());
+            continue;
+        }
+        let progress =
+            progress.get_or_insert_with(|| Progress::start("looking for ranges", numbers.len() as u64, "frames"));
+        let ranges = job.source.read(*number).map(|table| emit::color_ranges(&job.binding, &table));
+        found.frames.insert(*number, (stamp, ranges.unwrap_or_default()));
+        progress.at(done as u64 + 1);
+    }
+    if let Some(progress) = progress {
+        progress.finish();
+        let bytes = serde_json::to_vec(&found).unwrap_or_default();
+        frame::atomic::write(&path, &bytes)?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,110 @@
+//! `scree task`: one task of a film, as the jobs of schedulers run it. Every task may be run any number of times.
+
+use crate::args::{Backend, SimulateArgs};
+use crate::batch::{Plan, Task};
+use crate::displays::written;
+use crate::job::{ModelRun, MovieFile, SimulateJob, Statistics, TaskJob, images_of};
+use crate::ledger::Standing;
+use crate::report::{Exit, Failure, Outcome};
+use crate::{images, model_run, run, simulate, stitch};
+use frame::run::RunReader;
+use render::film::bucket::Shard;
+use sim::model_file;
+use sim::run::{Span, n_frames};
+
+/// Run `scree task`.
+pub fn run(job: TaskJob) -> Outcome {
+    let TaskJob { plan, task } = job;
+    match task {
+        Task::Simulate(i) => simulate_to(&plan, i),
+        Task::Sweep(i) => sweep(&plan, i),
+        Task::Draw(i) => draw(&plan, i),
+        Task::Finish => finish(&plan),
+    }
+}
+
+/// Simulate to the time of an index, from where the run has got to.
+fn simulate_to(plan: &Plan, i: usize) -> Outcome {
+    let Some(simulation) = &plan.simulation else { return Ok(()) };
+    let (file, resolved) = model_file::read(&simulation.model)?;
+    let is_last = i + 1 == simulation.until.len();
+    let expected = n_frames(simulation.until[i], file.frame_rate);
+    let there = RunReader::open(&plan.home).ok().filter(|run| run.index.model_hash == sim::run::model_hash(&file));
+    let is_done = if is_last {
+        sim::run::is_done(&file, &plan.home)
+    } else {
+        there.is_some_and(|run| run.index.frames.len() as u64 >= expected)
+    };
+    if is_done {
+        eprintln!("{} is simulated to {} s already", plan.home.display(), simulation.until[i]);
+        return Ok(());
+    }
+    let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: true };
+    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span })
+}
+
+/// Simulate a combination of a sweep.
+fn sweep(plan: &Plan, i: usize) -> Outcome {
+    let Some(simulation) = &plan.simulation else { return Ok(()) };
+    simulate::run(SimulateJob::check(SimulateArgs {
+        model: simulation.model.clone(),
+        output: Some(plan.home.clone()),
+        until: None,
+        resume: true,
+        fresh: false,
+        set: vec![],
+        sweep_index: Some(i),
+        plan: false,
+        backend: Backend::Auto,
+        csv: false,
+    })?)
+}
+
+/// Draw the images of a task, or a shard of each.
+fn draw(plan: &Plan, i: usize) -> Outcome {
+    let mut job = images_of(plan, plan.frames_of(i))?;
+    let shard = plan.shard_of(i).map(|part| Shard { part, parts: plan.buckets });
+    let failed = images::render(&mut job, shard, Statistics::default())?;
+    failed.outcome(job.frames.len(), "the others of the task were drawn")
+}
+
+/// Join shards, check that every image is up to date, and make the movie.
+fn finish(plan: &Plan) -> Outcome {
+    let mut job = images_of(plan, &plan.frames)?;
+    if plan.buckets > 1 {
+        join(plan, &job)?;
+        for pass in &job.passes {
+            join(plan, pass)?;
+        }
+    }
+    let standings = images::standings(&mut job, 1)?;
+    let bad: Vec<_> = standings.iter().filter(|(_, standing)| standing[0] != Standing::Done).collect();
+    if let Some((frame, standing)) = bad.first() {
+        let message = format!(
+            "{} of {} images are not done: frame {frame} is {}; `scree resume {}` goes on",
+            bad.len(),
+            plan.frames.len(),
+            standing[0],
+            plan.home.display()
+        );
+        return Err(Failure::new(Exit::Partial, message));
+    }
+    println!("images: {} in {}", plan.frames.len(), job.folder.display());
+    if plan.movie {
+        let name = plan.input.file_stem().unwrap_or_default();
+        run::encode(&job, &MovieFile::Stem(plan.home.join(name)))?;
+    }
+    Ok(())
+}
+
+/// Join the shards of the images that have all of them.
+fn join(plan: &Plan, job: &crate::job::ImageJob) -> Outcome {
+    for frame in &job.frames {
+        let image = job.image(*frame);
+        let all = (1..=plan.buckets).all(|part| written(&image, Some(Shard { part, parts: plan.buckets })).is_file());
+        if all {
+            stitch::join(&image, plan.buckets, false)?;
+        }
+    }
+    Ok(())
+}
