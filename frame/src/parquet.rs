@@ -3,7 +3,7 @@
 
 use crate::arrow::columns;
 use crate::{Fault, FaultKind, Frame};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -31,7 +31,9 @@ fn decode(path: &Path, number: u64) -> Result<Frame, Fault> {
         fault(path, format!("is not a Parquet file that can be read: {said}")).hint(hint)
     };
     let file = guard::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| damaged(&e))?;
+    // The schema of Arrow that some writers add is not needed, and its decoder trusts it.
+    let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(file, options).map_err(|e| damaged(&e))?;
     for field in builder.schema().fields() {
         if !columns::is_read(field.data_type()) {
             let message = format!("column `{}` has the type {}", field.name(), field.data_type());
@@ -43,6 +45,10 @@ fn decode(path: &Path, number: u64) -> Result<Frame, Fault> {
     for group in builder.metadata().row_groups() {
         rows = rows.saturating_add(u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
         for column in group.columns() {
+            let page = column.dictionary_page_offset().unwrap_or(0).min(column.data_page_offset());
+            if page.min(column.compressed_size()).min(column.uncompressed_size()) < 0 {
+                return Err(damaged(&"a part of it has a negative place or length"));
+            }
             bytes = bytes.saturating_add(u64::try_from(column.uncompressed_size()).unwrap_or(u64::MAX));
         }
     }
