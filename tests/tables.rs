@@ -242,7 +242,7 @@ fn a_bad_frame_is_reported_and_the_others_are_rendered() {
 fn what_is_no_table_is_named() {
     let work = scratch();
     for (name, bytes, expected, way) in [
-        ("part.vtk", &b"# vtk DataFile Version 3.0\n"[..], "a legacy VTK file", "Save Data"),
+        ("part.vtk", &b"# vtk DataFile Version 3.0\na\nASCII\nDATASET POLYDATA\n"[..], "expected `POINTS`", "cut off"),
         ("dump100.liggghts", b"ITEM: TIMESTEP\n100\n", "ends here, expected `ITEM: ATOMS`", "interrupted"),
         ("table.csv", b"PK\x03\x04\0\0xl/workbook.xml", "an Excel workbook", "as CSV"),
         ("data.h5", b"\0\0\0\x01", "an HDF5 file", "to_csv"),

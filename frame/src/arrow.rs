@@ -3,6 +3,7 @@
 //! The schema's metadata holds the frame's number and time (key `scree`, text `frame=NUMBER time=SECONDS`), each field's metadata
 //! the column's unit (key `unit`). Columns are float64, float32, int64, or dictionaries of words with uint32 keys.
 
+pub(crate) mod columns;
 mod layout;
 
 use crate::{Column, Fault, FaultKind, Field, Frame};
@@ -87,6 +88,29 @@ pub fn decode(path: &Path, bytes: Vec<u8>, number: u64) -> Result<Frame, Fault> 
         }
     }
     Ok(frame)
+}
+
+/// What every Arrow IPC file begins with.
+pub const MAGIC: &[u8] = b"ARROW1";
+
+/// Read an Arrow IPC file of another program (Feather, version 2) as a table: columns of numbers of any type, of true and false, and of
+/// words, compressed by LZ4 or not. In all else as [`read`].
+pub fn read_table(path: &Path, number: u64) -> Result<Frame, Fault> {
+    let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let damaged = |e: &dyn std::fmt::Display| {
+        let message = format!("is not an Arrow IPC file that can be read: {}", guard::text::line(&e.to_string()));
+        Fault::whole(FaultKind::Data, path, message)
+            .hint("the file is cut off or damaged, or has columns of other types")
+    };
+    layout::check_table(&bytes).map_err(|e| damaged(&e))?;
+    let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| damaged(&e))?;
+    let schema = reader.schema();
+    let mut batches = vec![];
+    for batch in reader {
+        batches.push(batch.map_err(|e| damaged(&e))?);
+        guard::memory::check().map_err(|e| damaged(&e))?;
+    }
+    columns::frame(number, &schema, &batches).map_err(|e| damaged(&e))
 }
 
 fn empty_column(data_type: &DataType) -> Option<Column> {

@@ -22,10 +22,7 @@ const IMAGE: &str = "expected a table: a CSV file with a row for each particle";
 const UNPACK: &str = "unpack it first; scree reads the CSV files themselves";
 const SHEET: &str = "save the sheet as CSV (UTF-8) in the spreadsheet program";
 
-const VTK: Format = Format { name: "a legacy VTK file", hint: PARAVIEW, endings: &["vtk"] };
-const VTK_XML: Format =
-    Format { name: "a VTK file in XML", hint: PARAVIEW, endings: &["vtu", "vtp", "pvtu", "pvtp", "vti", "vtr", "vts"] };
-const PVD: Format = Format { name: "a ParaView collection", hint: PARAVIEW, endings: &["pvd"] };
+const GRID: Format = Format { name: "a VTK file of a grid", hint: PARAVIEW, endings: &["vti", "vtr", "vts"] };
 const HDF5: Format = Format {
     name: "an HDF5 file",
     hint: "write its tables as CSV, by Python: pandas.DataFrame(h5py.File(FILE)[NAME][:]).to_csv('p_0.csv', index=False)",
@@ -40,17 +37,6 @@ const NPZ: Format = Format {
     name: "an archive of NumPy arrays",
     hint: "write one as CSV, by Python: numpy.savetxt('p_0.csv', numpy.load(FILE)[NAME], delimiter=',', header='x,y,z,radius')",
     endings: &["npz"],
-};
-const PARQUET: Format = Format {
-    name: "a Parquet file",
-    hint: "write it as CSV, by Python: pandas.read_parquet(FILE).to_csv('p_0.csv', index=False)",
-    endings: &["parquet", "pq"],
-};
-const ARROW: Format = Format {
-    name: "an Arrow file",
-    hint: "Arrow files are read within a run directory alone, with its run.json; else, by Python: \
-           pandas.read_feather(FILE).to_csv('p_0.csv', index=False)",
-    endings: &["arrow", "feather"],
 };
 const JSON: Format = Format {
     name: "JSON",
@@ -77,20 +63,15 @@ const IMAGE_FILE: Format =
 const PDF: Format = Format { name: "a PDF document", hint: IMAGE, endings: &["pdf"] };
 
 /// All formats, for their endings.
-const ALL: [Format; 22] = [
-    VTK, VTK_XML, PVD, HDF5, NPY, NPZ, PARQUET, ARROW, JSON, XYZ, PLY, STL, OBJ, GZIP, PACKED, ZIP, XLSX, ODS, MATLAB,
-    IMAGE_FILE, PDF, RIB,
-];
+const ALL: [Format; 18] =
+    [GRID, HDF5, NPY, NPZ, JSON, XYZ, PLY, STL, OBJ, GZIP, PACKED, ZIP, XLSX, ODS, MATLAB, IMAGE_FILE, PDF, RIB];
 const RIB: Format =
     Format { name: "a RIB scene", hint: "a scene is rendered as it is: scree render FILE", endings: &["rib", "ribz"] };
 
 /// Formats by the bytes that all their files begin with.
-const MAGIC: [(&[u8], Format); 23] = [
-    (b"# vtk DataFile", VTK),
+const MAGIC: [(&[u8], Format); 19] = [
     (b"\x89HDF\r\n\x1a\n", HDF5),
     (b"\x93NUMPY", NPY),
-    (b"PAR1", PARQUET),
-    (b"ARROW1", ARROW),
     (b"ply\n", PLY),
     (b"ply\r", PLY),
     (b"\x1f\x8b", GZIP),
@@ -108,7 +89,6 @@ const MAGIC: [(&[u8], Format); 23] = [
     (b"GIF8", IMAGE_FILE),
     (b"%PDF", PDF),
     (b"##RenderMan", RIB),
-    (b"<VTKFile", VTK_XML),
 ];
 
 impl Format {
@@ -122,7 +102,7 @@ impl Format {
 /// The format of a file that is not a table, by its content.
 pub fn by_content(bytes: &[u8]) -> Option<Format> {
     if let Some((_, format)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
-        return Some(if *format == VTK_XML { xml(bytes) } else { *format });
+        return Some(*format);
     }
     let head = &bytes[..bytes.len().min(1 << 12)];
     let has = |what: &[u8]| head.windows(what.len()).any(|part| part == what);
@@ -137,7 +117,6 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
         std::str::from_utf8(head).unwrap_or_else(|e| std::str::from_utf8(&head[..e.valid_up_to()]).unwrap_or(""));
     let text = text.trim_start_matches('\u{feff}').trim_start();
     match text.as_bytes() {
-        [b'<', ..] if text.contains("<VTKFile") => Some(xml(head)),
         [b'{', ..] => Some(JSON),
         [b'[', ..]
             if text[1..]
@@ -166,12 +145,6 @@ pub fn binary(path: &Path, at: usize) -> Fault {
         None => Fault::whole(FaultKind::Data, path, format!("is not text: byte {at} is of a binary file"))
             .hint("expected a table as text: CSV, in UTF-8, UTF-16 or Latin-1"),
     }
-}
-
-fn xml(bytes: &[u8]) -> Format {
-    let collection = b"\"Collection\"";
-    let head = &bytes[..bytes.len().min(1 << 12)];
-    if head.windows(collection.len()).any(|part| part == collection) { PVD } else { VTK_XML }
 }
 
 /// Whether the length is that of as many triangles as the file says.
@@ -203,10 +176,7 @@ mod tests {
     #[test]
     fn formats_are_known_by_their_content() {
         for (bytes, expected) in [
-            (&b"# vtk DataFile Version 3.0\n"[..], Some("a legacy VTK file")),
-            (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">", Some("a VTK file in XML")),
-            (b"<VTKFile type=\"Collection\">", Some("a ParaView collection")),
-            (b"PK\x03\x04....xl/workbook.xml", Some("an Excel workbook")),
+            (&b"PK\x03\x04....xl/workbook.xml"[..], Some("an Excel workbook")),
             (b"PK\x03\x04....x.npy", Some("an archive of NumPy arrays")),
             (b"PK\x03\x04....x.txt", Some("a zip archive")),
             (b"\n[{\"x\": 1}]", Some("JSON")),

@@ -13,11 +13,13 @@ pub mod dump;
 mod fault;
 pub mod foreign;
 pub mod list;
+pub mod parquet;
 pub mod run;
 pub mod sequence;
 pub mod series;
 pub mod table;
 mod text;
+pub mod vtk;
 pub mod yaml;
 
 pub use column::{Column, Field, Frame, listed, repeated};

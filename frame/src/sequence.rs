@@ -97,14 +97,38 @@ pub fn not_a_run(folder: &Path) -> Fault {
                 ..found
             }
         }
-        None => fault("it has no run.json, and no tables").hint("a table is a CSV file with a row for each particle"),
+        None => fault("it has no run.json, and no tables")
+            .hint("a table is a file, as CSV or VTK, with a row for each particle"),
     }
 }
 
 /// Whether a file is a table by the ending of its name.
 pub fn is_table(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    ["csv", "tsv", "txt", "dat", "tab", "asc", "prn", "dump", "lammpstrj", "liggghts"].contains(&ending.as_str())
+    /// Endings of tables as text, of VTK, and of Parquet and Arrow.
+    const ENDINGS: [&str; 20] = [
+        "csv",
+        "tsv",
+        "txt",
+        "dat",
+        "tab",
+        "asc",
+        "prn",
+        "dump",
+        "lammpstrj",
+        "liggghts",
+        "vtk",
+        "vtu",
+        "vtp",
+        "pvtu",
+        "pvtp",
+        "pvd",
+        "parquet",
+        "pq",
+        "arrow",
+        "feather",
+    ];
+    ENDINGS.contains(&ending.as_str())
 }
 
 /// The pattern of a file and its like: the last number of its name may be any.
@@ -166,8 +190,8 @@ mod tests {
         std::fs::create_dir_all(folder.join("one")).unwrap();
         let write = |name: &str| std::fs::write(folder.join(name), "x").unwrap();
         assert!(not_a_run(folder).message.contains("no tables"));
-        write("a.vtk");
-        assert!(not_a_run(folder).message.contains("a.vtk is a legacy VTK file"));
+        write("a.h5");
+        assert!(not_a_run(folder).message.contains("a.h5 is an HDF5 file"));
         write("one/run.json");
         assert!(not_a_run(folder).message.contains("1 of its folders"));
         ["p_1.csv", "p_2.csv", "readme.txt"].iter().for_each(|name| write(name));

@@ -5,8 +5,8 @@
 //! (Apache Arrow Columnar Format, "IPC File Format").
 
 use arrow_ipc::{
-    Block, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch, Type, root_as_footer,
-    root_as_message,
+    Block, CompressionType, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch, Type,
+    root_as_footer, root_as_message,
 };
 use std::fmt::Display;
 
@@ -15,6 +15,25 @@ const MAGIC: &[u8] = b"ARROW1";
 
 /// Check the layout of a file; an error says what is wrong.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
+    check_all(bytes, &width, &|batch, body, widths| columns(batch, body, widths), &dictionary)
+}
+
+/// Check the layout of a file of another program, which may have columns of more types, and be compressed.
+pub(super) fn check_table(bytes: &[u8]) -> Result<(), String> {
+    check_all(bytes, &shape, &any_columns, &|batch, body| {
+        let batch = batch.data().ok_or("a dictionary has no words")?;
+        // Their offsets are checked where they are decoded.
+        any_columns(&batch, body, &[Shape { bits: 32, buffers: 3 }])
+    })
+}
+
+/// Check the layout of a file, its columns and its dictionaries; `of` tells what is to be known of a column.
+fn check_all<T>(
+    bytes: &[u8],
+    of: &dyn Fn(&Field<'_>) -> Result<T, String>,
+    columns: &dyn Fn(&RecordBatch<'_>, &[u8], &[T]) -> Result<(), String>,
+    dictionary: &dyn Fn(&DictionaryBatch<'_>, &[u8]) -> Result<(), String>,
+) -> Result<(), String> {
     let footer = footer(bytes)?;
     let schema = footer.schema().ok_or("it has no schema")?;
     if schema.endianness() != Endianness::Little {
@@ -26,7 +45,7 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
         return Err("its metadata has a key without value".into());
     }
     let fields = schema.fields().ok_or("it has no columns")?;
-    let widths = fields.iter().map(|field| width(&field)).collect::<Result<Vec<_>, _>>()?;
+    let widths = fields.iter().map(|field| of(&field)).collect::<Result<Vec<_>, _>>()?;
     for block in footer.dictionaries().into_iter().flatten() {
         let (message, body) = message(bytes, block)?;
         let batch = message.header_as_dictionary_batch().ok_or("a dictionary is none")?;
@@ -150,4 +169,93 @@ fn dictionary(batch: &DictionaryBatch<'_>, body: &[u8]) -> Result<(), String> {
     // Each word is text of its own.
     let is_text = |w: &[i32]| std::str::from_utf8(&words[w[0] as usize..w[1] as usize]).is_ok();
     if ends.windows(2).all(is_text) { Ok(()) } else { Err("the words of a dictionary are not UTF-8 text".into()) }
+}
+
+/// What the values of a column look like.
+#[derive(Clone, Copy)]
+struct Shape {
+    /// Bits of a value, of an offset if it has words, or of the codes of a dictionary.
+    bits: usize,
+    /// Count of buffers: marks of what is there, values, and the letters of words.
+    buffers: usize,
+}
+
+/// The shape of a column.
+fn shape(field: &Field<'_>) -> Result<Shape, String> {
+    let refuse = || refused(field.name().unwrap_or_default(), &field.type_type().variant_name().unwrap_or("unknown"));
+    if field.custom_metadata().into_iter().flatten().any(|note| note.key().is_none() || note.value().is_none()) {
+        return Err(refuse());
+    }
+    if field.name().is_none() || field.children().is_some_and(|children| !children.is_empty()) {
+        return Err(refuse());
+    }
+    let bits = |bits: i32| usize::try_from(bits).ok().filter(|bits| [8, 16, 32, 64].contains(bits)).ok_or_else(refuse);
+    let code = field.dictionary().map(|d| d.indexType().map_or(32, |int| int.bitWidth()));
+    Ok(match (field.type_type(), code) {
+        (Type::Utf8 | Type::LargeUtf8, Some(code)) => Shape { bits: bits(code)?, buffers: 2 },
+        (Type::Utf8, None) => Shape { bits: 32, buffers: 3 },
+        (Type::LargeUtf8, None) => Shape { bits: 64, buffers: 3 },
+        (Type::Bool, None) => Shape { bits: 1, buffers: 2 },
+        (Type::Int, None) => Shape { bits: bits(field.type_as_int().ok_or_else(refuse)?.bitWidth())?, buffers: 2 },
+        (Type::FloatingPoint, None) => match field.type_as_floating_point().map(|x| x.precision()) {
+            Some(Precision::DOUBLE) => Shape { bits: 64, buffers: 2 },
+            Some(Precision::SINGLE) => Shape { bits: 32, buffers: 2 },
+            Some(Precision::HALF) => Shape { bits: 16, buffers: 2 },
+            _ => return Err(refuse()),
+        },
+        _ => return Err(refuse()),
+    })
+}
+
+/// Check the columns of a batch, which may be compressed.
+fn any_columns(batch: &RecordBatch<'_>, body: &[u8], shapes: &[Shape]) -> Result<(), String> {
+    let (Some(nodes), Some(buffers)) = (batch.nodes(), batch.buffers()) else {
+        return Err("rows have no values".into());
+    };
+    let n_buffers: usize = shapes.iter().map(|shape| shape.buffers).sum();
+    if batch.variadicBufferCounts().is_some_and(|n| !n.is_empty())
+        || buffers.len() != n_buffers
+        || nodes.len() != shapes.len()
+    {
+        return Err("it has not the buffers that its columns need".into());
+    }
+    let is_packed = match batch.compression().map(|own| own.codec()) {
+        None => false,
+        Some(CompressionType::LZ4_FRAME) => true,
+        Some(_) => return Err("it is not compressed by LZ4: write it by LZ4, or without compression".into()),
+    };
+    let mut room = guard::memory::room();
+    let mut length = |k: usize| -> Option<usize> {
+        let own = buffers.get(k);
+        let (start, length) = (usize::try_from(own.offset()).ok()?, usize::try_from(own.length()).ok()?);
+        let bytes = body.get(start..start.checked_add(length)?)?;
+        if !is_packed || bytes.is_empty() {
+            return Some(length);
+        }
+        // The count of bytes stands before them, or -1 if they are not compressed.
+        let count = i64::from_le_bytes(*bytes.first_chunk()?);
+        let length = if count == -1 { length - 8 } else { usize::try_from(count).ok()? };
+        room = room.checked_sub(length as u64)?;
+        // LZ4 makes no more of a byte.
+        (length <= bytes.len().saturating_mul(255)).then_some(length)
+    };
+    let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
+    let mut first = 0;
+    for (k, shape) in shapes.iter().enumerate() {
+        let lengths = (first..first + shape.buffers).map(&mut length).collect::<Option<Vec<_>>>();
+        let lengths = lengths.ok_or("a part of it is outside of the file, or larger than it can be")?;
+        first += shape.buffers;
+        let n_offsets = usize::from(shape.buffers == 3 && rows > 0);
+        let needed = rows.checked_add(n_offsets).and_then(|n| n.checked_mul(shape.bits)).map(|bits| bits.div_ceil(8));
+        let has_marks = lengths[0] >= rows.div_ceil(8) || lengths[0] == 0 && nodes.get(k).null_count() == 0;
+        let is_whole = shape.bits < 8 || lengths[1].is_multiple_of(shape.bits / 8);
+        if usize::try_from(nodes.get(k).length()) != Ok(rows)
+            || !has_marks
+            || !is_whole
+            || needed.is_none_or(|needed| lengths[1] < needed)
+        {
+            return Err("its columns are not of one length".into());
+        }
+    }
+    Ok(())
 }

@@ -43,8 +43,9 @@ pub struct Data {
     /// A run directory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<PathBuf>,
-    /// Tables of other programs, told by their content: CSV files, or dumps of LAMMPS and LIGGGHTS. In the name `*` stands for any
-    /// characters; the last number in a file's name is its frame number, or the time step where a dump has several.
+    /// Tables of other programs, told by their content: CSV files, dumps of LAMMPS and LIGGGHTS, files of VTK and ParaView, Parquet
+    /// and Arrow files. In the name `*` stands for any characters; the last number in a file's name is its frame number, or the time
+    /// step where a dump has several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub files: Option<PathBuf>,
     /// The same, as metadata files of CSV files have it.
