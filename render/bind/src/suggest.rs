@@ -2,6 +2,7 @@
 
 mod framing;
 mod lengths;
+mod motion;
 mod names;
 mod survey;
 
@@ -12,12 +13,18 @@ use crate::metadata::{
 };
 use frame::{Column, Frame};
 use framing::{Classes, Subject, rounded};
+use lengths::Length;
 use names::Names;
 use survey::{Kind, Survey};
 
 fn column(name: &str) -> Quantity {
     Quantity::Expression(expr::quoted(name))
 }
+
+/// The columns of orientations that need not be named.
+const STANDARD_TURN: [&str; 4] = ["quat_w", "quat_x", "quat_y", "quat_z"];
+/// The columns of velocities that need not be named, with their unit, m/s.
+const STANDARD_MOTION: [(&str, f64); 3] = [("vel_x", 1.0), ("vel_y", 1.0), ("vel_z", 1.0)];
 
 /// Frames of the data from which metadata is suggested, evenly spread from the first to the last; fewer if a frame has many rows.
 pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
@@ -72,6 +79,11 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
             position: names.position.map(|p| p.quantity()),
+            orientation: names.orientation.filter(|q| *q != STANDARD_TURN).map(|q| q.map(column)),
+            velocity: names
+                .velocity
+                .filter(|v| v.map(|v| (v.column, v.factor)) != STANDARD_MOTION)
+                .map(|v| v.map(Length::quantity)),
             ..object(
                 "particles",
                 None,
@@ -249,7 +261,11 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     // What is measured rather than counted: ids and types tell little as colours.
     let is_measured = |name: &&&str| matches!(frame.column(name), Some(Column::F32(_) | Column::F64(_)));
     let others = || names.iter().filter(|n| !taken(n) && **n != "id" && numeric(n));
-    let by = names.iter().find(|n| **n == "speed").or_else(|| others().find(is_measured)).or_else(|| others().next());
+    let by = names
+        .iter()
+        .find(|n| ["speed", "absv"].contains(*n))
+        .or_else(|| others().find(is_measured))
+        .or_else(|| others().next());
     let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
     match (by, first) {
         (Some(column), Some(first)) => {
