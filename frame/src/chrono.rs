@@ -78,7 +78,7 @@ fn frame(path: &Path, text: &str, number: u64) -> Result<Frame, Fault> {
     let mut rows = vec![];
     for k in 0..all {
         let line = loop {
-            let line = lines.next(&format!("{all} rows, found {k},"))?;
+            let line = lines.next(format_args!("{all} rows, found {k},"))?;
             if !line.trim().is_empty() {
                 break line;
             }

@@ -5,8 +5,10 @@
 //! words. Without a header, columns are named `c1`, `c2` and so on.
 
 mod cells;
+mod numbers;
 mod values;
 
+pub(crate) use numbers::Numbers;
 pub use values::number;
 pub(crate) use values::words;
 
@@ -98,17 +100,23 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
     let head = head(&table, &mut rows, &mut row, delimiter, layout)?;
     let fields: Vec<Field> = head.names.iter().map(|n| field_of(n)).collect();
     check_names(&table, &fields, &head)?;
-    let mut columns: Vec<Vec<&str>> = vec![Vec::new(); fields.len()];
+    let again = (head.first, row.clone(), rows.clone());
+    let mut numbers = vec![Numbers::default(); fields.len()];
     let mut next = match head.first {
         Some(first) => Some(first),
         None => rows.read(&mut row).map_err(|e| table.unclosed(e))?,
     };
     while let Some(found) = next {
         fit(&table, &mut row, found, &head.names, layout)?;
-        row.iter().zip(&mut columns).for_each(|(cell, column)| column.push(cell));
+        row.iter().zip(&mut numbers).for_each(|(cell, column)| column.push(cell));
         next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
     }
-    let columns = columns.iter().map(|cells| values::column(cells)).collect::<Result<Vec<_>, _>>();
+    let mut others = others(&table, again, &numbers, &head.names, layout)?.into_iter();
+    let column = |numbers: Numbers| match numbers.is_other() {
+        true => values::column(&others.next().unwrap_or_default()),
+        false => Ok(numbers.column()),
+    };
+    let columns = numbers.into_iter().map(column).collect::<Result<Vec<_>, _>>();
     let columns = columns.map_err(|Mixed { comma, point }| {
         let message = format!("has `{comma}` with a comma, and `{point}` of the same column has a point");
         table.fault_of(comma, message).hint(ALIKE)
@@ -121,6 +129,31 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         return Err(table.fault_of(cell, message).hint(ALIKE));
     }
     Ok(Frame { number, time: 0.0, columns: fields.into_iter().zip(columns).collect() })
+}
+
+/// Read the rows again, for the cells of the columns that have others than plain numbers.
+fn others<'a>(
+    table: &Table<'_>,
+    (first, mut row, mut rows): (Option<Row>, Vec<&'a str>, Rows<'a>),
+    numbers: &[Numbers],
+    names: &[String],
+    layout: &Layout,
+) -> Result<Vec<Vec<&'a str>>, Fault> {
+    let places: Vec<usize> = (0..numbers.len()).filter(|k| numbers[*k].is_other()).collect();
+    let mut cells = vec![Vec::new(); places.len()];
+    if places.is_empty() {
+        return Ok(cells);
+    }
+    let mut next = match first {
+        Some(first) => Some(first),
+        None => rows.read(&mut row).map_err(|e| table.unclosed(e))?,
+    };
+    while let Some(found) = next {
+        fit(table, &mut row, found, names, layout)?;
+        places.iter().zip(&mut cells).for_each(|(k, cells)| cells.push(row[*k]));
+        next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
+    }
+    Ok(cells)
 }
 
 /// The frame of a text of comments alone, without rows: the last comment names the columns, unless it has numbers.

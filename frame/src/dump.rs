@@ -5,7 +5,9 @@
 //! are no others.
 
 use crate::part::{self, Part, Scan};
-use crate::{Column, Fault, FaultKind, Field, Frame, csv};
+use crate::rows::Columns;
+use crate::{Column, Fault, FaultKind, Field, Frame};
+use std::fmt::Display;
 use std::iter::{Enumerate, Peekable};
 use std::path::Path;
 use std::str::Lines;
@@ -63,7 +65,7 @@ impl<'a> Dump<'a> {
     }
 
     /// The line after the one of an index, from 0, which has what is expected.
-    fn next(&mut self, after: usize, expected: &str) -> Result<(usize, &'a str), Fault> {
+    fn next(&mut self, after: usize, expected: impl Display) -> Result<(usize, &'a str), Fault> {
         match self.lines.next() {
             Some((i, line)) if !line.starts_with("ITEM:") => Ok((i, line)),
             _ => Err(self
@@ -159,25 +161,20 @@ impl<'a> Dump<'a> {
         if names.is_empty() {
             return Err(self.fault(i + 1, "names no columns"));
         }
-        let mut cells: Vec<Vec<&str>> = vec![Vec::new(); names.len()];
+        let mut columns = Columns::new(names.len());
+        let again = self.lines.clone();
         for k in 0..count {
-            let (at, line) = self.next(i + k, &format!("{count} rows, found {k},"))?;
-            let mut found = 0;
-            for cell in line.split_ascii_whitespace() {
-                if let Some(column) = cells.get_mut(found) {
-                    column.push(cell);
-                }
-                found += 1;
-            }
+            let (at, line) = self.next(i + k, format_args!("{count} rows, found {k},"))?;
+            let found = columns.push(line);
             if found != names.len() {
                 let message = format!("row has {found} cells, expected {} ({})", names.len(), crate::listed(names));
                 return Err(self.fault(at + 1, message));
             }
         }
+        let found = columns.finish(again.map(|(_, line)| line));
         let mut columns: Vec<(Field, Column)> = vec![];
-        for (k, (name, cells)) in names.iter().zip(cells).enumerate() {
-            let column =
-                csv::column(&cells).ok_or_else(|| self.fault(i + 1, format!("`{name}` has numbers of two kinds")))?;
+        for (k, (name, column)) in names.iter().zip(found).enumerate() {
+            let column = column.ok_or_else(|| self.fault(i + 1, format!("`{name}` has numbers of two kinds")))?;
             let before = names[..k].iter().filter(|other| *other == name).count();
             let name = if before == 0 { name.to_string() } else { format!("{name}_{}", before + 1) };
             columns.push((Field::new(&name, ""), column));

@@ -1,6 +1,8 @@
 //! Lines of text, and the rows of numbers and words between blanks in them, as columns.
 
-use crate::{Column, Fault, FaultKind, Field, csv};
+use crate::csv::{self, Numbers};
+use crate::{Column, Fault, FaultKind, Field};
+use std::fmt::Display;
 use std::path::Path;
 
 /// The lines of a text that are still to be read.
@@ -20,7 +22,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The next line, which has what is expected.
-    pub(crate) fn next(&mut self, expected: &str) -> Result<&'a str, Fault> {
+    pub(crate) fn next(&mut self, expected: impl Display) -> Result<&'a str, Fault> {
         self.take().ok_or_else(|| self.cut(&format!("expected {expected} below")))
     }
 
@@ -64,30 +66,25 @@ impl<'a> Lines<'a> {
         count: u64,
         named: usize,
     ) -> Result<Vec<(Field, Column)>, Fault> {
-        let mut cells: Vec<Vec<&str>> = vec![Vec::new(); fields.len()];
+        let rows = &self.text[self.at..];
+        let mut columns = Columns::new(fields.len());
         for k in 0..count {
             let Some(line) = self.take() else { return Err(self.cut(&format!("expected {count} rows, found {k}"))) };
-            let mut found = 0;
-            for cell in line.split_ascii_whitespace() {
-                if let Some(column) = cells.get_mut(found) {
-                    column.push(cell);
-                }
-                found += 1;
-            }
+            let found = columns.push(line);
             if found != fields.len() {
                 let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
                 let message = format!("row has {found} cells, expected {} ({})", names.len(), crate::listed(&names));
                 return Err(self.fault(message));
             }
         }
-        let column = |(field, cells): (Field, Vec<&str>)| match csv::column(&cells) {
+        let column = |(field, column): (Field, Option<Column>)| match column {
             Some(column) => Ok((field, column)),
             None => {
                 let message = format!("`{}` has numbers of two kinds", field.name);
                 Err(Fault::at(FaultKind::Data, self.path, self.text, named, 1, message))
             }
         };
-        fields.into_iter().zip(cells).map(column).collect()
+        fields.into_iter().zip(columns.finish(rows.lines())).map(column).collect()
     }
 
     /// Check that nothing but blanks is behind a number of rows.
@@ -99,6 +96,48 @@ impl<'a> Lines<'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// Columns of rows of cells between blanks, as far as they have been read.
+pub(crate) struct Columns {
+    numbers: Vec<Numbers>,
+    n_rows: usize,
+}
+
+impl Columns {
+    pub(crate) fn new(count: usize) -> Columns {
+        Columns { numbers: vec![Numbers::default(); count], n_rows: 0 }
+    }
+
+    /// Read a row; the count of its cells, which is that of the columns if it is a whole one.
+    pub(crate) fn push(&mut self, row: &str) -> usize {
+        let mut found = 0;
+        for cell in row.split_ascii_whitespace() {
+            if let Some(column) = self.numbers.get_mut(found) {
+                column.push(cell);
+            }
+            found += 1;
+        }
+        self.n_rows += 1;
+        found
+    }
+
+    /// The columns, given the rows again for those that have others than plain numbers; none for numbers that are not written alike.
+    pub(crate) fn finish<'a>(self, rows: impl Iterator<Item = &'a str>) -> Vec<Option<Column>> {
+        let is_other: Vec<bool> = self.numbers.iter().map(Numbers::is_other).collect();
+        let mut cells: Vec<Vec<&str>> = vec![vec![]; is_other.len()];
+        if is_other.contains(&true) {
+            for row in rows.take(self.n_rows) {
+                let own = row.split_ascii_whitespace().zip(&mut cells).zip(&is_other);
+                own.filter(|(_, is_other)| **is_other).for_each(|((cell, cells), _)| cells.push(cell));
+            }
+        }
+        let column = |(numbers, cells): (Numbers, Vec<&str>)| match numbers.is_other() {
+            true => csv::column(&cells),
+            false => Some(numbers.column().0),
+        };
+        self.numbers.into_iter().zip(cells).map(column).collect()
     }
 }
 

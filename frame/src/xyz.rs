@@ -106,7 +106,7 @@ impl Comment {
                 "properties" => comment.columns = Some(columns_of(value)?),
                 "time" => comment.time = value.parse().ok().filter(|time: &f64| time.is_finite()),
                 "timestep" | "step" => {
-                    let whole = |x: f64| (x >= 0.0 && x < 9e15 && x.fract() == 0.0).then_some(x as u64);
+                    let whole = |x: f64| ((0.0..9e15).contains(&x) && x.fract() == 0.0).then_some(x as u64);
                     let step = value.parse().ok().or_else(|| value.parse().ok().and_then(whole));
                     let message = || format!("`{}` is no time step, expected a whole number", shown(value));
                     comment.step = Some(step.ok_or_else(message)?);

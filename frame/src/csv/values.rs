@@ -50,7 +50,9 @@ pub fn number(word: &str) -> Option<f64> {
     plain_number(word).or_else(|| unusual_number(word)).or_else(|| is_missing(word).then_some(f64::NAN))
 }
 
-fn plain_number(cell: &str) -> Option<f64> {
+/// A number as programs write it: a point, an exponent.
+#[inline]
+pub(super) fn plain_number(cell: &str) -> Option<f64> {
     short_number(cell.as_bytes()).or_else(|| cell.parse().ok())
 }
 
@@ -132,7 +134,7 @@ fn unusual_number(cell: &str) -> Option<f64> {
 
 /// The sign between whole part and fraction of a column's numbers.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Decimal<'a> {
+pub(crate) enum Decimal<'a> {
     /// All are whole, or the column has words.
     None,
     /// A point.

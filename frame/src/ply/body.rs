@@ -50,9 +50,8 @@ impl<'a> Words<'a> {
             let is_vertex = element.name == "vertex" && found.is_empty();
             let mut columns = if is_vertex { columns(self.path, element, 0)? } else { vec![] };
             for k in 0..element.count {
-                let expected = format!("{} rows of `{}`, found {k},", element.count, element.name);
                 let line = loop {
-                    let line = lines.next(&expected)?;
+                    let line = lines.next(format_args!("{} rows of `{}`, found {k},", element.count, element.name))?;
                     if !line.trim().is_empty() {
                         break line;
                     }
