@@ -4,9 +4,11 @@
 //! elements are passed over.
 
 mod body;
+mod head;
 
 use crate::{Fault, FaultKind, Frame, gzip};
 use body::{Bytes, Words};
+use head::Format;
 use std::path::Path;
 
 /// Whether a file begins as PLY files do.
@@ -14,82 +16,10 @@ pub(crate) fn is_ply(start: &[u8]) -> bool {
     start.starts_with(b"ply\n") || start.starts_with(b"ply\r")
 }
 
-/// The type of a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Type {
-    fn of(name: &str) -> Option<Type> {
-        Some(match name {
-            "char" | "int8" => Type::I8,
-            "uchar" | "uint8" => Type::U8,
-            "short" | "int16" => Type::I16,
-            "ushort" | "uint16" => Type::U16,
-            "int" | "int32" => Type::I32,
-            "uint" | "uint32" => Type::U32,
-            "float" | "float32" => Type::F32,
-            "double" | "float64" => Type::F64,
-            _ => return None,
-        })
-    }
-
-    /// Count of its bytes.
-    fn size(self) -> usize {
-        match self {
-            Type::I8 | Type::U8 => 1,
-            Type::I16 | Type::U16 => 2,
-            Type::I32 | Type::U32 | Type::F32 => 4,
-            Type::F64 => 8,
-        }
-    }
-}
-
-/// What an element has.
-struct Property {
-    name: String,
-    of: Type,
-    /// The type of the count, if it is a list.
-    list: Option<Type>,
-}
-
-/// Rows of one kind.
-struct Element {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-}
-
-/// How numbers are written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Format {
-    Text,
-    Little,
-    Big,
-}
-
-/// The lines before the numbers.
-struct Head {
-    format: Format,
-    elements: Vec<Element>,
-    /// Count of its bytes.
-    length: usize,
-    /// Count of its lines.
-    lines: usize,
-}
-
 /// Read the vertices of a file as the frame `number`, at time 0.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
     let bytes = gzip::read(path)?;
-    let head = head(path, &bytes)?;
+    let head = head::read(path, &bytes)?;
     let Some(vertex) = head.elements.iter().find(|element| element.name == "vertex") else {
         return Err(Fault::whole(FaultKind::Data, path, "has no element `vertex`, and so no rows"));
     };
@@ -109,67 +39,6 @@ pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
         Format::Big => Bytes::<true>::new(path, body).vertices(&head.elements)?,
     };
     Ok(Frame { number, time: 0.0, columns })
-}
-
-/// Read the lines to `end_header`.
-fn head(path: &Path, bytes: &[u8]) -> Result<Head, Fault> {
-    /// Elements and properties at most.
-    const MOST: usize = 4096;
-    let (mut format, mut elements, mut length, mut n_properties) = (None, Vec::<Element>::new(), 0, 0);
-    for (k, line) in bytes.split_inclusive(|b| *b == b'\n').enumerate() {
-        length += line.len();
-        let text = String::from_utf8_lossy(&line[..line.len().min(1024)]);
-        let text = text.trim();
-        let fault = |message: String| Fault::at(FaultKind::Data, path, text, 1, 1, message).moved(k);
-        let type_of = |name: &str| {
-            Type::of(name)
-                .ok_or_else(|| fault(format!("`{name}` is no type of PLY, expected one such as float or uchar")))
-        };
-        let mut add = |of: Type, list: Option<Type>, name: &str| match elements.last_mut() {
-            Some(element) if n_properties < MOST => {
-                element.properties.push(Property { name: name.into(), of, list });
-                n_properties += 1;
-                Ok(())
-            }
-            Some(_) => Err(fault(format!("has more than {MOST} properties"))),
-            None => Err(fault("comes before an element".into())),
-        };
-        match text.split_whitespace().collect::<Vec<_>>()[..] {
-            ["ply"] if k == 0 => {}
-            [] | ["comment" | "obj_info", ..] => {}
-            ["format", name, _] => {
-                format = match name {
-                    "ascii" => Some(Format::Text),
-                    "binary_little_endian" => Some(Format::Little),
-                    "binary_big_endian" => Some(Format::Big),
-                    _ => return Err(fault(format!("`{name}` is no format of PLY"))),
-                }
-            }
-            ["element", name, count] => {
-                let count =
-                    count.parse().map_err(|_| fault(format!("`{count}` is no count, expected a whole number")))?;
-                if elements.len() >= MOST {
-                    return Err(fault(format!("has more than {MOST} elements")));
-                }
-                elements.push(Element { name: name.into(), count, properties: vec![] });
-            }
-            ["property", "list", count, of, name] => {
-                let list = type_of(count)?;
-                if matches!(list, Type::F32 | Type::F64) {
-                    return Err(fault(format!("the counts of a list are whole numbers, not {count}")));
-                }
-                add(type_of(of)?, Some(list), name)?;
-            }
-            ["property", of, name] => add(type_of(of)?, None, name)?,
-            ["end_header"] => {
-                let Some(format) = format else { return Err(fault("ends without a format".into())) };
-                return Ok(Head { format, elements, length, lines: k + 1 });
-            }
-            _ => return Err(fault("is no line of a PLY file's head".into())),
-        }
-    }
-    Err(Fault::whole(FaultKind::Data, path, "ends before `end_header`")
-        .hint("the program that wrote it was interrupted, or is still writing it"))
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ impl Numbers {
         self.is_real = true;
     }
 
-    /// Whether a cell was no plain number, and the column is to be read by [`super::values::column`].
+    /// Whether a cell was no plain number, and the column is to be read as a whole.
     pub(crate) fn is_other(&self) -> bool {
         self.is_other
     }
@@ -91,8 +91,8 @@ fn whole_number(cell: &str) -> Option<i64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::values::column;
     use super::*;
-    use crate::csv::values;
 
     #[test]
     fn columns_are_those_of_the_cells_together() {
@@ -110,7 +110,7 @@ mod tests {
             cells.iter().for_each(|cell| numbers.push(cell));
             assert!(!numbers.is_other(), "{cells:?}");
             // Not-a-numbers differ from themselves.
-            assert_eq!(format!("{:?}", numbers.column()), format!("{:?}", values::column(cells).unwrap()));
+            assert_eq!(format!("{:?}", numbers.column()), format!("{:?}", column(cells).unwrap()));
         }
         for cells in
             [&["1", "NA"][..], &["-0", "0.5"], &["1", ""], &["1.5", "1,5"], &["a"], &["1", "a", "2"], &["1.0D+3"]]

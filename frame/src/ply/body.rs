@@ -1,6 +1,6 @@
 //! The numbers of a PLY file, as text and in binary.
 
-use super::{Element, Property, Type};
+use super::head::{Element, Property, Type};
 use crate::rows::Lines;
 use crate::{Column, Fault, FaultKind, Field, text};
 use guard::memory;

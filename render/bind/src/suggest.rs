@@ -1,5 +1,6 @@
 //! A first metadata file for data that has none: columns are recognised by their names, and the camera is placed to see all rows.
 
+mod columns;
 mod framing;
 mod lengths;
 mod motion;
@@ -47,7 +48,7 @@ pub struct Suggestion {
 pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     let some = frames.iter().find(|frame| frame.rows() > 0);
     let frame = some.ok_or("the data has no rows from which a camera could be placed")?;
-    let has = |name: &str| names::is_numeric(frame, name);
+    let has = |name: &str| columns::is_numeric(frame, name);
     let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
     let (mut names, mut remarks) = Names::of(frame)?;
     if is_ours {
@@ -256,7 +257,7 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let mut head = "# What to draw, found out from the data; change what you like.\n".to_string();
     remarks.iter().for_each(|remark| head += &format!("# {}.\n", guard::text::line(remark)));
     let taken = |name: &str| names::is_position_or_size(frame, name);
-    let numeric = |name: &&str| names::is_numeric(frame, name);
+    let numeric = |name: &&str| columns::is_numeric(frame, name);
     let names = frame.names();
     // What is measured rather than counted: ids and types tell little as colours.
     let is_measured = |name: &&&str| matches!(frame.column(name), Some(Column::F32(_) | Column::F64(_)));

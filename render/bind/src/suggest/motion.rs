@@ -1,7 +1,7 @@
 //! Names that columns of orientations and velocities go by in other programs.
 
+use super::columns::{is_numeric, only};
 use super::lengths::Length;
-use super::names::{is_numeric, only};
 use frame::Frame;
 
 /// Names of a quaternion w, x, y, z, in small letters and without other characters: of scree, DEM-Engine, LAMMPS, LIGGGHTS and Chrono.

@@ -1,5 +1,6 @@
 //! Names that columns of positions and sizes go by in other programs.
 
+use super::columns::{is_numeric, only, simplified};
 use super::lengths::{Length, near_origin};
 use super::motion;
 use frame::{Column, Frame};
@@ -109,12 +110,6 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Whether a frame has a column of numbers of this name.
-pub(super) fn is_numeric(frame: &Frame, name: &str) -> bool {
-    // What stands between backticks cannot have one.
-    !name.contains('`') && frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }))
-}
-
 /// Whether a frame has a column of this name with numbers that are not missing.
 fn has_numbers(frame: &Frame, name: &str) -> bool {
     is_numeric(frame, name) && frame.column(name).is_some_and(|c| c.range().is_some())
@@ -199,18 +194,6 @@ pub(super) fn is_position_or_size(frame: &Frame, name: &str) -> bool {
             || names.orientation.is_some_and(|q| q.contains(&name))
     };
     usual || Names::of(frame).is_ok_and(|(names, _)| is_found(names))
-}
-
-/// The one column that is accepted and whose name is this but for capitals, units and characters between letters.
-pub(super) fn only<'a>(frame: &'a Frame, simple: &str, accepts: fn(&Frame, &str) -> bool) -> Option<&'a str> {
-    let mut found = frame.names().into_iter().filter(|name| simplified(name) == simple && accepts(frame, name));
-    found.next().filter(|_| found.next().is_none())
-}
-
-/// A name in small letters, without a unit in brackets and without other characters than letters and digits.
-fn simplified(name: &str) -> String {
-    let name = name.split_once(['(', '[']).map_or(name, |(name, _)| name);
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 #[cfg(test)]
