@@ -5,11 +5,14 @@
 //! words. Without a header, columns are named `c1`, `c2` and so on.
 
 mod cells;
+mod numbers;
 mod values;
 
+pub(crate) use numbers::Numbers;
 pub use values::number;
+pub(crate) use values::words;
 
-use crate::{Column, Fault, FaultKind, Field, Frame, foreign, listed, read_bytes, repeated, text};
+use crate::{Column, Fault, FaultKind, Field, Frame, foreign, gzip, listed, repeated, text};
 use cells::{Row, Rows, Unclosed};
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -32,7 +35,7 @@ pub struct Layout {
 /// Read a CSV file as the frame `number`, at time 0. An error, with its line and column, if the file cannot be read, has no rows or
 /// has a row with missing or surplus cells.
 pub fn read(path: &Path, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-    let bytes = read_bytes(FaultKind::Data, path)?;
+    let bytes = gzip::read(path)?;
     if let Some(format) = foreign::by_content(&bytes) {
         return Err(format.fault(path));
     }
@@ -97,17 +100,23 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
     let head = head(&table, &mut rows, &mut row, delimiter, layout)?;
     let fields: Vec<Field> = head.names.iter().map(|n| field_of(n)).collect();
     check_names(&table, &fields, &head)?;
-    let mut columns: Vec<Vec<&str>> = vec![Vec::new(); fields.len()];
+    let again = (head.first, row.clone(), rows.clone());
+    let mut numbers = vec![Numbers::default(); fields.len()];
     let mut next = match head.first {
         Some(first) => Some(first),
         None => rows.read(&mut row).map_err(|e| table.unclosed(e))?,
     };
     while let Some(found) = next {
         fit(&table, &mut row, found, &head.names, layout)?;
-        row.iter().zip(&mut columns).for_each(|(cell, column)| column.push(cell));
+        row.iter().zip(&mut numbers).for_each(|(cell, column)| column.push(cell));
         next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
     }
-    let columns = columns.iter().map(|cells| values::column(cells)).collect::<Result<Vec<_>, _>>();
+    let mut others = others(&table, again, &numbers, &head.names, layout)?.into_iter();
+    let column = |numbers: Numbers| match numbers.is_other() {
+        true => values::column(&others.next().unwrap_or_default()),
+        false => Ok(numbers.column()),
+    };
+    let columns = numbers.into_iter().map(column).collect::<Result<Vec<_>, _>>();
     let columns = columns.map_err(|Mixed { comma, point }| {
         let message = format!("has `{comma}` with a comma, and `{point}` of the same column has a point");
         table.fault_of(comma, message).hint(ALIKE)
@@ -120,6 +129,31 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         return Err(table.fault_of(cell, message).hint(ALIKE));
     }
     Ok(Frame { number, time: 0.0, columns: fields.into_iter().zip(columns).collect() })
+}
+
+/// Read the rows again, for the cells of the columns that have others than plain numbers.
+fn others<'a>(
+    table: &Table<'_>,
+    (first, mut row, mut rows): (Option<Row>, Vec<&'a str>, Rows<'a>),
+    numbers: &[Numbers],
+    names: &[String],
+    layout: &Layout,
+) -> Result<Vec<Vec<&'a str>>, Fault> {
+    let places: Vec<usize> = (0..numbers.len()).filter(|k| numbers[*k].is_other()).collect();
+    let mut cells = vec![Vec::new(); places.len()];
+    if places.is_empty() {
+        return Ok(cells);
+    }
+    let mut next = match first {
+        Some(first) => Some(first),
+        None => rows.read(&mut row).map_err(|e| table.unclosed(e))?,
+    };
+    while let Some(found) = next {
+        fit(table, &mut row, found, names, layout)?;
+        places.iter().zip(&mut cells).for_each(|(k, cells)| cells.push(row[*k]));
+        next = rows.read(&mut row).map_err(|e| table.unclosed(e))?;
+    }
+    Ok(cells)
 }
 
 /// The frame of a text of comments alone, without rows: the last comment names the columns, unless it has numbers.
@@ -152,6 +186,7 @@ fn head<'a>(
     // Only a table of which nothing is said is searched for names in a remark.
     let told = layout.header.is_some() || layout.names.is_some();
     let remark = rows.remark.filter(|_| !told).and_then(|remark| names_in(remark, delimiter, n));
+    let remark = remark.or_else(|| format_names(table.text, n).filter(|_| !told));
     let is_header = layout.header.unwrap_or_else(|| looks_like_header(row, rows, remark.is_some()));
     let mut header = Vec::new();
     let mut found: Option<Vec<String>> = None;
@@ -198,6 +233,19 @@ fn names_in(remark: &str, delimiter: u8, n: usize) -> Option<Vec<String>> {
     let names = |delimiter: u8| with_units(&cells::split(remark, delimiter), delimiter);
     let is_naming = |names: &Vec<String>| names.len() == n && names.iter().all(|name| kind_of(name) == CellKind::Word);
     [delimiter, cells::sniff(remark)].into_iter().map(names).find(is_naming)
+}
+
+/// The `n` names of the format that YADE writes in the first line, `#format x_y_z_r`; those of `attrs`, at its end, are not told
+/// (YADE, py/export.py: `text` and `textExt`).
+fn format_names(text: &str, n: usize) -> Option<Vec<String>> {
+    let format = text.lines().next()?.strip_prefix("#format ")?.trim();
+    let mut names: Vec<String> = format.split('_').map(String::from).collect();
+    if names.last().is_some_and(|name| name == "attrs") && names.len() <= n + 1 {
+        names.pop();
+        names.resize(n, String::new());
+    }
+    let is_name = |name: &String| name.is_empty() || kind_of(name) == CellKind::Word;
+    (names.len() == n && !format.contains(char::is_whitespace) && names.iter().all(is_name)).then_some(names)
 }
 
 /// Names of columns from their cells: where blanks separate these, a unit belongs to the name before it (`x [m]`).
@@ -340,6 +388,35 @@ mod tests {
         assert_eq!(names("1,stone\n2,brick\n"), ["c1", "c2"]);
         assert_eq!(names("name,1\n3,4\n"), ["name", "1"]);
         assert_eq!(names(",x,y,\n0,1,2\n"), ["c1", "x", "y"]);
+    }
+
+    /// Files as the programs that are named write them.
+    #[test]
+    fn tables_of_other_programs_are_read() {
+        for (text, expected, rows) in [
+            // YADE, py/export.py: `text`, and `textExt` with attributes and a comment.
+            ("#format x_y_z_r\n-0.02\t-0.01\t0.1\t0.006\n", "x y z r", 1),
+            ("#format x_y_z_r_attrs\n# velocity and id\n-0.02\t-0.01\t0.1\t0.006\t0\t-1\n", "x y z r c5 c6", 1),
+            ("#format x_y_z_r_matId\n0\t0\t1\t0.1\t3\n0\t0\t2\t0.1\t3\n", "x y z r matId", 2),
+            // DEM-Engine, src/DEM/dT.cpp: `writeSpheresAsCsv` and `writeClumpsAsCsv`.
+            ("X,Y,Z,r,absv,v_x,v_y,v_z,family\n0.1,0.2,0.3,0.01,1,0,0,-1,0\n", "X Y Z r absv v_x v_y v_z family", 1),
+            (
+                "X,Y,Z,Qw,Qx,Qy,Qz,clump_type,absv\n0,0,0.5,1,0,0,0,ellipsoid,0\n0,0,0.7,1,0,0,0,NULL,0\n",
+                "X Y Z Qw Qx Qy Qz clump_type absv",
+                2,
+            ),
+            // Chrono::GPU, src/chrono_gpu/physics/ChSystemGpu_impl.cu: `WriteCsvParticles`.
+            ("x,y,z,vx,vy,vz,absv,wx,wy,wz\n0,0,1,0,0,-2,2,0,0,0\n", "x y z vx vy vz absv wx wy wz", 1),
+            // Chrono::Postprocess, src/chrono_postprocess/ChPovRay.cpp: `ExportData`, clones of particles.
+            ("0, 0.5, 1.25, 1, 0, 0, 0, \n0, 0.5, 2.25, 1, 0, 0, 0, \n", "c1 c2 c3 c4 c5 c6 c7", 2),
+        ] {
+            let frame = read_text(text).unwrap();
+            assert_eq!((frame.names().join(" ").as_str(), frame.rows()), (expected, rows), "{text}");
+        }
+        assert_eq!(names("#format x_y_z\n1\t2\t3\t4\n"), ["c1", "c2", "c3", "c4"]);
+        for cut in ["#format x_y_z_r\n0\t0\t1\t0.1\n0\t0", "0, 0.5, 1.25, 1, 0, 0, 0, \n0, 0.5, 2.25, 1, 0, "] {
+            assert!(read_text(cut).is_err(), "{cut}");
+        }
     }
 
     #[test]

@@ -4,93 +4,43 @@
 //! `NAME_2`. Scaled coordinates (`xs`, `xsu`) become `x`, `y` and `z`, m or whatever the box is in; unwrapped ones (`xu`) do where there
 //! are no others.
 
-use crate::{Column, Fault, FaultKind, Field, Frame, csv, text};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use crate::part::{self, Part, Scan};
+use crate::rows::Columns;
+use crate::{Column, Fault, FaultKind, Field, Frame};
+use std::fmt::Display;
 use std::iter::{Enumerate, Peekable};
 use std::path::Path;
 use std::str::Lines;
 
-/// What every dump begins with.
-pub const MAGIC: &[u8] = b"ITEM: ";
-
-/// A time step of a dump, and where it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Snapshot {
-    /// Number of the time step.
-    pub step: u64,
-    /// Its first byte.
-    offset: u64,
-    /// Count of its bytes.
-    length: u64,
-    /// Its first line, from 1.
-    line: usize,
-}
-
-/// Whether a file begins as a dump does.
-pub fn is_dump(path: &Path) -> bool {
-    let mut start = [0; 6];
-    guard::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
+/// Whether a file begins as dumps do.
+pub(crate) fn is_dump(start: &[u8]) -> bool {
+    start.starts_with(b"ITEM: ")
 }
 
 /// The time steps of a dump, in the order of the file.
-pub fn snapshots(path: &Path) -> Result<Vec<Snapshot>, Fault> {
-    /// Bytes that a line of these has at most, beyond which it is not kept.
-    const LONGEST: u64 = 1 << 10;
-    let unreadable = |e: std::io::Error| Fault::unreadable(FaultKind::Data, path, &e);
-    let mut file = BufReader::with_capacity(1 << 20, guard::open(path).map_err(unreadable)?);
-    let mut found: Vec<Snapshot> = vec![];
-    let (mut line, mut offset, mut number) = (vec![], 0, 0);
-    let mut is_step = false;
-    loop {
-        line.clear();
-        let mut n = file.by_ref().take(LONGEST).read_until(b'\n', &mut line).map_err(unreadable)? as u64;
-        if n == 0 {
-            break;
+pub fn parts(path: &Path) -> Result<Vec<Part>, Fault> {
+    let (mut scan, mut line) = (Scan::open(path)?, vec![]);
+    while scan.read(&mut line)? {
+        if !line.starts_with(b"ITEM: TIMESTEP") {
+            continue;
         }
-        if line.last() != Some(&b'\n') {
-            n += file.skip_until(b'\n').map_err(unreadable)? as u64;
-        }
-        number += 1;
-        if is_step {
+        scan.begin();
+        if scan.read(&mut line)? {
             let text = String::from_utf8_lossy(&line);
             let step = text.trim().parse().map_err(|_| {
-                let message = format!("`{}` is no time step, expected a whole number", text.trim());
-                Fault::at(FaultKind::Data, path, &text, 1, 1, message).moved(number - 1)
+                scan.fault(&line, format!("`{}` is no time step, expected a whole number", text.trim()))
             })?;
-            found.last_mut().expect("its item has begun").step = step;
-            is_step = false;
-        } else if line.starts_with(b"ITEM: TIMESTEP") {
-            found.push(Snapshot { step: 0, offset, length: 0, line: number });
-            is_step = true;
-        }
-        offset += n;
-        if let Some(last) = found.last_mut() {
-            last.length = offset - last.offset;
+            scan.is_at(Some(step));
         }
     }
-    Ok(found)
+    Ok(scan.parts)
 }
 
 /// Read a time step of a dump as the frame `number`; the only one if none is given.
-pub fn read(path: &Path, snapshot: Option<&Snapshot>, number: u64) -> Result<Frame, Fault> {
-    let unreadable = |e: std::io::Error| Fault::unreadable(FaultKind::Data, path, &e);
-    let (bytes, first) = match snapshot {
-        None => (guard::read(path).map_err(unreadable)?, 1),
-        Some(Snapshot { offset, length, line, .. }) => {
-            if *length > guard::memory::room() {
-                let message = format!("the time step is too large: {}", guard::memory::Full);
-                return Err(Fault::whole(FaultKind::Data, path, message));
-            }
-            let mut file = guard::open(path).map_err(unreadable)?;
-            file.seek(SeekFrom::Start(*offset)).map_err(unreadable)?;
-            let mut bytes = Vec::with_capacity(*length as usize);
-            file.take(*length).read_to_end(&mut bytes).map_err(unreadable)?;
-            (bytes, *line)
-        }
-    };
-    let text = text::decode(bytes).map_err(|_| Fault::whole(FaultKind::Data, path, "has bytes that are no text"))?;
+pub fn read(path: &Path, part: Option<&Part>, number: u64) -> Result<Frame, Fault> {
+    let (text, before) = part::read(path, part)?;
     let dump = Dump { path, text: &text, lines: text.lines().enumerate().peekable(), number };
-    dump.frame().map_err(|fault| fault.moved(first - 1))
+    dump.frame().map_err(|fault| fault.moved(before))
 }
 
 /// The text of a time step, as it is read.
@@ -115,7 +65,7 @@ impl<'a> Dump<'a> {
     }
 
     /// The line after the one of an index, from 0, which has what is expected.
-    fn next(&mut self, after: usize, expected: &str) -> Result<(usize, &'a str), Fault> {
+    fn next(&mut self, after: usize, expected: impl Display) -> Result<(usize, &'a str), Fault> {
         match self.lines.next() {
             Some((i, line)) if !line.starts_with("ITEM:") => Ok((i, line)),
             _ => Err(self
@@ -211,25 +161,20 @@ impl<'a> Dump<'a> {
         if names.is_empty() {
             return Err(self.fault(i + 1, "names no columns"));
         }
-        let mut cells: Vec<Vec<&str>> = vec![Vec::new(); names.len()];
+        let mut columns = Columns::new(names.len());
+        let again = self.lines.clone();
         for k in 0..count {
-            let (at, line) = self.next(i + k, &format!("{count} rows, found {k},"))?;
-            let mut found = 0;
-            for cell in line.split_ascii_whitespace() {
-                if let Some(column) = cells.get_mut(found) {
-                    column.push(cell);
-                }
-                found += 1;
-            }
+            let (at, line) = self.next(i + k, format_args!("{count} rows, found {k},"))?;
+            let found = columns.push(line);
             if found != names.len() {
                 let message = format!("row has {found} cells, expected {} ({})", names.len(), crate::listed(names));
                 return Err(self.fault(at + 1, message));
             }
         }
+        let found = columns.finish(again.map(|(_, line)| line));
         let mut columns: Vec<(Field, Column)> = vec![];
-        for (k, (name, cells)) in names.iter().zip(cells).enumerate() {
-            let column =
-                csv::column(&cells).ok_or_else(|| self.fault(i + 1, format!("`{name}` has numbers of two kinds")))?;
+        for (k, (name, column)) in names.iter().zip(found).enumerate() {
+            let column = column.ok_or_else(|| self.fault(i + 1, format!("`{name}` has numbers of two kinds")))?;
             let before = names[..k].iter().filter(|other| *other == name).count();
             let name = if before == 0 { name.to_string() } else { format!("{name}_{}", before + 1) };
             columns.push((Field::new(&name, ""), column));
@@ -319,10 +264,9 @@ mod tests {
         ]
         .concat();
         let file = file(&text);
-        assert!(is_dump(file.path()));
-        let found = snapshots(file.path()).unwrap();
-        assert_eq!(found.iter().map(|s| s.step).collect::<Vec<_>>(), [0, 500, 1000]);
-        let frames: Vec<Frame> = found.iter().map(|s| read(file.path(), Some(s), s.step).unwrap()).collect();
+        let found = parts(file.path()).unwrap();
+        assert_eq!(found.iter().map(|p| p.step.unwrap()).collect::<Vec<_>>(), [0, 500, 1000]);
+        let frames: Vec<Frame> = found.iter().map(|p| read(file.path(), Some(p), 0).unwrap()).collect();
         assert_eq!(frames.iter().map(Frame::rows).collect::<Vec<_>>(), [1, 2, 0]);
         assert_eq!(frames[1].names(), ["id", "type", "type_2", "x", "y", "z"]);
         assert_eq!(frames[1].column("z"), Some(&Column::I64(vec![6, 7])));
@@ -353,8 +297,8 @@ mod tests {
         }
         let two = [good.clone(), good.replace("2 4 5 6", "2 4 5")].concat();
         let file = file(&two);
-        let second = snapshots(file.path()).unwrap()[1];
+        let second = parts(file.path()).unwrap()[1];
         assert_eq!(read(file.path(), Some(&second), 0).unwrap_err().line, 22);
-        assert!(snapshots(self::file("ITEM: TIMESTEP\nx\n").path()).unwrap_err().message.contains("no time step"));
+        assert!(parts(self::file("ITEM: TIMESTEP\nx\n").path()).unwrap_err().message.contains("no time step"));
     }
 }

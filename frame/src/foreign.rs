@@ -43,15 +43,9 @@ const JSON: Format = Format {
     hint: "write its rows as CSV, by Python: pandas.read_json(FILE).to_csv('p_0.csv', index=False)",
     endings: &["json", "jsonl"],
 };
-const XYZ: Format = Format {
-    name: "an XYZ file, with its count of atoms in the first line",
-    hint: "of a file with one time step, make a table by: (echo kind x y z; tail -n +3 FILE) > p_0.csv; name further columns there",
-    endings: &["xyz", "extxyz"],
-};
-const PLY: Format = Format { name: "a PLY file", hint: PARAVIEW, endings: &["ply"] };
 const STL: Format = Format { name: "an STL mesh", hint: MESH, endings: &["stl"] };
 const OBJ: Format = Format { name: "a Wavefront OBJ mesh", hint: MESH, endings: &["obj"] };
-const GZIP: Format = Format { name: "compressed by gzip", hint: UNPACK, endings: &["gz", "tgz"] };
+const TAR: Format = Format { name: "a tar archive", hint: UNPACK, endings: &["tar", "tgz"] };
 const PACKED: Format = Format { name: "a compressed file", hint: UNPACK, endings: &["bz2", "xz", "zst", "7z"] };
 const ZIP: Format = Format { name: "a zip archive", hint: UNPACK, endings: &["zip"] };
 const XLSX: Format = Format { name: "an Excel workbook", hint: SHEET, endings: &["xlsx", "xlsm", "xls"] };
@@ -63,18 +57,17 @@ const IMAGE_FILE: Format =
 const PDF: Format = Format { name: "a PDF document", hint: IMAGE, endings: &["pdf"] };
 
 /// All formats, for their endings.
-const ALL: [Format; 18] =
-    [GRID, HDF5, NPY, NPZ, JSON, XYZ, PLY, STL, OBJ, GZIP, PACKED, ZIP, XLSX, ODS, MATLAB, IMAGE_FILE, PDF, RIB];
+const ALL: [Format; 16] =
+    [GRID, HDF5, NPY, NPZ, JSON, STL, OBJ, TAR, PACKED, ZIP, XLSX, ODS, MATLAB, IMAGE_FILE, PDF, RIB];
 const RIB: Format =
     Format { name: "a RIB scene", hint: "a scene is rendered as it is: scree render FILE", endings: &["rib", "ribz"] };
 
 /// Formats by the bytes that all their files begin with.
-const MAGIC: [(&[u8], Format); 19] = [
+const MAGIC: [(&[u8], Format); 17] = [
     (b"\x89HDF\r\n\x1a\n", HDF5),
     (b"\x93NUMPY", NPY),
-    (b"ply\n", PLY),
-    (b"ply\r", PLY),
-    (b"\x1f\x8b", GZIP),
+    // What is packed by gzip once is unpacked before.
+    (b"\x1f\x8b", PACKED),
     (b"BZh", PACKED),
     (b"\xfd7zXZ", PACKED),
     (b"\x28\xb5\x2f\xfd", PACKED),
@@ -110,6 +103,9 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
         let names = [(&b"xl/"[..], XLSX), (b"[Content_Types].xml", XLSX), (b".npy", NPZ), (b"opendocument", ODS)];
         return Some(names.into_iter().find(|(name, _)| has(name)).map_or(ZIP, |(_, format)| format));
     }
+    if bytes.get(257..262) == Some(b"ustar") {
+        return Some(TAR);
+    }
     if bytes.len() > 84 && is_binary_stl(bytes) {
         return Some(STL);
     }
@@ -127,7 +123,6 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
         }
         _ if text.starts_with("solid") && text.contains("facet normal") => Some(STL),
         _ if is_obj(text) => Some(OBJ),
-        _ if is_xyz(text) => Some(XYZ),
         _ => None,
     }
 }
@@ -161,14 +156,6 @@ fn is_obj(text: &str) -> bool {
     words.next() == Some("v") && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
 }
 
-/// Whether a count stands alone in the first line, any text in the second, and atoms from the third on: `H 0 0 0.7`.
-fn is_xyz(text: &str) -> bool {
-    let mut lines = text.lines();
-    let count = lines.next().and_then(|l| l.trim().parse::<usize>().ok());
-    let cells: Vec<&str> = lines.nth(1).unwrap_or("").split_whitespace().collect();
-    count.is_some_and(|n| n > 0) && cells.len() >= 4 && cells[1..4].iter().all(|cell| cell.parse::<f64>().is_ok())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,7 +169,6 @@ mod tests {
             (b"\n[{\"x\": 1}]", Some("JSON")),
             (b"solid a\nfacet normal 0 0 1\n", Some("an STL mesh")),
             (b"# Blender\no Cube\nv 1 1 -1\n", Some("a Wavefront OBJ mesh")),
-            (b"2\nwater\nH 0 0 0.5\nO 0 0 0\n", Some(XYZ.name)),
             (b"x,y\n1,2\n", None),
             (b"v x y z\n1 2 3 4\n", None),
             (b"2\n3\n4\n", None),

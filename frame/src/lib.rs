@@ -7,19 +7,26 @@
 
 pub mod arrow;
 pub mod atomic;
+pub mod chrono;
 mod column;
 pub mod csv;
 pub mod dump;
 mod fault;
 pub mod foreign;
+mod gzip;
 pub mod list;
+pub mod mercury;
 pub mod parquet;
+pub mod part;
+pub mod ply;
+mod rows;
 pub mod run;
 pub mod sequence;
 pub mod series;
 pub mod table;
 mod text;
 pub mod vtk;
+pub mod xyz;
 pub mod yaml;
 
 pub use column::{Column, Field, Frame, listed, repeated};

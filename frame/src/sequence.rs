@@ -102,33 +102,19 @@ pub fn not_a_run(folder: &Path) -> Fault {
     }
 }
 
+/// A file's name without the ending of what is packed by gzip.
+fn unpacked(name: &str) -> &str {
+    [".gz", ".GZ"].iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name)
+}
+
 /// Whether a file is a table by the ending of its name.
 pub fn is_table(path: &Path) -> bool {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    /// Endings of tables as text, of VTK, and of Parquet and Arrow.
-    const ENDINGS: [&str; 20] = [
-        "csv",
-        "tsv",
-        "txt",
-        "dat",
-        "tab",
-        "asc",
-        "prn",
-        "dump",
-        "lammpstrj",
-        "liggghts",
-        "vtk",
-        "vtu",
-        "vtp",
-        "pvtu",
-        "pvtp",
-        "pvd",
-        "parquet",
-        "pq",
-        "arrow",
-        "feather",
-    ];
-    ENDINGS.contains(&ending.as_str())
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or("");
+    let ending = unpacked(name).rsplit_once('.').map_or("", |(_, ending)| ending).to_lowercase();
+    let text = ["csv", "tsv", "txt", "dat", "tab", "asc", "prn"];
+    let particles = ["dump", "lammpstrj", "liggghts", "xyz", "extxyz", "ply", "data"];
+    let other = ["vtk", "vtu", "vtp", "pvtu", "pvtp", "pvd", "parquet", "pq", "arrow", "feather"];
+    [&text[..], &particles, &other].iter().any(|endings| endings.contains(&ending.as_str()))
 }
 
 /// The pattern of a file and its like: the last number of its name may be any.
@@ -159,21 +145,27 @@ pub fn matches(pattern: &str, name: &str) -> bool {
 
 /// Whether the last number of a file's name is the fraction of a number, as a time: `p_0.15.csv`.
 fn has_fraction(path: &Path) -> bool {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let stem = unpacked(&name).rsplit_once('.').map_or(&*name, |(stem, _)| stem);
     let Some((whole, fraction)) = stem.rsplit_once('.') else { return false };
     whole.ends_with(|c: char| c.is_ascii_digit())
         && !fraction.is_empty()
         && fraction.chars().all(|c| c.is_ascii_digit())
 }
 
-/// The frame number in a file name: the last run of digits before the extension, if any.
+/// The frame number in a file name, if any: its ending if that is one, `dump.100`, or else the last run of digits before that.
 pub fn number_in(file: &str) -> Option<u64> {
     digits(file)?.parse().ok()
 }
 
-/// The last run of digits of a file name before the extension.
+/// The last run of digits of a file name: its ending, or before that. What follows a digit and a point is no ending, but a fraction.
 fn digits(file: &str) -> Option<&str> {
-    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    let file = unpacked(file);
+    let (stem, ending) = file.rsplit_once('.').unwrap_or((file, ""));
+    let is_number = !ending.is_empty() && ending.bytes().all(|b| b.is_ascii_digit());
+    if is_number && !stem.ends_with(|c: char| c.is_ascii_digit()) {
+        return Some(ending);
+    }
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
     let start = stem[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| i + 1);
     Some(&stem[start..end])
@@ -203,9 +195,13 @@ mod tests {
     fn numbers_and_patterns() {
         assert_eq!(number_in("p_0003.csv"), Some(3));
         assert_eq!(number_in("run2_frame12.dat"), Some(12));
-        assert_eq!(number_in("bed.csv"), None);
+        assert_eq!(["bed.csv", "bed", "bed.csv.gz"].map(number_in), [None; 3]);
+        let numbered = ["p_0007.csv.gz", "dump.7", "dump.7.gz", "run1.data.7", "p_7.mp4.gz", "p_7.5"];
+        assert_eq!(numbered.map(number_in), [Some(7); 6]);
         let is_fraction = ["p_0.15.csv", "p.15.csv", "p_0.15b.csv", "v1.2_3.csv"].map(|p| has_fraction(Path::new(p)));
         assert_eq!(is_fraction, [true, false, false, false]);
+        assert!(has_fraction(Path::new("p_0.15.csv.gz")) && !has_fraction(Path::new("p_15.csv.gz")));
+        assert!(is_table(Path::new("a.CSV.gz")) && !is_table(Path::new("a.rib.gz")));
         assert!(matches("p_*.csv", "p_0003.csv") && matches("bed.csv", "bed.csv") && matches("*a*b", "xaybzb"));
         assert_eq!(
             ["p_0003.csv", "bed.csv", "7.txt", "é2_3b.dat"].map(pattern_of),

@@ -15,7 +15,7 @@ mod xml;
 
 pub use collection::DataSet;
 
-use crate::{Fault, FaultKind, Frame};
+use crate::{Fault, FaultKind, Frame, gzip};
 use arrays::{Points, Source};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -58,13 +58,13 @@ pub fn read_set(set: &DataSet, number: u64) -> Result<Frame, Fault> {
 
 /// The data sets of a collection, by frame number.
 pub fn data_sets(path: &Path) -> Result<BTreeMap<u64, DataSet>, Fault> {
-    let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let bytes = gzip::read(path)?;
     collection::data_sets(&File::open(Source { path, bytes: &bytes })?)
 }
 
 /// The points of a file; of pieces only if they may be there.
 fn points(path: &Path, may_have_pieces: bool) -> Result<Points, Fault> {
-    let bytes = guard::read(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let bytes = gzip::read(path)?;
     points_of(path, &bytes, may_have_pieces)
 }
 

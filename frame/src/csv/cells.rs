@@ -109,8 +109,22 @@ fn split_plain<'a>(line: &'a str, delimiter: u8, cells: &mut Vec<&'a str>) {
     if delimiter == b' ' {
         cells.extend(line.split([' ', '\t', '\r']).filter(|cell| !cell.is_empty()));
     } else {
-        cells.extend(line.split(delimiter as char).map(str::trim));
+        let mut start = 0;
+        for (at, byte) in line.bytes().enumerate() {
+            if byte == delimiter {
+                cells.push(trimmed(&line[start..at]));
+                start = at + 1;
+            }
+        }
+        cells.push(trimmed(&line[start..]));
     }
+}
+
+/// A cell without blanks at its ends.
+#[inline]
+fn trimmed(cell: &str) -> &str {
+    let ends_in_blanks = |byte: Option<&u8>| !byte.is_some_and(u8::is_ascii_graphic);
+    if ends_in_blanks(cell.as_bytes().first()) || ends_in_blanks(cell.as_bytes().last()) { cell.trim() } else { cell }
 }
 
 /// The cells of a line that stands alone, such as a header in a remark.

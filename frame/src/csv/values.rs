@@ -50,8 +50,43 @@ pub fn number(word: &str) -> Option<f64> {
     plain_number(word).or_else(|| unusual_number(word)).or_else(|| is_missing(word).then_some(f64::NAN))
 }
 
-fn plain_number(cell: &str) -> Option<f64> {
-    cell.parse().ok()
+/// A number as programs write it: a point, an exponent.
+#[inline]
+pub(super) fn plain_number(cell: &str) -> Option<f64> {
+    short_number(cell.as_bytes()).or_else(|| cell.parse().ok())
+}
+
+/// A number of few digits without an exponent. Its digits and the power of ten are exact, and so their quotient is rounded once, as
+/// it is where numbers are parsed else (Clinger, "How to read floating point numbers accurately", 1990).
+#[inline]
+fn short_number(cell: &[u8]) -> Option<f64> {
+    const TENS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let (is_negative, cell) = match cell {
+        [b'-', rest @ ..] => (true, rest),
+        _ => (false, cell),
+    };
+    // Fifteen digits and a point.
+    if cell.len() > TENS.len() {
+        return None;
+    }
+    let (mut digits, mut whole, mut n) = (0u64, None, 0);
+    for byte in cell {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            digits = 10 * digits + digit as u64;
+            n += 1;
+        } else if *byte == b'.' && whole.is_none() {
+            whole = Some(n);
+        } else {
+            return None;
+        }
+    }
+    // Without a point a cell may have sixteen digits, which are exact if they are few enough.
+    if n == 0 || digits > 1 << f64::MANTISSA_DIGITS {
+        return None;
+    }
+    let x = digits as f64 / TENS[n - whole.unwrap_or(n)];
+    Some(if is_negative { -x } else { x })
 }
 
 /// A number with a decimal comma or an exponent of Fortran's, rewritten in place.
@@ -99,7 +134,7 @@ fn unusual_number(cell: &str) -> Option<f64> {
 
 /// The sign between whole part and fraction of a column's numbers.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Decimal<'a> {
+pub(crate) enum Decimal<'a> {
     /// All are whole, or the column has words.
     None,
     /// A point.
@@ -165,7 +200,8 @@ fn numbers<'a>(cells: &[&'a str]) -> Option<(Vec<f64>, Decimal<'a>)> {
     is_numeric.then_some((numbers, decimal))
 }
 
-fn words(cells: &[&str]) -> Column {
+/// A column of words.
+pub(crate) fn words(cells: &[&str]) -> Column {
     let mut names: Vec<String> = Vec::new();
     let mut seen: HashMap<&str, u32> = HashMap::new();
     let codes = cells
@@ -202,6 +238,29 @@ mod tests {
             assert_eq!(number(text), None, "{text}");
         }
         assert!(["", "NA", "n/a", "NULL", "None", "-", "nan", "-1.#IND"].iter().all(|t| number(t).unwrap().is_nan()));
+    }
+
+    #[test]
+    fn short_numbers_are_rounded_as_all_are() {
+        let mut k = 1u64;
+        for digits in 1..=17 {
+            for point in 0..=digits + 1 {
+                k = k.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let mut text = format!("{:020}", k)[20 - digits..].to_string();
+                if point <= digits {
+                    text.insert(point, '.');
+                }
+                for text in [format!("-{text}"), text] {
+                    let exact: Option<f64> = text.parse().ok();
+                    let short = short_number(text.as_bytes());
+                    assert!(short.is_none() || short.map(f64::to_bits) == exact.map(f64::to_bits), "{text}");
+                    assert_eq!(plain_number(&text).map(f64::to_bits), exact.map(f64::to_bits), "{text}");
+                }
+            }
+        }
+        for text in ["", "-", ".", "-.", "1.2.3", "--1", "+1", "1e3", "0x1", "nan"] {
+            assert_eq!(short_number(text.as_bytes()), None, "{text}");
+        }
     }
 
     #[test]

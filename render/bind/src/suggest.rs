@@ -1,7 +1,9 @@
 //! A first metadata file for data that has none: columns are recognised by their names, and the camera is placed to see all rows.
 
+mod columns;
 mod framing;
 mod lengths;
+mod motion;
 mod names;
 mod survey;
 
@@ -12,12 +14,18 @@ use crate::metadata::{
 };
 use frame::{Column, Frame};
 use framing::{Classes, Subject, rounded};
+use lengths::Length;
 use names::Names;
 use survey::{Kind, Survey};
 
 fn column(name: &str) -> Quantity {
     Quantity::Expression(expr::quoted(name))
 }
+
+/// The columns of orientations that need not be named.
+const STANDARD_TURN: [&str; 4] = ["quat_w", "quat_x", "quat_y", "quat_z"];
+/// The columns of velocities that need not be named, with their unit, m/s.
+const STANDARD_MOTION: [(&str, f64); 3] = [("vel_x", 1.0), ("vel_y", 1.0), ("vel_z", 1.0)];
 
 /// Frames of the data from which metadata is suggested, evenly spread from the first to the last; fewer if a frame has many rows.
 pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
@@ -40,7 +48,7 @@ pub struct Suggestion {
 pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     let some = frames.iter().find(|frame| frame.rows() > 0);
     let frame = some.ok_or("the data has no rows from which a camera could be placed")?;
-    let has = |name: &str| names::is_numeric(frame, name);
+    let has = |name: &str| columns::is_numeric(frame, name);
     let is_ours = has("half_x") && frame.column("shape").is_some() && frame.column("class").is_some();
     let (mut names, mut remarks) = Names::of(frame)?;
     if is_ours {
@@ -72,6 +80,11 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
             position: names.position.map(|p| p.quantity()),
+            orientation: names.orientation.filter(|q| *q != STANDARD_TURN).map(|q| q.map(column)),
+            velocity: names
+                .velocity
+                .filter(|v| v.map(|v| (v.column, v.factor)) != STANDARD_MOTION)
+                .map(|v| v.map(Length::quantity)),
             ..object(
                 "particles",
                 None,
@@ -244,12 +257,16 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let mut head = "# What to draw, found out from the data; change what you like.\n".to_string();
     remarks.iter().for_each(|remark| head += &format!("# {}.\n", guard::text::line(remark)));
     let taken = |name: &str| names::is_position_or_size(frame, name);
-    let numeric = |name: &&str| names::is_numeric(frame, name);
+    let numeric = |name: &&str| columns::is_numeric(frame, name);
     let names = frame.names();
     // What is measured rather than counted: ids and types tell little as colours.
     let is_measured = |name: &&&str| matches!(frame.column(name), Some(Column::F32(_) | Column::F64(_)));
     let others = || names.iter().filter(|n| !taken(n) && **n != "id" && numeric(n));
-    let by = names.iter().find(|n| **n == "speed").or_else(|| others().find(is_measured)).or_else(|| others().next());
+    let by = names
+        .iter()
+        .find(|n| ["speed", "absv"].contains(*n))
+        .or_else(|| others().find(is_measured))
+        .or_else(|| others().next());
     let first = metadata.objects.first().map(|o| format!("- name: {}\n", o.name));
     match (by, first) {
         (Some(column), Some(first)) => {

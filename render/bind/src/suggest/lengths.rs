@@ -46,6 +46,18 @@ impl<'a> Length<'a> {
         Length { column, factor: share * known.map_or(1.0, |(_, metres)| metres), origin: 0.0 }
     }
 
+    /// The velocities of a column, m/s; without a unit they are in that of the positions, over seconds. None if the unit is another.
+    pub(super) fn of_velocity(frame: &'a Frame, column: &'a str, position: &Length<'_>) -> Option<Length<'a>> {
+        let factor = match unit(frame, column) {
+            None => position.factor,
+            Some(sign) => {
+                let length = sign.strip_suffix("/s")?;
+                UNITS.into_iter().find(|(unit, _)| *unit == length)?.1
+            }
+        };
+        Some(Length { column, factor, origin: 0.0 })
+    }
+
     /// What is to be said of the column's unit.
     pub(super) fn remark(&self, frame: &Frame) -> Option<String> {
         let sign = unit(frame, self.column)?;

@@ -1,6 +1,8 @@
 //! Names that columns of positions and sizes go by in other programs.
 
+use super::columns::{is_numeric, only, simplified};
 use super::lengths::{Length, near_origin};
+use super::motion;
 use frame::{Column, Frame};
 
 /// Names of positions that are looked for first, as they are.
@@ -39,6 +41,9 @@ const AXES: [[char; 3]; 3] = [['x', 'y', 'z'], ['0', '1', '2'], ['1', '2', '3']]
 pub(super) struct Names<'a> {
     pub(super) position: [Length<'a>; 3],
     pub(super) radius: Option<Length<'a>>,
+    /// A quaternion w, x, y, z.
+    pub(super) orientation: Option<[&'a str; 4]>,
+    pub(super) velocity: Option<[Length<'a>; 3]>,
 }
 
 impl<'a> Names<'a> {
@@ -46,15 +51,18 @@ impl<'a> Names<'a> {
     /// a column that has them, or the radii, has words.
     pub(super) fn of(frame: &'a Frame) -> Result<(Names<'a>, Vec<String>), String> {
         let unnamed = unnamed(frame);
+        let orientation = unnamed.as_ref().map_or_else(|| motion::orientation(frame), |unnamed| unnamed.orientation);
         let mut remarks = vec![];
         let (position, radius) = match unnamed {
-            Some((position, radius)) => {
+            Some(Unnamed { position, radius, orientation }) => {
                 let size = radius.map_or(String::new(), |name| format!(", and {name} for the radius"));
+                let turn = orientation.map(|q| format!(", and {} for a quaternion w, x, y, z", q.join(", ")));
+                let size = size + &turn.unwrap_or_default();
                 remarks
                     .push(format!("the columns have no names: {} are taken for x, y and z{size}", position.join(", ")));
                 (Some(position), radius.map(|name| (name, 1.0)))
             }
-            None => (position_of(frame, is_numeric), radius_of(frame, is_numeric)),
+            None => (position_of(frame, is_numeric), radius_of(frame, has_numbers)),
         };
         let any = |_: &Frame, name: &str| !name.contains('`');
         let position = position.ok_or_else(|| {
@@ -80,14 +88,17 @@ impl<'a> Names<'a> {
             remarks.push(format!("positions are far from the origin, and count from ({x}, {y}, {z})"));
         }
         remarks.extend(several_times(frame));
-        Ok((Names { position, radius }, remarks))
+        let velocity = motion::velocity(frame, &position);
+        Ok((Names { position, radius, orientation, velocity }, remarks))
     }
 
     /// What is to be said of the columns that tell neither position nor radius, but for ids.
     pub(super) fn unused(&self, frame: &Frame) -> Option<String> {
         /// Names that are written.
         const WRITTEN: usize = 12;
-        let drawn = |name: &str| self.position.iter().chain(&self.radius).any(|length| length.column == name);
+        let lengths = || self.position.iter().chain(&self.radius).chain(self.velocity.iter().flatten());
+        let turns = |name: &str| self.orientation.is_some_and(|names| names.contains(&name));
+        let drawn = |name: &str| turns(name) || lengths().any(|length| length.column == name);
         let others: Vec<&str> =
             frame.names().into_iter().filter(|name| !drawn(name) && simplified(name) != "id").collect();
         let more = others.len().saturating_sub(WRITTEN);
@@ -99,10 +110,9 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Whether a frame has a column of numbers of this name.
-pub(super) fn is_numeric(frame: &Frame, name: &str) -> bool {
-    // What stands between backticks cannot have one.
-    !name.contains('`') && frame.column(name).is_some_and(|c| !matches!(c, Column::Category { .. }))
+/// Whether a frame has a column of this name with numbers that are not missing.
+fn has_numbers(frame: &Frame, name: &str) -> bool {
+    is_numeric(frame, name) && frame.column(name).is_some_and(|c| c.range().is_some())
 }
 
 /// Why a column is one of words: its first cell that is no number.
@@ -122,11 +132,19 @@ fn several_times(frame: &Frame) -> Option<String> {
     ))
 }
 
-/// The columns that are taken for positions and radius in a table without names of columns: the first three of numbers after ids and
-/// other whole numbers, and the one behind them if it may be a radius.
-fn unnamed(frame: &Frame) -> Option<([&str; 3], Option<&str>)> {
+/// The columns of a table without names of columns.
+struct Unnamed<'a> {
+    position: [&'a str; 3],
+    radius: Option<&'a str>,
+    orientation: Option<[&'a str; 4]>,
+}
+
+/// The columns that are taken for positions, radius and orientation in a table without names of columns: the first three of numbers
+/// after ids and other whole numbers; then four that are quaternions of length 1, or else the one behind them if it may be a radius.
+fn unnamed(frame: &Frame) -> Option<Unnamed<'_>> {
     let names = frame.names();
-    if !names.iter().enumerate().all(|(k, name)| *name == format!("c{}", k + 1)) {
+    let is_named = |(k, name): (usize, &&str)| *name != format!("c{}", k + 1);
+    if names.iter().enumerate().any(is_named) {
         return None;
     }
     let numbers: Vec<&str> = names.into_iter().filter(|name| is_numeric(frame, name)).collect();
@@ -136,8 +154,12 @@ fn unnamed(frame: &Frame) -> Option<([&str; 3], Option<&str>)> {
     let position: [&str; 3] = numbers.get(skip..skip + 3)?.try_into().ok()?;
     let range = |name: &str| frame.column(name).and_then(Column::range);
     let width = position.iter().filter_map(|name| range(name)).map(|(lo, hi)| hi - lo).fold(0.0, f64::max);
-    let may_be_radius = |name: &&&str| range(name).is_some_and(|(lo, hi)| lo > 0.0 && hi < 0.5 * width);
-    Some((position, numbers.get(skip + 3).filter(may_be_radius).copied()))
+    let behind = numbers.get(skip + 3..skip + 7).and_then(|names| names.try_into().ok());
+    let orientation = behind.filter(|names| motion::is_unit(frame, names));
+    let may_be_radius =
+        |name: &&&str| orientation.is_none() && range(name).is_some_and(|(lo, hi)| lo > 0.0 && hi < 0.5 * width);
+    let radius = numbers.get(skip + 3).filter(may_be_radius).copied();
+    Some(Unnamed { position, radius, orientation })
 }
 
 /// The three columns of positions, of those that are accepted, if the frame has any.
@@ -164,23 +186,14 @@ fn radius_of(frame: &Frame, accepts: fn(&Frame, &str) -> bool) -> Option<(&str, 
     radius.map(|column| (column, 1.0)).or_else(|| diameter().map(|column| (column, 0.5)))
 }
 
-/// Whether a column tells the position or the size.
+/// Whether a column tells the position, the size or the orientation.
 pub(super) fn is_position_or_size(frame: &Frame, name: &str) -> bool {
     let usual = POSITIONS.iter().flatten().chain(&RADII).any(|n| *n == name);
-    let is_found = |names: Names<'_>| names.position.iter().chain(&names.radius).any(|length| length.column == name);
+    let is_found = |names: Names<'_>| {
+        names.position.iter().chain(&names.radius).any(|length| length.column == name)
+            || names.orientation.is_some_and(|q| q.contains(&name))
+    };
     usual || Names::of(frame).is_ok_and(|(names, _)| is_found(names))
-}
-
-/// The one column that is accepted and whose name is this but for capitals, units and characters between letters.
-fn only<'a>(frame: &'a Frame, simple: &str, accepts: fn(&Frame, &str) -> bool) -> Option<&'a str> {
-    let mut found = frame.names().into_iter().filter(|name| simplified(name) == simple && accepts(frame, name));
-    found.next().filter(|_| found.next().is_none())
-}
-
-/// A name in small letters, without a unit in brackets and without other characters than letters and digits.
-fn simplified(name: &str) -> String {
-    let name = name.split_once(['(', '[']).map_or(name, |(name, _)| name);
-    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 #[cfg(test)]
@@ -246,6 +259,9 @@ mod tests {
         assert_eq!(columns(&[&xyz[..], std::slice::from_ref(&radii)].concat()), ("c1 c2 c3".into(), Some("c4".into())));
         assert_eq!(columns(&[std::slice::from_ref(&ids), &xyz[..], &[ones]].concat()), ("c2 c3 c4".into(), None));
         assert_eq!(columns(&[&[ids.clone(), ids.clone()], &xyz[..]].concat()), ("c3 c4 c5".into(), None));
+        let [one, none] = [1.0, 0.0].map(|x| Column::F64(vec![x, x]));
+        let turned = [&xyz[..], &[one, none.clone(), none.clone(), none]].concat();
+        assert_eq!(columns(&turned), ("c1 c2 c3".into(), None));
         assert_eq!(columns(&[ids.clone(), ids.clone(), ids, radii]), ("c1 c2 c3".into(), Some("c4".into())));
     }
 
