@@ -10,7 +10,7 @@ mod simulate;
 mod value;
 
 pub use author::{CheckArgs, SchemaArgs, SchemaKind, ShaderArgs};
-pub use batch::{CutArgs, PlanArgs, ResumeArgs, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
+pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
 pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload};
 pub use data::{InspectArgs, PlotArgs};
 pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};

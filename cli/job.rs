@@ -24,7 +24,7 @@ pub mod sweep;
 pub use crate::args::SchemaKind;
 pub use bench::{BenchJob, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
-pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, images_of};
+pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, combination, images_of};
 pub use frames::{FramesJob, Origin};
 pub use images::{ImageJob, ImageOptions};
 pub use inspect::{InspectJob, Suggestion};

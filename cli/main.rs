@@ -1,7 +1,7 @@
 //! The scree command: simulate, render, encode.
 //!
 //! Every command takes the same way: `args` parses its command line, `job` makes a checked job of that, and the command's own file
-//! does the work of the job. `model_run` is the work that several commands share; the other files are leaves, which know neither
+//! does the work of the job. `model_run` and `images` are the work that several commands share; the other files are leaves, which know neither
 //! arguments nor jobs.
 
 #[macro_use]

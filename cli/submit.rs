@@ -16,6 +16,8 @@ pub fn run(job: FilmJob) -> Outcome {
     let n_tasks: usize = jobs.iter().map(|job| job.tasks.len()).sum();
     eprintln!("{n_tasks} tasks in {} jobs; {} of {} that draw are needed", jobs.len(), draw.len(), plan.n_tasks());
     if dry_run {
+        // All scripts in one text, which a check of scripts takes.
+        println!("#!/bin/bash\n# shellcheck disable=SC1128,SC2093,SC2317");
         for job in &jobs {
             println!("# {}", Plan::folder(&plan.home).join(format!("{}.sh", job.name)).display());
             print!("{}", job.script);

@@ -1,9 +1,8 @@
 //! `scree task`: one task of a film, as the jobs of schedulers run it. Every task may be run any number of times.
 
-use crate::args::{Backend, SimulateArgs};
 use crate::batch::{Plan, Task};
 use crate::displays::written;
-use crate::job::{ModelRun, MovieFile, SimulateJob, Statistics, TaskJob, images_of};
+use crate::job::{ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of};
 use crate::ledger::Standing;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run, run, simulate, stitch};
@@ -46,18 +45,7 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
 /// Simulate a combination of a sweep.
 fn sweep(plan: &Plan, i: usize) -> Outcome {
     let Some(simulation) = &plan.simulation else { return Ok(()) };
-    simulate::run(SimulateJob::check(SimulateArgs {
-        model: simulation.model.clone(),
-        output: Some(plan.home.clone()),
-        until: None,
-        resume: true,
-        fresh: false,
-        set: vec![],
-        sweep_index: Some(i),
-        plan: false,
-        backend: Backend::Auto,
-        csv: false,
-    })?)
+    simulate::run(combination(&simulation.model, &plan.home, i)?)
 }
 
 /// Draw the images of a task, or a shard of each.
@@ -98,7 +86,7 @@ fn finish(plan: &Plan) -> Outcome {
 }
 
 /// Join the shards of the images that have all of them.
-fn join(plan: &Plan, job: &crate::job::ImageJob) -> Outcome {
+fn join(plan: &Plan, job: &ImageJob) -> Outcome {
     for frame in &job.frames {
         let image = job.image(*frame);
         let all = (1..=plan.buckets).all(|part| written(&image, Some(Shard { part, parts: plan.buckets })).is_file());

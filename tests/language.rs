@@ -1,6 +1,6 @@
 //! Scenes and jobs of others: primitives against their areas, the library's scenes, the jobs of Chrono::Render.
 
-use crate::cli::{scratch, scree};
+use crate::cli::{images, scratch, scree};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -142,9 +142,7 @@ fn jobs_of_chrono_render_from_folders() {
     let draw = |job: &Path, res: &[&str]| {
         let _ = std::fs::remove_dir_all(&out);
         scree(&[&["render", job.to_str().unwrap(), "-o", out.to_str().unwrap()], res].concat()).ok();
-        let mut images: Vec<_> = std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().path()).collect();
-        images.sort();
-        images
+        images(&out)
     };
     // Ten pixels to the unit: two balls of radius 0.5 in each of two frames; then a ball of 0.4 and an upright box in one.
     for (job, frames, areas) in [("plain.yml", 2, [2.0 * PI * 25.0, 0.0]), ("passes.yml", 1, [PI * 16.0, 8.0 * 16.0])] {

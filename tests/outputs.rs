@@ -1,6 +1,6 @@
 //! Channels besides colour, metadata of image files, and render statistics.
 
-use crate::cli::{scratch, scree};
+use crate::cli::{images, scratch, scree};
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, Text, read};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -216,7 +216,7 @@ output: {resolution: [64, 48], samples: [2, 2], format: exr, bits: 16, channels:
     std::fs::write(at("m.yaml"), metadata).unwrap();
     let said = scree(&["render", at("m.yaml").to_str().unwrap(), "-o", at("out").to_str().unwrap()]);
     said.ok();
-    let image = std::fs::read_dir(at("out")).unwrap().next().unwrap().unwrap().path();
+    let image = images(&at("out")).remove(0);
     let layers = Layers::read(&image);
     assert_eq!(layers.channels.keys().collect::<Vec<_>>(), ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z", "id"]);
     assert_eq!(layers.half, ["A", "B", "G", "R"]);

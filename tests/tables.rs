@@ -1,6 +1,6 @@
 //! Tables of other programs, as their users meet them: inspected, rendered, and answered where they cannot be.
 
-use crate::cli::{scratch, scree};
+use crate::cli::{images, scratch, scree};
 use std::path::Path;
 
 fn text(path: &Path) -> &str {
@@ -15,7 +15,7 @@ fn drawn(name: &str, bytes: &[u8]) -> (String, String, String) {
     let shown = scree(&["inspect", text(&table), "--write", text(&metadata)]).ok();
     let answer = scree(&["render", text(&metadata), "--res", "32x24", "--samples", "1", "-o", text(&out)]);
     answer.ok();
-    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1, "{name}");
+    assert_eq!(images(&out).len(), 1, "{name}");
     (shown, std::fs::read_to_string(&metadata).unwrap(), answer.errors())
 }
 
@@ -224,7 +224,7 @@ fn a_bad_frame_is_reported_and_the_others_are_rendered() {
     assert!(said.contains("error: frame 0: ") && said.contains("p_0.csv:3:3: row has 2 cells"), "{said}");
     assert!(said.contains("unknown column `radius`") && said.contains("row 2 of frame 3: "), "{said}");
     assert!(said.contains("3 of 4 frames could not be rendered (0, 2, 3); the others were rendered"), "{said}");
-    assert!(out.join("000001.png").is_file() && std::fs::read_dir(&out).unwrap().count() == 1);
+    assert!(images(&out) == [out.join("000001.png")]);
     assert!(render("run").fails(5).contains("no movie is written"));
     let again = work.path().join("again.yaml");
     let said = scree(&["inspect", text(&work.path().join("p_*.csv")), "--write", text(&again)]).fails(5);
@@ -256,7 +256,9 @@ fn what_is_no_table_is_named() {
     let table = work.path().join("p_1.csv");
     std::fs::write(&table, "x,y,z\n1,2,3\n").unwrap();
     assert!(scree(&["render", text(&table)]).fails(3).contains("scree inspect"));
-    std::fs::remove_file(work.path().join("table.csv")).unwrap();
+    for name in ["table.csv", "part.vtk", "dump100.liggghts"] {
+        std::fs::remove_file(work.path().join(name)).unwrap();
+    }
     for command in ["inspect", "render"] {
         let said = scree(&[command, text(work.path())]).fails(4);
         assert!(said.contains("1 file that is a table") && said.contains("p_*.csv"), "{said}");

@@ -9,6 +9,7 @@ mod corpus;
 mod determinism;
 mod docs;
 mod faults;
+mod films;
 mod friction;
 mod golden;
 mod hider;

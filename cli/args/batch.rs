@@ -1,10 +1,25 @@
 //! Arguments of the commands that cut films into tasks: `submit`, `plan`, `status`, `verify`, `resume`.
 
 use super::image::ImageArgs;
-use super::value::{one_line, whole};
-use crate::batch::Scheduler;
-use clap::Args;
+use super::value::{one_line, whole, word};
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+
+/// What runs the tasks of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "lowercase")]
+pub enum SchedulerArg {
+    /// Slurm, by job arrays.
+    Slurm,
+    /// PBS Professional and OpenPBS, by array jobs.
+    Pbs,
+    /// Torque, by array jobs.
+    Torque,
+    /// Grid Engine (Sun, Univa, Altair), by array jobs.
+    GridEngine,
+    /// This machine, in processes of their own.
+    Local,
+}
 
 /// How a film is cut into tasks.
 #[derive(Args, Debug)]
@@ -71,7 +86,7 @@ pub struct SubmitArgs {
     pub output: Option<PathBuf>,
     /// What runs the tasks.
     #[arg(long, value_name = "NAME", value_enum)]
-    pub scheduler: Scheduler,
+    pub scheduler: SchedulerArg,
     #[command(flatten)]
     pub image: ImageArgs,
     #[command(flatten)]
@@ -86,10 +101,10 @@ pub struct SubmitArgs {
     #[arg(long, value_name = "K", value_parser = whole::<usize>(1..=1_000_000))]
     pub max_running: Option<usize>,
     /// Time limit of a task, as the scheduler writes it: 1:00:00.
-    #[arg(long, value_name = "TIME", value_parser = one_line)]
+    #[arg(long, value_name = "TIME", value_parser = word)]
     pub time: Option<String>,
     /// Memory of a task, as the scheduler writes it: 8G.
-    #[arg(long, value_name = "SIZE", value_parser = one_line)]
+    #[arg(long, value_name = "SIZE", value_parser = word)]
     pub mem: Option<String>,
     /// Processors of a task [default: the scheduler's].
     #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=1024))]
@@ -98,10 +113,10 @@ pub struct SubmitArgs {
     #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=64))]
     pub gpus: Option<usize>,
     /// Partition or queue.
-    #[arg(long, value_name = "NAME", value_parser = one_line)]
+    #[arg(long, value_name = "NAME", value_parser = word)]
     pub partition: Option<String>,
     /// Account or project that pays.
-    #[arg(long, value_name = "NAME", value_parser = one_line)]
+    #[arg(long, value_name = "NAME", value_parser = word)]
     pub account: Option<String>,
     /// A further directive, as --directive='--constraint=avx2'; may be given
     /// several times.
@@ -146,6 +161,10 @@ pub struct ResumeArgs {
     /// Folder that a film was submitted to.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// Use the plan's own permission to run programs, or its template of
+    /// scripts: it is a plan of yours.
+    #[arg(long)]
+    pub trust: bool,
     /// Print the scripts, write and submit nothing.
     #[arg(long)]
     pub dry_run: bool,

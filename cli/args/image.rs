@@ -19,12 +19,6 @@ pub struct ImageArgs {
     /// [default: as the metadata says].
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=64))]
     pub samples: Option<u32>,
-    /// Render images that are up to date again, too.
-    #[arg(long)]
-    pub redraw: bool,
-    /// The default, which once was not: images that are up to date are kept.
-    #[arg(long, hide = true, conflicts_with = "redraw")]
-    pub missing: bool,
     /// Run this program where a scene asks for it (RunProgram); may be given
     /// several times [default: none runs].
     #[arg(long, value_name = "FILE")]
@@ -36,6 +30,17 @@ pub struct ImageArgs {
     /// Run every program that a scene asks for.
     #[arg(long, conflicts_with = "allow_program")]
     pub allow_programs: bool,
+}
+
+/// Which images are drawn again.
+#[derive(Args, Debug)]
+pub struct RedrawArgs {
+    /// Render images that are up to date again, too.
+    #[arg(long)]
+    pub redraw: bool,
+    /// The default, which once was not: images that are up to date are kept.
+    #[arg(long, hide = true, conflicts_with = "redraw")]
+    pub missing: bool,
 }
 
 const RENDER_EXAMPLES: &str = "\
@@ -59,6 +64,8 @@ pub struct RenderArgs {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub image: ImageArgs,
+    #[command(flatten)]
+    pub redraw: RedrawArgs,
     /// Render only the buckets of shard I of N into a shard file, as 2/8 for
     /// the second of eight; `scree stitch` joins the shards.
     #[arg(long, value_name = "I/N", value_parser = shard)]

@@ -1,6 +1,6 @@
 //! Arguments of the commands that simulate: `run`, `simulate` and `solve`.
 
-use super::image::ImageArgs;
+use super::image::{ImageArgs, RedrawArgs};
 use super::value::{Assignment, assignment, index, positive, whole};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -27,6 +27,8 @@ pub struct RunArgs {
     pub fresh: bool,
     #[command(flatten)]
     pub image: ImageArgs,
+    #[command(flatten)]
+    pub redraw: RedrawArgs,
 }
 
 const SIMULATE_EXAMPLES: &str = "\

@@ -91,6 +91,15 @@ pub fn interval(text: &str) -> Result<Interval, String> {
     }
 }
 
+/// Parse a word that a scheduler reads: a time, a size, a name.
+pub fn word(text: &str) -> Result<String, String> {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "._:-+@/=,".contains(c);
+    if !text.is_empty() && text.chars().all(fits) {
+        return Ok(text.into());
+    }
+    Err("expected letters, digits and . _ : - + @ / = ,".into())
+}
+
 /// Parse text that stays in one line.
 pub fn one_line(text: &str) -> Result<String, String> {
     if text.chars().any(char::is_control) { Err("expected one line".into()) } else { Ok(text.into()) }

@@ -1,6 +1,5 @@
 //! The plan of a film, as it stands in `plan/plan.json` of its folder: what is simulated and drawn, and how it is cut into tasks.
 
-use clap::ValueEnum;
 use frame::{Fault, FaultKind};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -9,9 +8,8 @@ use std::path::{Path, PathBuf};
 const VERSION: u32 = 1;
 
 /// What runs the tasks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[value(rename_all = "lowercase")]
 pub enum Scheduler {
     /// Slurm, by job arrays.
     Slurm,
@@ -192,12 +190,15 @@ impl Plan {
         let text = frame::read_text(FaultKind::Data, &path)?;
         let bad = |why: String| Fault::whole(FaultKind::Data, &path, why).hint("submit the film again");
         let plan: Plan = serde_json::from_str(&text).map_err(|e| bad(format!("is not a plan: {e}")))?;
-        let is_sound = plan.plan == VERSION && plan.frames_per_task > 0 && plan.buckets > 0;
+        let r = &plan.requests;
+        let texts = [&r.time, &r.mem, &r.partition, &r.account].into_iter().flatten().chain(&r.directives);
+        let is_plain = texts.chain(&plan.flags).all(|text| !text.contains(char::is_control));
+        let is_sound = plan.plan == VERSION && plan.frames_per_task > 0 && plan.buckets > 0 && is_plain;
         // Work goes where the plan lies, not where a changed file says.
         let is_here = guard::is_one_of(home, [&plan.home]);
         match (is_sound, is_here) {
             (true, true) => Ok(plan),
-            (false, _) => Err(bad("is of another version, or has tasks of nothing".into())),
+            (false, _) => Err(bad("is of another version, or has tasks of nothing or texts of several lines".into())),
             (true, false) => Err(bad(format!("is of another folder, {}: it was moved or copied", plan.home.display()))),
         }
     }

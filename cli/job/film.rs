@@ -4,8 +4,12 @@ use super::frames::{FramesJob, Origin};
 use super::images::{ImageJob, ImageOptions};
 use super::output::default_folder;
 use super::run_folder::{self, spare_link};
+use super::simulate::SimulateJob;
 use super::sweep;
-use crate::args::{CutArgs, ImageArgs, PlanArgs, ResumeArgs, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
+use crate::args::{
+    Backend, CutArgs, ImageArgs, PlanArgs, ResumeArgs, SchedulerArg, SimulateArgs, StatusArgs, SubmitArgs, TaskArgs,
+    VerifyArgs,
+};
 use crate::batch::{ImageChoices, Plan, Requests, Scheduler, Simulation, Task};
 use crate::report::{Exit, Failure, Outcome};
 use crate::source::{self, Yaml};
@@ -59,7 +63,7 @@ impl FilmJob {
         let home = home(&args.input, args.output);
         let mut plan = plan(&args.input, &home, args.image, &args.cut)?;
         plan.movie = !args.no_movie;
-        (plan.scheduler, plan.processes) = (args.scheduler, args.processes);
+        (plan.scheduler, plan.processes) = (args.scheduler.into(), args.processes);
         let template = args.template.map(|path| std::path::absolute(&path).unwrap_or(path));
         plan.requests = Requests {
             max_running: args.max_running,
@@ -73,7 +77,7 @@ impl FilmJob {
             requeue: args.requeue,
             template,
         };
-        if args.scheduler == Scheduler::Local && plan.requests != Requests::default() {
+        if plan.scheduler == Scheduler::Local && plan.requests != Requests::default() {
             let message = "--scheduler local runs the tasks on this machine: it takes no requests to a scheduler";
             return Err(Failure::new(Exit::Usage, message));
         }
@@ -82,7 +86,19 @@ impl FilmJob {
 
     /// Check the arguments of `scree resume`.
     pub fn resume(args: ResumeArgs) -> Outcome<FilmJob> {
-        Ok(FilmJob { plan: read(&args.folder)?, dry_run: args.dry_run })
+        let plan = read(&args.folder)?;
+        let programs = &plan.images.allow_program;
+        let trusts = match (&plan.requests.template, plan.images.allow_programs, programs.is_empty()) {
+            (Some(path), ..) => Some(format!("has job scripts made by {}", path.display())),
+            (None, true, _) => Some("lets scenes run any program".into()),
+            (None, false, false) => Some(format!("lets scenes run {}", programs.join(", "))),
+            (None, false, true) => None,
+        };
+        if let Some(what) = trusts.filter(|_| !args.trust) {
+            let message = format!("the plan of {} {what}: --trust says that it is yours", args.folder.display());
+            return Err(Failure::new(Exit::Usage, message));
+        }
+        Ok(FilmJob { plan, dry_run: args.dry_run })
     }
 }
 
@@ -127,6 +143,34 @@ impl TaskJob {
     }
 }
 
+impl From<SchedulerArg> for Scheduler {
+    fn from(scheduler: SchedulerArg) -> Scheduler {
+        match scheduler {
+            SchedulerArg::Slurm => Scheduler::Slurm,
+            SchedulerArg::Pbs => Scheduler::Pbs,
+            SchedulerArg::Torque => Scheduler::Torque,
+            SchedulerArg::GridEngine => Scheduler::GridEngine,
+            SchedulerArg::Local => Scheduler::Local,
+        }
+    }
+}
+
+/// The simulation of a combination of a sweep, from where it has got to.
+pub fn combination(model: &Path, home: &Path, index: usize) -> Outcome<SimulateJob> {
+    SimulateJob::check(SimulateArgs {
+        model: model.into(),
+        output: Some(home.into()),
+        until: None,
+        resume: true,
+        fresh: false,
+        set: vec![],
+        sweep_index: Some(index),
+        plan: false,
+        backend: Backend::Auto,
+        csv: false,
+    })
+}
+
 /// The plan of a folder, whose tasks start where it was made.
 fn read(folder: &Path) -> Outcome<Plan> {
     if !Plan::exists(folder) {
@@ -153,12 +197,8 @@ fn plan(input: &Path, home: &Path, image: ImageArgs, cut: &CutArgs) -> Outcome<P
         allow_programs: image.allow_programs,
         allow_outside: image.allow_outside,
     };
-    if image.redraw {
-        let message = "--redraw is of `scree render`: the tasks of a film draw what is missing or stale";
-        return Err(Failure::new(Exit::Usage, message));
-    }
     let frames = image.frames.clone();
-    let options = ImageOptions::check(image)?;
+    let options = ImageOptions::check(image, false)?;
     if !options.allow_outside {
         spare_link(&home.join("images"), home)?;
     }
@@ -276,13 +316,11 @@ pub fn images_of(plan: &Plan, frames: &[u64]) -> Outcome<ImageJob> {
         frames: list.parse().ok(),
         res: choices.res,
         samples: choices.samples,
-        redraw: false,
-        missing: false,
         allow_program: choices.allow_program.clone(),
         allow_programs: choices.allow_programs,
         allow_outside: choices.allow_outside,
     };
-    image_job(plan, ImageOptions::check(args)?)
+    image_job(plan, ImageOptions::check(args, false)?)
 }
 
 fn image_job(plan: &Plan, options: ImageOptions) -> Outcome<ImageJob> {

@@ -2,6 +2,7 @@
 
 use super::run_folder::spare_link;
 use crate::args::ImageArgs;
+use crate::ledger::Ledger;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
@@ -30,9 +31,9 @@ pub struct ImageOptions {
 }
 
 impl ImageOptions {
-    /// Check the arguments: find the programs that are allowed.
-    pub fn check(args: ImageArgs) -> Outcome<ImageOptions> {
-        let ImageArgs { frames, res, samples, missing: _, redraw, allow_program, allow_programs, allow_outside } = args;
+    /// Check the arguments: find the programs that are allowed. Images that are up to date are kept unless `redraw` is set.
+    pub fn check(args: ImageArgs, redraw: bool) -> Outcome<ImageOptions> {
+        let ImageArgs { frames, res, samples, allow_program, allow_programs, allow_outside } = args;
         let find = |name: &String| {
             let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
             resolve(name).ok_or_else(missing)
@@ -81,6 +82,9 @@ impl ImageJob {
             output.samples = [n; 2];
         }
         guard::allow(&folder);
+        if !options.allow_outside {
+            spare_link(&Ledger::of(&folder).folder(), &folder)?;
+        }
         let frames = frames(&binding, &source, options)?;
         let files = Files { programs: options.programs.clone(), ..library::files(&binding.folder()) };
         let files = binding.files(files);

@@ -80,13 +80,13 @@ impl RenderJob {
             }
         };
         let shard = args.bucket.map(Shard::from);
-        let options = ImageOptions::check(args.image)?;
+        let options = ImageOptions::check(args.image, args.redraw.redraw)?;
         Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics })))
     }
 }
 
 fn scene(args: RenderArgs) -> Outcome<RenderScene> {
-    if args.image.frames.is_some() || args.image.missing || args.image.redraw {
+    if args.image.frames.is_some() || args.redraw.missing || args.redraw.redraw {
         let message = "--frames, --missing and --redraw are for data: a RIB scene has no frames to choose from, and is always drawn";
         return Err(Failure::new(Exit::Usage, message));
     }
@@ -95,7 +95,7 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         return Err(Failure::new(Exit::Usage, message));
     }
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
-    let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image)?;
+    let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image, true)?;
     let files = Files { programs, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
     let statistics = Statistics { print: args.verbose, write: args.stats };
     let folder = args.output.unwrap_or_else(|| PathBuf::from("."));

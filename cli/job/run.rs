@@ -30,6 +30,6 @@ impl RunJob {
             spare_link(&images, &home)?;
         }
         let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
-        Ok(RunJob { frames, options: ImageOptions::check(args.image)?, images, movie })
+        Ok(RunJob { frames, options: ImageOptions::check(args.image, args.redraw.redraw)?, images, movie })
     }
 }

@@ -29,7 +29,7 @@ pub struct Format {
 }
 
 /// All formats. Reading a model or a metadata file resolves it, meshes and images are read as a model's terrain and as textures.
-pub const FORMATS: [Format; 16] = [
+pub const FORMATS: [Format; 19] = [
     Format::text("rib", "rib", 240, |_| folder("tests/corpus/rib"), rib),
     Format::text("sl", "sl", 240, |_| folder("tests/corpus/shader"), sl),
     Format::text("model", "yaml", 60, models, |path, _| model(path)),
@@ -37,6 +37,10 @@ pub const FORMATS: [Format; 16] = [
     Format::text("job", "yml", 40, jobs, |path, _| read_metadata(path)),
     Format::text("csv", "csv", 120, |_| tables(), |path, _| frame::csv::read(path, 0, &Default::default()).is_ok()),
     Format::text("dump", "dump", 40, |_| dumps(), |path, _| dump(path)),
+    Format::text("table", "tab", 60, |_| particles(), |path, _| dump(path)),
+    Format::text("vtk", "vtk", 60, |_| vtk(), |path, _| dump(path)).binary(),
+    Format::text("parquet", "parquet", 30, |_| sample(&["grains.parquet", "grains.feather"]), |path, _| dump(path))
+        .binary(),
     Format::text("run_json", "json", 40, run_index, run_json),
     Format::text("obj", "obj", 30, obj, |path, _| model(&path.with_file_name("obj.yaml"))),
     Format::text("grid", "txt", 20, grid, |path, _| model(&path.with_file_name("grid.yaml"))),
@@ -155,14 +159,64 @@ fn tables() -> Vec<Vec<u8>> {
     all
 }
 
+/// Files of other programs that the tree has.
+fn sample(names: &[&str]) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign");
+    names.iter().map(|name| std::fs::read(folder.join(name)).expect("a table of the tree")).collect()
+}
+
+/// XYZ, PLY, MercuryDPM, Chrono and YADE.
+fn particles() -> Vec<Vec<u8>> {
+    let texts = [
+        "2\nAtoms. Timestep: 5\n1 0.1 0.2 0.3\n2 0.4 0.5 0.6\n1\nAtoms. Timestep: 6\n1 0.1 0.2 0.3\n",
+        "1\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=species:S:1:pos:R:3:radius:R:1 Time=0.5\nH 0.1 0.2 0.3 0.05\n",
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0.5\n3 0 1 0\n",
+        "1 0.25 0 0 0 1 1 1\n0.5 0.5 0.5 0 0 -1 0.1 0 0 0 0 0 0 0\n",
+    ];
+    texts.iter().map(|text| text.as_bytes().to_vec()).chain(sample(&["yade_000.txt"])).collect()
+}
+
+/// VTK: legacy as text and binary, XML as text, in base64 and appended.
+fn vtk() -> Vec<Vec<u8>> {
+    let head = "# vtk DataFile Version 3.0\np\nBINARY\nDATASET POLYDATA\nPOINTS 2 float\n";
+    let numbers = |n: usize| (0..n).flat_map(|k| (k as f32 * 0.5).to_be_bytes()).collect::<Vec<u8>>();
+    let binary = [head.as_bytes(), &numbers(6), b"\nPOINT_DATA 2\nVECTORS v float\n", &numbers(6), b"\n"].concat();
+    let xml = |points: &str, after: &str| {
+        format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt32\"><UnstructuredGrid><Piece NumberOfPoints=\"2\" NumberOfCells=\"0\"><PointData>\
+             <DataArray type=\"Float32\" Name=\"radius\" format=\"ascii\">0.1 0.2</DataArray></PointData><Points>{points}\
+             </Points></Piece></UnstructuredGrid>{after}</VTKFile>\n"
+        )
+        .into_bytes()
+    };
+    let array = |format: &str, text: &str| {
+        format!("<DataArray type=\"Float32\" NumberOfComponents=\"3\" {format}>{text}</DataArray>")
+    };
+    let appended = [24u32.to_le_bytes().to_vec(), vec![0; 24]].concat();
+    let mut raw =
+        xml(&array("format=\"appended\" offset=\"0\"", ""), "<AppendedData encoding=\"raw\">_@</AppendedData>");
+    let at = raw.iter().position(|b| *b == b'@').expect("the mark");
+    raw.splice(at..=at, appended);
+    let base64 = "GAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA==";
+    let mut all = sample(&["part100.vtk"]);
+    all.extend([
+        binary,
+        xml(&array("format=\"ascii\"", "0 0 0 1 0 0"), ""),
+        xml(&array("format=\"binary\"", base64), ""),
+        raw,
+    ]);
+    all
+}
+
 fn dumps() -> Vec<Vec<u8>> {
-    let own = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign/dump100.fill"));
-    let own = own.expect("a dump of the tree");
+    let own = sample(&["dump100.fill"]).remove(0);
     let tilted = "ITEM: TIMESTEP\n7\nITEM: TIME\n0.5\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS xy xz yz pp pp pp\n-1 3 2\n0 5 0\n2 3 1\nITEM: ATOMS id xs ys zs\n1 0 0.5 1\n2 1 0.25 0\n";
     vec![[&own[..], tilted.as_bytes()].concat(), own]
 }
 
-/// Read all time steps of a dump.
+/// Read all tables of a file.
 fn dump(path: &Path) -> bool {
     let read = |(number, table): (u64, frame::table::Stored)| table.read(number, &Default::default()).is_ok();
     frame::table::find(path).is_ok_and(|found| found.into_iter().map(read).fold(true, |all, one| all & one))

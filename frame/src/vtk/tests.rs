@@ -1,3 +1,5 @@
+//! Files of VTK as ParaView, LIGGGHTS, YADE and others write them, and files that lie.
+
 use super::*;
 use crate::{Column, table};
 use std::io::Write;

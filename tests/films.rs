@@ -1,0 +1,257 @@
+//! Films: what is drawn again and what is kept, by the ledger of images; tasks, and the scripts of schedulers.
+
+use crate::cli::{scratch, scree};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const SHADER: &str = "surface paint(float k = 1) { Ci = k * Cs * Os; Oi = Os; }\n";
+const SMALL: [&str; 4] = ["--res", "48x32", "--samples", "2"];
+
+/// A folder with tables `p_0.csv` …, a shader and a metadata file `md.yaml` that draws them.
+fn data(n: usize) -> tempfile::TempDir {
+    let work = scratch();
+    for i in 0..n {
+        std::fs::write(work.path().join(format!("p_{i}.csv")), table(i as f64)).unwrap();
+    }
+    std::fs::write(work.path().join("paint.sl"), SHADER).unwrap();
+    let text = "\
+data: {csv: 'p_*.csv'}
+camera: {eye: [0, -6, 2], look_at: [0, 0, 0]}
+objects:
+  - name: grains
+    position: [x, y, z]
+    geometry: {sphere: {radius: 0.4}}
+    surface: {name: paint}
+    color: {column: speed, map: viridis}
+";
+    std::fs::write(work.path().join("md.yaml"), text).unwrap();
+    work
+}
+
+fn table(speed: f64) -> String {
+    format!("x,y,z,speed\n-0.6,0,0,0.5\n0.6,0,0,{speed}\n")
+}
+
+fn call(args: &[&str], more: &[&str]) -> crate::cli::Answer {
+    scree(&[args, more].concat())
+}
+
+fn at(work: &Path, name: &str) -> String {
+    work.join(name).to_str().unwrap().into()
+}
+
+/// The images of a folder, by name.
+fn images(folder: impl Into<PathBuf>) -> BTreeMap<String, Vec<u8>> {
+    let all = crate::cli::images(&folder.into());
+    all.iter().map(|p| (p.file_name().unwrap().to_string_lossy().into_owned(), std::fs::read(p).unwrap())).collect()
+}
+
+/// Files below a folder that begin with a name.
+fn named(folder: &Path, start: &str) -> usize {
+    let below = |path: PathBuf| match path.is_dir() {
+        true => named(&path, start),
+        false => path.file_name().unwrap().to_string_lossy().starts_with(start) as usize,
+    };
+    std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| below(e.path())).sum()
+}
+
+#[test]
+fn just_the_images_that_hang_on_a_change_are_drawn_again() {
+    let work = data(4);
+    let (md, out) = (at(work.path(), "md.yaml"), at(work.path(), "o"));
+    let render = || call(&["render", &md, "-o", &out], &SMALL).errors();
+    let first = render();
+    assert!(first.contains("go from 0 to 3, the range of all frames"), "{first}");
+    assert!(render().contains("4 of 4 images were up to date"));
+    let change = |name: &str, text: &str| std::fs::write(work.path().join(name), text).unwrap();
+    // A table within the range of the colours: one image.
+    change("p_1.csv", &table(1.5));
+    let said = render();
+    assert!(
+        said.contains("3 of 4 images were up to date") && said.contains("1 of 4 images were drawn again"),
+        "{said}"
+    );
+    // A table that makes the range wider: all of them.
+    change("p_2.csv", &table(9.0));
+    let said = render();
+    assert!(said.contains("go from 0 to 9") && said.contains("4 of 4 images were drawn again"), "{said}");
+    // A shader: all; the message names it.
+    change("paint.sl", &SHADER.replace("k = 1", "k = 0.5"));
+    let said = render();
+    assert!(said.contains("4 of 4 images were drawn again: stale:") && said.contains("paint.sl has changed"), "{said}");
+    // A shader that now stands before one of the library.
+    change("background.sl", "imager background() { }\n");
+    render();
+    // What no image hangs on.
+    let text = std::fs::read_to_string(&md).unwrap() + "movie: {frame_rate: 30}\n";
+    change("md.yaml", &text);
+    assert!(render().contains("4 of 4 images were up to date"));
+    // Another size, and a value of the metadata.
+    assert!(
+        call(&["render", &md, "-o", &out], &["--res", "24x16"]).errors().contains("4 of 4 images were drawn again")
+    );
+    change("md.yaml", &text.replace("radius: 0.4", "radius: 0.3"));
+    assert!(render().contains("4 of 4 images were drawn again"));
+    // An image that was edited or lost, and an entry that is broken.
+    change("o/000000.png", "no image");
+    change("o/.ledger/000001.png.json", "{");
+    std::fs::remove_file(work.path().join("o/000002.png")).unwrap();
+    let bad = scree(&["verify", &out]).fails(5);
+    assert!(bad.contains("3 of 4 images are not done"), "{bad}");
+    assert!(render().contains("1 of 4 images were up to date"));
+    assert!(scree(&["verify", &out]).ok().contains("4 images are as they were written"));
+    assert!(call(&["render", &md, "-o", &out, "--redraw"], &SMALL).errors().find("up to date").is_none());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_killed_again_and_again_ends_as_one_that_is_not() {
+    let work = data(30);
+    let (md, out, alone) = (at(work.path(), "md.yaml"), at(work.path(), "o"), at(work.path(), "alone"));
+    call(&["render", &md, "-o", &alone], &SMALL).ok();
+    for k in 0..6 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
+            .args([&["render", &md, "-o", &out][..], &SMALL].concat())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(40 + 37 * k));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    call(&["render", &md, "-o", &out], &SMALL).ok();
+    assert!(images(&out) == images(&alone));
+    assert_eq!(named(Path::new(&out), ".part-"), 0);
+}
+
+#[test]
+fn two_renders_into_one_folder_share_the_work() {
+    let work = data(12);
+    let (md, out, alone) = (at(work.path(), "md.yaml"), at(work.path(), "o"), at(work.path(), "alone"));
+    call(&["render", &md, "-o", &alone], &SMALL).ok();
+    let start = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_scree"));
+        command.args([&["render", &md, "-o", &out, "--stats"][..], &SMALL].concat()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let both = [start(), start()].map(|child| child.wait_with_output().unwrap());
+    assert!(both.iter().all(|output| output.status.success()));
+    assert!(images(&out) == images(&alone));
+    assert_eq!(scree(&["verify", &out]).ok().split_whitespace().next(), Some("12"));
+}
+
+#[test]
+fn a_film_is_made_by_tasks_of_this_machine() {
+    let work = scratch();
+    let model = work.path().join("it's a drop.yaml");
+    std::fs::write(
+        &model,
+        "step: 0.002
+duration: 0.2
+frame_rate: 20
+materials: {stone: {density: 2600, friction: 0.5}}
+bodies:
+  - {name: ground, material: stone, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: stone, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.2]}
+",
+    )
+    .unwrap();
+    let (model, home) = (model.to_str().unwrap(), at(work.path(), "film $(x)"));
+    let submit = ["submit", model, "-o", &home, "--scheduler", "local", "-j", "2", "--buckets", "2"];
+    call(&submit, &SMALL).ok();
+    let status: serde_json::Value = serde_json::from_str(&scree(&["status", &home, "--json"]).ok()).unwrap();
+    assert_eq!((&status["images"], &status["done"]), (&4.into(), &4.into()), "{status}");
+    assert!(named(Path::new(&home), "it's a drop.") > 0, "there is no movie");
+    assert!(scree(&["verify", &home]).ok().contains("4 images"));
+    // As one render draws them.
+    let alone = at(work.path(), "alone");
+    call(&["render", &home, "-o", &alone], &SMALL).ok();
+    assert!(images(Path::new(&home).join("images")) == images(&alone));
+    // A task that fails is named, the others are done, and it goes on.
+    let frame = Path::new(&home).join("frames/000002.arrow");
+    let bytes = std::fs::read(&frame).unwrap();
+    std::fs::write(&frame, &bytes[..100]).unwrap();
+    std::fs::remove_file(Path::new(&home).join("images/000002.png")).unwrap();
+    let failed = scree(&["resume", &home]).fails(5);
+    assert!(failed.contains("draw-") && failed.contains("000002.arrow"), "{failed}");
+    let status = scree(&["status", &home]).ok();
+    assert!(status.contains("3 of 4 done, 1 failed") || status.contains("3 of 4 done"), "{status}");
+    std::fs::write(&frame, &bytes).unwrap();
+    scree(&["resume", &home]).ok();
+    assert!(scree(&["verify", &home]).ok().contains("4 images"));
+    assert!(scree(&["task", &home, "draw-99"]).fails(2).contains("no task of the plan"));
+    // A plan that was moved does not write where it was.
+    let moved = at(work.path(), "moved");
+    std::fs::rename(&home, &moved).unwrap();
+    assert!(scree(&["resume", &moved]).fails(4).contains("moved or copied"));
+}
+
+#[test]
+fn scripts_of_schedulers_are_as_they_should_be() {
+    let work = data(20);
+    let (md, home) = (at(work.path(), "md.yaml"), at(work.path(), "film"));
+    let requests = ["--time", "1:00:00", "--mem", "4G", "--cpus", "2", "--partition", "night", "--max-running", "3"];
+    let script = |scheduler: &str, more: &[&str]| {
+        let all = ["submit", &md, "-o", &home, "--dry-run", "--frames-per-task", "2", "--scheduler", scheduler];
+        scree(&[&all[..], &requests, more].concat()).ok()
+    };
+    let expected = [
+        ("slurm", vec!["#SBATCH --array=0-9%3", "#SBATCH --time=1:00:00", "#SBATCH --mem=4G", "SLURM_ARRAY_TASK_ID"]),
+        ("pbs", vec!["#PBS -J 0-9%3", "#PBS -l select=1:ncpus=2:mem=4G", "#PBS -q night", "PBS_ARRAY_INDEX"]),
+        ("torque", vec!["#PBS -t 0-9%3", "#PBS -l nodes=1:ppn=2", "#PBS -l mem=4G", "PBS_ARRAYID"]),
+        ("gridengine", vec!["#$ -t 1-10", "#$ -tc 3", "#$ -pe smp 2", "#$ -l h_vmem=4G", "index=$((SGE_TASK_ID - 1))"]),
+    ];
+    for (scheduler, lines) in expected {
+        let text = script(scheduler, &[]);
+        lines.iter().for_each(|line| assert!(text.contains(line), "{scheduler}: {line} is not in\n{text}"));
+        assert!(text.contains("\"draw-$index\"") && text.contains(" finish\n"), "{text}");
+        let check = Command::new("bash").args(["-n", "-c", &text]).output().unwrap();
+        assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stderr));
+    }
+    assert!(!Path::new(&home).exists(), "a dry run has written");
+    let text = script("slurm", &["--requeue", "--directive=--constraint=avx2", "-f", "3,7-9", "--buckets", "2"]);
+    for line in ["#SBATCH --requeue", "#SBATCH --constraint=avx2", "#SBATCH --array=0-3%3", "scontrol requeue"] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+    // A template of the user's.
+    let template = at(work.path(), "own.sh");
+    std::fs::write(&template, "#!/bin/sh\n#OWN {{ name }} {{ array }}\n{{ setup }}\nnice {{ command }}\n").unwrap();
+    let text = script("slurm", &["--template", &template]);
+    assert!(text.contains("#OWN scree-film-draw-0 0-9") && text.contains("\nnice '"), "{text}");
+    std::fs::write(&template, "{{ command }} {{ nome }}").unwrap();
+    let submit = ["submit", &md, "--scheduler", "slurm", "--dry-run", "--template", &template];
+    assert!(scree(&submit).fails(3).contains("own.sh"));
+    assert!(scree(&["submit", &md, "--scheduler", "local", "--time", "1"]).fails(2).contains("takes no requests"));
+    assert!(scree(&["status", &at(work.path(), "none")]).fails(4).contains("neither a plan"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn two_simulations_do_not_share_a_directory() {
+    let work = scratch();
+    let model = at(work.path(), "m.yaml");
+    let text = "step: 0.001
+duration: 60
+materials: {stone: {density: 2600, friction: 0.5}}
+bodies:
+  - {name: ground, material: stone, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: stone, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.2]}
+";
+    std::fs::write(&model, text).unwrap();
+    let run = at(work.path(), "run");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))
+        .args(["simulate", &model, "-o", &run])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !Path::new(&run).join("run.json").exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let refused = scree(&["simulate", &model, "-o", &run, "--fresh"]).fails(2);
+    assert!(refused.contains("another process is simulating into it"), "{refused}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // One that was killed holds nothing.
+    scree(&["simulate", &model, "-o", &run, "--fresh", "--until", "0.05"]).ok();
+}
