@@ -28,6 +28,9 @@ fn print(frames: &[u64], table: &Frame, is_timed: bool) {
     const WIDEST: usize = 40;
     let time = if is_timed { format!(" at {} s", table.time) } else { String::new() };
     println!("{}; frame {}{time} has {} rows", list::describe(frames), table.number, table.rows());
+    if let Some((step, missing)) = list::gaps(frames) {
+        println!("note: {} missing between the others, which are {step} apart", are(&missing));
+    }
     let width = table.names().iter().map(|n| n.chars().count()).max().unwrap_or(0).min(WIDEST);
     for (field, column) in &table.columns {
         let unit = if matches!(field.unit.as_str(), "" | "1") { "" } else { &format!(" {}", field.unit) };
@@ -41,6 +44,17 @@ fn print(frames: &[u64], table: &Frame, is_timed: bool) {
             _ => column.range().map_or("no values".into(), |(lo, hi)| format!("{lo} to {hi}{unit}{}", missing(column))),
         };
         println!("  {:width$}  {:8}  {values}", guard::text::line(&field.name), column.kind());
+    }
+}
+
+/// Frames as the subject of a sentence.
+fn are(frames: &[u64]) -> String {
+    /// Frames that are named.
+    const NAMED: usize = 8;
+    let names: Vec<String> = frames.iter().take(NAMED).map(u64::to_string).collect();
+    match frames.len() {
+        1 => format!("frame {} is", names[0]),
+        n => format!("{n} frames ({}{}) are", names.join(", "), if n > NAMED { ", …" } else { "" }),
     }
 }
 

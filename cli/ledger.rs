@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 /// Version of the entries.
@@ -39,11 +40,14 @@ pub struct Entry {
     pub blake3: String,
     /// Hash of what was drawn: the program's version and all calls to the renderer.
     pub imprint: String,
-    /// Hashes of the files that were read, and none of those that were looked for and not there.
-    pub depends_on: BTreeMap<PathBuf, Option<String>>,
+    /// Hash of the list of files that it depends on, which all images that were made of the same share.
+    pub depends_on: String,
     /// Time that the image took, s.
     pub seconds: f64,
 }
+
+/// Hashes of the files that were read, and none of those that were looked for and not there.
+type Files = BTreeMap<PathBuf, Option<String>>;
 
 /// How an image stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,21 +76,24 @@ impl fmt::Display for Standing {
     }
 }
 
-/// Hashes of files, each read once as long as it is not written again.
+/// Hashes of files, each read once as long as it is not written again, and lists of files that images depend on.
 #[derive(Default)]
-pub struct Hashes(HashMap<PathBuf, ((u64, Option<SystemTime>), Option<String>)>);
+pub struct Hashes {
+    files: HashMap<PathBuf, ((u64, Option<SystemTime>), Option<String>)>,
+    lists: HashMap<String, Option<Arc<Files>>>,
+}
 
 impl Hashes {
     /// The blake3 hash of a file; none if it is not there or cannot be read.
     pub fn of(&mut self, path: &Path) -> Option<String> {
         let stamp = path.metadata().map(|m| (m.len(), m.modified().ok())).unwrap_or_default();
-        if let Some((known, hash)) = self.0.get(path)
+        if let Some((known, hash)) = self.files.get(path)
             && *known == stamp
         {
             return hash.clone();
         }
         let hash = hash_of(path);
-        self.0.insert(path.into(), (stamp, hash.clone()));
+        self.files.insert(path.into(), (stamp, hash.clone()));
         hash
     }
 }
@@ -121,6 +128,23 @@ impl Ledger {
         self.folder().join(format!("{file}.{ending}"))
     }
 
+    /// The file of a list of files.
+    fn list(&self, hash: &str) -> PathBuf {
+        self.folder().join("depends_on").join(format!("{hash}.json"))
+    }
+
+    /// The list of files of a hash; none if it is not there, or not what it was.
+    fn depends_on(&self, hash: &str, hashes: &mut Hashes) -> Option<Arc<Files>> {
+        let read = || {
+            // It becomes a name of a file.
+            let is_hash = hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
+            let bytes = std::fs::read(self.list(hash)).ok().filter(|_| is_hash)?;
+            let is_whole = blake3::hash(&bytes).to_hex().as_str() == hash;
+            serde_json::from_slice(&bytes).ok().filter(|_| is_whole).map(Arc::new)
+        };
+        hashes.lists.entry(hash.into()).or_insert_with(read).clone()
+    }
+
     /// The entry of a file; none if there is none, or it is not whole.
     pub fn entry(&self, file: &str) -> Option<Entry> {
         let bytes = std::fs::read(self.path(file, "json")).ok()?;
@@ -143,26 +167,34 @@ impl Ledger {
             let hash = hashes.of(&path);
             (path, hash)
         };
-        let entry = Entry { depends_on: read.into_iter().map(depend).collect(), ..self.seal(file, imprint, seconds)? };
-        self.write(&entry)
+        let files: Files = read.into_iter().map(depend).collect();
+        self.write(&self.seal(file, imprint, &files, seconds)?)
     }
 
-    /// The entry of a file as it is, which depends on no others.
-    fn seal(&self, file: &str, imprint: &str, seconds: f64) -> Result<Entry, Fault> {
+    /// The entry of a file as it is, which depends on others.
+    fn seal(&self, file: &str, imprint: &str, depends_on: &Files, seconds: f64) -> Result<Entry, Fault> {
         let path = self.images.join(file);
         let bytes = path.metadata().map(|m| m.len()).unwrap_or(0);
         let gone = || Fault::whole(frame::FaultKind::Data, &path, "was removed while it was being written");
         let blake3 = hash_of(&path).ok_or_else(gone)?;
+        let list = serde_json::to_vec(depends_on).unwrap_or_default();
+        let depends_on = blake3::hash(&list).to_hex().to_string();
+        let there = self.list(&depends_on);
+        if std::fs::read(&there).ok().as_ref() != Some(&list) {
+            frame::atomic::write(&there, &list)?;
+        }
         let (file, imprint) = (file.into(), imprint.into());
-        Ok(Entry { ledger: VERSION, file, bytes, blake3, imprint, depends_on: BTreeMap::new(), seconds })
+        Ok(Entry { ledger: VERSION, file, bytes, blake3, imprint, depends_on, seconds })
     }
 
     /// Record a file that was joined from parts, with their entries.
     pub fn record_joined(&self, file: &str, parts: &[Entry]) -> Result<(), Fault> {
         let Some(first) = parts.first() else { return Ok(()) };
         let seconds = parts.iter().map(|part| part.seconds).sum();
-        let depends_on = parts.iter().flat_map(|part| part.depends_on.clone()).collect();
-        self.write(&Entry { depends_on, ..self.seal(file, &first.imprint, seconds)? })
+        let mut hashes = Hashes::default();
+        let lists = parts.iter().filter_map(|part| self.depends_on(&part.depends_on, &mut hashes));
+        let files = lists.flat_map(|list| list.as_ref().clone()).collect();
+        self.write(&self.seal(file, &first.imprint, &files, seconds)?)
     }
 
     fn write(&self, entry: &Entry) -> Result<(), Fault> {
@@ -204,7 +236,8 @@ impl Ledger {
         if imprint.is_some_and(|imprint| imprint != entry.imprint) {
             return Standing::Changed;
         }
-        let changed = entry.depends_on.iter().find(|(path, hash)| hashes.of(path) != **hash);
+        let Some(list) = self.depends_on(&entry.depends_on, hashes) else { return Standing::Missing };
+        let changed = list.iter().find(|(path, hash)| hashes.of(path) != **hash);
         if let Some((path, _)) = changed {
             return Standing::Depends(path.clone());
         }

@@ -5,7 +5,7 @@ use crate::displays::written;
 use crate::job::{ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of};
 use crate::ledger::Standing;
 use crate::report::{Exit, Failure, Outcome};
-use crate::{images, model_run, run, simulate, stitch};
+use crate::{images, model_run, ranges, run, simulate, stitch};
 use frame::run::RunReader;
 use render::film::bucket::Shard;
 use sim::model_file;
@@ -39,7 +39,12 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
         return Ok(());
     }
     let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: true };
-    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span })
+    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span })?;
+    if is_last && !plan.frames.is_empty() {
+        // Once here, rather than by each task that draws.
+        ranges::settle(&mut images_of(plan, &plan.frames)?)?;
+    }
+    Ok(())
 }
 
 /// Simulate a combination of a sweep.

@@ -88,9 +88,31 @@ pub fn describe(frames: &[u64]) -> String {
     }
 }
 
+/// The frames (ascending) that are missing between others, if these are mostly one step apart: the step, and the missing ones.
+pub fn gaps(frames: &[u64]) -> Option<(u64, Vec<u64>)> {
+    /// Missing frames that are told.
+    const MOST: u64 = 1000;
+    let steps: Vec<u64> = frames.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = steps.iter().copied().min().filter(|step| *step > 0)?;
+    let is_regular = 2 * steps.iter().filter(|s| **s == step).count() >= steps.len();
+    let between =
+        |pair: &[u64]| (1..((pair[1] - pair[0]) / step).min(MOST)).map(|k| pair[0] + k * step).collect::<Vec<_>>();
+    let missing: Vec<u64> =
+        frames.windows(2).flat_map(between).filter(|frame| frames.binary_search(frame).is_err()).collect();
+    (is_regular && steps.len() > 1 && !missing.is_empty()).then_some((step, missing))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gaps_in_regular_frames_are_found() {
+        assert_eq!(gaps(&[0, 1, 2, 5, 6]), Some((1, vec![3, 4])));
+        assert_eq!(gaps(&[4000, 8000, 16000]), Some((4000, vec![12000])));
+        assert_eq!((gaps(&[0, 1, 2]), gaps(&[7]), gaps(&[0, 5]), gaps(&[])), (None, None, None, None));
+        assert_eq!(gaps(&[0, 1, 10, 100, 1000]), None);
+    }
 
     #[test]
     fn lists_select_existing_frames_in_their_order() {
