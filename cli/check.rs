@@ -99,6 +99,7 @@ fn check_image(job: &ImageJob) -> Outcome {
     let mut values = MissingValues::default();
     values.add(frame, &missing);
     values.warn();
+    context.warnings().iter().for_each(|w| eprintln!("warning: {w}"));
     Ok(())
 }
 

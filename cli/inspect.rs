@@ -89,6 +89,7 @@ fn write(data_path: &Path, Suggestion { path, frames, kind }: &Suggestion) -> Ou
     }) = Some(path_in_file);
     let suggestion = bind::suggest::metadata(data, frames)
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", data_path.display())))?;
+    let path = &guard::place_of(path);
     if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&suggestion.yaml) {
         let message =
             format!("{} exists and may have been edited: remove it, or write to another file", path.display());

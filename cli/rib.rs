@@ -9,6 +9,7 @@ use bind::emit;
 use frame::list;
 use render::ri::writer::Writer;
 use std::io::Write;
+use std::path::Path;
 
 /// Run `scree rib`.
 pub fn run(job: RibJob) -> Outcome {
@@ -32,6 +33,10 @@ pub fn run(job: RibJob) -> Outcome {
             let message = format!("--output {}: is one of the files that the frame is made of", path.display());
             Err(Failure::new(Exit::Usage, message))
         }
+        Some(path) if is_other(path) => {
+            let message = format!("--output {}: is a file that is no RIB, which is not replaced", path.display());
+            Err(Failure::new(Exit::Usage, message))
+        }
         Some(path) => Ok(frame::atomic::write(path, &bytes)?),
         None => match std::io::stdout().lock().write_all(&bytes) {
             // A reader may stop early, as `head` does.
@@ -39,4 +44,11 @@ pub fn run(job: RibJob) -> Outcome {
             written => written.map_err(|e| Failure::new(Exit::Fault, format!("standard output: {e}"))),
         },
     }
+}
+
+/// Whether a file is there that is no RIB, as a table of a run.
+fn is_other(path: &Path) -> bool {
+    let bytes = std::fs::read(guard::place_of(path)).unwrap_or_default();
+    let is_rib = bytes.is_empty() || bytes.starts_with(b"##RenderMan") || bytes.starts_with(b"version");
+    guard::place_of(path).is_file() && !is_rib
 }

@@ -181,6 +181,24 @@ bodies:
     scree(&["resume", &home]).ok();
     assert!(scree(&["verify", &home]).ok().contains("4 images"));
     assert!(scree(&["task", &home, "draw-99"]).fails(2).contains("no task of the plan"));
+    // What stands in a plan is not taken on trust.
+    let plan = Path::new(&home).join("plan/plan.json");
+    let text = std::fs::read_to_string(&plan).unwrap();
+    for (from, to, code, expected) in [
+        ("\"allow_programs\": false", "\"allow_programs\": true", 2, "--trust says that it is yours"),
+        ("\"directives\": []", "\"directives\": [\"-x\\nrm -r /\"]", 4, "texts of several lines"),
+        ("\"frames_per_task\": 1", "\"frames_per_task\": 0", 4, "tasks of nothing"),
+        ("{", "{ \"zz\": 1,", 4, "is not a plan"),
+    ] {
+        assert!(text.contains(from), "{from} is not in {text}");
+        std::fs::write(&plan, text.replacen(from, to, 1)).unwrap();
+        assert!(scree(&["resume", &home]).fails(code).contains(expected), "{to}");
+    }
+    std::fs::write(&plan, &text).unwrap();
+    let other = at(work.path(), "other.yaml");
+    std::fs::copy(model, &other).unwrap();
+    let refused = scree(&["submit", &other, "-o", &home, "--scheduler", "local"]).fails(2);
+    assert!(refused.contains("holds the film of"), "{refused}");
     // A plan that was moved does not write where it was.
     let moved = at(work.path(), "moved");
     std::fs::rename(&home, &moved).unwrap();

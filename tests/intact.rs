@@ -16,7 +16,7 @@ fn links_lead_no_run_out_of_its_folder() {
     std::fs::write(&model, BALL).unwrap();
     let (model, home) = (model.to_str().unwrap(), run.to_str().unwrap());
     scree(&["simulate", model, "-o", home, "--until", "0.05"]).ok();
-    for part in ["frames", "checkpoints", "contacts", "images"] {
+    for part in ["frames", "checkpoints", "contacts", "images", "plots"] {
         let _ = std::fs::remove_dir_all(&beyond);
         let own = run.join(part);
         std::fs::create_dir_all(&own).unwrap();
@@ -26,6 +26,7 @@ fn links_lead_no_run_out_of_its_folder() {
         let before = std::fs::read_dir(&beyond).unwrap().count();
         let writers: &[&[&str]] = match part {
             "images" => &[&["render", home, "-f", "0", "--res", "16x16"], &["run", model, "-o", home]],
+            "plots" => &[&["plot", home]],
             _ => &[&["simulate", model, "-o", home, "--resume"], &["simulate", model, "-o", home, "--fresh"]],
         };
         for writer in writers {
@@ -52,10 +53,20 @@ fn inputs_are_not_replaced_by_what_is_made_of_them() {
         ("other.rib", "Format 8 8 1\nDisplay \"t.csv\" \"file\" \"rgb\"\nWorldBegin\nWorldEnd\n"),
     ];
     files.iter().for_each(|(name, text)| std::fs::write(path(name), text).unwrap());
-    for name in ["t.csv", "md.yaml"] {
+    for name in ["t.csv", "md.yaml", "nd/../t.csv", "nd/../md.yaml"] {
         let said = scree(&["rib", &path("md.yaml"), "-f", "0", "-o", &path(name)]).fails(2);
         assert!(said.contains("is one of the files that the frame is made of"), "{said}");
     }
+    let said = scree(&["rib", &path("md.yaml"), "-f", "0", "-o", &path("other.yaml")]);
+    said.ok();
+    std::fs::write(path("other.yaml"), "mine: 1\n").unwrap();
+    let said = scree(&["rib", &path("md.yaml"), "-f", "0", "-o", &path("nd/../other.yaml")]).fails(2);
+    assert!(said.contains("is a file that is no RIB"), "{said}");
+    for name in ["t.csv", "other.yaml"] {
+        let said = scree(&["inspect", &path("t.csv"), "--write", &path(&format!("nd/../{name}"))]).fails(2);
+        assert!(said.contains("may have been edited"), "{said}");
+    }
+    std::fs::remove_file(path("other.yaml")).unwrap();
     let home = path("");
     let said = scree(&["render", &path("s.rib"), "-o", &home]).fails(3);
     assert!(said.contains("would replace a file that the scene is made of"), "{said}");

@@ -97,7 +97,7 @@ pub fn word(text: &str) -> Result<String, String> {
     if !text.is_empty() && text.chars().all(fits) {
         return Ok(text.into());
     }
-    Err("expected letters, digits and . _ : - + @ / = ,".into())
+    Err("expected a word of letters, numbers and . _ : - + @ / = ,".into())
 }
 
 /// Parse text that stays in one line.

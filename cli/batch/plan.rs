@@ -214,6 +214,13 @@ impl Plan {
         self.home.join("images")
     }
 
+    /// The flags of a task, which takes as many threads as it is given processors, if none are named.
+    pub fn flags(&self, cpus: Option<usize>) -> Vec<String> {
+        let is_set = self.flags.iter().any(|flag| flag.starts_with("--threads"));
+        let threads = cpus.filter(|_| !is_set).map(|cpus| ["--threads".to_string(), cpus.to_string()]);
+        self.flags.iter().cloned().chain(threads.into_iter().flatten()).collect()
+    }
+
     /// Number of tasks that draw.
     pub fn n_tasks(&self) -> usize {
         self.frames.len().div_ceil(self.frames_per_task) * self.buckets

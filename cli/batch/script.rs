@@ -127,7 +127,7 @@ fn script(plan: &Plan, name: &str, tasks: &[Task], most: usize) -> Outcome<Strin
     } else {
         (kind, String::new())
     };
-    let flags: String = plan.flags.iter().map(|flag| format!(" {}", shell(flag))).collect();
+    let flags: String = plan.flags(requests.cpus).iter().map(|flag| format!(" {}", shell(flag))).collect();
     let home = shell(&plan.home.display().to_string());
     let command = format!("{} task {home} {task}{flags}", shell(&program));
     let logs = Plan::folder(&plan.home).join("logs");

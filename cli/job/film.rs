@@ -62,6 +62,14 @@ impl FilmJob {
     pub fn check(args: SubmitArgs) -> Outcome<FilmJob> {
         let home = home(&args.input, args.output);
         let mut plan = plan(&args.input, &home, args.image, &args.cut)?;
+        if let Some(other) = Plan::read(&home).ok().filter(|there| there.input != plan.input) {
+            let message = format!(
+                "{} holds the film of {}: give another folder, -o DIR (--output)",
+                home.display(),
+                other.input.display()
+            );
+            return Err(Failure::new(Exit::Usage, message));
+        }
         plan.movie = !args.no_movie;
         (plan.scheduler, plan.processes) = (args.scheduler.into(), args.processes);
         let template = args.template.map(|path| std::path::absolute(&path).unwrap_or(path));

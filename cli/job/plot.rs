@@ -5,6 +5,7 @@ mod names;
 mod table;
 
 use super::output;
+use super::run_folder::spare_link;
 use crate::args::{Interval, PlotArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::sequence::matches;
@@ -77,7 +78,16 @@ impl PlotJob {
             plots.iter().filter(is_blank).map(|plot| format!("`{}` has no values: its plot is empty", plot.title)),
         );
         let beside = if run.is_file() { run.parent().unwrap_or(Path::new("")) } else { &run };
-        let folder = output.unwrap_or_else(|| beside.join("plots"));
+        let folder = match output {
+            Some(folder) => folder,
+            None => {
+                spare_link(&beside.join("plots"), beside)?;
+                beside.join("plots")
+            }
+        };
+        if folder.is_file() {
+            return Err(Failure::new(Exit::Usage, format!("--output {}: is a file, and no folder", folder.display())));
+        }
         Ok(PlotJob { plots: with_own_names(split(plots)), folder, full_range, warnings })
     }
 }

@@ -91,8 +91,10 @@ fn start(plan: &Plan, task: Task, log: &std::path::Path) -> Outcome<Child> {
     let fault = |e: std::io::Error| Failure::new(Exit::Fault, format!("{}: {e}", log.display()));
     let file = File::create(log).map_err(fault)?;
     let program = std::env::current_exe().map_err(fault)?;
+    let processors = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let share = (processors / plan.processes).max(1);
     let mut command = Command::new(program);
-    command.arg("task").arg(&plan.home).arg(task.name()).args(&plan.flags).stdin(Stdio::null());
+    command.arg("task").arg(&plan.home).arg(task.name()).args(plan.flags(Some(share))).stdin(Stdio::null());
     command.stdout(file.try_clone().map_err(fault)?).stderr(file);
     command.spawn().map_err(fault)
 }

@@ -7,6 +7,7 @@
 use crate::part::{self, Part, Scan};
 use crate::rows::Columns;
 use crate::{Column, Fault, FaultKind, Field, Frame};
+use std::collections::HashMap;
 use std::fmt::Display;
 use std::iter::{Enumerate, Peekable};
 use std::path::Path;
@@ -110,6 +111,7 @@ impl<'a> Dump<'a> {
                     };
                     let columns = self.columns(i, names, count)?;
                     let columns = self.placed(i, columns, bounds)?;
+                    while self.lines.next_if(|(_, line)| line.trim().is_empty()).is_some() {}
                     if let Some((next, line)) = self.lines.next()
                         && !line.starts_with("ITEM: TIMESTEP")
                     {
@@ -173,10 +175,11 @@ impl<'a> Dump<'a> {
         }
         let found = columns.finish(again.map(|(_, line)| line));
         let mut columns: Vec<(Field, Column)> = vec![];
-        for (k, (name, column)) in names.iter().zip(found).enumerate() {
+        let mut seen: HashMap<&str, usize> = HashMap::new();
+        for (name, column) in names.iter().zip(found) {
             let column = column.ok_or_else(|| self.fault(i + 1, format!("`{name}` has numbers of two kinds")))?;
-            let before = names[..k].iter().filter(|other| *other == name).count();
-            let name = if before == 0 { name.to_string() } else { format!("{name}_{}", before + 1) };
+            let nth = seen.entry(name).and_modify(|n| *n += 1).or_insert(1);
+            let name = if *nth == 1 { name.to_string() } else { format!("{name}_{nth}") };
             columns.push((Field::new(&name, ""), column));
         }
         Ok(columns)

@@ -4,7 +4,7 @@ use crate::memory;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
 /// The folders that files may be read from; all if there are none.
@@ -60,6 +60,25 @@ pub fn trace() -> BTreeSet<PathBuf> {
     std::mem::take(&mut *lock(&TRACE))
 }
 
+/// Where a path leads, or would lead once its folders are there: `a/../b` is `b`, whether there is an `a` or not.
+pub fn place_of(path: &Path) -> PathBuf {
+    let mut place = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir if place.as_os_str().is_empty() || place.ends_with("..") => place.push(".."),
+            Component::ParentDir => {
+                place.pop();
+            }
+            Component::CurDir => {}
+            _ => place.push(part),
+        }
+        if let Ok(real) = place.canonicalize() {
+            place = real;
+        }
+    }
+    place
+}
+
 /// Whether a file is one that was opened or noted: an input, which is not to be written.
 pub fn was_seen(path: &Path) -> bool {
     is_one_of(path, seen())
@@ -67,7 +86,7 @@ pub fn was_seen(path: &Path) -> bool {
 
 /// Whether a file that is there is one of others, by whatever names and links.
 pub fn is_one_of<P: AsRef<Path>>(path: &Path, others: impl IntoIterator<Item = P>) -> bool {
-    let Ok(real) = path.canonicalize() else { return false };
+    let Ok(real) = place_of(path).canonicalize() else { return false };
     others.into_iter().any(|other| other.as_ref().canonicalize().is_ok_and(|other| other == real))
 }
 
