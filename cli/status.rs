@@ -11,7 +11,7 @@ use frame::run::RunReader;
 use frame::{Fault, FaultKind, list};
 use rayon::prelude::*;
 use render::film::bucket::Shard;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -33,6 +33,8 @@ struct Status {
     seconds: f64,
     /// Frames of the simulation that are there, and how many there will be.
     simulated: Option<(u64, u64)>,
+    /// Runs of a sweep that are finished, and how many there will be.
+    runs: Option<(usize, usize)>,
     /// Tasks in each of the scheduler's states.
     queue: BTreeMap<String, usize>,
 }
@@ -46,7 +48,8 @@ pub fn run(job: StatusJob) -> Outcome {
         } else {
             print!("{}", status.text());
         }
-        if !job.watch || status.done == status.images && status.images > 0 {
+        let is_swept = status.runs.is_some_and(|(done, all)| done == all);
+        if !job.watch || is_swept || status.done == status.images && status.images > 0 {
             return Ok(());
         }
         std::thread::sleep(Duration::from_secs(2));
@@ -80,6 +83,12 @@ fn status(folder: &Path) -> Outcome<Status> {
         let there = run.as_ref().map_or(0, |run| run.index.frames.len() as u64);
         status.simulated = Some((there, run.map_or(0, |run| run.index.expected_frames)));
     }
+    if let Some(n) = plan.simulation.as_ref().map(|simulation| simulation.sweep).filter(|n| *n > 0) {
+        let folders = std::fs::read_dir(&plan.home).into_iter().flatten().flatten().map(|entry| entry.path());
+        let runs = folders.filter_map(|folder| RunReader::open(&folder).ok());
+        let is_done = |run: &RunReader| run.index.frames.len() as u64 == run.index.expected_frames;
+        status.runs = Some((runs.filter(is_done).count(), n));
+    }
     status.queue = batch::state_of(plan.scheduler, &batch::submitted(&plan.home)).unwrap_or_default();
     Ok(status)
 }
@@ -87,19 +96,19 @@ fn status(folder: &Path) -> Outcome<Status> {
 /// Look at a folder of images: those that a plan names, or those that its ledger knows.
 fn look(images: &Path, plan: Option<&Plan>, status: &mut Status) {
     let ledger = Ledger::of(images);
-    let names = |folder: &Path| -> HashMap<String, u64> {
+    let names = |folder: &Path| -> HashSet<String> {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.map(|e| (e.file_name().to_string_lossy().into_owned(), e.metadata().map_or(0, |m| m.len()))).collect()
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
     };
     let (files, entries) = (names(images), names(&ledger.folder()));
     let known = |name: &String| name.strip_suffix(".json").or(name.strip_suffix(".failed")).map(str::to_string);
     let wanted: Vec<String> = match plan {
         Some(plan) => {
-            let ending = if entries.keys().any(|name| name.contains(".exr")) { "exr" } else { "png" };
+            let ending = if entries.iter().any(|name| name.contains(".exr")) { "exr" } else { "png" };
             plan.frames.iter().map(|frame| format!("{frame:06}.{ending}")).collect()
         }
         None => {
-            let whole = entries.keys().filter_map(known).filter(|name| !name.contains(".part-") && name != "ranges");
+            let whole = entries.iter().filter_map(known).filter(|name| !name.contains(".part-") && name != "ranges");
             whole.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
         }
     };
@@ -134,22 +143,24 @@ enum State {
 fn of_image(
     file: &str,
     ledger: &Ledger,
-    (files, entries): (&HashMap<String, u64>, &HashMap<String, u64>),
+    (files, entries): (&HashSet<String>, &HashSet<String>),
     n_shards: usize,
 ) -> State {
-    let entry = entries.contains_key(&format!("{file}.json")).then(|| ledger.entry(file)).flatten();
-    match (entry, files.get(file)) {
-        (Some(entry), Some(size)) if entry.bytes == *size => return State::Done(entry.seconds),
-        (_, Some(_)) if entries.contains_key(&format!("{file}.json")) => return State::Damaged,
-        _ => {}
+    let has_entry = entries.contains(&format!("{file}.json"));
+    if has_entry && files.contains(file) {
+        let size = ledger.images.join(file).metadata().map(|m| m.len()).ok();
+        return match ledger.entry(file) {
+            Some(entry) if Some(entry.bytes) == size => State::Done(entry.seconds),
+            _ => State::Damaged,
+        };
     }
-    if entries.contains_key(&format!("{file}.failed"))
+    if entries.contains(&format!("{file}.failed"))
         && let Some(why) = ledger.failure(file)
     {
         return State::Failed(why);
     }
     let shard = |part: usize| written(Path::new(file), Some(Shard { part, parts: n_shards }));
-    let there = (1..=n_shards).filter(|part| n_shards > 1 && files.contains_key(&shard(*part).display().to_string()));
+    let there = (1..=n_shards).filter(|part| n_shards > 1 && files.contains(&shard(*part).display().to_string()));
     match there.count() {
         0 => State::Missing,
         n => State::Shards(n),
@@ -168,6 +179,12 @@ impl Status {
         let mut text = String::new();
         if let Some((there, expected)) = self.simulated {
             text += &format!("simulation: {there} of {expected} frames\n");
+        }
+        if let Some((done, all)) = self.runs {
+            text += &format!("runs of the sweep: {done} of {all} finished\n");
+            if self.images == 0 {
+                return text + &self.of_queue();
+            }
         }
         text += &format!("images: {} of {} done", self.done, self.images);
         let rest = self.images - self.done - self.working - self.damaged.len() - self.failed.len();
@@ -194,11 +211,16 @@ impl Status {
         for file in self.damaged.iter().take(PRINTED) {
             text += &format!("  {file}: not as it was written\n");
         }
-        if !self.queue.is_empty() {
-            let states: Vec<String> = self.queue.iter().map(|(state, n)| format!("{n} {state}")).collect();
-            text += &format!("tasks in the queue: {}\n", states.join(", "));
+        text + &self.of_queue()
+    }
+
+    /// What the scheduler has of the film.
+    fn of_queue(&self) -> String {
+        if self.queue.is_empty() {
+            return String::new();
         }
-        text
+        let states: Vec<String> = self.queue.iter().map(|(state, n)| format!("{n} {state}")).collect();
+        format!("tasks in the queue: {}\n", states.join(", "))
     }
 
     fn json(&self) -> serde_json::Value {
@@ -209,6 +231,7 @@ impl Status {
             "damaged": self.damaged, "shards": self.shards, "seconds": self.seconds, "seconds_left": self.seconds_left(),
             "simulated_frames": self.simulated.map(|(there, _)| there),
             "expected_frames": self.simulated.map(|(_, expected)| expected), "queue": self.queue,
+            "finished_runs": self.runs.map(|(done, _)| done), "runs": self.runs.map(|(_, all)| all),
         })
     }
 }

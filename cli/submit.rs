@@ -25,8 +25,6 @@ pub fn run(job: FilmJob) -> Outcome {
         return Ok(());
     }
     plan.write()?;
-    let images = plan.images_folder();
-    std::fs::create_dir_all(&images).map_err(|e| frame::Fault::unwritable(&images, &e))?;
     if plan.scheduler == Scheduler::Local {
         return local::run(&plan, jobs);
     }
