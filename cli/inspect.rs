@@ -78,10 +78,10 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
 }
 
 /// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
-fn write(data_path: &Path, Suggestion { path, frames, kind }: &Suggestion) -> Outcome {
+fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
-    let mut data = Data { rename: BTreeMap::new(), ..Data::default() };
+    let mut data = Data { time: time.clone(), rename: BTreeMap::new(), ..Data::default() };
     *(match kind {
         None => &mut data.run,
         Some(Kind::Csv) => &mut data.csv,

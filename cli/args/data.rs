@@ -16,6 +16,10 @@ pub struct InspectArgs {
     /// Run directory, CSV file, or pattern of CSV files, as 'p_*.csv'.
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
+    /// Column of times, where the rows of a CSV file are of different times: a
+    /// frame is made of each.
+    #[arg(long, value_name = "TEXT")]
+    pub time: Option<String>,
     /// Metadata file to write for the data, ready for `scree render`.
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,

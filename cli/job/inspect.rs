@@ -31,6 +31,8 @@ pub struct Suggestion {
     pub path: PathBuf,
     /// Frames of the whole data, from which it is suggested.
     pub frames: Vec<Frame>,
+    /// The column of times, where rows are of different times.
+    pub time: Option<String>,
     /// What the files of the data are, if it is no run directory.
     pub kind: Option<Kind>,
 }
@@ -38,7 +40,7 @@ pub struct Suggestion {
 impl InspectJob {
     /// Check the arguments: open the data and read the frame, or the first that can be read.
     pub fn check(args: InspectArgs) -> Outcome<InspectJob> {
-        let source = Source::open(&args.data)?;
+        let source = Source::open(&args.data, args.time.as_deref())?;
         let frames = source.numbers();
         let mut failed = FailedFrames::new("read");
         let table = match args.frame {
@@ -56,7 +58,10 @@ impl InspectJob {
             },
         };
         let suggestion = match args.write {
-            Some(path) => Some(Suggestion::check(path, &source, &frames, table.rows(), &mut failed)?),
+            Some(path) => {
+                let found = Suggestion::check(path, &source, &frames, table.rows(), &mut failed)?;
+                Some(Suggestion { time: args.time, ..found })
+            }
             None => None,
         };
         Ok(InspectJob { data: args.data, frames, table, failed, suggestion, json: args.json })
@@ -96,6 +101,6 @@ impl Suggestion {
             Store::Files { files, .. } => files.values().next().map(|stored| stored.kind),
             Store::Run(_) => None,
         };
-        Ok(Suggestion { path, frames: read, kind })
+        Ok(Suggestion { path, frames: read, time: None, kind })
     }
 }

@@ -14,6 +14,7 @@ pub mod dump;
 mod fault;
 pub mod foreign;
 mod gzip;
+pub mod history;
 pub mod list;
 pub mod mercury;
 pub mod parquet;

@@ -1,11 +1,13 @@
 //! Tables of other programs: where the frames of a pattern of files stand, and each of them read by what its file is.
 
 use crate::csv::{self, Layout};
+use crate::history::Histories;
 use crate::part::Part;
 use crate::vtk::{self, DataSet};
 use crate::{Fault, FaultKind, Frame, arrow, chrono, dump, gzip, mercury, parquet, ply, sequence, xyz};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What a file of tables is, told by its first bytes, once it is unpacked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +90,8 @@ enum Place {
     Part(Part),
     /// A data set of a collection, in files of its own.
     DataSet(DataSet),
+    /// The rows of one time, by its index.
+    Time(Arc<Histories>, usize),
 }
 
 impl Stored {
@@ -98,10 +102,20 @@ impl Stored {
         }
     }
 
+    /// The files that the table is in.
+    pub fn files(&self) -> &[PathBuf] {
+        match &self.place {
+            Place::DataSet(set) => &set.files,
+            Place::Time(histories, _) => &histories.files,
+            Place::Whole | Place::Part(_) => std::slice::from_ref(&self.path),
+        }
+    }
+
     /// Read the table as the frame `number`; a CSV file by its layout.
     pub fn read(&self, number: u64, layout: &Layout) -> Result<Frame, Fault> {
         let part = match &self.place {
             Place::DataSet(set) => return vtk::read_set(set, number),
+            Place::Time(histories, index) => return Ok(Frame { number, ..histories.frame(*index) }),
             Place::Part(part) => Some(part),
             Place::Whole => None,
         };
@@ -153,6 +167,15 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, Stored>, Fault> {
         }
     }
     Ok(found)
+}
+
+/// The tables of each time of files whose rows are of different times, which the column `time` has. An error as of
+/// [`Histories::read`].
+pub fn by_time(pattern: &Path, layout: &Layout, time: &str) -> Result<BTreeMap<u64, Stored>, Fault> {
+    let histories = Arc::new(Histories::read(pattern, layout, time)?);
+    let path = histories.files[0].clone();
+    let stored = |k: usize| Stored { path: path.clone(), kind: Kind::Csv, place: Place::Time(histories.clone(), k) };
+    Ok((0..histories.len()).map(|k| (k as u64, stored(k))).collect())
 }
 
 /// The fault of the k-th table of a file, by whose step it would be counted.

@@ -43,11 +43,15 @@ impl From<Store> for Source {
 
 impl Source {
     /// Open the source at a path: a run directory, or a table of another program, or a pattern of such files. An error if there is none.
-    pub fn open(path: &Path) -> Result<Source, Fault> {
-        let store = if path.is_dir() {
-            Store::Run(RunReader::open(path)?)
-        } else {
-            Store::Files { files: table::find(path)?, layout: Layout::default(), rename: BTreeMap::new() }
+    /// Where the rows of a table are of different times, `time` is the column that has them.
+    pub fn open(path: &Path, time: Option<&str>) -> Result<Source, Fault> {
+        let store = match time {
+            None if path.is_dir() => Store::Run(RunReader::open(path)?),
+            None => Store::Files { files: table::find(path)?, layout: Layout::default(), rename: BTreeMap::new() },
+            Some(time) => {
+                let files = table::by_time(path, &Layout::default(), time)?;
+                Store::Files { files, layout: Layout::default(), rename: BTreeMap::new() }
+            }
         };
         Ok(store.into())
     }
@@ -65,7 +69,7 @@ impl Source {
         match &self.store {
             Store::Run(run) => run.index.frames.iter().map(|frame| run.folder.join(&frame.file)).collect(),
             Store::Files { files, .. } => {
-                files.values().map(|stored| stored.path.clone()).collect::<BTreeSet<_>>().into_iter().collect()
+                files.values().flat_map(Stored::files).cloned().collect::<BTreeSet<_>>().into_iter().collect()
             }
         }
     }

@@ -65,6 +65,8 @@ pub enum Place {
         layout: Layout,
         /// New names of columns, by their old ones.
         rename: BTreeMap<String, String>,
+        /// The column that has the times of rows, if these are of different times.
+        time: Option<String>,
     },
 }
 
@@ -187,8 +189,12 @@ impl Binding {
         };
         let store = match &data.place {
             Some(Place::Run(folder)) => Store::Run(run::RunReader::open(&self.folder().join(folder))?),
-            Some(Place::Files { pattern, layout, rename }) => {
-                let files = table::find(&self.folder().join(pattern))?;
+            Some(Place::Files { pattern, layout, rename, time }) => {
+                let pattern = self.folder().join(pattern);
+                let files = match time {
+                    Some(time) => table::by_time(&pattern, layout, time)?,
+                    None => table::find(&pattern)?,
+                };
                 Store::Files { files, layout: layout.clone(), rename: rename.clone() }
             }
             None => return Err(self.doc.fault("data", "needs exactly one of `run`, `files` and `csv`")),

@@ -74,7 +74,7 @@ impl Image {
         let layout = self.table.layout(delimiter(doc, self.table.delimiter)?);
         some_objects(doc, self.objects.len())?;
         let Table { pattern, derive, select, .. } = self.table;
-        let place = Place::Files { pattern, layout, rename: BTreeMap::new() };
+        let place = Place::Files { pattern, layout, rename: BTreeMap::new(), time: None };
         let data = Data::compile(doc, Some(place), &derive, select.as_deref())?;
         let compile = |(i, (_, object)): (usize, (String, Drawn))| object.compile(doc, i);
         Ok(Binding {

@@ -75,7 +75,7 @@ fn resolve_data(data: types::Data, delimiter: Option<u8>, doc: &Document) -> Res
         (Some(folder), None, None) => Some(Place::Run(folder)),
         (None, Some(pattern), None) | (None, None, Some(pattern)) => {
             let layout = Layout { delimiter, header: data.header, names: data.columns, min_cells: data.least_cells };
-            Some(Place::Files { pattern, layout, rename: data.rename })
+            Some(Place::Files { pattern, layout, rename: data.rename, time: data.time })
         }
         _ => None,
     };

@@ -64,6 +64,11 @@ pub struct Data {
     /// cells.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_cells: Option<usize>,
+    /// The column of CSV files that has the times of rows, where these are of different times: of one body a file, or of all in
+    /// one. The rows of a time make a frame, whose number is the place of its time among all; of several files, the column `body`
+    /// has the number in the file's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
     /// New names for columns: `old: new`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rename: BTreeMap<String, String>,

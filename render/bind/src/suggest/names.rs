@@ -128,7 +128,7 @@ fn several_times(frame: &Frame) -> Option<String> {
         frame.names().into_iter().find(|name| ["time", "timestep", "step"].contains(&simplified(name).as_str()))?;
     let (lo, hi) = frame.column(name)?.range().filter(|(lo, hi)| lo < hi)?;
     Some(format!(
-        "`{name}` goes from {lo} to {hi} within a table: all of its rows are in one image; a file for each time makes frames"
+        "`{name}` goes from {lo} to {hi} within a table: all of its rows are in one image; --time '{name}' makes a frame of each time"
     ))
 }
 
