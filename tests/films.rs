@@ -223,7 +223,7 @@ fn scripts_of_schedulers_are_as_they_should_be() {
     for (scheduler, lines) in expected {
         let text = script(scheduler, &[]);
         lines.iter().for_each(|line| assert!(text.contains(line), "{scheduler}: {line} is not in\n{text}"));
-        assert!(text.contains("\"draw-$index\"") && text.contains(" finish --threads 2\n"), "{text}");
+        assert!(text.contains("\"draw-$index\"") && text.contains(" finish '--threads' '2'\n"), "{text}");
         let check = Command::new("bash").args(["-n", "-c", &text]).output().unwrap();
         assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stderr));
     }
