@@ -9,10 +9,10 @@ mod image;
 mod simulate;
 mod value;
 
-pub use author::{CheckArgs, SchemaArgs, SchemaKind, ShaderArgs};
+pub use author::{CheckArgs, CompletionsArgs, InitArgs, ManArgs, SchemaArgs, SchemaKind, ShaderArgs, StarterArg};
 pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
 pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload};
-pub use data::{InspectArgs, PlotArgs};
+pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
 pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};
 pub use simulate::{Backend, Friction, Method, RunArgs, SimulateArgs, SolveArgs};
 pub use value::{Assignment, Interval, ShardArg};
@@ -56,6 +56,8 @@ pub struct Args {
 /// The commands, in the order of the help: from a model to a movie first, then data, authoring, other renderers and measuring.
 #[derive(Subcommand, Debug)]
 pub enum Command {
+    /// Lay a small project into a folder: a model, metadata, a shader.
+    Init(InitArgs),
     /// Simulate, render and encode a movie from a model or a metadata file.
     ///
     /// A model is rendered with the metadata.yaml that its simulation writes. A metadata file is rendered from its `data`, or
@@ -93,8 +95,20 @@ pub enum Command {
     Movie(MovieArgs),
     /// Plot the probes of a run over time, as PNG and SVG.
     Plot(PlotArgs),
+    /// Look at a run or any data in the Rerun viewer, or in a browser.
+    ///
+    /// A run is followed while it is simulated. The viewer's bridge is a program of its own, scree-preview, that is built apart: see
+    /// docs/preview.md.
+    Preview(PreviewArgs),
+    /// Make a page of a run, or of the runs of a sweep, as one HTML file.
+    ///
+    /// The page has the film, images, plots to zoom into, warnings, the energy balance, how well the contacts were solved, and what
+    /// the run was made of.
+    Report(ReportArgs),
     /// Show frames, columns and ranges of data; write metadata for it.
     Inspect(InspectArgs),
+    /// Write frames as files of ParaView, pandas, OVITO and others.
+    Export(ExportArgs),
     /// Check models, metadata, scenes and shaders without running them.
     ///
     /// An error names file, line and column. All files are checked; the exit code is the highest of theirs.
@@ -117,4 +131,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// List processors, memory, graphics adapters and tools of the machine.
     Doctor,
+    /// Print what a shell needs to complete commands and flags.
+    Completions(CompletionsArgs),
+    /// Write the pages of the manual, for `man`.
+    Man(ManArgs),
 }

@@ -61,7 +61,7 @@ fn check_model(path: &Path) -> Outcome {
     };
     resolved.warnings.iter().for_each(|w| eprintln!("warning: {}{w}", place(w)));
     if !file.sweep.is_empty() {
-        let n = sweep::check(&file, &doc)?;
+        let n = sweep::check(&file, &doc, &[])?;
         println!("{}: {n} combinations of the sweep are valid", path.display());
     }
     Ok(())

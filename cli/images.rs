@@ -1,5 +1,6 @@
 //! The images of a job: those that are not there as they would be drawn again, by the ledger of their folder.
 
+use crate::batch::movie_images;
 use crate::displays::{context, report_statistics, write, written};
 use crate::failed::{FailedFrames, MissingValues};
 use crate::interrupt;
@@ -9,7 +10,7 @@ use crate::progress::Progress;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
-use frame::{Fault, FaultKind, Frame};
+use frame::{Fault, FaultKind, Frame, list};
 use render::RenderResult;
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
@@ -21,6 +22,7 @@ use std::time::{Duration, Instant};
 /// returned.
 pub fn render(job: &mut ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<FailedFrames> {
     let mut failed = FailedFrames::new("rendered");
+    say_gaps(job);
     ranges::settle(job)?;
     render_pass(job, shard, statistics, &mut failed)?;
     Ok(failed)
@@ -152,7 +154,7 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     /// No image yet.
     fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Work<'a> {
-        let ledger = Ledger::of(&job.folder);
+        let ledger = Ledger::made_from(&job.folder, &job.binding.folder());
         Work { job, shard, statistics, ledger, hashes: Hashes::default(), values: MissingValues::default() }
     }
 
@@ -178,7 +180,7 @@ impl<'a> Work<'a> {
                 tally.kept += 1;
                 return Ok(());
             }
-            Standing::Missing | Standing::Done => {}
+            Standing::Missing | Standing::Unknown | Standing::Done => {}
             _ if self.job.redraw => {}
             why => *tally.again.entry(why.to_string()).or_default() += 1,
         }
@@ -229,6 +231,47 @@ impl<'a> Work<'a> {
         self.values.add(table.number, &missing);
         let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
         write(context, &job.folder)?.pop().ok_or_else(no_world)
+    }
+}
+
+/// A hash of the images of a job, by what its ledger has of them.
+pub fn hash(job: &ImageJob) -> String {
+    let names = job.frames.iter().map(|frame| job.image(*frame));
+    let names: Vec<String> = names.map(|p| p.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
+    movie_images(&Ledger::of(&job.folder), names.iter().map(String::as_str))
+}
+
+/// Fail if the data of a film has lost frames; the others are rendered.
+pub fn check_lost(job: &ImageJob) -> Outcome {
+    if job.lacking.is_empty() {
+        return Ok(());
+    }
+    let message = format!(
+        "the data has lost {} of the film's frames: {}; bring them back, or submit the film again without them",
+        job.lacking.len(),
+        list::describe(&job.lacking)
+    );
+    Err(Failure::new(Exit::Data, message))
+}
+
+/// Say which frames are missing between those of the data, and which images are of frames that it does not have.
+fn say_gaps(job: &ImageJob) {
+    let numbers = job.source.numbers();
+    if let Some(gaps) = list::describe_gaps(&numbers) {
+        eprintln!("warning: {gaps}: a movie jumps over them");
+    }
+    let ending = |file: &String| Path::new(file).extension().map(|e| e.to_os_string());
+    let number = |file: &String| Path::new(file).file_stem()?.to_str()?.parse::<u64>().ok();
+    let files = Ledger::of(&job.folder).files();
+    let of_frames = files.iter().filter(|file| ending(file) == job.image(0).extension().map(|e| e.to_os_string()));
+    let is_gone = |file: &&String| number(file).is_some_and(|n| !numbers.contains(&n) && !job.lacking.contains(&n));
+    let gone: Vec<&String> = of_frames.filter(is_gone).filter(|file| job.folder.join(file).is_file()).collect();
+    if let Some(first) = gone.first() {
+        eprintln!(
+            "warning: {} images in {} are of frames that the data does not have (the first: {first}): they stay",
+            gone.len(),
+            job.folder.display()
+        );
     }
 }
 

@@ -17,7 +17,9 @@ pub fn run(job: InspectJob) -> Outcome {
         print(&job.frames, &job.table, job.data.is_dir());
     }
     if let Some(suggestion) = &job.suggestion {
-        write(&job.data, suggestion)?;
+        // Beside JSON there is nothing else on the standard output.
+        let say = |line: String| if job.json { eprintln!("{line}") } else { println!("{line}") };
+        write(&job.data, suggestion, &say)?;
     }
     job.failed.outcome(job.frames.len(), &format!("frame {} is shown", job.table.number))
 }
@@ -28,8 +30,8 @@ fn print(frames: &[u64], table: &Frame, is_timed: bool) {
     const WIDEST: usize = 40;
     let time = if is_timed { format!(" at {} s", table.time) } else { String::new() };
     println!("{}; frame {}{time} has {} rows", list::describe(frames), table.number, table.rows());
-    if let Some((step, missing)) = list::gaps(frames) {
-        println!("note: {} missing between the others, which are {step} apart", are(&missing));
+    if let Some(gaps) = list::describe_gaps(frames) {
+        println!("note: {gaps}");
     }
     let width = table.names().iter().map(|n| n.chars().count()).max().unwrap_or(0).min(WIDEST);
     for (field, column) in &table.columns {
@@ -47,17 +49,6 @@ fn print(frames: &[u64], table: &Frame, is_timed: bool) {
     }
 }
 
-/// Frames as the subject of a sentence.
-fn are(frames: &[u64]) -> String {
-    /// Frames that are named.
-    const NAMED: usize = 8;
-    let names: Vec<String> = frames.iter().take(NAMED).map(u64::to_string).collect();
-    match frames.len() {
-        1 => format!("frame {} is", names[0]),
-        n => format!("{n} frames ({}{}) are", names.join(", "), if n > NAMED { ", …" } else { "" }),
-    }
-}
-
 /// How many values of a column of numbers are missing.
 fn missing(column: &Column) -> String {
     match (0..column.len()).filter(|row| column.number(*row).is_some_and(f64::is_nan)).count() {
@@ -72,13 +63,13 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
         serde_json::json!({"name": field.name, "unit": field.unit, "type": column.kind(), "range": range})
     };
     serde_json::json!({
-        "frames": frames, "frame": table.number, "time": table.time, "rows": table.rows(),
+        "frames": frames, "missing": list::gaps(frames).map_or(vec![], |(_, missing)| missing), "frame": table.number, "time": table.time, "rows": table.rows(),
         "columns": table.columns.iter().map(column).collect::<Vec<_>>(),
     })
 }
 
 /// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
-fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion) -> Outcome {
+fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion, say: &dyn Fn(String)) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
     let mut data = Data { time: time.clone(), rename: BTreeMap::new(), ..Data::default() };
@@ -96,9 +87,9 @@ fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion)
         return Err(Failure::new(Exit::Usage, message));
     }
     frame::atomic::write(path, suggestion.yaml.as_bytes())?;
-    suggestion.remarks.iter().for_each(|remark| println!("note: {remark}"));
+    suggestion.remarks.iter().for_each(|remark| say(format!("note: {remark}")));
     warn_of_faults(path, frames)?;
-    println!("wrote {}; render it with `scree render {}`", path.display(), path.display());
+    say(format!("wrote {}; render it with `scree render {}`", path.display(), path.display()));
     Ok(())
 }
 

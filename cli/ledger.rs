@@ -4,7 +4,7 @@
 
 mod claim;
 
-pub use claim::Claims;
+pub use claim::{Claim, Claims};
 
 use frame::Fault;
 use serde::{Deserialize, Serialize};
@@ -15,15 +15,19 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 /// Version of the entries.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// The folder of the entries, in that of the images.
 const FOLDER: &str = ".ledger";
+/// The file that says what the images were last made of, without its ending.
+const MADE: &str = "made_of";
 
 /// The ledger of a folder of images.
 #[derive(Clone, Debug)]
 pub struct Ledger {
     /// The folder of the images.
     pub images: PathBuf,
+    /// The folder of what they are made of, where that is known: that of the metadata.
+    base: Option<PathBuf>,
 }
 
 /// What is known of an image, or of a shard of one.
@@ -42,6 +46,9 @@ pub struct Entry {
     pub imprint: String,
     /// Hash of the list of files that it depends on, which all images that were made of the same share.
     pub depends_on: String,
+    /// The folder that relative paths of these files start from, seen from the images where these lie within it: a project that is moved
+    /// or copied as a whole keeps what is up to date.
+    from: PathBuf,
     /// Time that the image took, s.
     pub seconds: f64,
 }
@@ -54,8 +61,12 @@ type Files = BTreeMap<PathBuf, Option<String>>;
 pub enum Standing {
     /// Its file is what would be drawn again.
     Done,
-    /// There is no file, or no entry that can be read.
+    /// There is no file.
     Missing,
+    /// There is a file, and no entry that can be read.
+    Unknown,
+    /// The data has no frame of its number.
+    Gone,
     /// The file is not what was written: truncated or edited.
     Damaged,
     /// What is drawn has changed: the data, the metadata, the scene, or the program.
@@ -69,6 +80,8 @@ impl fmt::Display for Standing {
         match self {
             Standing::Done => f.write_str("up to date"),
             Standing::Missing => f.write_str("not there"),
+            Standing::Unknown => f.write_str("not in the ledger: what it was made of is not known"),
+            Standing::Gone => f.write_str("of a frame that the data does not have"),
             Standing::Damaged => f.write_str("not as it was written"),
             Standing::Changed => f.write_str("stale: data, metadata, scene or program have changed"),
             Standing::Depends(path) => write!(f, "stale: {} has changed", path.display()),
@@ -111,7 +124,13 @@ pub fn hash_of(path: &Path) -> Option<String> {
 impl Ledger {
     /// The ledger of a folder of images.
     pub fn of(images: &Path) -> Ledger {
-        Ledger { images: images.into() }
+        Ledger { images: images.into(), base: None }
+    }
+
+    /// The ledger of a folder of images that are made from files in the folder `base`.
+    pub fn made_from(images: &Path, base: &Path) -> Ledger {
+        let base = std::path::absolute(base).unwrap_or_else(|_| base.into());
+        Ledger { images: images.into(), base: Some(base) }
     }
 
     /// The folder of its files.
@@ -165,14 +184,31 @@ impl Ledger {
         let depend = |path: PathBuf| {
             let path = std::path::absolute(&path).unwrap_or(path);
             let hash = hashes.of(&path);
-            (path, hash)
+            let inside = self.base.as_ref().and_then(|base| path.strip_prefix(base).ok().map(Path::to_path_buf));
+            (inside.unwrap_or(path), hash)
         };
         let files: Files = read.into_iter().map(depend).collect();
-        self.write(&self.seal(file, imprint, &files, seconds)?)
+        self.write(&self.seal(file, imprint, (&files, self.from()), seconds)?)
+    }
+
+    /// Where relative paths of entries start: seen from the images where these lie within it.
+    fn from(&self) -> PathBuf {
+        let base = self.base.clone().unwrap_or_default();
+        let images = std::path::absolute(&self.images).unwrap_or_else(|_| self.images.clone());
+        match images.strip_prefix(&base) {
+            Ok(inner) => inner.components().map(|_| "..").collect(),
+            Err(_) => base,
+        }
     }
 
     /// The entry of a file as it is, which depends on others.
-    fn seal(&self, file: &str, imprint: &str, depends_on: &Files, seconds: f64) -> Result<Entry, Fault> {
+    fn seal(
+        &self,
+        file: &str,
+        imprint: &str,
+        (depends_on, from): (&Files, PathBuf),
+        seconds: f64,
+    ) -> Result<Entry, Fault> {
         let path = self.images.join(file);
         let bytes = path.metadata().map(|m| m.len()).unwrap_or(0);
         let gone = || Fault::whole(frame::FaultKind::Data, &path, "was removed while it was being written");
@@ -184,7 +220,7 @@ impl Ledger {
             frame::atomic::write(&there, &list)?;
         }
         let (file, imprint) = (file.into(), imprint.into());
-        Ok(Entry { ledger: VERSION, file, bytes, blake3, imprint, depends_on, seconds })
+        Ok(Entry { ledger: VERSION, file, bytes, blake3, imprint, depends_on, from, seconds })
     }
 
     /// Record a file that was joined from parts, with their entries.
@@ -194,7 +230,7 @@ impl Ledger {
         let mut hashes = Hashes::default();
         let lists = parts.iter().filter_map(|part| self.depends_on(&part.depends_on, &mut hashes));
         let files = lists.flat_map(|list| list.as_ref().clone()).collect();
-        self.write(&self.seal(file, &first.imprint, &files, seconds)?)
+        self.write(&self.seal(file, &first.imprint, (&files, first.from.clone()), seconds)?)
     }
 
     fn write(&self, entry: &Entry) -> Result<(), Fault> {
@@ -202,6 +238,11 @@ impl Ledger {
         frame::atomic::write(&self.path(&entry.file, "json"), &bytes)?;
         let _ = std::fs::remove_file(self.path(&entry.file, "failed"));
         Ok(())
+    }
+
+    /// The file that says what the images were last made of.
+    pub fn made_of(&self) -> PathBuf {
+        self.folder().join(format!("{MADE}.json"))
     }
 
     /// Note why a file could not be made.
@@ -219,7 +260,8 @@ impl Ledger {
         let entries = std::fs::read_dir(self.folder()).into_iter().flatten().flatten();
         let name =
             |entry: std::fs::DirEntry| entry.file_name().to_string_lossy().strip_suffix(".json").map(String::from);
-        let mut files: Vec<String> = entries.filter_map(name).filter(|name| name != "ranges").collect();
+        let mut files: Vec<String> =
+            entries.filter_map(name).filter(|name| !["ranges", MADE].contains(&name.as_str())).collect();
         files.sort();
         files
     }
@@ -232,12 +274,16 @@ impl Ledger {
     /// How a file stands, of which `imprint` would be drawn now; whatever was drawn is taken where that is not known.
     pub fn standing(&self, file: &str, imprint: Option<&str>, hashes: &mut Hashes) -> Standing {
         let path = self.images.join(file);
-        let (Some(entry), true) = (self.entry(file), path.is_file()) else { return Standing::Missing };
+        if !path.is_file() {
+            return Standing::Missing;
+        }
+        let Some(entry) = self.entry(file) else { return Standing::Unknown };
         if imprint.is_some_and(|imprint| imprint != entry.imprint) {
             return Standing::Changed;
         }
-        let Some(list) = self.depends_on(&entry.depends_on, hashes) else { return Standing::Missing };
-        let changed = list.iter().find(|(path, hash)| hashes.of(path) != **hash);
+        let Some(list) = self.depends_on(&entry.depends_on, hashes) else { return Standing::Unknown };
+        let base = self.base.clone().unwrap_or_else(|| self.images.join(&entry.from));
+        let changed = list.iter().find(|(path, hash)| hashes.of(&base.join(path)) != **hash);
         if let Some((path, _)) = changed {
             return Standing::Depends(path.clone());
         }

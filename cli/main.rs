@@ -13,10 +13,12 @@ mod bench;
 mod check;
 mod displays;
 mod doctor;
+mod export;
 mod failed;
 mod geometry;
 mod image_file;
 mod images;
+mod init;
 mod inspect;
 mod interrupt;
 mod job;
@@ -25,8 +27,10 @@ mod library;
 mod machine;
 mod model_run;
 mod movie;
+mod page;
 mod plan;
 mod plot;
+mod preview;
 mod progress;
 mod ranges;
 mod render;
@@ -36,6 +40,7 @@ mod run;
 mod schema;
 mod shader;
 mod shard_file;
+mod shell;
 mod simulate;
 mod solve;
 mod source;
@@ -47,8 +52,8 @@ mod task;
 use args::{Args, Command};
 use clap::Parser;
 use job::{
-    BenchJob, CheckJob, FilmJob, InspectJob, MovieJob, PlanJob, PlotJob, RenderJob, RibJob, RunJob, SchemaJob,
-    ShaderJob, SimulateJob, SolveJob, StatusJob, StitchJob, TaskJob,
+    BenchJob, CheckJob, ExportJob, FilmJob, InitJob, InspectJob, MovieJob, PlanJob, PlotJob, PreviewJob, RenderJob,
+    ReportJob, RibJob, RunJob, SchemaJob, ShaderJob, ShellJob, SimulateJob, SolveJob, StatusJob, StitchJob, TaskJob,
 };
 use report::Exit;
 use std::process::ExitCode;
@@ -78,6 +83,7 @@ fn main() -> ExitCode {
         guard::confine(root);
     }
     let outcome = match args.command {
+        Command::Init(args) => InitJob::check(args).and_then(init::run),
         Command::Run(args) => RunJob::check(args).and_then(run::run),
         Command::Simulate(args) => SimulateJob::check(args).and_then(simulate::run),
         Command::Render(args) => RenderJob::check(args).and_then(render::run),
@@ -89,7 +95,10 @@ fn main() -> ExitCode {
         Command::Task(args) => TaskJob::check(args).and_then(task::run),
         Command::Movie(args) => MovieJob::check(args).and_then(movie::run),
         Command::Plot(args) => PlotJob::check(args).and_then(plot::run),
+        Command::Preview(args) => PreviewJob::check(args).and_then(preview::run),
+        Command::Report(args) => ReportJob::check(args).and_then(page::run),
         Command::Inspect(args) => InspectJob::check(args).and_then(inspect::run),
+        Command::Export(args) => ExportJob::check(args).and_then(export::run),
         Command::Check(args) => CheckJob::check(args).and_then(check::run),
         Command::Schema(args) => SchemaJob::check(args).and_then(schema::run),
         Command::Shader(args) => ShaderJob::check(args).and_then(shader::run),
@@ -98,6 +107,8 @@ fn main() -> ExitCode {
         Command::Solve(args) => SolveJob::check(args).and_then(|job| machine::with_all_memory(|| solve::run(job))),
         Command::Bench(args) => BenchJob::check(args).and_then(|job| machine::with_all_memory(|| bench::run(job))),
         Command::Doctor => doctor::run(),
+        Command::Completions(args) => ShellJob::completions(args).and_then(shell::run),
+        Command::Man(args) => ShellJob::man(args).and_then(shell::run),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

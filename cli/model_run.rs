@@ -68,7 +68,7 @@ fn say_what_is_there(file: &ModelFile, folder: &Path, resume: bool) -> Outcome {
 
 /// Provide the frames of a job with their metadata: a model is simulated first.
 pub fn provide(job: FramesJob) -> Outcome<(Binding, Source)> {
-    let FramesJob { binding, origin, home } = job;
+    let FramesJob { binding, origin, home, .. } = job;
     let of_run = || Outcome::Ok(Store::Run(RunReader::open(&home)?).into());
     let source = match origin {
         Origin::Data(source) => *source,

@@ -4,7 +4,7 @@ mod axis;
 mod draw;
 mod layout;
 mod pen;
-mod range;
+pub mod range;
 
 use crate::job::{Plot, PlotJob};
 use crate::report::{Exit, Failure, Outcome};

@@ -5,9 +5,11 @@ use crate::ledger::Ledger;
 use crate::progress::Progress;
 use crate::report::Outcome;
 use bind::binding::Color;
-use bind::emit;
+use bind::data::Source;
+use bind::{Binding, emit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// What has been found so far, in the ledger's folder.
 #[derive(Default, Serialize, Deserialize)]
@@ -23,12 +25,18 @@ pub fn settle(job: &mut ImageJob) -> Outcome {
     for pass in &mut job.passes {
         settle(pass)?;
     }
+    let kept = Ledger::of(&job.folder).folder().join("ranges.json");
+    of_data(&mut job.binding, &job.source, Some(&kept))
+}
+
+/// Settle the ranges that a binding leaves open, of all frames of its data; what has been found is kept in a file.
+pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> Outcome {
     let is_open = |color: &Color| matches!(color, Color::By { range: None, .. });
-    if !job.binding.objects.iter().any(|object| is_open(&object.color)) {
+    if !binding.objects.iter().any(|object| is_open(&object.color)) {
         return Ok(());
     }
-    let found = scan(job)?;
-    for (i, object) in job.binding.objects.iter_mut().enumerate() {
+    let found = scan(binding, source, kept)?;
+    for (i, object) in binding.objects.iter_mut().enumerate() {
         if let Color::By { range: range @ None, .. } = &mut object.color {
             let ranges = found.frames.values().filter_map(|(_, ranges)| *ranges.get(i)?);
             *range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
@@ -42,32 +50,31 @@ pub fn settle(job: &mut ImageJob) -> Outcome {
 
 /// The ranges of all frames of the data. Frames that were looked at before, and are as they were, are not read again; those that cannot
 /// be read have none.
-fn scan(job: &ImageJob) -> Outcome<Found> {
-    let path = Ledger::of(&job.folder).folder().join("ranges.json");
+fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<Found> {
     let read = |bytes: Vec<u8>| serde_json::from_slice::<Found>(&bytes).ok();
-    let before = std::fs::read(&path).ok().and_then(read).unwrap_or_default();
-    let text = format!("{:?}{:?}{:?}", job.binding.objects, job.source.derive, job.source.select);
+    let before = kept.and_then(|path| read(std::fs::read(path).ok()?)).unwrap_or_default();
+    let text = format!("{:?}{:?}{:?}", binding.objects, source.derive, source.select);
     let of = blake3::hash(text.as_bytes()).to_hex().to_string();
     let is_known = before.of == of;
     let mut found = Found { of, frames: BTreeMap::new() };
-    let numbers = job.source.numbers();
+    let numbers = source.numbers();
     let mut progress = None;
     for (done, number) in numbers.iter().enumerate() {
-        let stamp = job.source.stamp(*number);
+        let stamp = source.stamp(*number);
         if let Some(known) = before.frames.get(number).filter(|known| is_known && known.0 == stamp) {
             found.frames.insert(*number, known.clone());
             continue;
         }
         let progress =
             progress.get_or_insert_with(|| Progress::start("looking for ranges", numbers.len() as u64, "frames"));
-        let ranges = job.source.read(*number).map(|table| emit::color_ranges(&job.binding, &table));
+        let ranges = source.read(*number).map(|table| emit::color_ranges(binding, &table));
         found.frames.insert(*number, (stamp, ranges.unwrap_or_default()));
         progress.at(done as u64 + 1);
     }
     if let Some(progress) = progress {
         progress.finish();
         let bytes = serde_json::to_vec(&found).unwrap_or_default();
-        frame::atomic::write(&path, &bytes)?;
+        kept.map(|path| frame::atomic::write(path, &bytes)).transpose()?;
     }
     Ok(found)
 }

@@ -1,7 +1,9 @@
 //! `scree render`: frames or a RIB scene → images.
 
+use crate::batch::MadeOf;
 use crate::displays::{context, report_statistics, write, written};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
+use crate::ledger::Ledger;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run};
@@ -19,9 +21,11 @@ pub fn run(job: RenderJob) -> Outcome {
 }
 
 fn frames(job: RenderFrames) -> Outcome {
+    let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
     let (binding, source) = model_run::provide(job.frames)?;
     let mut image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
     let failed = images::render(&mut image_job, job.shard, job.statistics)?;
+    MadeOf::write(&Ledger::of(&image_job.folder), &input, &home, job.options.choices)?;
     if failed.len() < image_job.frames.len() {
         println!("{}", image_job.folder.display());
         image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));

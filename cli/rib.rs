@@ -4,6 +4,7 @@ use crate::failed::MissingValues;
 use crate::job::RibJob;
 use crate::library;
 use crate::model_run;
+use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
 use frame::list;
@@ -13,7 +14,7 @@ use std::path::Path;
 
 /// Run `scree rib`.
 pub fn run(job: RibJob) -> Outcome {
-    let (binding, source) = model_run::provide(job.frames)?;
+    let (mut binding, source) = model_run::provide(job.frames)?;
     let existing = source.numbers();
     if !existing.contains(&job.frame) {
         let message = format!("--frame {}: the data has {}", job.frame, list::describe(&existing));
@@ -21,6 +22,7 @@ pub fn run(job: RibJob) -> Outcome {
     }
     let table = source.read(job.frame)?;
     binding.check_columns(&table)?;
+    ranges::of_data(&mut binding, &source, None)?;
     let files = binding.files(library::files(&binding.folder()));
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     let missing = emit::frame(&binding, &table, &format!("{:06}.png", job.frame), &files, &mut writer)?;

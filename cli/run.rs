@@ -1,17 +1,20 @@
 //! `scree run`: from a model or a metadata file to a movie.
 
+use crate::batch::MadeOf;
 use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
+use crate::ledger::Ledger;
 use crate::report::Outcome;
 use crate::{images, model_run, movie};
 use std::path::PathBuf;
 
 /// Run `scree run`.
 pub fn run(job: RunJob) -> Outcome {
-    let home = job.frames.home.clone();
+    let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
     let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
     let (binding, source) = model_run::provide(job.frames)?;
     let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
     let failed = images::render(&mut images, None, Statistics::default())?;
+    MadeOf::write(&Ledger::of(&images.folder), &input, &home, job.options.choices)?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());
@@ -23,14 +26,14 @@ pub fn run(job: RunJob) -> Outcome {
     if is_simulated { model_run::check_warnings(&home) } else { Ok(()) }
 }
 
-/// Make the movie of a job's images; of EXR images there is none.
-pub fn encode(images: &ImageJob, output: &MovieFile) -> Outcome {
+/// Make the movie of a job's images, and return its file; of EXR images there is none.
+pub fn encode(images: &ImageJob, output: &MovieFile) -> Outcome<Option<PathBuf>> {
     let files: Vec<PathBuf> = images.frames.iter().map(|f| images.image(*f)).collect();
     if files.first().is_some_and(|i| i.extension().is_some_and(|e| e != "png")) {
         eprintln!("warning: movies are made of PNG images, and these are EXR (`output.format`): no movie is written");
-        return Ok(());
+        return Ok(None);
     }
     let movie = movie::encode(&files, output, images.binding.frame_rate)?;
     println!("movie: {}", movie.display());
-    Ok(())
+    Ok(Some(movie))
 }

@@ -2,18 +2,19 @@
 
 use crate::job::{ModelRun, Plan, SimulateJob, Sweep, SweepJob};
 use crate::model_run;
+use crate::preview;
 use crate::report::{Exit, Failure, Outcome};
-use frame::atomic;
-use guard::text::{sbatch, shell};
 use sim::run;
-use std::path::Path;
 
 /// Run `scree simulate`.
 pub fn run(job: SimulateJob) -> Outcome {
     match job {
-        SimulateJob::Run(job) => {
-            let folder = job.folder.clone();
-            model_run::simulate(*job)?;
+        SimulateJob::Run { run, preview } => {
+            let folder = run.folder.clone();
+            if preview && let Err(failure) = preview::start(&folder) {
+                eprintln!("warning: there is no preview: {failure}");
+            }
+            model_run::simulate(*run)?;
             println!("{}", folder.display());
             model_run::check_warnings(&folder)
         }
@@ -46,34 +47,13 @@ fn sweep(job: Sweep) -> Outcome {
     }
 }
 
-/// Print the combinations, and write a job array that simulates them.
-fn plan(job: &Plan) -> Outcome {
-    let Plan { combinations, set, csv, until, model, folder, fresh } = job;
+/// Print the combinations.
+fn plan(Plan { combinations, folder }: &Plan) -> Outcome {
     println!("index,run,{}", combinations[0].values.iter().map(|r| r.path.as_str()).collect::<Vec<_>>().join(","));
     for (i, combination) in combinations.iter().enumerate() {
         let values: Vec<&str> = combination.values.iter().map(|r| r.value.as_str()).collect();
         println!("{i},{},{}", folder.join(&combination.name).display(), values.join(","));
     }
-    let quote = |p: &Path| shell(&p.display().to_string());
-    let set: String = set.iter().map(|r| format!(" --set {}", shell(&format!("{}={}", r.path, r.value)))).collect();
-    let csv = if *csv { " --csv" } else { "" };
-    let until = until.map_or(String::new(), |until| format!(" --until {until}"));
-    let model = std::path::absolute(model).unwrap_or_else(|_| model.clone());
-    let out = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
-    let log = sbatch(&out.join("sweep").display().to_string(), "_%a.log")
-        .ok_or_else(|| Failure::new(Exit::Usage, format!("{}: a job script cannot name it", out.display())))?;
-    let script = format!(
-        "#!/bin/bash\n#SBATCH --job-name=sweep\n#SBATCH --array=0-{}\n#SBATCH --output={log}\nexec scree simulate {} -o {}{set}{csv}{until} --sweep-index \"$SLURM_ARRAY_TASK_ID\"\n",
-        combinations.len() - 1,
-        quote(&model),
-        quote(&out),
-    );
-    let path = folder.join("sweep.sbatch");
-    if !fresh && std::fs::read_to_string(&path).is_ok_and(|there| there != script) {
-        let message = format!("{} exists and may have been edited: remove it, or say --fresh", path.display());
-        return Err(Failure::new(Exit::Usage, message));
-    }
-    atomic::write(&path, script.as_bytes())?;
-    eprintln!("job array: sbatch {}", path.display());
+    eprintln!("`scree submit` makes job arrays of them");
     Ok(())
 }

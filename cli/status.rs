@@ -1,10 +1,11 @@
 //! `scree status`: how far a film is, or a folder of images, by what its ledger says; `scree verify`: whether every image is what was
 //! written, of what is there now.
 
-use crate::batch::{self, Plan};
+use crate::batch::marks::{self, TaskState};
+use crate::batch::{self, MadeOf, Movie, MovieStanding, Plan, Scheduler};
 use crate::displays::written;
 use crate::images;
-use crate::job::{StatusJob, images_of};
+use crate::job::{StatusJob, images_made_of, images_of};
 use crate::ledger::{Hashes, Ledger, Standing};
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::RunReader;
@@ -35,8 +36,16 @@ struct Status {
     simulated: Option<(u64, u64)>,
     /// Runs of a sweep that are finished, and how many there will be.
     runs: Option<(usize, usize)>,
-    /// Tasks in each of the scheduler's states.
-    queue: BTreeMap<String, usize>,
+    /// The movie, where one is made.
+    movie: Option<MovieStanding>,
+    /// Tasks that have begun and have not done their work.
+    tasks: BTreeMap<String, TaskState>,
+    /// Tasks in each of the scheduler's states; none if it cannot be asked, or there is none.
+    queue: Option<BTreeMap<String, usize>>,
+    /// Whether the film has a plan.
+    is_planned: bool,
+    /// Whether a scheduler runs its tasks.
+    has_queue: bool,
 }
 
 /// Run `scree status`.
@@ -48,9 +57,12 @@ pub fn run(job: StatusJob) -> Outcome {
         } else {
             print!("{}", status.text());
         }
-        let is_swept = status.runs.is_some_and(|(done, all)| done == all);
-        if !job.watch || is_swept || status.done == status.images && status.images > 0 {
+        if !job.watch || status.is_done() {
             return Ok(());
+        }
+        if status.is_idle() {
+            let message = "nobody works on what is left: `scree resume` goes on";
+            return Err(Failure::new(Exit::Partial, message));
         }
         std::thread::sleep(Duration::from_secs(2));
     }
@@ -80,16 +92,20 @@ fn status(folder: &Path) -> Outcome<Status> {
     let Some(plan) = plan else { return Ok(status) };
     if plan.simulation.as_ref().is_some_and(|simulation| simulation.sweep == 0) {
         let run = RunReader::open(&plan.home).ok();
-        let there = run.as_ref().map_or(0, |run| run.index.frames.len() as u64);
+        let there = run.as_ref().map_or(0, |run| run.n_there() as u64);
         status.simulated = Some((there, run.map_or(0, |run| run.index.expected_frames)));
     }
     if let Some(n) = plan.simulation.as_ref().map(|simulation| simulation.sweep).filter(|n| *n > 0) {
         let folders = std::fs::read_dir(&plan.home).into_iter().flatten().flatten().map(|entry| entry.path());
         let runs = folders.filter_map(|folder| RunReader::open(&folder).ok());
-        let is_done = |run: &RunReader| run.index.frames.len() as u64 == run.index.expected_frames;
+        let is_done = |run: &RunReader| run.n_there() as u64 == run.index.expected_frames;
         status.runs = Some((runs.filter(is_done).count(), n));
     }
-    status.queue = batch::state_of(plan.scheduler, &batch::submitted(&plan.home)).unwrap_or_default();
+    status.is_planned = true;
+    status.movie = (plan.movie && !plan.frames.is_empty()).then(|| Movie::standing(&plan.home, None));
+    status.tasks = marks::states(&plan.home);
+    status.queue = batch::state_of(plan.scheduler, &batch::submitted(&plan.home));
+    status.has_queue = plan.scheduler != Scheduler::Local;
     Ok(status)
 }
 
@@ -108,7 +124,7 @@ fn look(images: &Path, plan: Option<&Plan>, status: &mut Status) {
             plan.frames.iter().map(|frame| format!("{frame:06}.{ending}")).collect()
         }
         None => {
-            let whole = entries.iter().filter_map(known).filter(|name| !name.contains(".part-") && name != "ranges");
+            let whole = entries.iter().filter_map(known).filter(|name| is_image(name));
             whole.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
         }
     };
@@ -129,6 +145,11 @@ fn look(images: &Path, plan: Option<&Plan>, status: &mut Status) {
             State::Missing => {}
         }
     }
+}
+
+/// Whether a name in a ledger is that of an image, whose name is its frame's number.
+fn is_image(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_digit()) && !name.contains(".part-")
 }
 
 /// How an image is, as far as sizes of files tell.
@@ -168,6 +189,20 @@ fn of_image(
 }
 
 impl Status {
+    /// Whether all is done.
+    fn is_done(&self) -> bool {
+        let is_swept = self.runs.is_none_or(|(done, all)| done == all);
+        let is_drawn = self.done == self.images && (self.images > 0 || self.runs.is_some());
+        is_swept && is_drawn && self.movie.is_none_or(|movie| movie == MovieStanding::Done)
+    }
+
+    /// Whether nobody works on a film that is not done, as far as that can be known.
+    fn is_idle(&self) -> bool {
+        let is_queued = self.has_queue && self.queue.as_ref().is_none_or(|queue| !queue.is_empty());
+        let runs = |state: &TaskState| *state == TaskState::Running;
+        self.is_planned && !is_queued && self.working == 0 && !self.tasks.values().any(runs) && !self.is_done()
+    }
+
     /// Time that is left, s, if one process drew the rest.
     fn seconds_left(&self) -> Option<f64> {
         (self.done > 0).then(|| self.seconds / self.done as f64 * (self.images - self.done) as f64)
@@ -183,7 +218,7 @@ impl Status {
         if let Some((done, all)) = self.runs {
             text += &format!("runs of the sweep: {done} of {all} finished\n");
             if self.images == 0 {
-                return text + &self.of_queue();
+                return text + &self.of_tasks() + &self.of_queue();
             }
         }
         text += &format!("images: {} of {} done", self.done, self.images);
@@ -211,26 +246,60 @@ impl Status {
         for file in self.damaged.iter().take(PRINTED) {
             text += &format!("  {file}: not as it was written\n");
         }
-        text + &self.of_queue()
+        if let Some(movie) = self.movie {
+            text += &format!("movie: {movie}\n");
+        }
+        text + &self.of_tasks() + &self.of_queue()
+    }
+
+    /// What is known of tasks that have not done their work.
+    fn of_tasks(&self) -> String {
+        /// Tasks that are named.
+        const PRINTED: usize = 10;
+        let said = |(task, state): (&String, &TaskState)| match state {
+            TaskState::Running => None,
+            TaskState::Failed(why) => Some(format!("task {task} failed: {}\n", guard::text::line(why))),
+            TaskState::Lost => {
+                Some(format!("task {task} ended without a word: it was killed, or its machine was lost\n"))
+            }
+        };
+        let all: Vec<String> = self.tasks.iter().filter_map(said).collect();
+        let more = all.len().saturating_sub(PRINTED);
+        let more = if more > 0 { format!("and {more} tasks more\n") } else { String::new() };
+        all.into_iter().take(PRINTED).collect::<String>() + &more
     }
 
     /// What the scheduler has of the film.
     fn of_queue(&self) -> String {
-        if self.queue.is_empty() {
-            return String::new();
+        match &self.queue {
+            None if self.has_queue => "the queue cannot be asked: the scheduler does not answer here\n".into(),
+            Some(queue) if !queue.is_empty() => {
+                let states: Vec<String> = queue.iter().map(|(state, n)| format!("{n} {state}")).collect();
+                format!("tasks in the queue: {}\n", states.join(", "))
+            }
+            _ if self.is_idle() => "nobody works on what is left: `scree resume` goes on\n".into(),
+            _ => String::new(),
         }
-        let states: Vec<String> = self.queue.iter().map(|(state, n)| format!("{n} {state}")).collect();
-        format!("tasks in the queue: {}\n", states.join(", "))
     }
 
     fn json(&self) -> serde_json::Value {
         let failed: Vec<_> =
             self.failed.iter().map(|(file, why)| serde_json::json!({"file": file, "why": why})).collect();
+        let task = |(name, state): (&String, &TaskState)| {
+            let (state, why) = match state {
+                TaskState::Running => ("running", None),
+                TaskState::Failed(why) => ("failed", Some(why)),
+                TaskState::Lost => ("lost", None),
+            };
+            serde_json::json!({"task": name, "state": state, "why": why})
+        };
         serde_json::json!({
             "images": self.images, "done": self.done, "working": self.working, "failed": failed,
             "damaged": self.damaged, "shards": self.shards, "seconds": self.seconds, "seconds_left": self.seconds_left(),
             "simulated_frames": self.simulated.map(|(there, _)| there),
             "expected_frames": self.simulated.map(|(_, expected)| expected), "queue": self.queue,
+            "movie": self.movie.map(|movie| movie.to_string()), "tasks": self.tasks.iter().map(task).collect::<Vec<_>>(),
+            "is_done": self.is_done(),
             "finished_runs": self.runs.map(|(done, _)| done), "runs": self.runs.map(|(_, all)| all),
         })
     }
@@ -248,46 +317,105 @@ pub fn duration(seconds: f64) -> String {
 
 /// Run `scree verify`: name what is not done, and fail if there is any.
 pub fn verify(job: StatusJob) -> Outcome {
-    let mut bad: Vec<(String, Standing)> = vec![];
-    let n;
-    if Plan::exists(&job.folder) {
-        let plan = Plan::read(&job.folder)?;
-        std::env::set_current_dir(&plan.from)
-            .map_err(|e| Failure::new(Exit::Fault, format!("{}: {e}", plan.from.display())))?;
-        let there: Vec<u64> = match RunReader::open(&plan.home) {
-            Ok(run) if plan.simulation.is_some() => run.numbers(),
-            _ => plan.frames.clone(),
-        };
-        let frames: Vec<u64> = plan.frames.iter().copied().filter(|frame| there.contains(frame)).collect();
-        n = plan.frames.len();
-        let lacking = plan.frames.iter().filter(|frame| !frames.contains(frame));
-        bad.extend(lacking.map(|frame| (format!("frame {frame}"), Standing::Missing)));
-        if !frames.is_empty() {
-            let all = images::standings(&mut images_of(&plan, &frames)?, 1)?;
-            let not_done = all.into_iter().filter(|(_, standing)| standing[0] != Standing::Done);
-            bad.extend(not_done.map(|(frame, mut standing)| (format!("frame {frame}"), standing.remove(0))));
-        }
-    } else {
-        let mut hashes = Hashes::default();
-        let mut count = 0;
-        for images in folders(&job.folder)? {
-            let ledger = Ledger::of(&images);
-            for file in ledger.files() {
-                count += 1;
-                let standing = ledger.standing(&file, None, &mut hashes);
-                if standing != Standing::Done {
-                    bad.push((images.join(&file).display().to_string(), standing));
-                }
-            }
-        }
-        n = count;
-    }
+    let (n, bad) = if Plan::exists(&job.folder) { of_film(&job.folder)? } else { of_images(&job.folder)? };
     bad.iter().for_each(|(name, standing)| println!("{name}: {standing}"));
     if bad.is_empty() {
         println!("{n} images are as they were written, of what is there now");
         return Ok(());
     }
-    Err(Failure::new(Exit::Partial, format!("{} of {n} images are not done", bad.len())))
+    let n_others = bad.iter().filter(|(name, _)| ["movie", "run", "sweep"].contains(&name.as_str())).count();
+    let message = match (bad.len() - n_others, n_others) {
+        (images, 0) => format!("{images} of {n} images are not done"),
+        (0, others) => format!("all {n} images are done, but {others} other parts of the film are not"),
+        (images, others) => format!("{images} of {n} images and {others} other parts of the film are not done"),
+    };
+    Err(Failure::new(Exit::Partial, message))
+}
+
+/// The number of images of a film, and what of it is not done.
+fn of_film(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
+    let plan = Plan::read(folder)?;
+    std::env::set_current_dir(&plan.from)
+        .map_err(|e| Failure::new(Exit::Fault, format!("{}: {e}", plan.from.display())))?;
+    let mut bad: Vec<(String, String)> = vec![];
+    if plan.simulation.is_some() {
+        let folders = std::fs::read_dir(&plan.home).into_iter().flatten().flatten().map(|entry| entry.path());
+        let runs = folders.chain([plan.home.clone()]).filter_map(|folder| RunReader::open(&folder).ok());
+        for run in runs.filter(|run| !run.is_whole()) {
+            let why = format!("{} has frames that are not as they were written", run.folder.display());
+            bad.push(("run".into(), why));
+        }
+    }
+    if let Some(n) = plan.simulation.as_ref().map(|simulation| simulation.sweep).filter(|n| *n > 0) {
+        let (done, _) = status(folder)?.runs.unwrap_or_default();
+        if done < n {
+            bad.push(("sweep".into(), format!("{done} of {n} runs are finished")));
+        }
+    }
+    if !plan.frames.is_empty() {
+        match images_of(&plan, &plan.frames) {
+            Ok(mut job) => {
+                let lost = job.lacking.iter().map(|frame| (format!("frame {frame}"), Standing::Gone.to_string()));
+                bad.extend(lost);
+                bad.extend(not_done(images::standings(&mut job, 1)?));
+                let movie = plan.movie.then(|| Movie::standing(&plan.home, Some(&images::hash(&job))));
+                bad.extend(movie.filter(|m| *m != MovieStanding::Done).map(|m| ("movie".into(), m.to_string())));
+            }
+            // Of a run that has not begun, no image is there.
+            Err(_) if !RunReader::is_run(&plan.home) && plan.simulation.is_some() => {
+                bad.push(("images".into(), Standing::Missing.to_string()));
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok((plan.frames.len(), bad))
+}
+
+/// Frames whose images are not done.
+fn not_done(standings: Vec<(u64, Vec<Standing>)>) -> impl Iterator<Item = (String, String)> {
+    let bad = standings.into_iter().filter(|(_, standing)| standing[0] != Standing::Done);
+    bad.map(|(frame, standing)| (format!("frame {frame}"), standing[0].to_string()))
+}
+
+/// The number of images in a folder without a plan, and those that are not done.
+fn of_images(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
+    let (mut n, mut bad) = (0, vec![]);
+    let all = folders(folder)?;
+    let main = Ledger::of(&all[0]);
+    let numbers = |ledger: &Ledger| -> Vec<u64> {
+        let entries = std::fs::read_dir(ledger.folder()).into_iter().flatten().flatten();
+        let images = std::fs::read_dir(&ledger.images).into_iter().flatten().flatten();
+        let names = entries.chain(images).map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let number = |name: String| {
+            let stem = name.split_once('.')?.0;
+            stem.parse::<u64>().ok().filter(|_| stem.len() >= 6)
+        };
+        names.filter_map(number).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    };
+    let made = MadeOf::read(&main);
+    let frames = numbers(&main);
+    let job = made.map(|made| images_made_of(&made, &all[0], &frames)).transpose()?.flatten();
+    if let Some(mut job) = job {
+        let lost = job.lacking.iter().map(|frame| (format!("frame {frame}"), Standing::Gone.to_string()));
+        bad.extend(lost);
+        bad.extend(not_done(images::standings(&mut job, 1)?));
+        return Ok((frames.len(), bad));
+    }
+    eprintln!(
+        "note: data and metadata of these images are not there to be looked at; their shaders, scenes and textures are"
+    );
+    let mut hashes = Hashes::default();
+    for images in all {
+        let ledger = Ledger::of(&images);
+        for file in ledger.files() {
+            n += 1;
+            let standing = ledger.standing(&file, None, &mut hashes);
+            if standing != Standing::Done {
+                bad.push((images.join(&file).display().to_string(), standing.to_string()));
+            }
+        }
+    }
+    Ok((n, bad))
 }
 
 /// What is said of frames in short.

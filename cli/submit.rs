@@ -2,19 +2,20 @@
 
 mod local;
 
-use crate::batch::{self, Plan, Scheduler};
+use crate::batch::{self, Movie, MovieStanding, Needed, Plan, Scheduler, Simulation};
 use crate::images;
-use crate::job::{FilmJob, images_of};
+use crate::job::{FilmJob, images_of, replacements};
 use crate::ledger::Standing;
 use crate::report::{Exit, Failure, Outcome};
 
 /// Run `scree submit` or `scree resume`.
 pub fn run(job: FilmJob) -> Outcome {
     let FilmJob { plan, dry_run } = job;
-    let draw = needed(&plan, dry_run)?;
-    let jobs = batch::jobs(&plan, &draw, batch::most_indices(plan.scheduler))?;
+    let needed = needed(&plan, dry_run)?;
+    let jobs = batch::jobs(&plan, &needed, batch::most_indices(plan.scheduler))?;
     let n_tasks: usize = jobs.iter().map(|job| job.tasks.len()).sum();
-    eprintln!("{n_tasks} tasks in {} jobs; {} of {} that draw are needed", jobs.len(), draw.len(), plan.n_tasks());
+    let draw = &needed.draw;
+    eprintln!("tasks: {n_tasks}, in jobs: {}; {} of {} that draw are needed", jobs.len(), draw.len(), plan.n_tasks());
     if dry_run {
         // All scripts in one text, which a check of scripts takes.
         println!("#!/bin/bash\n# shellcheck disable=SC1128,SC2093,SC2317");
@@ -25,6 +26,10 @@ pub fn run(job: FilmJob) -> Outcome {
         return Ok(());
     }
     plan.write()?;
+    if jobs.is_empty() {
+        println!("{}: all is done", plan.home.display());
+        return Ok(());
+    }
     if plan.scheduler == Scheduler::Local {
         return local::run(&plan, jobs);
     }
@@ -46,18 +51,20 @@ pub fn run(job: FilmJob) -> Outcome {
     Ok(())
 }
 
-/// The tasks that draw what is not there, or not up to date; all of them before a simulation.
-fn needed(plan: &Plan, dry_run: bool) -> Outcome<Vec<usize>> {
-    let all = || (0..plan.n_tasks()).collect();
-    let is_ready = plan.simulation.is_none() || frame::run::RunReader::is_run(&plan.home);
+/// What is left to do of a plan: the simulation, the tasks that draw what is not there or not up to date, and the end. All of it before
+/// a simulation is finished.
+fn needed(plan: &Plan, dry_run: bool) -> Outcome<Needed> {
+    let all =
+        |simulate: bool| Needed { simulate, draw: (0..plan.n_tasks()).collect(), finish: !plan.frames.is_empty() };
     // A run that is not finished lacks frames, so that its images cannot all be looked at.
-    if !is_ready || dry_run {
-        return Ok(all());
+    let is_simulated = match &plan.simulation {
+        None => true,
+        Some(simulation) => simulation.sweep == 0 && is_simulated(plan, simulation)?,
+    };
+    if !is_simulated || dry_run {
+        return Ok(all(plan.simulation.is_some()));
     }
-    let Ok(mut job) = images_of(plan, &plan.frames) else { return Ok(all()) };
-    if job.frames.len() < plan.frames.len() {
-        return Ok(all());
-    }
+    let Ok(mut job) = images_of(plan, &plan.frames) else { return Ok(all(false)) };
     let standings = images::standings(&mut job, plan.buckets)?;
     let is_needed = |task: &usize| {
         let shard = task % plan.buckets;
@@ -65,5 +72,15 @@ fn needed(plan: &Plan, dry_run: bool) -> Outcome<Vec<usize>> {
         let of_task = standings.iter().filter(|(frame, _)| frames.contains(frame));
         of_task.clone().count() < frames.len() || of_task.into_iter().any(|(_, all)| all[shard] != Standing::Done)
     };
-    Ok((0..plan.n_tasks()).filter(is_needed).collect())
+    let draw: Vec<usize> = (0..plan.n_tasks()).filter(is_needed).collect();
+    let is_joined = plan.buckets == 1 || job.frames.iter().all(|frame| job.image(*frame).is_file());
+    let has_movie = || Movie::standing(&plan.home, Some(&images::hash(&job))) == MovieStanding::Done;
+    let finish = !draw.is_empty() || !is_joined || plan.movie && !has_movie();
+    Ok(Needed { simulate: false, draw, finish })
+}
+
+/// Whether the simulation of a plan is finished, with all of its frames.
+fn is_simulated(plan: &Plan, simulation: &Simulation) -> Outcome<bool> {
+    let set = replacements(simulation.set.iter().map(|(path, value)| (path, value)));
+    Ok(sim::run::is_done(&sim::model_file::load(&simulation.model, &set)?.0, &plan.home))
 }

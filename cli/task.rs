@@ -1,9 +1,9 @@
 //! `scree task`: one task of a film, as the jobs of schedulers run it. Every task may be run any number of times.
 
-use crate::batch::{Plan, Task};
+use crate::batch::{MadeOf, Movie, MovieStanding, Plan, Task, marks};
 use crate::displays::written;
-use crate::job::{ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of};
-use crate::ledger::Standing;
+use crate::job::{ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of, replacements};
+use crate::ledger::{Ledger, Standing};
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run, ranges, run, simulate, stitch};
 use frame::run::RunReader;
@@ -14,31 +14,36 @@ use sim::run::{Span, n_frames};
 /// Run `scree task`.
 pub fn run(job: TaskJob) -> Outcome {
     let TaskJob { plan, task } = job;
-    match task {
+    marks::run(&plan.home, task, || match task {
         Task::Simulate(i) => simulate_to(&plan, i),
         Task::Sweep(i) => sweep(&plan, i),
         Task::Draw(i) => draw(&plan, i),
         Task::Finish => finish(&plan),
-    }
+    })
 }
 
 /// Simulate to the time of an index, from where the run has got to.
 fn simulate_to(plan: &Plan, i: usize) -> Outcome {
     let Some(simulation) = &plan.simulation else { return Ok(()) };
-    let (file, resolved) = model_file::read(&simulation.model)?;
+    let (file, doc) = model_file::load(&simulation.model, &replacements(simulation.set.iter().map(|(p, v)| (p, v))))?;
+    let resolved = file.resolve(&doc)?;
     let is_last = i + 1 == simulation.until.len();
     let expected = n_frames(simulation.until[i], file.frame_rate);
     let there = RunReader::open(&plan.home).ok().filter(|run| run.index.model_hash == sim::run::model_hash(&file));
+    let is_whole = there.as_ref().is_none_or(RunReader::is_whole);
     let is_done = if is_last {
         sim::run::is_done(&file, &plan.home)
     } else {
-        there.is_some_and(|run| run.index.frames.len() as u64 >= expected)
+        is_whole && there.is_some_and(|run| run.index.frames.len() as u64 >= expected)
     };
     if is_done {
         eprintln!("{} is simulated to {} s already", plan.home.display(), simulation.until[i]);
         return Ok(());
     }
-    let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: true };
+    if !is_whole {
+        eprintln!("warning: frames of {} are lost or damaged: it is simulated again", plan.home.display());
+    }
+    let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: is_whole };
     model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span })?;
     if is_last && !plan.frames.is_empty() {
         // Once here, rather than by each task that draws.
@@ -50,7 +55,7 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
 /// Simulate a combination of a sweep.
 fn sweep(plan: &Plan, i: usize) -> Outcome {
     let Some(simulation) = &plan.simulation else { return Ok(()) };
-    simulate::run(combination(&simulation.model, &plan.home, i)?)
+    simulate::run(combination(simulation, &plan.home, i)?)
 }
 
 /// Draw the images of a task, or a shard of each.
@@ -58,7 +63,9 @@ fn draw(plan: &Plan, i: usize) -> Outcome {
     let mut job = images_of(plan, plan.frames_of(i))?;
     let shard = plan.shard_of(i).map(|part| Shard { part, parts: plan.buckets });
     let failed = images::render(&mut job, shard, Statistics::default())?;
-    failed.outcome(job.frames.len(), "the others of the task were drawn")
+    MadeOf::write(&Ledger::of(&job.folder), &plan.input, &plan.home, plan.images.clone())?;
+    failed.outcome(job.frames.len(), "the others of the task were drawn")?;
+    images::check_lost(&job)
 }
 
 /// Join shards, check that every image is up to date, and make the movie.
@@ -70,6 +77,7 @@ fn finish(plan: &Plan) -> Outcome {
             join(plan, pass)?;
         }
     }
+    images::check_lost(&job)?;
     let standings = images::standings(&mut job, 1)?;
     let bad: Vec<_> = standings.iter().filter(|(_, standing)| standing[0] != Standing::Done).collect();
     if let Some((frame, standing)) = bad.first() {
@@ -83,9 +91,11 @@ fn finish(plan: &Plan) -> Outcome {
         return Err(Failure::new(Exit::Partial, message));
     }
     println!("images: {} in {}", plan.frames.len(), job.folder.display());
-    if plan.movie {
+    let of = images::hash(&job);
+    if plan.movie && Movie::standing(&plan.home, Some(&of)) != MovieStanding::Done {
         let name = plan.input.file_stem().unwrap_or_default();
-        run::encode(&job, &MovieFile::Stem(plan.home.join(name)))?;
+        let movie = run::encode(&job, &MovieFile::Stem(plan.home.join(name)))?;
+        Movie::record(&plan.home, movie.as_deref(), of)?;
     }
     Ok(())
 }

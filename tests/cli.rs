@@ -22,6 +22,11 @@ impl Answer {
         self.errors()
     }
 
+    /// Standard output, whatever the exit code.
+    pub fn said(&self) -> String {
+        String::from_utf8_lossy(&self.output.stdout).to_string()
+    }
+
     /// Standard error.
     pub fn errors(&self) -> String {
         String::from_utf8_lossy(&self.output.stderr).to_string()

@@ -104,6 +104,40 @@ fn just_the_images_that_hang_on_a_change_are_drawn_again() {
     assert!(call(&["render", &md, "-o", &out, "--redraw"], &SMALL).errors().find("up to date").is_none());
 }
 
+#[test]
+fn a_project_that_is_copied_has_its_own_files() {
+    let work = data(2);
+    let (from, to) = (work.path().to_path_buf(), scratch());
+    let render =
+        |folder: &Path| call(&["render", &at(folder, "md.yaml"), "-o", &at(folder, "images")], &SMALL).errors();
+    render(&from);
+    let copy = Command::new("cp").arg("-r").arg(from.join(".")).arg(to.path()).status().unwrap();
+    assert!(copy.success() && to.path().join("images/.ledger").is_dir());
+    let images = at(to.path(), "images");
+    assert!(scree(&["verify", &images]).ok().contains("2 images"));
+    assert!(render(to.path()).contains("2 of 2 images were up to date"));
+    // What is another in the copy counts there, and not in the original.
+    std::fs::write(to.path().join("paint.sl"), SHADER.replace("k = 1", "k = 0.25")).unwrap();
+    let verify = |expected: &str| {
+        let answer = scree(&["verify", &images]);
+        answer.fails(5);
+        assert!(answer.said().contains(expected), "{}", answer.said());
+    };
+    verify("paint.sl has changed");
+    assert!(render(to.path()).contains("2 of 2 images were drawn again"));
+    assert!(render(&from).contains("2 of 2 images were up to date"));
+    // Data that has changed, or is gone, is told of a folder without a plan too, and gaps are.
+    std::fs::write(to.path().join("p_1.csv"), table(0.75)).unwrap();
+    verify("frame 1: stale");
+    for i in 3..6 {
+        std::fs::write(to.path().join(format!("p_{i}.csv")), table(0.75)).unwrap();
+    }
+    assert!(render(to.path()).contains("frame 2 is missing between the others"));
+    std::fs::remove_file(to.path().join("p_5.csv")).unwrap();
+    assert!(render(to.path()).contains("000005.png): they stay"));
+    verify("frame 5: of a frame that the data does not have");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_render_that_is_killed_again_and_again_ends_as_one_that_is_not() {
@@ -141,10 +175,9 @@ fn two_renders_into_one_folder_share_the_work() {
     assert_eq!(scree(&["verify", &out]).ok().split_whitespace().next(), Some("12"));
 }
 
-#[test]
-fn a_film_is_made_by_tasks_of_this_machine() {
-    let work = scratch();
-    let model = work.path().join("it's a drop.yaml");
+/// The model of a falling block, in a folder, and the folder of its film.
+fn film(folder: &Path) -> (String, String) {
+    let model = folder.join("it's a drop.yaml");
     std::fs::write(
         &model,
         "step: 0.002
@@ -157,8 +190,47 @@ bodies:
 ",
     )
     .unwrap();
-    let (model, home) = (model.to_str().unwrap(), at(work.path(), "film $(x)"));
-    let submit = ["submit", model, "-o", &home, "--scheduler", "local", "-j", "2", "--buckets", "2"];
+    (model.to_str().unwrap().into(), at(folder, "film $(x)"))
+}
+
+#[test]
+fn a_film_that_is_damaged_is_mended() {
+    let work = scratch();
+    let (model, home) = film(work.path());
+    call(&["submit", &model, "-o", &home, "--scheduler", "local"], &SMALL).ok();
+    assert!(scree(&["resume", &home]).ok().contains("all is done"));
+    // A task that fails is named, the others are done, and it goes on.
+    let image = Path::new(&home).join("images/000002.png");
+    std::fs::remove_file(&image).unwrap();
+    std::fs::create_dir(&image).unwrap();
+    let failed = scree(&["resume", &home]).fails(5);
+    assert!(failed.contains("draw-2") && failed.contains("000002.png"), "{failed}");
+    let status = scree(&["status", &home]).ok();
+    assert!(status.contains("images: 3 of 4 done") && status.contains("task draw-2 failed: "), "{status}");
+    assert!(status.contains("nobody works on what is left"), "{status}");
+    std::fs::remove_dir(&image).unwrap();
+    scree(&["resume", &home]).ok();
+    // A frame that is damaged or lost is simulated again, a movie made again; until then they are not done.
+    let spoil = |path: &Path| std::fs::write(path, "no frame").unwrap();
+    let remove = |path: &Path| std::fs::remove_file(path).unwrap();
+    for damage in [&spoil as &dyn Fn(&Path), &remove] {
+        damage(&Path::new(&home).join("frames/000002.arrow"));
+        let movie = std::fs::read_dir(&home).unwrap().flatten().map(|entry| entry.path());
+        let movies = movie.filter(|path| path.extension().is_some_and(|e| e == "mp4" || e == "apng"));
+        movies.for_each(|path| std::fs::remove_file(path).unwrap());
+        assert!(scree(&["status", &home]).ok().contains("movie: not there"));
+        let bad = scree(&["verify", &home]).fails(5);
+        assert!(bad.contains("2 other parts") || bad.contains("1 of 4 images and 2 other parts"), "{bad}");
+        scree(&["resume", &home]).ok();
+        assert!(scree(&["verify", &home]).ok().contains("4 images"));
+    }
+}
+
+#[test]
+fn a_film_is_made_by_tasks_of_this_machine() {
+    let work = scratch();
+    let (model, home) = film(work.path());
+    let submit = ["submit", &model, "-o", &home, "--scheduler", "local", "-j", "2", "--buckets", "2"];
     call(&submit, &SMALL).ok();
     let status: serde_json::Value = serde_json::from_str(&scree(&["status", &home, "--json"]).ok()).unwrap();
     assert_eq!((&status["images"], &status["done"]), (&4.into(), &4.into()), "{status}");
@@ -168,18 +240,6 @@ bodies:
     let alone = at(work.path(), "alone");
     call(&["render", &home, "-o", &alone], &SMALL).ok();
     assert!(images(Path::new(&home).join("images")) == images(&alone));
-    // A task that fails is named, the others are done, and it goes on.
-    let frame = Path::new(&home).join("frames/000002.arrow");
-    let bytes = std::fs::read(&frame).unwrap();
-    std::fs::write(&frame, &bytes[..100]).unwrap();
-    std::fs::remove_file(Path::new(&home).join("images/000002.png")).unwrap();
-    let failed = scree(&["resume", &home]).fails(5);
-    assert!(failed.contains("draw-") && failed.contains("000002.arrow"), "{failed}");
-    let status = scree(&["status", &home]).ok();
-    assert!(status.contains("3 of 4 done, 1 failed") || status.contains("3 of 4 done"), "{status}");
-    std::fs::write(&frame, &bytes).unwrap();
-    scree(&["resume", &home]).ok();
-    assert!(scree(&["verify", &home]).ok().contains("4 images"));
     assert!(scree(&["task", &home, "draw-99"]).fails(2).contains("no task of the plan"));
     // What stands in a plan is not taken on trust.
     let plan = Path::new(&home).join("plan/plan.json");

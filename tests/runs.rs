@@ -173,14 +173,12 @@ fn combinations_keep_apart() {
         "two.yaml",
         &format!("{STONES}sweep:\n  bodies.ground.group: [a, b]\n  fills.stones.group: [c]\n  fills.stones.radius.1: [0.05]\n"),
     );
-    let shown = scree(&["simulate", &two, "-o", &work.at("two"), "--plan", "--csv", "--until", "0.05"]).ok();
+    let shown = scree(&["simulate", &two, "-o", &work.at("two"), "--plan"]).ok();
     assert!(shown.contains("ground.group=a_stones.group=c_radius.1=0.05"), "{shown}");
-    assert!(work.read("two/sweep.sbatch").contains(" --csv --until 0.05 --sweep-index"));
-    let script = work.read("out/sweep.sbatch");
-    assert!(script.contains("--set 'materials.stone.friction=0.3' --sweep-index \"$SLURM_ARRAY_TASK_ID\""), "{script}");
-    work.write("out/sweep.sbatch", "#!/bin/bash\n#SBATCH --partition=mine\n");
-    assert!(scree(&["simulate", &model, "-o", &out, "--plan"]).fails(2).contains("may have been edited"));
-    scree(&["simulate", &model, "-o", &out, "--plan", "--fresh"]).ok();
+    let submit = |set: &str| scree(&["submit", &model, "-o", &out, "--scheduler", "local", "--set", set]);
+    assert!(submit("step=0.0005").fails(2).contains("`sweep` gives this key its values"));
+    submit("materials.stone.friction=0.3").ok();
+    assert!(work.read("out/step=0.001/model.yaml").contains("friction: 0.3"));
 }
 
 #[test]

@@ -62,3 +62,45 @@ pub struct ShaderArgs {
     #[arg(long)]
     pub ir: bool,
 }
+
+/// Projects to start from.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum StarterArg {
+    /// Stones that fall into a box.
+    Drop,
+    /// A blade that is drawn through a bed of grains, and its force.
+    Plough,
+}
+
+/// Arguments of `scree init`.
+#[derive(Args, Debug)]
+pub struct InitArgs {
+    /// Folder of the project, which must not exist or be empty.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// What the project begins as.
+    #[arg(long, value_name = "NAME", value_enum, default_value = "drop")]
+    pub starter: StarterArg,
+}
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  scree completions bash > ~/.local/share/bash-completion/completions/scree
+  scree completions fish > ~/.config/fish/completions/scree.fish";
+
+/// Arguments of `scree completions`.
+#[derive(Args, Debug)]
+#[command(after_help = COMPLETIONS_EXAMPLES)]
+pub struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `scree man`.
+#[derive(Args, Debug)]
+pub struct ManArgs {
+    /// Folder of the pages, scree.1 and one of each command.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}

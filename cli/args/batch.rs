@@ -1,7 +1,7 @@
 //! Arguments of the commands that cut films into tasks: `submit`, `plan`, `status`, `verify`, `resume`.
 
 use super::image::ImageArgs;
-use super::value::{one_line, whole, word};
+use super::value::{Assignment, assignment, one_line, whole, word};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -38,6 +38,9 @@ pub struct CutArgs {
     /// that ends at its time limit is gone on with from its checkpoint.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole::<usize>(1..=1000))]
     pub chain: usize,
+    /// Replace a value of the model, as `scree simulate` does; may be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
+    pub set: Vec<Assignment>,
 }
 
 const PLAN_EXAMPLES: &str = "\
@@ -139,7 +142,8 @@ pub struct StatusArgs {
     /// Folder that a film was submitted to, or a folder of images.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Print it again every two seconds until all is done.
+    /// Print it again every two seconds until all is done, or nobody works on
+    /// what is left.
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// Print JSON.

@@ -1,13 +1,60 @@
-//! Arguments of the commands that look at data: `inspect` and `plot`.
+//! Arguments of the commands that look at data: `inspect`, `plot`, `report`, `export` and `preview`.
 
-use super::value::{Interval, index, interval};
-use clap::Args;
+use super::value::{Interval, file_size, index, interval, whole};
+use clap::{Args, ValueEnum};
+use frame::list::FrameList;
+use std::ffi::OsString;
 use std::path::PathBuf;
+
+const EXPORT_EXAMPLES: &str = "\
+Examples:
+  scree export runs/pour --to vtu
+  scree export 'dump_*.liggghts' --to parquet -o tables";
+
+/// Kinds of file that frames are exported to.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum FormatArg {
+    /// VTK unstructured grids with a collection, for ParaView and VisIt.
+    Vtu,
+    /// Apache Parquet, for pandas, Polars and DuckDB.
+    Parquet,
+    /// Binary PLY, for OVITO, Blender and MeshLab.
+    Ply,
+    /// CSV with units in the header.
+    Csv,
+}
+
+/// Arguments of `scree export`.
+#[derive(Args, Debug)]
+#[command(after_help = EXPORT_EXAMPLES)]
+pub struct ExportArgs {
+    /// Run directory, metadata file, or tables: a file, or a pattern in quotes.
+    #[arg(value_name = "DATA")]
+    pub data: PathBuf,
+    /// Kind of file.
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    pub to: FormatArg,
+    /// Folder of the files [default: export/ in the run directory, or here].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Frames to export, as 0-99x5 [default: all].
+    #[arg(short, long, value_name = "LIST")]
+    pub frames: Option<FrameList>,
+}
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
   scree inspect runs/pour --frame 12
   scree inspect 'p_*.csv' --write p.yaml";
+
+/// Arguments of `scree preview`.
+#[derive(Args, Debug)]
+pub struct PreviewArgs {
+    /// Arguments of `scree-preview`: a run or data, and flags; its own --help
+    /// lists them.
+    #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true, required = true)]
+    pub args: Vec<OsString>,
+}
 
 /// Arguments of `scree inspect`.
 #[derive(Args, Debug)]
@@ -66,4 +113,37 @@ pub struct PlotArgs {
     /// Extend the vertical range to the first instant of every run.
     #[arg(long)]
     pub full_range: bool,
+}
+
+const REPORT_EXAMPLES: &str = "\
+The page opens without a network: styles, script, images and data are in it. A
+film above the size of --embed-film is linked, and so needs to stay where it is.
+
+Examples:
+  scree report runs/pour
+  scree report runs/pour 'hinge.*' energy -o pour.html --embed-film 100MiB
+  scree report runs/sweep";
+
+/// Arguments of `scree report`.
+#[derive(Args, Debug)]
+#[command(after_help = REPORT_EXAMPLES)]
+pub struct ReportArgs {
+    /// Run directory, or folder of run directories, as a sweep makes it.
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Columns of probes.csv to plot, as hinge.angle; a name without its last
+    /// part, as hinge, stands for hinge.*, and `*` for any characters
+    /// [default: all columns].
+    #[arg(value_name = "COLUMN")]
+    pub columns: Vec<String>,
+    /// Page to write [default: report.html in RUN].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Largest film that is put into the page, as 16MiB; a larger one is
+    /// linked, and 0 links any.
+    #[arg(long, default_value = "16MiB", value_name = "SIZE", value_parser = file_size)]
+    pub embed_film: u64,
+    /// Images of a run that the page shows, 0 to 60.
+    #[arg(long, default_value = "6", value_name = "N", value_parser = whole::<usize>(0..=60))]
+    pub images: usize,
 }

@@ -66,8 +66,7 @@ pub struct SimulateArgs {
     /// `sweep`) [default: all of them].
     #[arg(long, value_name = "INDEX", value_parser = index::<usize>(), conflicts_with = "plan", allow_negative_numbers = true)]
     pub sweep_index: Option<usize>,
-    /// Print the combinations and write a Slurm job array for them, but
-    /// simulate nothing (models with a `sweep`).
+    /// Print the combinations, but simulate nothing (models with a `sweep`).
     #[arg(long)]
     pub plan: bool,
     /// Back end to compute with.
@@ -76,6 +75,9 @@ pub struct SimulateArgs {
     /// Write frames as CSV instead of Arrow files.
     #[arg(long)]
     pub csv: bool,
+    /// Show the run in the Rerun viewer while it is simulated.
+    #[arg(long, conflicts_with = "plan")]
+    pub preview: bool,
 }
 
 const SOLVE_EXAMPLES: &str = "\

@@ -77,6 +77,22 @@ pub fn size(text: &str) -> Result<u64, String> {
     if bytes >= LEAST as f64 && bytes < 1e18 { Ok(bytes as u64) } else { Err(fault()) }
 }
 
+/// Parse a size of a file, bytes: `16MiB`, `500kB`, `0`.
+pub fn file_size(text: &str) -> Result<u64, String> {
+    let fault = || "expected the size of a file, as 16MiB, 500KiB or 0".to_string();
+    let end = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let number = text[..end].trim().parse::<f64>().map_err(|_| fault())?;
+    let shift = match text[end..].to_lowercase().as_str() {
+        "" | "b" => 0,
+        "k" | "kb" | "kib" => 10,
+        "m" | "mb" | "mib" => 20,
+        "g" | "gb" | "gib" => 30,
+        _ => return Err(fault()),
+    };
+    let bytes = number * (1u64 << shift) as f64;
+    if (0.0..1e18).contains(&bytes) { Ok(bytes as u64) } else { Err(fault()) }
+}
+
 /// Parse an interval of time, `0.5-2`.
 pub fn interval(text: &str) -> Result<Interval, String> {
     let number = |text: &str| text.parse().ok().filter(|x: &f64| !x.is_nan());

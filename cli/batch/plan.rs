@@ -77,6 +77,9 @@ pub struct Simulation {
     pub chain: usize,
     /// Combinations of the model's sweep; 0 of a model without one.
     pub sweep: usize,
+    /// Values in place of the model's: paths and YAML.
+    #[serde(default)]
+    pub set: Vec<(String, String)>,
 }
 
 /// The plan of a film.

@@ -20,15 +20,25 @@ pub struct Job {
     pub script: String,
 }
 
-/// The jobs that do these tasks that draw, and what comes before and after them. An array has no index at or above `most`.
-pub fn jobs(plan: &Plan, draw: &[usize], most: usize) -> Outcome<Vec<Job>> {
+/// What is left to do of a plan.
+pub struct Needed {
+    /// Whether its model is simulated.
+    pub simulate: bool,
+    /// The tasks that draw.
+    pub draw: Vec<usize>,
+    /// Whether shards are joined, images checked, and the movie made.
+    pub finish: bool,
+}
+
+/// The jobs that do what is left of a plan. An array has no index at or above `most`.
+pub fn jobs(plan: &Plan, needed: &Needed, most: usize) -> Outcome<Vec<Job>> {
     let mut jobs: Vec<Job> = vec![];
     let mut simulated: Vec<usize> = vec![];
-    if let Some(simulation) = &plan.simulation {
+    if let Some(simulation) = plan.simulation.as_ref().filter(|_| needed.simulate) {
         simulated = simulate(plan, simulation, most, &mut jobs)?;
     }
     let mut drawn = vec![];
-    for (segment, tasks) in by_segment(plan, draw, simulated.len()) {
+    for (segment, tasks) in by_segment(plan, &needed.draw, simulated.len()) {
         let after: Vec<usize> = segment.map(|s| simulated[s]).into_iter().collect();
         for part in arrays(plan.scheduler, &tasks, most) {
             let name = format!("draw-{}", drawn.len());
@@ -37,7 +47,7 @@ pub fn jobs(plan: &Plan, draw: &[usize], most: usize) -> Outcome<Vec<Job>> {
             jobs.push(job(plan, name, tasks, after.clone(), false, most)?);
         }
     }
-    if !plan.frames.is_empty() {
+    if needed.finish {
         // What is drawn already needs no job; the end comes after the simulation then.
         let after = if drawn.is_empty() { simulated } else { drawn };
         jobs.push(job(plan, "finish".into(), vec![Task::Finish], after, false, most)?);
@@ -131,7 +141,7 @@ fn script(plan: &Plan, name: &str, tasks: &[Task], most: usize) -> Outcome<Strin
     let home = shell(&plan.home.display().to_string());
     let command = format!("{} task {home} {task}{flags}", shell(&program));
     let logs = Plan::folder(&plan.home).join("logs");
-    let log = log(plan.scheduler, &logs, name, is_array)?;
+    let (log, redirect) = log(plan.scheduler, &logs, name, is_array);
     let label = format!("scree-{}-{name}", guard::text::file_name(&label(&plan.home), ".-"));
     let (source, path) = template(plan)?;
     let shell_folder = shell(&plan.from.display().to_string());
@@ -140,7 +150,7 @@ fn script(plan: &Plan, name: &str, tasks: &[Task], most: usize) -> Outcome<Strin
         first => own.first(), last => own.last(), max_running => requests.max_running, log, time => requests.time,
         mem => requests.mem, cpus => requests.cpus, gpus => requests.gpus, partition => requests.partition,
         account => requests.account, directives => requests.directives, requeue => requests.requeue,
-        folder => shell_folder, setup, command,
+        folder => shell_folder, redirect, setup, command,
     };
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
@@ -191,16 +201,27 @@ fn index(scheduler: Scheduler, offset: usize) -> String {
     }
 }
 
-/// Where the output of a job's tasks goes, as the scheduler writes it.
-fn log(scheduler: Scheduler, logs: &Path, name: &str, is_array: bool) -> Outcome<String> {
+/// Where the output of a job's tasks goes: as the scheduler writes it, and the line of the script that sends it there where its directives
+/// cannot name the place.
+fn log(scheduler: Scheduler, logs: &Path, name: &str, is_array: bool) -> (String, String) {
     let start = logs.join(name).display().to_string();
-    let refuse = || Failure::new(Exit::Usage, format!("{}: a job script cannot name it", logs.display()));
-    match scheduler {
-        Scheduler::Slurm => sbatch(&start, if is_array { "-%A_%a.log" } else { "-%j.log" }).ok_or_else(refuse),
+    let (log, id) = match scheduler {
+        Scheduler::Local => return (start, String::new()),
+        Scheduler::Slurm => {
+            // A backslash takes the meaning from its patterns.
+            let pattern = if is_array { "-%A_%a.log" } else { "-%j.log" };
+            (sbatch(&start, pattern).filter(|_| !start.contains('\\')), "$SLURM_JOB_ID")
+        }
         // The others have no quotes in directives.
-        Scheduler::Local => Ok(start),
-        _ if start.contains(|c: char| c.is_whitespace() || c.is_control() || "\"'$`\\:".contains(c)) => Err(refuse()),
-        Scheduler::Pbs | Scheduler::Torque => Ok(format!("{}/", logs.display())),
-        Scheduler::GridEngine => Ok(format!("{start}-$JOB_ID{}.log", if is_array { ".$TASK_ID" } else { "" })),
+        _ if start.contains(|c: char| c.is_whitespace() || c.is_control() || "\"'$`\\:".contains(c)) => {
+            (None, if scheduler == Scheduler::GridEngine { "$JOB_ID" } else { "$PBS_JOBID" })
+        }
+        Scheduler::Pbs | Scheduler::Torque => (Some(format!("{}/", logs.display())), ""),
+        Scheduler::GridEngine => (Some(format!("{start}-$JOB_ID{}.log", if is_array { ".$TASK_ID" } else { "" })), ""),
+    };
+    let task = if scheduler == Scheduler::GridEngine && is_array { ".$SGE_TASK_ID" } else { "" };
+    match log {
+        Some(log) => (log, String::new()),
+        None => ("/dev/null".into(), format!("exec >>{}\"-{id}{task}.log\" 2>&1", shell(&start))),
     }
 }

@@ -4,21 +4,23 @@ use super::frames::{FramesJob, Origin};
 use super::images::{ImageJob, ImageOptions};
 use super::output::default_folder;
 use super::run_folder::{self, spare_link};
-use super::simulate::SimulateJob;
+use super::simulate::{SimulateJob, replacements};
 use super::sweep;
 use crate::args::{
-    Backend, CutArgs, ImageArgs, PlanArgs, ResumeArgs, SchedulerArg, SimulateArgs, StatusArgs, SubmitArgs, TaskArgs,
-    VerifyArgs,
+    Assignment, Backend, CutArgs, ImageArgs, PlanArgs, ResumeArgs, SchedulerArg, SimulateArgs, StatusArgs, SubmitArgs,
+    TaskArgs, VerifyArgs,
 };
-use crate::batch::{ImageChoices, Plan, Requests, Scheduler, Simulation, Task};
+use crate::batch::{ImageChoices, MadeOf, Plan, Requests, Scheduler, Simulation, Task};
 use crate::report::{Exit, Failure, Outcome};
 use crate::source::{self, Yaml};
 use bind::Binding;
 use bind::binding::Color;
 use bind::data::{Source, Store};
-use frame::list::FrameList;
+use frame::list::{self, FrameList};
 use frame::run::RunReader;
-use sim::{model_file, run};
+use sim::model_file::{self, Replacement};
+use sim::run;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A film to cut into tasks.
@@ -164,18 +166,20 @@ impl From<SchedulerArg> for Scheduler {
 }
 
 /// The simulation of a combination of a sweep, from where it has got to.
-pub fn combination(model: &Path, home: &Path, index: usize) -> Outcome<SimulateJob> {
+pub fn combination(simulation: &Simulation, home: &Path, index: usize) -> Outcome<SimulateJob> {
+    let of_plan = |(path, value): &(String, String)| Assignment { path: path.clone(), value: value.clone() };
     SimulateJob::check(SimulateArgs {
-        model: model.into(),
+        model: simulation.model.clone(),
         output: Some(home.into()),
         until: None,
         resume: true,
         fresh: false,
-        set: vec![],
+        set: simulation.set.iter().map(of_plan).collect(),
         sweep_index: Some(index),
         plan: false,
         backend: Backend::Auto,
         csv: false,
+        preview: false,
     })
 }
 
@@ -198,13 +202,6 @@ fn home(input: &Path, output: Option<PathBuf>) -> PathBuf {
 
 /// Cut a film into tasks.
 fn plan(input: &Path, home: &Path, image: ImageArgs, cut: &CutArgs) -> Outcome<Plan> {
-    let choices = ImageChoices {
-        res: image.res,
-        samples: image.samples,
-        allow_program: image.allow_program.clone(),
-        allow_programs: image.allow_programs,
-        allow_outside: image.allow_outside,
-    };
     let frames = image.frames.clone();
     let options = ImageOptions::check(image, false)?;
     if !options.allow_outside {
@@ -213,17 +210,19 @@ fn plan(input: &Path, home: &Path, image: ImageArgs, cut: &CutArgs) -> Outcome<P
     spare_link(&Plan::folder(home), home)?;
     let fault = |e: std::io::Error| Failure::new(Exit::Fault, e.to_string());
     let mut plan = Plan::new(input, home, vec![]).map_err(fault)?;
-    (plan.images, plan.buckets, plan.frames_per_task) = (choices, cut.buckets, cut.frames_per_task);
+    (plan.images, plan.buckets, plan.frames_per_task) = (options.choices.clone(), cut.buckets, cut.frames_per_task);
     plan.flags = flags();
-    if let Some((model, binding)) = unfinished(input, home)? {
+    let set = replacements(cut.set.iter().map(|a| (&a.path, &a.value)));
+    if let Some((model, binding)) = unfinished(input, home, &set)? {
         simulation(&mut plan, &model, binding.as_ref(), frames, cut)?;
         return Ok(plan);
     }
-    if cut.segments > 1 || cut.chain > 1 {
-        let message = "--segments and --chain are of a simulation, and there is none to run: its data is there";
+    if cut.segments > 1 || cut.chain > 1 || !set.is_empty() {
+        let message = "--segments, --chain and --set are of a simulation, and there is none to run: its data is there";
         return Err(Failure::new(Exit::Usage, message));
     }
-    plan.frames = image_job(&plan, options)?.frames;
+    let (binding, source) = data_of(&plan)?;
+    plan.frames = ImageJob::resolve(binding, source, plan.images_folder(), &options)?.frames;
     Ok(plan)
 }
 
@@ -244,7 +243,7 @@ fn flags() -> Vec<String> {
 }
 
 /// The model that must be simulated first, and the metadata that names it, if there is one.
-fn unfinished(input: &Path, home: &Path) -> Outcome<Option<(PathBuf, Option<Binding>)>> {
+fn unfinished(input: &Path, home: &Path, set: &[Replacement]) -> Outcome<Option<(PathBuf, Option<Binding>)>> {
     if input.is_dir() || !input.exists() {
         return Ok(None);
     }
@@ -262,8 +261,10 @@ fn unfinished(input: &Path, home: &Path) -> Outcome<Option<(PathBuf, Option<Bind
         let message = format!("the model {} does not exist", model.display());
         return Err(Failure::new(Exit::Input, message));
     }
-    let (file, _) = model_file::read(&model)?;
-    let is_done = file.sweep.is_empty() && run::is_done(&file, home);
+    let (file, doc) = model_file::load(&model, set)?;
+    file.resolve(&doc)?;
+    // Of a model with other values, what is drawn is told by the run alone.
+    let is_done = set.is_empty() && file.sweep.is_empty() && run::is_done(&file, home);
     Ok((!is_done).then_some((model, binding)))
 }
 
@@ -275,12 +276,15 @@ fn simulation(
     frames: Option<FrameList>,
     cut: &CutArgs,
 ) -> Outcome {
-    let (file, doc) = model_file::load(model, &[])?;
+    let set = replacements(cut.set.iter().map(|a| (&a.path, &a.value)));
+    let (file, doc) = model_file::load(model, &set)?;
     let model = std::path::absolute(model).unwrap_or_else(|_| model.into());
     run_folder::spare_linked(&plan.home, &plan.home)?;
-    let mut simulation = Simulation { model, until: vec![], chain: cut.chain, sweep: 0 };
+    let of_plan = |r: &Replacement| (r.path.clone(), r.value.clone());
+    let mut simulation =
+        Simulation { model, until: vec![], chain: cut.chain, sweep: 0, set: set.iter().map(of_plan).collect() };
     if !file.sweep.is_empty() {
-        simulation.sweep = sweep::check(&file, &doc)?;
+        simulation.sweep = sweep::check(&file, &doc, &set)?;
         plan.simulation = Some(simulation);
         return Ok(());
     }
@@ -316,24 +320,65 @@ fn simulation(
     Ok(())
 }
 
-/// The images of a plan, of the frames that are there.
+/// The images of a plan, of the frames that are there; the others are those that the job lacks.
 pub fn images_of(plan: &Plan, frames: &[u64]) -> Outcome<ImageJob> {
-    let list = frames.iter().map(u64::to_string).collect::<Vec<_>>().join(",");
-    let choices = &plan.images;
+    let data = data_of(plan)?;
+    images_of_data(data, plan.images_folder(), &plan.images, frames)
+}
+
+/// The images of a folder by what its ledger says that they were made of, of some frames; none if that is not known, or is a model
+/// that must be simulated first. No programs are run for it.
+pub fn images_made_of(made: &MadeOf, folder: &Path, frames: &[u64]) -> Outcome<Option<ImageJob>> {
+    if !made.input().exists() {
+        return Ok(None);
+    }
+    let FramesJob { binding, origin, .. } = match made.input().is_dir() {
+        true => FramesJob::open(made.input())?,
+        false => FramesJob::of_yaml(made.input(), made.home().into(), false)?,
+    };
+    let source = match origin {
+        Origin::Data(source) => *source,
+        Origin::Finished => Store::Run(RunReader::open(made.home())?).into(),
+        Origin::Model(_) => return Ok(None),
+    };
+    let binding = match binding {
+        Some(binding) => binding,
+        None => source::metadata_of_run(made.home())?.0,
+    };
+    let choices = ImageChoices { allow_program: vec![], allow_programs: false, ..made.images.clone() };
+    images_of_data((binding, source), folder.into(), &choices, frames).map(Some)
+}
+
+fn images_of_data(
+    (binding, source): (Binding, Source),
+    folder: PathBuf,
+    choices: &ImageChoices,
+    frames: &[u64],
+) -> Outcome<ImageJob> {
+    let existing: BTreeSet<u64> = source.numbers().into_iter().collect();
+    let (there, lacking): (Vec<u64>, Vec<u64>) = frames.iter().partition(|frame| existing.contains(frame));
+    if there.is_empty() && !lacking.is_empty() {
+        let message = format!("the data has none of the frames of the film ({})", list::describe(&lacking));
+        return Err(Failure::new(Exit::Data, message));
+    }
+    let frames = there.iter().map(u64::to_string).collect::<Vec<_>>().join(",");
     let args = ImageArgs {
-        frames: list.parse().ok(),
+        frames: frames.parse().ok(),
         res: choices.res,
         samples: choices.samples,
         allow_program: choices.allow_program.clone(),
         allow_programs: choices.allow_programs,
         allow_outside: choices.allow_outside,
     };
-    image_job(plan, ImageOptions::check(args, false)?)
+    let mut job = ImageJob::resolve(binding, source, folder, &ImageOptions::check(args, false)?)?;
+    job.lacking = lacking;
+    Ok(job)
 }
 
-fn image_job(plan: &Plan, options: ImageOptions) -> Outcome<ImageJob> {
-    let (binding, source) = match &plan.simulation {
-        None => data_of(plan)?,
+/// The metadata and the data of a plan.
+fn data_of(plan: &Plan) -> Outcome<(Binding, Source)> {
+    Ok(match &plan.simulation {
+        None => data_without_simulation(plan)?,
         Some(_) => {
             let source: Source = Store::Run(RunReader::open(&plan.home)?).into();
             let binding = match source::kind_of(&plan.input)? {
@@ -342,12 +387,10 @@ fn image_job(plan: &Plan, options: ImageOptions) -> Outcome<ImageJob> {
             };
             (binding, source)
         }
-    };
-    ImageJob::resolve(binding, source, plan.images_folder(), &options)
+    })
 }
 
-/// The metadata and the data of a plan without a simulation.
-fn data_of(plan: &Plan) -> Outcome<(Binding, Source)> {
+fn data_without_simulation(plan: &Plan) -> Outcome<(Binding, Source)> {
     let is_folder = plan.input.is_dir() || !plan.input.exists();
     let FramesJob { binding, origin, .. } = if is_folder {
         FramesJob::open(&plan.input)?

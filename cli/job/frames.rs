@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 
 /// Frames to render, as far as they are known before a simulation.
 pub struct FramesJob {
+    /// The run directory, metadata file or model.
+    pub input: PathBuf,
     /// What to render of the frames; the metadata that the simulation writes beside its run if not given.
     pub binding: Option<Binding>,
     /// Where the frames come from.
@@ -48,6 +50,7 @@ impl FramesJob {
             }
             let (binding, source) = source::metadata_of_run(input)?;
             return Ok(FramesJob {
+                input: input.into(),
                 binding: Some(binding),
                 origin: Origin::Data(Box::new(source)),
                 home: input.into(),
@@ -67,7 +70,7 @@ impl FramesJob {
         match source::kind_of(input)? {
             Yaml::Model => {
                 let origin = Origin::of_model(input, &home, fresh)?;
-                Ok(FramesJob { binding: None, origin, home })
+                Ok(FramesJob { input: input.into(), binding: None, origin, home })
             }
             Yaml::Metadata => FramesJob::of_metadata(input, home, fresh),
         }
@@ -92,7 +95,7 @@ impl FramesJob {
                 return Err(binding.doc.fault("data", message).into());
             }
         };
-        Ok(FramesJob { binding: Some(binding), origin, home })
+        Ok(FramesJob { input: input.into(), binding: Some(binding), origin, home })
     }
 }
 

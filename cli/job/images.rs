@@ -2,6 +2,7 @@
 
 use super::run_folder::spare_link;
 use crate::args::ImageArgs;
+use crate::batch::ImageChoices;
 use crate::ledger::Ledger;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
@@ -28,12 +29,16 @@ pub struct ImageOptions {
     pub programs: Permission,
     /// Whether displays of scenes may be written outside of the output folder.
     pub allow_outside: bool,
+    /// The choices, as plans and ledgers keep them.
+    pub choices: ImageChoices,
 }
 
 impl ImageOptions {
     /// Check the arguments: find the programs that are allowed. Images that are up to date are kept unless `redraw` is set.
     pub fn check(args: ImageArgs, redraw: bool) -> Outcome<ImageOptions> {
         let ImageArgs { frames, res, samples, allow_program, allow_programs, allow_outside } = args;
+        let choices =
+            ImageChoices { res, samples, allow_program: allow_program.clone(), allow_programs, allow_outside };
         let find = |name: &String| {
             let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
             resolve(name).ok_or_else(missing)
@@ -43,7 +48,7 @@ impl ImageOptions {
             (false, true) => Permission::None,
             (false, false) => Permission::Named(allow_program.iter().map(find).collect::<Outcome<_>>()?),
         };
-        Ok(ImageOptions { frames, resolution: res, samples, redraw, programs, allow_outside })
+        Ok(ImageOptions { frames, resolution: res, samples, redraw, programs, allow_outside, choices })
     }
 }
 
@@ -57,7 +62,7 @@ pub struct ImageJob {
     pub files: Files,
     /// The frames, in order.
     pub frames: Vec<u64>,
-    /// Frames that an interrupted simulation did not reach, of those that are asked for.
+    /// Frames that an interrupted simulation did not reach, or that the data of a film has lost, of those that are asked for.
     pub lacking: Vec<u64>,
     /// The folder of the images.
     pub folder: PathBuf,

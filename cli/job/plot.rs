@@ -1,8 +1,8 @@
 //! The job of `scree plot`: the chosen columns of one run, one plot for those of one joint, body or sum that have the same unit; of
 //! several runs, one plot for each column with a curve for each run.
 
-mod names;
-mod table;
+pub(super) mod names;
+pub(super) mod table;
 
 use super::output;
 use super::run_folder::spare_link;
@@ -26,6 +26,7 @@ pub struct PlotJob {
 }
 
 /// A plot of curves that have the same unit.
+#[derive(Clone)]
 pub struct Plot {
     /// The plot's file name, without ending.
     pub name: String,
@@ -40,6 +41,7 @@ pub struct Plot {
 }
 
 /// A quantity over time.
+#[derive(Clone)]
 pub struct Curve {
     /// The curve's name in the legend.
     pub label: String,
@@ -104,7 +106,7 @@ fn no_paths(patterns: &[String], run: &Path) -> Outcome {
 }
 
 /// Keep the columns whose names match one of the patterns, or all if there are no patterns.
-fn choose(tables: &mut [TimeTable], patterns: &[String]) -> Outcome {
+pub(super) fn choose(tables: &mut [TimeTable], patterns: &[String]) -> Outcome {
     let names: BTreeSet<&str> = tables.iter().flat_map(|t| &t.columns).map(|c| c.name.as_str()).collect();
     if let Some(p) = patterns.iter().find(|p| !names.iter().any(|n| is_selected(p, n))) {
         let owners = names.iter().filter_map(|n| n.rsplit_once('.').map(|(owner, _)| owner));
@@ -146,8 +148,22 @@ impl Curve {
     }
 }
 
-/// One plot for the columns of one owner that have the same unit.
+/// The plots of one table, as files of their own.
 fn by_owner(run: &Path, table: TimeTable) -> Vec<Plot> {
+    // The tables of a folder have plots of their own.
+    let is_own = !run.is_file() || table::is_of_run(run);
+    let prefix = if is_own { String::new() } else { format!("{}_", output::stem(run)) };
+    let run = names::name_of(run);
+    let mut plots = of_owners(table);
+    for plot in &mut plots {
+        plot.name.insert_str(0, &prefix);
+        plot.title += &format!("  ({run})");
+    }
+    plots
+}
+
+/// One plot for the columns of each owner that have the same unit.
+pub(super) fn of_owners(table: TimeTable) -> Vec<Plot> {
     let mut plots: BTreeMap<(String, String), Vec<TimeColumn>> = BTreeMap::new();
     for column in table.columns {
         let owner = column.name.rsplit_once('.').map_or(column.name.as_str(), |(owner, _)| owner);
@@ -155,27 +171,17 @@ fn by_owner(run: &Path, table: TimeTable) -> Vec<Plot> {
         let frame = ["_joint", "_world"].into_iter().find(|frame| column.name.ends_with(frame)).unwrap_or("");
         plots.entry((format!("{owner}{frame}"), column.unit.clone())).or_default().push(column);
     }
-    // The tables of a folder have plots of their own.
-    let is_own = !run.is_file() || table::is_of_run(run);
-    let prefix = if is_own { String::new() } else { format!("{}_", output::stem(run)) };
-    let run = names::name_of(run);
     let plot = |((owner, unit), columns): ((String, String), Vec<TimeColumn>)| {
         let part = |c: &TimeColumn| c.name.rsplit_once('.').map_or(c.name.clone(), |(_, part)| part.into());
         let quantity = if columns.len() == 1 { part(&columns[0]) } else { String::new() };
         let curves = columns.into_iter().map(|c| Curve::new(&part(&c), c)).collect();
-        Plot {
-            name: format!("{prefix}{}", file_name(&owner, &unit)),
-            title: format!("{owner}  ({run})"),
-            quantity,
-            unit,
-            curves,
-        }
+        Plot { name: file_name(&owner, &unit), title: owner, quantity, unit, curves }
     };
     plots.into_iter().map(plot).collect()
 }
 
 /// One plot for each column, with a curve for each run that has it. Runs that have not are named.
-fn overlay(paths: &[PathBuf], tables: Vec<TimeTable>) -> Outcome<(Vec<Plot>, Vec<String>)> {
+pub(super) fn overlay(paths: &[PathBuf], tables: Vec<TimeTable>) -> Outcome<(Vec<Plot>, Vec<String>)> {
     let mut plots: Vec<Plot> = vec![];
     let labels = names::labels(paths);
     let mut all: BTreeMap<String, usize> = BTreeMap::new();

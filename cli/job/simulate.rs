@@ -3,7 +3,7 @@
 use super::output::default_folder;
 use super::run_folder;
 use super::sweep::SweepJob;
-use crate::args::{Assignment, Backend, SimulateArgs};
+use crate::args::{Backend, SimulateArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
 use sim::model_file::{self, ModelFile, Replacement, Resolved};
@@ -13,7 +13,12 @@ use std::path::PathBuf;
 /// What to simulate.
 pub enum SimulateJob {
     /// A model.
-    Run(Box<ModelRun>),
+    Run {
+        /// The run.
+        run: Box<ModelRun>,
+        /// Whether it is shown meanwhile.
+        preview: bool,
+    },
     /// A model with a sweep.
     Sweep(SweepJob),
 }
@@ -34,14 +39,16 @@ impl SimulateJob {
     /// Check the arguments: read the model with its values replaced.
     pub fn check(args: SimulateArgs) -> Outcome<SimulateJob> {
         cpu_only(args.backend)?;
-        let of_argument = |a: &Assignment| Replacement { path: a.path.clone(), value: a.value.clone(), written: None };
-        let set: Vec<Replacement> = args.set.iter().map(of_argument).collect();
+        let set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
         let (mut file, doc) = model_file::load(&args.model, &set)?;
         if args.csv {
             file.format = FrameFormat::Csv;
         }
         let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.model));
         guard::allow(&folder);
+        if args.preview && !file.sweep.is_empty() {
+            return Err(Failure::new(Exit::Usage, "--preview shows one run, and the model has a `sweep`"));
+        }
         if !file.sweep.is_empty() {
             return Ok(SimulateJob::Sweep(SweepJob::check(args, (&file, &doc), set, folder)?));
         }
@@ -55,8 +62,14 @@ impl SimulateJob {
         if !args.fresh {
             run_folder::check(&file, &folder, args.until)?;
         }
-        Ok(SimulateJob::Run(Box::new(ModelRun { file, resolved, folder, span })))
+        let run = Box::new(ModelRun { file, resolved, folder, span });
+        Ok(SimulateJob::Run { run, preview: args.preview })
     }
+}
+
+/// Values of the command line in place of the model's: paths and YAML.
+pub fn replacements<'a>(set: impl Iterator<Item = (&'a String, &'a String)>) -> Vec<Replacement> {
+    set.map(|(path, value)| Replacement { path: path.clone(), value: value.clone(), written: None }).collect()
 }
 
 /// Refuse the back end that is not built yet.

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub enum SweepJob {
     /// Simulate them, or one of them.
     Runs(Sweep),
-    /// List them for a job array.
+    /// List them.
     Plan(Plan),
 }
 
@@ -42,22 +42,12 @@ pub struct SweepRun {
     pub folder: PathBuf,
 }
 
-/// Combinations to list for a job array.
+/// Combinations to list.
 pub struct Plan {
     /// The combinations.
     pub combinations: Vec<Combination>,
-    /// The values of the command line that take the place of the model's.
-    pub set: Vec<Replacement>,
-    /// Whether frames are written as CSV.
-    pub csv: bool,
-    /// The time to simulate to, s, if it is not the model's duration.
-    pub until: Option<f64>,
-    /// The model.
-    pub model: PathBuf,
     /// The folder of the runs.
     pub folder: PathBuf,
-    /// Whether a job array that was edited is replaced.
-    pub fresh: bool,
 }
 
 /// A combination of values.
@@ -79,10 +69,7 @@ impl SweepJob {
     ) -> Outcome<SweepJob> {
         let combinations = combinations(file, doc)?;
         let n = combinations.len();
-        if let Some(r) = set.iter().find(|r| file.sweep.contains_key(&r.path)) {
-            let message = format!("--set {}={}: the model's `sweep` gives this key its values", r.path, r.value);
-            return Err(Failure::new(Exit::Usage, message));
-        }
+        spare_swept(file, &set)?;
         if RunReader::is_run(&folder) {
             let message = format!(
                 "{} is the directory of one run, and the model has a `sweep`\n  = -o DIR (--output) takes the folder of its runs",
@@ -113,20 +100,31 @@ impl SweepJob {
         });
         let (combinations, runs): (Vec<_>, Vec<_>) = runs.collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
         if args.plan {
-            let (csv, until, fresh) = (args.csv, args.until, args.fresh);
-            return Ok(SweepJob::Plan(Plan { combinations, set, csv, until, model: args.model, folder, fresh }));
+            return Ok(SweepJob::Plan(Plan { combinations, folder }));
         }
         let span = Span { until: args.until, resume: args.resume };
         Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
     }
 }
 
-/// Check the models of all combinations of a sweep; their number.
-pub fn check(file: &ModelFile, doc: &Document) -> Outcome<usize> {
+/// Refuse values of the command line for keys that have those of a sweep.
+fn spare_swept(file: &ModelFile, set: &[Replacement]) -> Outcome {
+    match set.iter().find(|r| file.sweep.contains_key(&r.path)) {
+        Some(r) => {
+            let message = format!("--set {}={}: the model's `sweep` gives this key its values", r.path, r.value);
+            Err(Failure::new(Exit::Usage, message))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Check the models of all combinations of a sweep, in which the values of `set` are replaced; their number.
+pub fn check(file: &ModelFile, doc: &Document, set: &[Replacement]) -> Outcome<usize> {
+    spare_swept(file, set)?;
     let combinations = combinations(file, doc)?;
     let variants = Variants::without_sweep(doc)?;
     for combination in &combinations {
-        let (file, doc) = variants.load(&combination.values)?;
+        let (file, doc) = variants.load(&[set, &combination.values].concat())?;
         file.resolve(&doc)?;
     }
     Ok(combinations.len())

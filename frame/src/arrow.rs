@@ -21,6 +21,14 @@ use std::sync::Arc;
 
 /// Encode a frame as the bytes of an Arrow IPC file; equal frames give equal bytes.
 pub fn encode(frame: &Frame) -> Vec<u8> {
+    let batch = batch(frame);
+    let mut writer = FileWriter::try_new(Vec::new(), &batch.schema()).expect("writing to memory");
+    writer.write(&batch).expect("writing to memory");
+    writer.into_inner().expect("writing to memory")
+}
+
+/// The columns of a frame, with their units.
+pub(crate) fn batch(frame: &Frame) -> RecordBatch {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for (field, column) in &frame.columns {
@@ -44,10 +52,7 @@ pub fn encode(frame: &Frame) -> Vec<u8> {
     let head = HashMap::from([("scree".to_string(), format!("frame={} time={}", frame.number, frame.time))]);
     let schema = Arc::new(Schema::new_with_metadata(fields, head));
     let options = arrow_array::RecordBatchOptions::new().with_row_count(Some(frame.rows()));
-    let batch = RecordBatch::try_new_with_options(schema.clone(), arrays, &options).expect("equal columns");
-    let mut writer = FileWriter::try_new(Vec::new(), &schema).expect("writing to memory");
-    writer.write(&batch).expect("writing to memory");
-    writer.into_inner().expect("writing to memory")
+    RecordBatch::try_new_with_options(schema, arrays, &options).expect("equal columns")
 }
 
 /// Read a frame from an Arrow IPC file. A file that scree wrote holds the frame's number and time (s); of any other file they are

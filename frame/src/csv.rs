@@ -92,8 +92,12 @@ struct Head<'a> {
 fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame, Fault> {
     let text = text.trim_start_matches('\u{feff}');
     let table = Table { path, text };
-    let is_data = |l: &&str| !l.trim().is_empty() && !l.trim_start().starts_with('#');
-    let Some(first) = text.lines().find(is_data) else { return without_rows(&table, number, layout) };
+    let Some(first) = text.lines().find(|line| is_data(line)) else { return without_rows(&table, number, layout) };
+    if layout == &Layout::default()
+        && let Some((at, lines)) = preamble(text)
+    {
+        return parse(path, &text[at..], number, layout).map_err(|fault| fault.moved(lines));
+    }
     let delimiter = layout.delimiter.unwrap_or_else(|| cells::sniff(first));
     let mut rows = Rows::new(text, delimiter);
     let mut row = Vec::new();
@@ -129,6 +133,44 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
         return Err(table.fault_of(cell, message).hint(ALIKE));
     }
     Ok(Frame { number, time: 0.0, columns: fields.into_iter().zip(columns).collect() })
+}
+
+/// Whether a line has cells: it is neither blank nor a remark.
+fn is_data(line: &str) -> bool {
+    !line.trim().is_empty() && !line.trim_start().starts_with('#')
+}
+
+/// What stands above the names of the columns, as a title or `sep=;`: the byte and the count of lines where the names begin. These are
+/// words, a row of as many numbers follows, and no line before them has as many cells.
+fn preamble(text: &str) -> Option<(usize, usize)> {
+    /// Lines that are looked at.
+    const LINES: usize = 40;
+    let mut start = 0;
+    let mut lines = vec![];
+    for (k, line) in text.split_inclusive('\n').enumerate().take(LINES) {
+        if is_data(line) {
+            lines.push((start, k, line.trim_end_matches(['\r', '\n'])));
+        }
+        start += line.len();
+    }
+    let of = |line: &str, kind: CellKind, delimiter: u8| {
+        cells::split(line, delimiter).iter().filter(|cell| kind_of(cell) == kind).count()
+    };
+    let is_head = |pair: &[(usize, usize, &str)]| {
+        let delimiter = cells::sniff(pair[1].2);
+        let below = cells::split(pair[1].2, delimiter);
+        let n = below.len();
+        let is_names = n >= 3
+            && cells::split(pair[0].2, delimiter).len() == n
+            && of(pair[0].2, CellKind::Number, delimiter) == 0
+            && of(pair[0].2, CellKind::Word, delimiter) + 1 >= n
+            && (2 * of(pair[1].2, CellKind::Number, delimiter) >= n || are_units(&below, n));
+        is_names.then_some((n, delimiter))
+    };
+    let head = lines.windows(2).position(|pair| is_head(pair).is_some()).filter(|k| *k > 0)?;
+    let (n, delimiter) = is_head(&lines[head..head + 2])?;
+    let is_above = |(_, _, line): &(usize, usize, &str)| cells::split(line, delimiter).len() != n;
+    lines[..head].iter().all(is_above).then_some((lines[head].0, lines[head].1))
 }
 
 /// Read the rows again, for the cells of the columns that have others than plain numbers.
@@ -193,8 +235,24 @@ fn head<'a>(
     if is_header {
         row.truncate(n);
         header = std::mem::take(row);
-        let own = with_units(&header, delimiter);
+        let mut own = with_units(&header, delimiter);
         n = own.len();
+        let mut below = rows.clone();
+        let mut units = Vec::new();
+        let mut values = Vec::new();
+        let is_read = |rows: &mut Rows<'a>, row: &mut Vec<&'a str>| rows.read(row).is_ok_and(|row| row.is_some());
+        if !told
+            && is_read(&mut below, &mut units)
+            && are_units(&units, n)
+            && is_read(&mut below.clone(), &mut values)
+            && values.iter().any(|cell| kind_of(cell) == CellKind::Number)
+        {
+            let unit = |(name, unit): (&mut String, &&str)| {
+                *name += &format!(" [{}]", unit.trim_matches(['[', ']', '(', ')']))
+            };
+            own.iter_mut().zip(&units).filter(|(name, _)| !name.ends_with(']')).for_each(unit);
+            *rows = below;
+        }
         found = Some(own);
     } else if let Some(remark) = remark {
         found = Some(remark);
@@ -210,6 +268,22 @@ fn head<'a>(
         return Err(table.fault(first.line, 1, message));
     }
     Ok(Head { names, header, first: (!is_header).then_some(first) })
+}
+
+/// Whether a row has the units of `n` columns, as some programs write it below their names.
+fn are_units(row: &[&str], n: usize) -> bool {
+    const UNITS: [&str; 40] = [
+        "-", "1", "", "m", "mm", "cm", "um", "µm", "μm", "km", "in", "ft", "s", "ms", "us", "min", "h", "m/s", "mm/s",
+        "cm/s", "m/s2", "m/s^2", "kg", "g", "t", "N", "kN", "mN", "N/m", "Nm", "N.m", "J", "W", "Pa", "kPa", "MPa",
+        "GPa", "K", "rad", "deg",
+    ];
+    let is_unit = |cell: &&str| {
+        let unit = cell.trim_matches(['[', ']', '(', ')']);
+        UNITS.contains(&unit)
+            || ["C", "°C", "°", "rad/s", "deg/s", "rpm", "1/s", "Hz", "kg/m3", "kg/m^3"].contains(&unit)
+    };
+    let has_length = row.iter().any(|cell| cell.trim_matches(['[', ']', '(', ')']).contains('m'));
+    row.len() == n && has_length && row.iter().all(is_unit)
 }
 
 /// Whether a first row names the columns: it has words, and no row like it follows. `remark`: the line above it names them already.
@@ -343,6 +417,27 @@ mod tests {
 
     fn names(text: &str) -> Vec<String> {
         read_text(text).unwrap().names().iter().map(|n| n.to_string()).collect()
+    }
+
+    #[test]
+    fn titles_and_units_are_told_from_rows() {
+        for text in [
+            "Exported on 2024-05-01, by EDEM\nParticles\nx,y,z,radius\n1,2,3,0.5\n2,2,3,0.5\n",
+            "sep=;\nx;y;z;radius\n1;2;3;0.5\n2;2;3;0.5\n",
+            "x|y|z|radius\n1|2|3|0.5\n2|2|3|0.5\n",
+            "[Name]\nBed 1\n\n[Data]\nx, y, z, radius\n[m],[m],[m],[m]\n1,2,3,0.5\n2,2,3,0.5\n",
+        ] {
+            let frame = parse(Path::new("a.csv"), text, 0, &Layout::default()).unwrap();
+            assert_eq!((frame.names(), frame.rows()), (vec!["x", "y", "z", "radius"], 2), "{text}");
+        }
+        let own = parse(Path::new("a.csv"), "x,v,k\nmm,m/s,-\n1,2,3\n", 0, &Layout::default()).unwrap();
+        let units: Vec<&str> = own.columns.iter().map(|(field, _)| field.unit.as_str()).collect();
+        assert_eq!((own.rows(), units), (1, vec!["mm", "m/s", "-"]));
+        // A header that lacks a name is no title, and words are no units.
+        let parsed = |text: &str| parse(Path::new("a.csv"), text, 0, &Layout::default());
+        assert!(parsed("x,y,z\n1,2,3,4\n1,2,3,4\n").is_err());
+        assert_eq!(parsed("kind,m\nm,m\ns,s\n").unwrap().rows(), 2);
+        assert_eq!(parsed("title\n\nx,y,z\n1,2,3\n1,2\n").unwrap_err().line, 5);
     }
 
     #[test]

@@ -102,6 +102,19 @@ pub fn gaps(frames: &[u64]) -> Option<(u64, Vec<u64>)> {
     (is_regular && steps.len() > 1 && !missing.is_empty()).then_some((step, missing))
 }
 
+/// The frames that are missing between others, as a sentence; none if none are.
+pub fn describe_gaps(frames: &[u64]) -> Option<String> {
+    /// Frames that are named.
+    const NAMED: usize = 8;
+    let (step, missing) = gaps(frames)?;
+    let names: Vec<String> = missing.iter().take(NAMED).map(u64::to_string).collect();
+    let are = match missing.len() {
+        1 => format!("frame {} is", names[0]),
+        n => format!("{n} frames ({}{}) are", names.join(", "), if n > NAMED { ", …" } else { "" }),
+    };
+    Some(format!("{are} missing between the others, which are {step} apart"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,17 +1,21 @@
 //! Parquet files as frames: columns of numbers, true and false as 1 and 0, and words (Apache Parquet, file format). Values that are
 //! missing are not-a-numbers, or empty words.
 
+mod pages;
+
 use crate::arrow::columns;
 use crate::{Fault, FaultKind, Frame};
+use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::Arc;
 
 /// What every Parquet file begins with.
 pub const MAGIC: &[u8] = b"PAR1";
 
 const DAMAGED: &str = "the file is cut off, damaged, or still being written";
-const PACKED: &str = "compressions that are read are snappy, gzip and lz4; write it so, as by: table.to_parquet(FILE, compression='snappy')";
+const PACKED: &str = "compressions that are read are snappy, gzip, lz4 and zstd; write it so, as by: table.to_parquet(FILE, compression='snappy')";
 
 /// Read a file as the frame `number`, at time 0.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
@@ -30,17 +34,23 @@ fn decode(path: &Path, number: u64) -> Result<Frame, Fault> {
         let hint = if said.contains("Disabled feature") { PACKED } else { DAMAGED };
         fault(path, format!("is not a Parquet file that can be read: {said}")).hint(hint)
     };
-    let file = guard::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let mut file = guard::open(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
+    let own = file.try_clone().map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     // The schema of Arrow that some writers add is not needed, and its decoder trusts it.
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(file, options).map_err(|e| damaged(&e))?;
-    for field in builder.schema().fields() {
-        if !columns::is_read(field.data_type()) {
-            let message = format!("column `{}` has the type {}", field.name(), field.data_type());
-            let hint = "columns that are read are of numbers, of true and false, or of words: leave the others out";
-            return Err(fault(path, message).hint(hint));
-        }
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(own, options).map_err(|e| damaged(&e))?;
+    // Columns of other types, as dates and lists, are left out.
+    let fields = builder.schema().fields();
+    let read: Vec<usize> = (0..fields.len()).filter(|k| columns::is_read(fields[*k].data_type())).collect();
+    if read.is_empty() {
+        let types: Vec<String> =
+            fields.iter().map(|f| format!("`{}` has the type {}", f.name(), f.data_type())).collect();
+        let hint = "columns that are read are of numbers, of true and false, or of words";
+        return Err(fault(path, format!("has no column that can be read: {}", types.join(", "))).hint(hint));
     }
+    let mask = ProjectionMask::roots(builder.parquet_schema(), read.iter().copied());
+    let schema = Arc::new(builder.schema().project(&read).map_err(|e| damaged(&e))?);
+    let too_large = || fault(path, format!("is too large: {}", guard::memory::Full));
     let (mut rows, mut bytes) = (0u64, 0u64);
     for group in builder.metadata().row_groups() {
         rows = rows.saturating_add(u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
@@ -50,15 +60,17 @@ fn decode(path: &Path, number: u64) -> Result<Frame, Fault> {
                 return Err(damaged(&"a part of it has a negative place or length"));
             }
             bytes = bytes.saturating_add(u64::try_from(column.uncompressed_size()).unwrap_or(u64::MAX));
+            if !pages::fit(&mut file, column, guard::memory::room()).map_err(|e| damaged(&e))? {
+                return Err(too_large());
+            }
         }
     }
     // Values are there as they are read, and as columns.
     let values = rows.saturating_mul(builder.schema().fields().len() as u64).saturating_mul(16);
     if values.max(bytes) > guard::memory::room() {
-        return Err(fault(path, format!("is too large: {}", guard::memory::Full)));
+        return Err(too_large());
     }
-    let schema = builder.schema().clone();
-    let reader = builder.with_batch_size(1 << 16).build().map_err(|e| damaged(&e))?;
+    let reader = builder.with_projection(mask).with_batch_size(1 << 16).build().map_err(|e| damaged(&e))?;
     let mut batches = vec![];
     for batch in reader {
         batches.push(batch.map_err(|e| damaged(&e))?);
@@ -79,9 +91,8 @@ mod tests {
     use arrow_ipc::CompressionType;
     use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
     use parquet::arrow::ArrowWriter;
-    use parquet::basic::{Compression, GzipLevel};
+    use parquet::basic::{Compression, GzipLevel, ZstdLevel};
     use parquet::file::properties::WriterProperties;
-    use std::sync::Arc;
 
     /// A table with columns of all kinds, some of whose values are missing.
     fn batch() -> RecordBatch {
@@ -127,9 +138,10 @@ mod tests {
             Compression::SNAPPY,
             Compression::GZIP(GzipLevel::default()),
             Compression::LZ4_RAW,
+            Compression::ZSTD(ZstdLevel::default()),
         ];
         let mut all: Vec<Vec<u8>> = compressions.into_iter().map(parquet).collect();
-        all.extend([None, Some(CompressionType::LZ4_FRAME)].map(feather));
+        all.extend([None, Some(CompressionType::LZ4_FRAME), Some(CompressionType::ZSTD)].map(feather));
         all
     }
 
@@ -175,20 +187,52 @@ mod tests {
                 }
             }
             std::fs::write(&path, &file).unwrap();
-            let own = if k % files.len() < 4 { read(&path, 0) } else { crate::arrow::read_table(&path, 0) };
+            let own = if k % files.len() < 5 { read(&path, 0) } else { crate::arrow::read_table(&path, 0) };
             n_bad += usize::from(own.is_err());
         }
         assert!(n_bad > 100, "{n_bad}");
     }
 
     #[test]
+    fn pages_that_unpack_without_end_are_refused() {
+        let zeros = RecordBatch::try_from_iter([("x", Arc::new(Float64Array::from(vec![0.0; 1 << 21])) as ArrayRef)]);
+        let zeros = zeros.unwrap();
+        for compression in [Compression::GZIP(GzipLevel::default()), Compression::ZSTD(ZstdLevel::default())] {
+            let options = WriterProperties::builder()
+                .set_compression(compression)
+                .set_dictionary_enabled(false)
+                .set_data_page_size_limit(1 << 30)
+                .set_data_page_row_count_limit(1 << 21)
+                .set_write_batch_size(1 << 21)
+                .build();
+            let mut writer = ArrowWriter::try_new(vec![], zeros.schema(), Some(options)).unwrap();
+            writer.write(&zeros).unwrap();
+            let bytes = writer.into_inner().unwrap();
+            let mut file = tempfile::tempfile().unwrap();
+            std::io::Write::write_all(&mut file, &bytes).unwrap();
+            let own = ParquetRecordBatchReaderBuilder::try_new(file.try_clone().unwrap()).unwrap();
+            let column = own.metadata().row_group(0).column(0);
+            let fits = |room: u64| pages::fit(&mut file.try_clone().unwrap(), column, room).unwrap();
+            assert!(fits(1 << 26) && !fits(1 << 22), "{compression}");
+            assert_eq!(frame(&bytes).unwrap().rows(), 1 << 21);
+        }
+    }
+
+    #[test]
     fn what_is_not_read_is_named() {
         let dates = arrow_array::Date32Array::from(vec![1, 2]);
-        let batch = RecordBatch::try_from_iter([("day", Arc::new(dates) as ArrayRef)]).unwrap();
-        let mut writer = ArrowWriter::try_new(vec![], batch.schema(), None).unwrap();
-        writer.write(&batch).unwrap();
-        let fault = frame(&writer.into_inner().unwrap()).unwrap_err();
-        assert!(fault.message.contains("column `day` has the type Date32"), "{fault}");
+        let written = |columns: Vec<(&str, ArrayRef)>| {
+            let batch = RecordBatch::try_from_iter(columns).unwrap();
+            let mut writer = ArrowWriter::try_new(vec![], batch.schema(), None).unwrap();
+            writer.write(&batch).unwrap();
+            writer.into_inner().unwrap()
+        };
+        let dates: ArrayRef = Arc::new(dates);
+        let fault = frame(&written(vec![("day", dates.clone())])).unwrap_err();
+        assert!(fault.message.contains("`day` has the type Date32"), "{fault}");
+        let numbers: ArrayRef = Arc::new(Float64Array::from(vec![1.0, 2.0]));
+        let own = frame(&written(vec![("day", dates.clone()), ("x", numbers), ("end", dates)])).unwrap();
+        assert_eq!((own.names(), own.column("x")), (vec!["x"], Some(&Column::F64(vec![1.0, 2.0]))));
         let whole = parquet(Compression::SNAPPY);
         assert!(frame(&whole[..whole.len() - 9]).unwrap_err().hint.unwrap().contains("cut off"));
     }

@@ -1,13 +1,14 @@
 //! PLY files as frames: the element `vertex` of a cloud of points or a mesh, a row for each vertex and a column for each property.
 //!
 //! Text, and binary in both orders of bytes, as G. Turk's "The PLY Polygon File Format" (1994) has it. Lists have no column, other
-//! elements are passed over.
+//! elements are passed over, but for the faces of a [mesh](crate::mesh).
 
 mod body;
 mod head;
 
-use crate::{Fault, FaultKind, Frame, gzip};
+use crate::{Column, Fault, FaultKind, Field, Frame, gzip};
 use body::{Bytes, Words};
+pub(crate) use head::Faces;
 use head::Format;
 use std::path::Path;
 
@@ -18,8 +19,12 @@ pub(crate) fn is_ply(start: &[u8]) -> bool {
 
 /// Read the vertices of a file as the frame `number`, at time 0.
 pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
-    let bytes = gzip::read(path)?;
-    let head = head::read(path, &bytes)?;
+    Ok(Frame { number, time: 0.0, columns: parse(path, &gzip::read(path)?, None)? })
+}
+
+/// The columns of the vertices that a file of these bytes has, and its faces where they are wanted.
+pub(crate) fn parse(path: &Path, bytes: &[u8], faces: Option<&mut Faces>) -> Result<Vec<(Field, Column)>, Fault> {
+    let head = head::read(path, bytes)?;
     let Some(vertex) = head.elements.iter().find(|element| element.name == "vertex") else {
         return Err(Fault::whole(FaultKind::Data, path, "has no element `vertex`, and so no rows"));
     };
@@ -33,18 +38,17 @@ pub fn read(path: &Path, number: u64) -> Result<Frame, Fault> {
         return Err(Fault::whole(FaultKind::Data, path, wrong));
     }
     let body = &bytes[head.length..];
-    let columns = match head.format {
-        Format::Text => Words::new(path, body, head.lines)?.vertices(&head.elements)?,
-        Format::Little => Bytes::<false>::new(path, body).vertices(&head.elements)?,
-        Format::Big => Bytes::<true>::new(path, body).vertices(&head.elements)?,
-    };
-    Ok(Frame { number, time: 0.0, columns })
+    match head.format {
+        Format::Text => Words::new(path, body, head.lines)?.read(&head.elements, faces),
+        Format::Little => Bytes::<false>::new(path, body).read(&head.elements, faces),
+        Format::Big => Bytes::<true>::new(path, body).read(&head.elements, faces),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Column, rows::tests::mutated};
+    use crate::rows::tests::mutated;
 
     const HEAD: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement camera 1\nproperty list uchar float view\n\
          element vertex 2\nproperty float x\nproperty double y\nproperty list uchar int near\nproperty uchar red\n\

@@ -11,7 +11,7 @@
 
 use crate::{Fault, FaultKind, Frame, arrow, atomic, csv, sequence};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 /// The version of the run directory's format that [`RunWriter`] writes and [`RunReader`] reads.
@@ -312,6 +312,23 @@ impl RunReader {
     /// Numbers of the frames, ascending.
     pub fn numbers(&self) -> Vec<u64> {
         self.by_number.keys().copied().collect()
+    }
+
+    /// Whether the files of all frames are what the run wrote; each is read.
+    pub fn is_whole(&self) -> bool {
+        let is_own = |entry: &FrameEntry| {
+            let bytes = guard::read(&self.folder.join(&entry.file)).unwrap_or_default();
+            blake3::hash(&bytes).to_hex().as_str() == entry.hash
+        };
+        self.index.frames.iter().all(is_own)
+    }
+
+    /// Number of frames whose files are there.
+    pub fn n_there(&self) -> usize {
+        let entries = std::fs::read_dir(self.folder.join("frames")).into_iter().flatten().flatten();
+        let names: HashSet<std::ffi::OsString> = entries.map(|entry| entry.file_name()).collect();
+        let name = |entry: &FrameEntry| Path::new(&entry.file).file_name().map(|name| name.to_os_string());
+        self.index.frames.iter().filter(|entry| name(entry).is_some_and(|name| names.contains(&name))).count()
     }
 
     /// Read a frame. An error if the run has no frame of this number, or if its file cannot be read or differs from the hash in

@@ -13,7 +13,7 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
     let entries = guard::permit(folder)
         .and_then(|()| std::fs::read_dir(folder))
         .map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?;
-    let mut found: BTreeMap<u64, PathBuf> = BTreeMap::new();
+    let mut files: Vec<PathBuf> = vec![];
     for entry in entries {
         let path = entry.map_err(|e| Fault::unreadable(FaultKind::Data, folder, &e))?.path();
         let Some(file) = path.file_name().and_then(|n| n.to_str()) else { continue };
@@ -24,8 +24,16 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
             let message = "is no file that can be read: a device, a pipe, or a link to a file that is gone";
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
-        let number = match number_in(file) {
-            None if digits(file).is_some() => {
+        files.push(path);
+    }
+    files.sort();
+    let decimals = decimals(&files, pattern)?;
+    let mut found: BTreeMap<u64, PathBuf> = BTreeMap::new();
+    for path in files {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        let own = if decimals == 0 { number_in(&file) } else { scaled(&file, decimals) };
+        let number = match own {
+            None if digits(&file).is_some() => {
                 return Err(Fault::whole(
                     FaultKind::Data,
                     &path,
@@ -40,12 +48,6 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
                 .hint("narrow the pattern: a frame's number is the last number in its file name"));
         }
         found.insert(number, path);
-    }
-    if let Some(path) = found.values().find(|path| found.len() > 1 && has_fraction(path)) {
-        let message = "has a number with a fraction in its name, and frames are counted by whole numbers";
-        return Err(Fault::whole(FaultKind::Data, path, message).hint(
-            "rename the files, as by: n=0; for f in $(ls p_*.csv | sort -V); do mv $f frame_$(printf %06d $n).csv; n=$((n+1)); done",
-        ));
     }
     if found.is_empty() {
         let message = format!("no file matches the pattern `{name}` in {}", folder.display());
@@ -143,14 +145,50 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// Whether the last number of a file's name is the fraction of a number, as a time: `p_0.15.csv`.
-fn has_fraction(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let stem = unpacked(&name).rsplit_once('.').map_or(&*name, |(stem, _)| stem);
-    let Some((whole, fraction)) = stem.rsplit_once('.') else { return false };
-    whole.ends_with(|c: char| c.is_ascii_digit())
-        && !fraction.is_empty()
-        && fraction.chars().all(|c| c.is_ascii_digit())
+/// The digits before and behind the point of a number at the end of a file's name, as of a time: `p_0.15.csv`.
+fn fraction(file: &str) -> Option<(&str, &str)> {
+    let file = unpacked(file);
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    let (whole, fraction) = stem.rsplit_once('.')?;
+    let start = whole.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| i + 1);
+    let is_number = start < whole.len() && whole.is_char_boundary(start);
+    let is_fraction = !fraction.is_empty() && fraction.bytes().all(|b| b.is_ascii_digit());
+    (is_number && is_fraction).then(|| (&whole[start..], fraction))
+}
+
+/// Decimals by which the numbers in the names of files are counted: 0 where they are whole numbers, or where all have the same digits before
+/// the point, so that those behind it count. An error if it is not known which.
+fn decimals(files: &[PathBuf], pattern: &Path) -> Result<usize, Fault> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let names: Vec<String> = files.iter().map(name).collect();
+    let fractions: Vec<(&str, &str)> = names.iter().filter_map(|name| fraction(name)).collect();
+    let Some(((whole, first), file)) =
+        fractions.first().copied().zip(files.iter().find(|f| fraction(&name(f)).is_some()))
+    else {
+        return Ok(0);
+    };
+    if files.len() == 1 {
+        return Ok(0);
+    }
+    let is_one_whole = fractions.len() == files.len() && fractions.iter().all(|(w, _)| *w == whole);
+    match (is_one_whole, fractions.iter().all(|(_, f)| f.len() == first.len())) {
+        (true, true) => Ok(0),
+        // Times below one.
+        (true, false) if whole != "0" => {
+            let message = "has a number with a point in its name, and so have the others, of other lengths: they are times or versions";
+            let pattern = pattern.display();
+            Err(Fault::whole(FaultKind::Data, file, message).hint(format!(
+                "number the files, in this order: n=0; for f in $(ls {pattern} | sort -V); do mv \"$f\" frame_$(printf %06d $n).csv; n=$((n+1)); done"
+            )))
+        }
+        _ => Ok(fractions.iter().map(|(_, fraction)| fraction.len()).max().unwrap_or(0)),
+    }
+}
+
+/// The number at the end of a file's name in units of its last decimal: `p_0.5.csv` is 50 of two decimals.
+fn scaled(file: &str, decimals: usize) -> Option<u64> {
+    let (whole, fraction) = fraction(file).or_else(|| Some((digits(file)?, "")))?;
+    format!("{whole}{fraction:0<decimals$}").parse().ok()
 }
 
 /// The frame number in a file name, if any: its ending if that is one, `dump.100`, or else the last run of digits before that.
@@ -192,15 +230,31 @@ mod tests {
     }
 
     #[test]
+    fn numbers_with_a_point_count_by_their_decimals() {
+        let numbers = |names: &[&str]| {
+            let scratch = tempfile::tempdir().unwrap();
+            names.iter().for_each(|name| std::fs::write(scratch.path().join(name), "").unwrap());
+            find(&scratch.path().join("*.csv")).map(|found| found.into_keys().collect::<Vec<_>>())
+        };
+        assert_eq!(numbers(&["t0.5.csv", "t1.csv", "t1.25.csv"]).unwrap(), [50, 100, 125]);
+        assert_eq!(numbers(&["run2.0001.csv", "run2.0010.csv"]).unwrap(), [1, 10]);
+        assert_eq!(numbers(&["run2.5.csv"]).unwrap(), [5]);
+        assert_eq!(numbers(&["t_0.1.csv", "t_0.25.csv"]).unwrap(), [10, 25]);
+        let fault = numbers(&["run2.9.csv", "run2.10.csv"]).unwrap_err();
+        assert!(fault.message.contains("times or versions") && fault.hint.unwrap().contains("*.csv"));
+        assert!(numbers(&["t1.5.csv", "t99999999999999999999.5.csv"]).is_err());
+    }
+
+    #[test]
     fn numbers_and_patterns() {
         assert_eq!(number_in("p_0003.csv"), Some(3));
         assert_eq!(number_in("run2_frame12.dat"), Some(12));
         assert_eq!(["bed.csv", "bed", "bed.csv.gz"].map(number_in), [None; 3]);
         let numbered = ["p_0007.csv.gz", "dump.7", "dump.7.gz", "run1.data.7", "p_7.mp4.gz", "p_7.5"];
         assert_eq!(numbered.map(number_in), [Some(7); 6]);
-        let is_fraction = ["p_0.15.csv", "p.15.csv", "p_0.15b.csv", "v1.2_3.csv"].map(|p| has_fraction(Path::new(p)));
-        assert_eq!(is_fraction, [true, false, false, false]);
-        assert!(has_fraction(Path::new("p_0.15.csv.gz")) && !has_fraction(Path::new("p_15.csv.gz")));
+        let fractions =
+            ["p_0.15.csv", "p.15.csv", "p_0.15b.csv", "v1.2_3.csv", "p_0.15.csv.gz", "p_15.csv.gz"].map(fraction);
+        assert_eq!(fractions, [Some(("0", "15")), None, None, None, Some(("0", "15")), None]);
         assert!(is_table(Path::new("a.CSV.gz")) && !is_table(Path::new("a.rib.gz")));
         assert!(matches("p_*.csv", "p_0003.csv") && matches("bed.csv", "bed.csv") && matches("*a*b", "xaybzb"));
         assert_eq!(

@@ -158,7 +158,9 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, Stored>, Fault> {
         for (k, (step, place)) in parts.into_iter().enumerate() {
             let step = step.or(is_counted.then_some(k as u64));
             let step = step.ok_or_else(|| without_step(&path, k, is_alone))?;
-            if let Some(other) = found.insert(step, Stored::new(path.clone(), kind, place)) {
+            // A run that was gone on with writes the step of its restart again: the later table counts.
+            let other = found.insert(step, Stored::new(path.clone(), kind, place));
+            if let Some(other) = other.filter(|other| other.path != path) {
                 let message = format!("has the time step {step}, and so has {}", other.path.display());
                 return Err(
                     Fault::whole(FaultKind::Data, &path, message).hint("a time step is a frame: each may stand once")

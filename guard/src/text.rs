@@ -1,5 +1,7 @@
 //! Text from data and models on its way to a place where some characters do more than stand there. There is one function a place.
 
+pub mod html;
+
 use std::borrow::Cow;
 
 /// Whether a character, printed, moves the cursor, changes colours, or turns the order of what is read.

@@ -91,13 +91,14 @@ pub fn model_hash(file: &ModelFile) -> String {
     frame::run::hash_text(&identity(file).to_yaml())
 }
 
-/// Whether a folder has a complete run of a model, of its whole duration.
+/// Whether a folder has a complete run of a model, of its whole duration, with all of its frames as they were written.
 pub fn is_done(file: &ModelFile, folder: &Path) -> bool {
     RunReader::open(folder).is_ok_and(|run| {
         run.index.complete
             && run.index.model_hash == model_hash(file)
             && run.index.expected_frames == n_frames(file.whole_duration(), file.frame_rate)
             && run.index.frames.len() as u64 == run.index.expected_frames
+            && run.is_whole()
     })
 }
 

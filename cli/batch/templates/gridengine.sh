@@ -1,4 +1,5 @@
 #!/bin/bash
+# shellcheck disable=SC2016
 #$ -S /bin/bash
 #$ -N {{ name }}
 #$ -j y
@@ -32,6 +33,9 @@
 #$ {{ directive }}
 {% endfor %}
 set -u
+{% if redirect %}
+{{ redirect }}
+{% endif %}
 cd {{ folder }} || exit 1
 {% if setup %}
 {{ setup }}

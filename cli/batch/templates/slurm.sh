@@ -1,4 +1,5 @@
 #!/bin/bash
+# shellcheck disable=SC2016
 #SBATCH --job-name={{ name }}
 #SBATCH --output={{ log }}
 #SBATCH --open-mode=append
@@ -28,7 +29,7 @@
 {% endif %}
 {% if requeue %}
 #SBATCH --requeue
-#SBATCH --signal=B:TERM@30
+#SBATCH --signal=B:USR1@30
 {% else %}
 #SBATCH --no-requeue
 {% endif %}
@@ -36,14 +37,19 @@
 #SBATCH {{ directive }}
 {% endfor %}
 set -u
+{% if redirect %}
+{{ redirect }}
+{% endif %}
 cd {{ folder }} || exit 1
 {% if setup %}
 {{ setup }}
 {% endif %}
 {% if requeue %}
-# The signal before the time limit comes to this shell; a task that it interrupts is queued again.
+# A signal before the time limit comes to this shell: the task that it interrupts is queued again, one that was cancelled is not.
 {{ command }} &
 task=$!
+again=no
+trap 'again=yes; kill -TERM "$task"' USR1
 trap 'kill -TERM "$task"' TERM
 wait "$task"
 status=$?
@@ -51,7 +57,7 @@ while kill -0 "$task" 2>/dev/null; do
     wait "$task"
     status=$?
 done
-if [ "$status" -eq 130 ]; then
+if [ "$status" -eq 130 ] && [ "$again" = yes ]; then
     scontrol requeue "$SLURM_JOB_ID"
 fi
 exit "$status"

@@ -1,4 +1,5 @@
 #!/bin/bash
+# shellcheck disable=SC2016
 #PBS -N {{ name[:15] }}
 #PBS -j oe
 #PBS -o {{ log }}
@@ -25,6 +26,9 @@
 #PBS {{ directive }}
 {% endfor %}
 set -u
+{% if redirect %}
+{{ redirect }}
+{% endif %}
 cd {{ folder }} || exit 1
 {% if setup %}
 {{ setup }}

@@ -46,12 +46,17 @@ pub fn find(path: &Path) -> Outcome<Vec<PathBuf>> {
     }
     let entries = std::fs::read_dir(path).map_err(|e| Fault::unreadable(FaultKind::Data, path, &e))?;
     let is_run = |p: &PathBuf| p.is_dir() && is_table(p);
-    let mut runs: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(is_run).collect();
+    let runs: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(is_run).collect();
     if runs.is_empty() {
         return Err(fault("is no run directory (it has no run.json), and none of its folders is one").into());
     }
+    Ok(in_natural_order(runs))
+}
+
+/// Runs in the order of their names, by which `2` comes before `10`.
+pub fn in_natural_order(mut runs: Vec<PathBuf>) -> Vec<PathBuf> {
     runs.sort_by_cached_key(|run| natural_order(&super::names::name_of(run)));
-    Ok(runs)
+    runs
 }
 
 /// The sort key of a name by which `2` comes before `10`: numbers are compared as numbers.

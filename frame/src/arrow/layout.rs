@@ -219,25 +219,26 @@ fn any_columns(batch: &RecordBatch<'_>, body: &[u8], shapes: &[Shape]) -> Result
     {
         return Err("it has not the buffers that its columns need".into());
     }
-    let is_packed = match batch.compression().map(|own| own.codec()) {
-        None => false,
-        Some(CompressionType::LZ4_FRAME) => true,
-        Some(_) => return Err("it is not compressed by LZ4: write it by LZ4, or without compression".into()),
+    // What a compression makes of a byte at most.
+    let most = match batch.compression().map(|own| own.codec()) {
+        None => None,
+        Some(CompressionType::LZ4_FRAME) => Some(255),
+        Some(CompressionType::ZSTD) => Some(1 << 16),
+        Some(_) => return Err("it is compressed neither by LZ4 nor by zstd".into()),
     };
     let mut room = guard::memory::room();
     let mut length = |k: usize| -> Option<usize> {
         let own = buffers.get(k);
         let (start, length) = (usize::try_from(own.offset()).ok()?, usize::try_from(own.length()).ok()?);
         let bytes = body.get(start..start.checked_add(length)?)?;
-        if !is_packed || bytes.is_empty() {
+        if most.is_none() || bytes.is_empty() {
             return Some(length);
         }
         // The count of bytes stands before them, or -1 if they are not compressed.
         let count = i64::from_le_bytes(*bytes.first_chunk()?);
         let length = if count == -1 { length - 8 } else { usize::try_from(count).ok()? };
         room = room.checked_sub(length as u64)?;
-        // LZ4 makes no more of a byte.
-        (length <= bytes.len().saturating_mul(255)).then_some(length)
+        (length <= bytes.len().saturating_mul(most.unwrap_or(1))).then_some(length)
     };
     let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
     let mut first = 0;

@@ -136,7 +136,7 @@ pub(super) fn split(line: &str, delimiter: u8) -> Vec<&str> {
     }
 }
 
-/// The separator of a line: the first of tab, semicolon and comma that it has outside quotes, else blanks. Commas within numbers that
+/// The separator of a line: the first of tab, semicolon, bar and comma that it has outside quotes, else blanks. Commas within numbers that
 /// blanks separate are decimal: `0,5 1,5`.
 pub(super) fn sniff(line: &str) -> u8 {
     let mut found = b' ';
@@ -144,7 +144,8 @@ pub(super) fn sniff(line: &str) -> u8 {
         match byte {
             b'\t' => return b'\t',
             b';' => found = b';',
-            b',' if found != b';' => found = b',',
+            b'|' if found != b';' => found = b'|',
+            b',' if found != b';' && found != b'|' => found = b',',
             _ => {}
         }
     }
@@ -201,6 +202,7 @@ mod tests {
             ("2020-01-01 12:00,1,2", b','),
             ("a b,c", b','),
             ("a\tb;c", b'\t'),
+            ("a|1,5|b", b'|'),
             ("a b", b' '),
         ] {
             assert_eq!(sniff(line) as char, expected as char, "{line}");

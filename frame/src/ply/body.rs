@@ -1,6 +1,6 @@
 //! The numbers of a PLY file, as text and in binary.
 
-use super::head::{Element, Property, Type};
+use super::head::{Element, Faces, Property, Type};
 use crate::rows::Lines;
 use crate::{Column, Fault, FaultKind, Field, text};
 use guard::memory;
@@ -38,12 +38,12 @@ impl<'a> Words<'a> {
         Ok(Words { path, text, before })
     }
 
-    /// The columns of the vertices.
-    pub(super) fn vertices(&self, elements: &[Element]) -> Result<Vec<(Field, Column)>, Fault> {
-        self.read(elements).map_err(|fault| fault.moved(self.before))
+    /// The columns of the vertices, and the faces where they are wanted.
+    pub(super) fn read(&self, elements: &[Element], faces: Option<&mut Faces>) -> Result<Vec<(Field, Column)>, Fault> {
+        self.elements(elements, faces).map_err(|fault| fault.moved(self.before))
     }
 
-    fn read(&self, elements: &[Element]) -> Result<Vec<(Field, Column)>, Fault> {
+    fn elements(&self, elements: &[Element], mut faces: Option<&mut Faces>) -> Result<Vec<(Field, Column)>, Fault> {
         let mut lines = Lines::new(self.path, &self.text);
         let mut found = vec![];
         for element in elements.iter().filter(|element| !element.properties.is_empty()) {
@@ -63,9 +63,10 @@ impl<'a> Words<'a> {
                         Some((_, column)) => push(column, property, word),
                         None => Ok(()),
                     };
-                    walk(&element.properties, &mut row, &mut put)
+                    walk(&element.properties, &mut row, &mut put, None)
                 } else {
-                    walk(&element.properties, &mut row, &mut |_, _| Ok(()))
+                    let faces = faces.as_deref_mut().filter(|_| element.is_face());
+                    walk(&element.properties, &mut row, &mut |_, _| Ok(()), faces)
                 }
                 .map_err(|message| match message {
                     None => {
@@ -86,18 +87,27 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Give the words of a row to `put`, but for those of lists. An error without a message if there are too few.
+/// Give the words of a row to `put`, but for those of lists; the corners of a face are added to `faces`. An error without a message if
+/// there are too few.
 fn walk<'w>(
     properties: &[Property],
     row: &mut impl Iterator<Item = &'w str>,
     put: &mut impl FnMut(&Property, &'w str) -> Result<(), String>,
+    mut faces: Option<&mut Faces>,
 ) -> Result<(), Option<String>> {
     for property in properties {
         let word = row.next().ok_or(None)?;
         if property.list.is_some() {
             let n: u64 = word.parse().map_err(|_| Some(format!("`{word}` is no count of a list")))?;
+            let mut faces = faces.as_deref_mut().filter(|_| property.is_corners());
             for _ in 0..n {
-                row.next().ok_or(None)?;
+                let word = row.next().ok_or(None)?;
+                if let Some(faces) = &mut faces {
+                    faces.corners.push(word.parse().map_err(|_| Some(format!("`{word}` is no number of a vertex")))?);
+                }
+            }
+            if let Some(faces) = faces {
+                faces.arities.push(n as u32);
             }
         } else {
             put(property, word).map_err(Some)?;
@@ -128,8 +138,12 @@ impl<'a, const BIG: bool> Bytes<'a, BIG> {
         Bytes { path, bytes }
     }
 
-    /// The columns of the vertices.
-    pub(super) fn vertices(mut self, elements: &[Element]) -> Result<Vec<(Field, Column)>, Fault> {
+    /// The columns of the vertices, and the faces where they are wanted.
+    pub(super) fn read(
+        mut self,
+        elements: &[Element],
+        mut faces: Option<&mut Faces>,
+    ) -> Result<Vec<(Field, Column)>, Fault> {
         let mut found = vec![];
         for element in elements.iter().filter(|element| !element.properties.is_empty()) {
             // A row has no fewer bytes than this.
@@ -143,7 +157,8 @@ impl<'a, const BIG: bool> Bytes<'a, BIG> {
             let mut columns = if is_vertex { columns(self.path, element, count)? } else { vec![] };
             if element.properties.iter().any(|property| property.list.is_some()) {
                 for k in 0..count {
-                    self.row(element, &mut columns).ok_or_else(|| self.truncated(element, Some(k)))?;
+                    let faces = faces.as_deref_mut().filter(|_| element.is_face());
+                    self.row(element, &mut columns, faces).ok_or_else(|| self.truncated(element, Some(k)))?;
                 }
             } else {
                 let (rows, rest) = self.bytes.split_at(count * least);
@@ -171,7 +186,7 @@ impl<'a, const BIG: bool> Bytes<'a, BIG> {
     }
 
     /// Read a row that has lists; none if the file ends in it.
-    fn row(&mut self, element: &Element, columns: &mut [(Field, Column)]) -> Option<()> {
+    fn row(&mut self, element: &Element, columns: &mut [(Field, Column)], mut faces: Option<&mut Faces>) -> Option<()> {
         let mut columns = columns.iter_mut();
         for property in &element.properties {
             match property.list {
@@ -179,7 +194,16 @@ impl<'a, const BIG: bool> Bytes<'a, BIG> {
                     let mut count = Column::I64(vec![]);
                     push_bytes::<BIG>(&mut count, list, self.take(list.size())?);
                     let n = usize::try_from(count.number(0)? as i64).ok()?;
-                    self.take(n.checked_mul(property.of.size())?)?;
+                    let list = self.take(n.checked_mul(property.of.size())?)?;
+                    if let Some(faces) = faces.as_deref_mut().filter(|_| property.is_corners()) {
+                        let mut corners = Column::I64(Vec::with_capacity(n));
+                        list.chunks_exact(property.of.size())
+                            .for_each(|bytes| push_bytes::<BIG>(&mut corners, property.of, bytes));
+                        // What is no number of a vertex is none that a mesh has.
+                        let corner = |k: usize| corners.number(k).map_or(u32::MAX, |x| x as u32);
+                        faces.corners.extend((0..n).map(corner));
+                        faces.arities.push(n as u32);
+                    }
                 }
                 None => {
                     let bytes = self.take(property.of.size())?;

@@ -50,11 +50,26 @@ pub(super) struct Property {
     pub(super) list: Option<Type>,
 }
 
+impl Property {
+    /// Whether it has the corners of a face.
+    pub(super) fn is_corners(&self) -> bool {
+        let is_whole = !matches!(self.of, Type::F32 | Type::F64);
+        is_whole && self.list.is_some() && ["vertex_indices", "vertex_index"].contains(&self.name.as_str())
+    }
+}
+
 /// Rows of one kind.
 pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    /// Whether its rows are the faces of a mesh.
+    pub(super) fn is_face(&self) -> bool {
+        self.name == "face"
+    }
 }
 
 /// How numbers are written.
@@ -63,6 +78,15 @@ pub(super) enum Format {
     Text,
     Little,
     Big,
+}
+
+/// Polygons by the numbers of their vertices.
+#[derive(Default)]
+pub(crate) struct Faces {
+    /// Count of corners of each polygon.
+    pub(crate) arities: Vec<u32>,
+    /// Vertices of the corners.
+    pub(crate) corners: Vec<u32>,
 }
 
 /// The lines before the numbers.

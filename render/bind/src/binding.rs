@@ -13,5 +13,5 @@ mod object;
 mod resolved;
 
 pub use check::{delimiter, some_objects};
-pub use object::{Color, Formula, Object, Shader, Shape};
+pub use object::{Archive, Color, Formula, Object, Shader, Shape};
 pub use resolved::{Binding, Camera, Data, ImageFormat, Lens, Output, Place, Placed, Projection};

@@ -17,8 +17,9 @@ mod missing;
 mod shapes;
 
 use crate::binding::{Binding, Color, ImageFormat, Output};
+pub use camera::Stand;
 use frame::{Fault, Frame};
-use instances::Prepared;
+pub use instances::{Group, Prepared};
 pub use missing::{Lack, Missing};
 use ri::files::Files;
 use ri::reader::{self, RibError};
@@ -110,8 +111,14 @@ pub fn color_ranges(binding: &Binding, frame: &Frame) -> Vec<Option<[f64; 2]>> {
     binding.objects.iter().enumerate().map(range).collect()
 }
 
-/// The instances of all objects, and what the rows lack.
-fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
+/// Where the camera of a frame stands, if the binding places it. An error if it follows rows that the frame does not have.
+pub fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
+    camera::stand(binding, frame)
+}
+
+/// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number, not finite or a
+/// size that is not above 0.
+pub fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
     let mut missing = Missing::default();
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
@@ -232,13 +239,15 @@ fn inject_objects(
             }
             ri.displacement(&displacement.name, displacement.params.clone())?;
         }
-        if let Some(handle) = &p.handle {
-            ri.object_begin(handle)?;
-            shapes::define(&p.object.shape, files, ri)?;
-            ri.object_end()?;
-        }
-        for instances in &p.instances {
-            ri.instances(instances.clone())?;
+        for group in &p.groups {
+            if let Some(handle) = &group.handle {
+                ri.object_begin(handle)?;
+                shapes::define(&p.object.shape, group.archive, files, ri)?;
+                ri.object_end()?;
+            }
+            for instances in &group.instances {
+                ri.instances(instances.clone())?;
+            }
         }
         ri.attribute_end()?;
     }

@@ -223,7 +223,12 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
                 "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
                 other => {
                     // Hulls, meshes and height fields lie beside the frames as archives.
-                    let archive = ArchiveSpec { file: format!("geometry/{other}.rib"), scale: Quantity::Number(1.0) };
+                    let archive = ArchiveSpec {
+                        file: Some(format!("geometry/{other}.rib")),
+                        column: None,
+                        files: Default::default(),
+                        scale: Quantity::Number(1.0),
+                    };
                     let ground = other.starts_with("height_field");
                     let (surface, color) =
                         if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };

@@ -160,13 +160,13 @@ fn dice_or_split(
     }
     let last = instants[1..].last().map(&moved);
     if camera.perspective && min.z <= camera.near {
-        // What displacement may move about is not worth looking at more closely than that; nor, of what moves into view, less
-        // than half a pixel there.
+        // What displacement may move about is not worth looking at more closely than that; nor less than half a pixel, at the near
+        // plane or where it moves into view.
         let row = |j: usize| path(&[p[4 * j], p[4 * j + 1], p[4 * j + 2], p[4 * j + 3]]);
         let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
-        if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach) {
+        if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach).max(0.5 / camera.pixels_at(camera.near)) {
             queue.split((subject.item, k), &p, piece, reach, u >= v);
         }
         return;

@@ -4,10 +4,9 @@ use super::types::*;
 use crate::ShapeKind;
 use crate::geometry::{Hull, Surface};
 use crate::shape::FARTHEST;
-use frame::Fault;
 use frame::yaml::Document;
+use frame::{Fault, mesh};
 use glam::{DQuat, DVec3};
-use std::io::BufReader;
 use std::path::Path;
 
 /// A resolved shape.
@@ -190,7 +189,7 @@ fn hull_shape(doc: &Document, key: &str, file: &HullFile) -> Result<Shape, Fault
     Ok(Shape { hull: Some(hull), shift: centre, ..Shape::simple(ShapeKind::Hull, size) })
 }
 
-/// Vertices of an OBJ or STL file. An OBJ of vertices alone is a cloud of points.
+/// Vertices of an OBJ, STL or PLY file. An OBJ of vertices alone is a cloud of points.
 fn read_vertices(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<Vec<DVec3>, Fault> {
     let (vertices, _) = read_triangles(doc, key, path, scale)?;
     if !vertices.is_empty() {
@@ -205,42 +204,15 @@ fn read_vertices(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<V
     Ok(text.lines().filter_map(|line| vertex(line.trim())).collect())
 }
 
-/// Vertices and triangles of an OBJ or STL file.
+/// Vertices and triangles of an OBJ, STL or PLY file.
 fn read_triangles(doc: &Document, key: &str, path: &Path, scale: f64) -> Result<(Vec<DVec3>, Vec<[u32; 3]>), Fault> {
-    let fail = |why: String| doc.fault(key, format!("{}: {why}", path.display()));
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    let (vertices, triangles): (Vec<DVec3>, Vec<[u32; 3]>) = match ending.as_str() {
-        "obj" => {
-            let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-            let mut file = BufReader::new(guard::open(path).map_err(|e| fail(e.to_string()))?);
-            // Only the shape is wanted: files of materials that it names are not opened.
-            let no_materials = |_: &Path| Ok((vec![], Default::default()));
-            let (models, _) = tobj::load_obj_buf(&mut file, &options, no_materials).map_err(|e| fail(e.to_string()))?;
-            let (mut vertices, mut triangles) = (vec![], vec![]);
-            for m in models {
-                let first = vertices.len() as u32;
-                vertices.extend(
-                    m.mesh.positions.chunks_exact(3).map(|p| DVec3::new(p[0].into(), p[1].into(), p[2].into())),
-                );
-                triangles.extend(m.mesh.indices.chunks_exact(3).map(|t| [t[0] + first, t[1] + first, t[2] + first]));
-            }
-            (vertices, triangles)
-        }
-        "stl" => {
-            let mut file = guard::open(path).map_err(|e| fail(e.to_string()))?;
-            let mesh = stl_io::read_stl(&mut file).map_err(|e| fail(e.to_string()))?;
-            let point = |v: &stl_io::Vertex| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-            (
-                mesh.vertices.iter().map(point).collect(),
-                mesh.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect(),
-            )
-        }
-        _ => return Err(fail("is neither an .obj nor an .stl file".into())),
-    };
-    if vertices.iter().any(|v| !v.is_finite()) {
-        return Err(fail("has a vertex that is not finite".into()));
+    let (mut vertices, mut triangles) = (vec![], vec![]);
+    for mesh in mesh::read(path).map_err(|fault| doc.fault(key, fault.to_string()))? {
+        let first = vertices.len() as u32;
+        vertices.extend(mesh.points.iter().map(|p| DVec3::from_array(*p) * scale));
+        triangles.extend(mesh.triangles().iter().map(|t| t.map(|k| k + first)));
     }
-    Ok((vertices.into_iter().map(|v| v * scale).collect(), triangles))
+    Ok((vertices, triangles))
 }
 
 fn height_field_shape(doc: &Document, key: &str, file: &HeightFieldFile) -> Result<Shape, Fault> {

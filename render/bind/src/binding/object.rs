@@ -62,8 +62,22 @@ pub enum Shape<F = Formula> {
     Cone([F; 2]),
     /// A square in the local xy plane, by half its edge.
     Plane(F),
-    /// Geometry from a RIB or OBJ file, and its scale factor.
-    Archive(String, F),
+    /// Geometry from files, and its scale factor.
+    Archive(Archive, F),
+}
+
+/// RIB files or meshes (OBJ, STL, PLY).
+#[derive(Clone, Debug)]
+pub enum Archive {
+    /// A file for all rows.
+    File(String),
+    /// A file for each value of a column: a word, or the text of a number.
+    ByColumn {
+        /// The column.
+        column: String,
+        /// Values and files.
+        files: Vec<(String, String)>,
+    },
 }
 
 /// A colour: constant, or a value of each row through a colour map.

@@ -4,7 +4,7 @@ use super::data::Table;
 use super::job::{Job, Map, list_of, text};
 use super::places::Places;
 use super::shaders::shader;
-use crate::binding::{Color, Object, Shape};
+use crate::binding::{Archive, Color, Object, Shape};
 use frame::Fault;
 use serde_yaml::Value;
 use std::path::Path;
@@ -135,7 +135,7 @@ impl Source<'_> {
             let found = self.places.locate(Path::new(&file));
             let found =
                 found.ok_or_else(|| job.doc.fault(key, format!("there is no file `{file}` in the search paths")))?;
-            let archive = Shape::Archive(found.to_string_lossy().into_owned(), "(1)".into());
+            let archive = Shape::Archive(Archive::File(found.to_string_lossy().into_owned()), "(1)".into());
             shapes.push((Some(format!("type == 'obj' and ep1 == '{file}'")), archive));
         }
         Ok(shapes)
@@ -206,7 +206,7 @@ impl Source<'_> {
                 let (major, minor) = (size(1, "rmajor")?.number(), size(2, "rminor")?.number());
                 inline(self.made, format!("Torus {major} {minor} 0 360 360\n"))
             }
-            "archive" | "file" | "delayedarchive" => Shape::Archive(self.file(key, &map)?, "(1)".into()),
+            "archive" | "file" | "delayedarchive" => Shape::Archive(Archive::File(self.file(key, &map)?), "(1)".into()),
             other => {
                 let known =
                     ["sphere", "cube", "box", "ellipsoid", "cone", "cylinder", "disk", "torus", "archive", "plane"];
@@ -232,7 +232,7 @@ impl Source<'_> {
 fn inline(made: &mut Vec<(String, String)>, rib: String) -> Shape<String> {
     let name = format!("chronorender_{}.rib", made.len());
     made.push((format!("scenes/{name}"), rib));
-    Shape::Archive(name, "(1)".into())
+    Shape::Archive(Archive::File(name), "(1)".into())
 }
 
 /// The quaternion of a row: its own columns, or the angles that the original turns by about x, then y, then z, degrees.

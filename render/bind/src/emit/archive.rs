@@ -1,44 +1,46 @@
-//! Files that are read in place: RIB, and the meshes of Wavefront OBJ.
+//! Files that are read in place: RIB, and meshes.
 
+use frame::mesh;
 use ri::files::Files;
 use ri::{Class, Fail, Param, Ri, RiResult, Type, reader};
 use std::path::Path;
 
-/// Read a RIB or OBJ file in place.
+/// Read a RIB file or a mesh in place.
 pub(super) fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
-    if file.to_lowercase().ends_with(".obj") {
-        return wavefront(file, files, ri);
+    let ending = Path::new(file).extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+    if ["obj", "stl", "ply"].contains(&ending.as_str()) {
+        return mesh(file, files, ri);
     }
     let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
     reader::read(&path, text.as_bytes(), files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
 }
 
-/// The polygons of a Wavefront OBJ file, with the normals and texture coordinates that it has.
-fn wavefront(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
-    let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
-    // Materials are the binding's.
-    let none = |_: &Path| Ok((vec![], Default::default()));
-    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, none)
-        .map_err(|e| Fail::new(format!("in {}: {e}", path.display())))?;
-    for mesh in models.into_iter().map(|m| m.mesh).filter(|m| !m.indices.is_empty()) {
-        let vertices: Vec<i32> = mesh.indices.iter().map(|i| *i as i32).collect();
-        let faces = if mesh.face_arities.is_empty() {
-            vec![3; vertices.len() / 3]
-        } else {
-            mesh.face_arities.iter().map(|n| *n as i32).collect()
-        };
-        let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, mesh.positions)];
+/// The polygons of a mesh, with the normals and texture coordinates that it has. Materials are the binding's.
+fn mesh(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
+    let (path, bytes) = files.read_bytes(file, &["scenes"]).map_err(Fail::new)?;
+    for mesh in mesh::parse(&path, &bytes).map_err(|fault| Fail::new(format!("in {fault}")))? {
+        let points: Vec<f32> = mesh.points.as_flattened().iter().map(|x| *x as f32).collect();
+        let mut params = vec![Param::floats("P", Class::Vertex, Type::Point, points)];
         if !mesh.normals.is_empty() {
-            params.push(Param::floats("N", Class::Vertex, Type::Normal, mesh.normals));
+            params.push(Param::floats("N", Class::Vertex, Type::Normal, mesh.normals.concat()));
         }
-        if !mesh.texcoords.is_empty() {
+        if !mesh.st.is_empty() {
             // The file's t goes up, the image's down.
-            let corner = |k: usize| mesh.texcoords.iter().skip(k).step_by(2);
-            params.push(Param::floats("s", Class::Vertex, Type::Float, corner(0).copied().collect::<Vec<_>>()));
-            params.push(Param::floats("t", Class::Vertex, Type::Float, corner(1).map(|t| 1.0 - t).collect::<Vec<_>>()));
+            params.push(Param::floats(
+                "s",
+                Class::Vertex,
+                Type::Float,
+                mesh.st.iter().map(|[s, _]| *s).collect::<Vec<_>>(),
+            ));
+            params.push(Param::floats(
+                "t",
+                Class::Vertex,
+                Type::Float,
+                mesh.st.iter().map(|[_, t]| 1.0 - t).collect::<Vec<_>>(),
+            ));
         }
-        ri.points_polygons(faces, vertices, params)?;
+        let whole = |numbers: Vec<u32>| numbers.into_iter().map(|n| n as i32).collect();
+        ri.points_polygons(whole(mesh.arities), whole(mesh.corners), params)?;
     }
     Ok(())
 }

@@ -8,11 +8,17 @@ use glam::{Mat4, Quat, Vec3};
 use ri::files::Files;
 use ri::{Class, Fail, Param, Ri, RiResult, Type};
 
+/// The depths at which nothing is seen, m, where a camera is not nearer than 0.2 m to what it looks at.
+const NEAR: f32 = 1e-3;
+const FAR: f32 = 1e30;
+
 /// Where the camera of a frame stands, and what it looks at, m.
-#[derive(Clone, Copy)]
-pub(super) struct Stand {
-    eye: [f32; 3],
-    at: [f32; 3],
+#[derive(Clone, Copy, Debug)]
+pub struct Stand {
+    /// The eye.
+    pub eye: [f32; 3],
+    /// The point that it looks at.
+    pub at: [f32; 3],
 }
 
 /// Projection and world-to-camera matrix.
@@ -37,6 +43,11 @@ pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files
         Projection::Perspective(fov) => {
             ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [fov])])?;
         }
+    }
+    // What is looked at is before the near plane, however small it is.
+    let near = (Vec3::from(at) - Vec3::from(eye)).length() / 200.0;
+    if near < NEAR {
+        ri.clipping(near, FAR)?;
     }
     if let Some(lens) = &camera.lens {
         let focus = lens.focus.unwrap_or((Vec3::from(at) - Vec3::from(eye)).length());

@@ -1,24 +1,33 @@
 //! The rows of an object → columns of instances.
 
 use super::missing::{Lack, Missing};
-use crate::binding::{Binding, Color, Formula, Object, Shape};
+use crate::binding::{Archive, Binding, Color, Formula, Object, Shape};
 use crate::colormap::Map;
 use crate::expr::Expr;
 use frame::{Fault, FaultKind, Frame};
 use glam::{Quat, Vec3};
-use ri::{Class, InstanceShape, Instances, Param, Type};
+use ri::{Class, InstanceShape, Instances, Param, Type, Values};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// An object's instances, made before the scene is read, so that a fault in the data stops nothing half way.
-pub(super) struct Prepared<'a> {
-    pub(super) object: &'a Object,
-    /// One set, but three for a capsule: its middle and its ends.
-    pub(super) instances: Vec<Instances>,
-    /// The retained object that the instances repeat, if they are not spheres.
-    pub(super) handle: Option<String>,
+pub struct Prepared<'a> {
+    /// The object.
+    pub object: &'a Object,
+    /// One, but one for each file that rows are drawn from.
+    pub groups: Vec<Group<'a>>,
     /// What the rows lack.
-    pub(super) missing: Missing,
+    pub missing: Missing,
+}
+
+/// Instances of one shape.
+pub struct Group<'a> {
+    /// The retained object that they repeat, if they are not spheres.
+    pub handle: Option<String>,
+    /// The file of that object, if it is from one.
+    pub archive: Option<&'a str>,
+    /// One set, but three for a capsule: its middle and its ends.
+    pub instances: Vec<Instances>,
 }
 
 /// Chosen rows of a frame, and where faults in them are told.
@@ -101,6 +110,33 @@ impl<'a> Rows<'a> {
                 self.three(part, [&radius.expr, &radius.expr, &half.expr])
             }
         }
+    }
+
+    /// Which of the files each row is drawn from: that of its value in the column. An error if there is none.
+    fn files(&self, column: &str, files: &[(String, String)]) -> Result<Vec<usize>, Fault> {
+        let part = "geometry.archive";
+        let Some(values) = self.frame.column(column) else {
+            return Err(self.binding.doc.unknown(
+                &format!("{}.{part}.column", self.key),
+                "column",
+                column,
+                &self.frame.names(),
+            ));
+        };
+        let file = |row: &usize| {
+            let is_value = |value: &str| match values.number(*row) {
+                Some(x) => value.parse() == Ok(x),
+                None => value == values.text(*row),
+            };
+            files.iter().position(|(value, _)| is_value(value)).ok_or_else(|| {
+                let (row, value) = (row + 1, values.text(*row));
+                let frame = self.frame.number;
+                let message =
+                    format!("row {row} of frame {frame} has `{value}` in `{column}`, for which there is no file");
+                Fault { kind: FaultKind::Data, ..self.fault(&format!("{part}.files"), message) }
+            })
+        };
+        self.rows.iter().map(file).collect()
     }
 
     /// Check that all sizes are above 0.
@@ -223,9 +259,50 @@ pub(super) fn prepare<'a>(
         instances.params.push(colors);
         missing.uncolored = lack;
     }
-    let ends = if matches!(object.shape, Shape::Capsule(_)) { capsule_ends(&instances) } else { vec![] };
-    let instances = std::iter::once(instances).chain(ends).collect();
-    Ok(Prepared { object, instances, handle, missing })
+    let group = |handle: Option<String>, archive, instances| Group { handle, archive, instances: vec![instances] };
+    let groups = match &object.shape {
+        Shape::Archive(Archive::File(file), _) => vec![group(handle, Some(file.as_str()), instances)],
+        Shape::Archive(Archive::ByColumn { column, files }, _) => {
+            let of_rows = rows.files(column, files)?;
+            let group = |(k, (_, file)): (usize, &'a (String, String))| {
+                let chosen: Vec<usize> = (0..of_rows.len()).filter(|i| of_rows[*i] == k).collect();
+                let handle = format!("scree:{}:{k}", object.name);
+                let shape = InstanceShape::Object(handle.clone());
+                group(Some(handle), Some(file.as_str()), Instances { shape, ..select(&instances, &chosen) })
+            };
+            let groups = files.iter().enumerate().map(group);
+            groups.filter(|group| !group.instances[0].is_empty()).collect()
+        }
+        Shape::Capsule(_) => {
+            let ends = capsule_ends(&instances);
+            vec![Group { handle, archive: None, instances: std::iter::once(instances).chain(ends).collect() }]
+        }
+        _ => vec![group(handle, None, instances)],
+    };
+    Ok(Prepared { object, groups, missing })
+}
+
+/// Some of the instances.
+fn select(all: &Instances, chosen: &[usize]) -> Instances {
+    fn of<T: Copy>(values: &[T], chosen: &[usize]) -> Vec<T> {
+        if values.is_empty() { vec![] } else { chosen.iter().map(|i| values[*i]).collect() }
+    }
+    let param = |param: &Param| match &param.values {
+        Values::Floats(values) => {
+            let width = values.len() / all.len().max(1);
+            let own = chosen.iter().flat_map(|i| &values[i * width..(i + 1) * width]).copied().collect::<Vec<f32>>();
+            Param { decl: param.decl.clone(), values: Values::Floats(own) }
+        }
+        _ => param.clone(),
+    };
+    Instances {
+        shape: all.shape.clone(),
+        position: of(&all.position, chosen),
+        orientation: of(&all.orientation, chosen),
+        scale: of(&all.scale, chosen),
+        params: all.params.iter().map(param).collect(),
+        moved: all.moved.as_ref().map(|(times, to)| (*times, of(to, chosen))),
+    }
 }
 
 /// The spheres at a capsule's ends.

@@ -5,10 +5,10 @@ use crate::binding::Shape;
 use ri::files::Files;
 use ri::{Class, Declaration, Param, Params, Ri, RiResult, Type, Values};
 
-/// The retained object of a shape that is not a sphere: a unit box, a unit square, a cylinder, a cone, an archive.
-pub(super) fn define(shape: &Shape, files: &Files, ri: &mut dyn Ri) -> RiResult {
+/// The retained object of a shape that is not a sphere: a unit box, a unit square, a cylinder, a cone, or what the file `archive` has.
+pub(super) fn define(shape: &Shape, archive: Option<&str>, files: &Files, ri: &mut dyn Ri) -> RiResult {
     match shape {
-        Shape::Archive(file, _) => archive::include(file, files, ri),
+        Shape::Archive(..) => archive.map_or(Ok(()), |file| archive::include(file, files, ri)),
         Shape::Plane(_) => {
             ri.polygon(polygon([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]))
         }

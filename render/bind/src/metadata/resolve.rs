@@ -3,8 +3,8 @@
 use super::types;
 use super::types::{CameraSpec, Metadata, Parameter, Quantity, View};
 use crate::binding::{
-    Binding, Camera, Color, Data, Formula, ImageFormat, Lens, Object, Output, Place, Placed, Projection, Shader, Shape,
-    delimiter, some_objects,
+    Archive, Binding, Camera, Color, Data, Formula, ImageFormat, Lens, Object, Output, Place, Placed, Projection,
+    Shader, Shape, delimiter, some_objects,
 };
 use frame::Fault;
 use frame::csv::Layout;
@@ -141,7 +141,7 @@ fn place(c: &CameraSpec) -> ([f32; 3], [f32; 3], [f32; 3]) {
 
 /// The `i`th object, its geometry being one shape.
 fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Object<String, String>, Fault> {
-    let Some(shape) = shape(object.geometry) else {
+    let Some(shape) = shape(object.geometry, i, doc)? else {
         return Err(doc.fault(
             &format!("objects.{i}.geometry"),
             "needs exactly one of `sphere`, `box`, `ellipsoid`, `cylinder`, `capsule`, `cone`, `plane` and `archive`",
@@ -165,8 +165,8 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
     })
 }
 
-/// The one shape of a geometry; none if it has several, or none.
-fn shape(g: types::Geometry) -> Option<Shape<String>> {
+/// The one shape of a geometry of the `i`th object; none if it has several, or none.
+fn shape(g: types::Geometry, i: usize, doc: &Document) -> Result<Option<Shape<String>>, Fault> {
     let round = |spec: types::RoundSpec| [text(spec.radius), text(spec.half)];
     let found = [
         g.sphere.map(|s| Shape::Sphere(text(s.radius))),
@@ -176,10 +176,25 @@ fn shape(g: types::Geometry) -> Option<Shape<String>> {
         g.capsule.map(|s| Shape::Capsule(round(s))),
         g.cone.map(|s| Shape::Cone(round(s))),
         g.plane.map(|s| Shape::Plane(text(s.half))),
-        g.archive.map(|s| Shape::Archive(s.file, text(s.scale))),
+        g.archive.map(|s| archive(s, i, doc)).transpose()?,
     ];
     let mut found = found.into_iter().flatten();
-    found.next().filter(|_| found.next().is_none())
+    Ok(found.next().filter(|_| found.next().is_none()))
+}
+
+/// A shape of files: one, or one for each value of a column.
+fn archive(spec: types::ArchiveSpec, i: usize, doc: &Document) -> Result<Shape<String>, Fault> {
+    let source = match (spec.file, spec.column, spec.files) {
+        (Some(file), None, files) if files.is_empty() => Archive::File(file),
+        (None, Some(column), files) if !files.is_empty() => {
+            Archive::ByColumn { column, files: files.into_iter().collect() }
+        }
+        _ => {
+            let message = "needs `file`, or `column` and `files`: a file for each value of the column";
+            return Err(doc.fault(&format!("objects.{i}.geometry.archive"), message));
+        }
+    };
+    Ok(Shape::Archive(source, text(spec.scale)))
 }
 
 /// A quantity as the text of an expression.

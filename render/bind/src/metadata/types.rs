@@ -214,7 +214,7 @@ pub struct Geometry {
     /// A square in the local xy plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<PlaneSpec>,
-    /// Geometry from a RIB or OBJ file.
+    /// Geometry from a RIB, OBJ, STL or PLY file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub archive: Option<ArchiveSpec>,
 }
@@ -253,12 +253,19 @@ pub struct PlaneSpec {
     pub half: Quantity,
 }
 
-/// A geometry file and its scale.
+/// A geometry file, or one for each value of a column, and its scale.
 #[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
 pub struct ArchiveSpec {
-    /// The RIB or OBJ file.
-    pub file: String,
+    /// The RIB, OBJ, STL or PLY file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Column whose values tell which of `files`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
+    /// Files by values of `column`: words or numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
     /// Scale factor.
     #[serde(default = "one")]
     pub scale: Quantity,

@@ -34,6 +34,9 @@ const PLACES: [&str; 19] = [
     "particlecoordinates",
 ];
 
+/// What stands behind the axis in names of positions.
+const BEHIND: [&str; 7] = ["", "coordinate", "coord", "position", "pos", "center", "centre"];
+
 /// The last letters of the three columns of a vector.
 const AXES: [[char; 3]; 3] = [['x', 'y', 'z'], ['0', '1', '2'], ['1', '2', '3']];
 
@@ -166,15 +169,24 @@ fn unnamed(frame: &Frame) -> Option<Unnamed<'_>> {
 fn position_of(frame: &Frame, accepts: fn(&Frame, &str) -> bool) -> Option<[&str; 3]> {
     let exact =
         POSITIONS.into_iter().find(|p| p.iter().all(|name| frame.column(name).is_some() && accepts(frame, name)));
+    let all = |name: &dyn Fn(char) -> String, axes: [char; 3]| {
+        let found = axes.map(|axis| only(frame, &name(axis), accepts));
+        Some([found[0]?, found[1]?, found[2]?])
+    };
     let alike = || {
         PLACES.into_iter().flat_map(|place| AXES.map(|axes| (place, axes))).find_map(|(place, axes)| {
             // Numbers alone are no names of axes.
             let is_named = !place.is_empty() || axes[0] == 'x';
-            let found = axes.map(|axis| only(frame, &format!("{place}{axis}"), accepts).filter(|_| is_named));
-            Some([found[0]?, found[1]?, found[2]?])
+            all(&|axis| format!("{place}{axis}"), axes).filter(|_| is_named)
         })
     };
-    exact.or_else(alike)
+    // The axis first: `X-Coordinate`, `Particle X`, `x_pos`.
+    let turned = || {
+        let names = ["", "particle"].into_iter().flat_map(|whose| BEHIND.map(|behind| (whose, behind)));
+        let mut names = names.filter(|(whose, behind)| !(whose.is_empty() && behind.is_empty()));
+        names.find_map(|(whose, behind)| all(&|axis| format!("{whose}{axis}{behind}"), AXES[0]))
+    };
+    exact.or_else(alike).or_else(turned)
 }
 
 /// The column of the radius, or else of the diameter, of those that are accepted, if the frame has any; with the radius over its value.
@@ -182,7 +194,7 @@ fn radius_of(frame: &Frame, accepts: fn(&Frame, &str) -> bool) -> Option<(&str, 
     let exact = RADII.into_iter().find(|name| frame.column(name).is_some() && accepts(frame, name));
     let alike = |names: &[&str]| names.iter().find_map(|name| only(frame, name, accepts));
     let radius = exact.or_else(|| alike(&["radius", "particleradius", "rad", "r"]));
-    let diameter = || alike(&["diameter", "particlediameter", "diam", "dia", "d"]);
+    let diameter = || alike(&["diameter", "particlediameter", "diam", "dia", "d", "particlesize", "size"]);
     radius.map(|column| (column, 1.0)).or_else(|| diameter().map(|column| (column, 0.5)))
 }
 
@@ -220,6 +232,9 @@ mod tests {
             ["coordinates:0", "coordinates:1", "coordinates:2"],
             ["X (m)", "Y (m)", "Z (m)"],
             ["Particle Position X", "Particle Position Y", "Particle Position Z"],
+            ["Particle X-Coordinate [m]", "Particle Y-Coordinate [m]", "Particle Z-Coordinate [m]"],
+            ["Particle X", "Particle Y", "Particle Z"],
+            ["x_pos", "y_pos", "z_pos"],
         ] {
             assert_eq!(columns(&table(&names)), Some(names));
         }

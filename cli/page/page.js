@@ -1,0 +1,182 @@
+"use strict";
+// The page's own script: draws the plots by uPlot, lets all of them follow a zoom, and sorts the table of runs.
+(() => {
+  const LIGHT = { ink: "#1c2024", soft: "#5b6570", line: "#e4e7ea", tones: 42,
+    colors: ["#0b62a8", "#c2410c", "#1d7a45", "#8b3fb0", "#a16207", "#d6409f", "#0891a8", "#57606a"] };
+  const DARK = { ink: "#e6e8ea", soft: "#9aa4ae", line: "#2b3136", tones: 64,
+    colors: ["#6cb4f2", "#ff9a62", "#5fcf8d", "#cf9bf0", "#e8c14a", "#ff8fc0", "#5bd0e0", "#b5bec7"] };
+  const MAX_LEGEND = 12;
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  let isPrinting = false;
+  const theme = () => (dark.matches && !isPrinting ? DARK : LIGHT);
+  const plots = [];
+  let isReady = false;
+
+  // The color of a curve: of few, one that is told from the others; of many, one by its place among them.
+  const color = (k, n) => {
+    const { colors, tones } = theme();
+    return n <= colors.length ? colors[k] : `hsl(${Math.round(265 - (245 * k) / (n - 1))} 65% ${tones}%)`;
+  };
+
+  const minus = (text) => text.replace(/-/g, "−");
+  const number = (v) => {
+    if (v == null) return "–";
+    const size = Math.abs(v);
+    return minus(size !== 0 && (size < 1e-3 || size >= 1e6) ? v.toExponential(3) : String(+v.toPrecision(5)));
+  };
+  const tick = (v, step) => {
+    if (v == null) return "";
+    if (v === 0) return "0";
+    const size = Math.max(Math.abs(v), step);
+    if (size < 1e-3 || size >= 1e5) return minus(v.toExponential(6).replace(/\.?0*e\+?/, "e"));
+    // As many decimals as the step has: 0.25 has two.
+    let decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+    if (Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals += 1;
+    return minus(v.toFixed(decimals));
+  };
+  const ticks = (u, splits, axis, space, step) => splits.map((v) => tick(v, step || 1));
+  const powers = (u, splits) => splits.map((v) => (v == null ? "" : minus(v.toExponential(0)).replace("+", "")));
+  const width = (u, values) => 14 + 7 * Math.max(3, ...(values || []).map((v) => v.length));
+
+  // The nearest instant at which a curve has a value: curves of several runs have their own times.
+  const nearest = (u, series, at) => {
+    const values = u.data[series];
+    if (values[at] !== undefined) return at;
+    for (let d = 1; d < values.length; d++) {
+      if (values[at - d] !== undefined && at - d >= 0) return at - d;
+      if (values[at + d] !== undefined) return at + d;
+    }
+    return at;
+  };
+
+  // Two fingers zoom: what was between them stays between them.
+  const pinch = (u) => {
+    let start = null;
+    const places = (e) => [...e.touches].map((t) => t.clientX - u.over.getBoundingClientRect().left).sort((a, b) => a - b);
+    u.over.addEventListener("touchstart", (e) => {
+      if (e.touches.length !== 2) return;
+      const [a, b] = places(e);
+      if (b - a > 10) start = [u.posToVal(a, "x"), u.posToVal(b, "x")];
+    }, { passive: true });
+    u.over.addEventListener("touchmove", (e) => {
+      if (!start || e.touches.length !== 2) return;
+      e.preventDefault();
+      const [a, b] = places(e);
+      if (b - a < 10) return;
+      const scale = (start[1] - start[0]) / (b - a);
+      const min = start[0] - a * scale;
+      zoom(u, Math.max(u.whole[0], min), Math.min(u.whole[1], min + scale * u.over.clientWidth));
+    }, { passive: false });
+    u.over.addEventListener("touchend", () => { start = null; });
+  };
+
+  const zoom = (u, min, max) => {
+    if (max > min && (u.scales.x.min !== min || u.scales.x.max !== max)) u.setScale("x", { min, max });
+  };
+  const follow = (u, key) => {
+    if (!isReady || key !== "x") return;
+    const { min, max } = u.scales.x;
+    const isWhole = min === u.whole[0] && max === u.whole[1];
+    for (const other of plots) {
+      if (other === u) continue;
+      if (isWhole) zoom(other, other.whole[0], other.whole[1]);
+      else if (min < other.whole[1] && max > other.whole[0]) zoom(other, min, max);
+    }
+  };
+
+  const axis = (more) => ({
+    stroke: () => theme().soft, font: "11px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 20,
+    grid: { stroke: () => theme().line, width: 1 }, ticks: { stroke: () => theme().line, width: 1, size: 5 }, ...more,
+  });
+
+  const build = (figure, spec) => {
+    const n = spec.labels.length;
+    const data = spec.tables.length > 1 ? uPlot.join(spec.tables) : spec.tables[0];
+    if (!data || data[0].length === 0) {
+      figure.append(Object.assign(document.createElement("p"), { className: "small", textContent: "no values" }));
+      return null;
+    }
+    const isLone = data[0].length === 1;
+    const near = Object.assign(document.createElement("div"), { className: "near" });
+    const hasLegend = n <= MAX_LEGEND;
+    const series = spec.labels.map((label, k) => ({
+      label, stroke: () => color(k, n), width: n > MAX_LEGEND ? 1.2 : 1.5, value: (u, v) => number(v),
+      points: isLone ? { show: true } : { show: false },
+    }));
+    const say = (u, k) => {
+      if (hasLegend) return;
+      const at = u.cursor.idxs && k != null ? u.cursor.idxs[k] : null;
+      near.textContent = at == null ? "" : `${spec.labels[k - 1]}: ${number(u.data[k][at])} at ${number(u.data[0][at])} s`;
+    };
+    const times = data[0];
+    const [first, last] = [times[0], times[times.length - 1]];
+    const whole = first === last ? [first - 0.5, first + 0.5] : [first, last];
+    // The vertical range of the whole time may leave out a first instant that would flatten the rest; the caption says so.
+    const isWhole = (u) => u.scales.x.min === whole[0] && u.scales.x.max === whole[1];
+    const room = (min, max) => uPlot.rangeNum(min == null ? 0 : min, max == null ? 1 : max, 0.08, true);
+    const vertical = spec.log ? { distr: 3 } : { range: (u, min, max) => (spec.range && isWhole(u) ? spec.range : room(min, max)) };
+    const u = new uPlot({
+      width: figure.clientWidth, height: height(figure),
+      scales: { x: { time: false, range: (u, min, max) => (isLone || min == null ? whole : [min, max]) }, y: vertical },
+      series: [{ label: "time [s]", value: (u, v) => number(v) }, ...series],
+      axes: [
+        axis({ label: "time [s]", values: ticks, size: 32 }),
+        axis({ label: spec.axis || undefined, values: spec.log ? powers : ticks, size: width }),
+      ],
+      legend: { show: hasLegend },
+      cursor: { dataIdx: nearest, drag: { x: true, y: false, dist: 6 }, focus: { prox: hasLegend ? -1 : 24 }, y: false },
+      focus: { alpha: hasLegend ? 1 : 0.25 },
+      hooks: { setScale: [follow], setSeries: [say], ready: [pinch] },
+    }, data, figure);
+    u.whole = whole;
+    if (!hasLegend) figure.append(near);
+    return u;
+  };
+  const height = (figure) => Math.round(Math.min(300, Math.max(210, figure.clientWidth * 0.5)));
+
+  const draw = () => {
+    const specs = JSON.parse(document.getElementById("data").textContent).plots;
+    const figures = [...document.querySelectorAll(".plot")];
+    for (const figure of figures) {
+      const u = build(figure, specs[Number(figure.dataset.plot)]);
+      if (!u) continue;
+      plots.push(u);
+      new ResizeObserver(() => {
+        requestAnimationFrame(() => {
+          if (figure.clientWidth > 0 && figure.clientWidth !== u.width) u.setSize({ width: figure.clientWidth, height: height(figure) });
+        });
+      }).observe(figure);
+    }
+    document.documentElement.dataset.plots = `${plots.length} of ${figures.length}`;
+    setTimeout(() => { isReady = true; }, 0);
+    const redraw = () => plots.forEach((u) => u.redraw(false, true));
+    dark.addEventListener("change", redraw);
+    addEventListener("beforeprint", () => { isPrinting = true; redraw(); });
+    addEventListener("afterprint", () => { isPrinting = false; redraw(); });
+    const reset = document.getElementById("reset");
+    if (reset) reset.addEventListener("click", () => plots.forEach((u) => zoom(u, u.whole[0], u.whole[1])));
+  };
+
+  // Rows are sorted by the numbers of a column where all have one, else by its texts; a second click turns the order round.
+  const sortable = (table) => {
+    const heads = [...table.querySelectorAll("th")];
+    heads.forEach((head, k) => head.addEventListener("click", () => {
+      const isDown = head.getAttribute("aria-sort") === "ascending";
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      head.setAttribute("aria-sort", isDown ? "descending" : "ascending");
+      const body = table.tBodies[0];
+      const rows = [...body.rows].map((row) => ({ row, text: row.cells[k].textContent, value: row.cells[k].dataset.value }));
+      const compare = (a, b) => {
+        if (a.value === undefined || b.value === undefined) {
+          if (a.value !== undefined || b.value !== undefined) return a.value === undefined ? 1 : -1;
+          return (isDown ? -1 : 1) * a.text.localeCompare(b.text, undefined, { numeric: true });
+        }
+        return (isDown ? -1 : 1) * (Number(a.value) - Number(b.value));
+      };
+      rows.sort(compare).forEach(({ row }) => body.append(row));
+    }));
+  };
+
+  document.querySelectorAll("table.sortable").forEach(sortable);
+  draw();
+})();

@@ -1,0 +1,278 @@
+//! Frames as files of other programs: VTU with PVD collections, Parquet, PLY and CSV.
+
+use crate::{Column, Frame, arrow, csv};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::file::properties::WriterProperties;
+use std::fmt::Write;
+
+/// A kind of file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// VTK's unstructured grid, XML with appended data: ParaView, VisIt.
+    Vtu,
+    /// Apache Parquet, zstd: pandas, Polars, DuckDB.
+    Parquet,
+    /// Stanford PLY, binary: OVITO, Blender, MeshLab.
+    Ply,
+    /// CSV with units in the header, as scree reads it.
+    Csv,
+}
+
+impl Format {
+    /// The ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Format::Vtu => "vtu",
+            Format::Parquet => "parquet",
+            Format::Ply => "ply",
+            Format::Csv => "csv",
+        }
+    }
+}
+
+/// A frame as the bytes of a file. An error says which columns it lacks.
+pub fn encode(frame: &Frame, format: Format) -> Result<Vec<u8>, String> {
+    match format {
+        Format::Vtu => vtu(frame),
+        Format::Parquet => parquet(frame),
+        Format::Ply => ply(frame),
+        Format::Csv => Ok(csv::encode(frame).into_bytes()),
+    }
+}
+
+/// The columns of positions, by the names that frames and most tables have.
+fn positions(frame: &Frame) -> Result<[&Column; 3], String> {
+    for names in [["pos_x", "pos_y", "pos_z"], ["x", "y", "z"], ["X", "Y", "Z"]] {
+        let found = names.map(|name| frame.column(name).filter(|c| !matches!(c, Column::Category { .. })));
+        if let [Some(x), Some(y), Some(z)] = found {
+            return Ok([x, y, z]);
+        }
+    }
+    Err(format!("has no columns pos_x, pos_y, pos_z or x, y, z of numbers, but {}", crate::listed(&frame.names())))
+}
+
+fn number(column: &Column, row: usize) -> f64 {
+    column.number(row).unwrap_or(f64::NAN)
+}
+
+/// An array of a VTK file: its name, type, components and bytes.
+struct Array {
+    name: String,
+    kind: &'static str,
+    components: usize,
+    bytes: Vec<u8>,
+}
+
+/// The frame's columns as arrays of points: columns `NAME_x`, `NAME_y` and `NAME_z` are one of three components, words are whole
+/// numbers.
+fn arrays(frame: &Frame) -> Vec<Array> {
+    let mut all = vec![];
+    let mut joined = vec![];
+    for (field, column) in &frame.columns {
+        let vector = field.name.strip_suffix("_x").and_then(|name| {
+            let parts = ["x", "y", "z"].map(|axis| frame.column(&format!("{name}_{axis}")));
+            let [Some(x), Some(y), Some(z)] = parts else { return None };
+            let is_real = [x, y, z].iter().all(|c| matches!(c, Column::F32(_) | Column::F64(_)));
+            is_real.then(|| (name.to_string(), [x, y, z]))
+        });
+        if let Some((name, parts)) = vector {
+            joined.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}")));
+            let rows = 0..column.len();
+            let bytes = rows.flat_map(|row| parts.map(|part| number(part, row).to_le_bytes())).flatten().collect();
+            all.push(Array { name, kind: "Float64", components: 3, bytes });
+            continue;
+        }
+        if joined.contains(&field.name) {
+            continue;
+        }
+        let (kind, bytes): (&str, Vec<u8>) = match column {
+            Column::F64(v) => ("Float64", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+            Column::F32(v) => ("Float32", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+            Column::I64(v) => ("Int64", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+            Column::Category { codes, .. } => ("Int32", codes.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        };
+        all.push(Array { name: field.name.clone(), kind, components: 1, bytes });
+    }
+    all
+}
+
+/// Text within an attribute of XML.
+fn attribute(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            c if c.is_control() => out.push('_'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A frame as a VTU file: each row is a point and a cell of it (VTK file formats, "XML file formats").
+fn vtu(frame: &Frame) -> Result<Vec<u8>, String> {
+    let at = positions(frame)?;
+    let n = frame.rows();
+    let points = (0..n).flat_map(|row| at.map(|column| number(column, row).to_le_bytes())).flatten().collect();
+    let whole = |numbers: &mut dyn Iterator<Item = i64>| numbers.flat_map(i64::to_le_bytes).collect::<Vec<u8>>();
+    let array = |name: &str, kind, components, bytes| Array { name: name.into(), kind, components, bytes };
+    let mut body = vec![];
+    let mut text = String::new();
+    let mut write = |text: &mut String, own: &Array| {
+        let (name, kind, n) = (attribute(&own.name), own.kind, own.components);
+        let offset = body.len();
+        let _ = writeln!(
+            text,
+            "        <DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n}\" format=\"appended\" offset=\"{offset}\"/>"
+        );
+        body.extend((own.bytes.len() as u64).to_le_bytes());
+        body.extend(&own.bytes);
+    };
+    text += "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+    let _ = writeln!(
+        text,
+        "  <UnstructuredGrid>\n    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>",
+        frame.time
+    );
+    for (field, column) in &frame.columns {
+        if let Column::Category { names, .. } = column {
+            // Texts are the codes of their letters, each ended by a 0.
+            let codes: Vec<String> =
+                names.iter().flat_map(|name| name.bytes().chain([0])).map(|byte| byte.to_string()).collect();
+            let _ = writeln!(
+                text,
+                "      <Array type=\"String\" Name=\"{}_names\" NumberOfTuples=\"{}\" format=\"ascii\">{}</Array>",
+                attribute(&field.name),
+                names.len(),
+                codes.join(" ")
+            );
+        }
+    }
+    let _ =
+        writeln!(text, "    </FieldData>\n    <Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{n}\">\n      <PointData>");
+    arrays(frame).iter().for_each(|own| write(&mut text, own));
+    text += "      </PointData>\n      <Points>\n";
+    write(&mut text, &array("Points", "Float64", 3, points));
+    text += "      </Points>\n      <Cells>\n";
+    let rows = n as i64;
+    write(&mut text, &array("connectivity", "Int64", 1, whole(&mut (0..rows))));
+    write(&mut text, &array("offsets", "Int64", 1, whole(&mut (1..=rows))));
+    // VTK_VERTEX.
+    write(&mut text, &array("types", "UInt8", 1, vec![1; n]));
+    text += "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
+    let mut bytes = text.into_bytes();
+    bytes.extend(body);
+    bytes.extend(b"\n  </AppendedData>\n</VTKFile>\n");
+    Ok(bytes)
+}
+
+/// A collection of VTU files: their names and times, s.
+pub fn collection(files: &[(String, f64)]) -> String {
+    let mut text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n"
+            .to_string();
+    for (file, time) in files {
+        let _ = writeln!(text, "    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{}\"/>", attribute(file));
+    }
+    text + "  </Collection>\n</VTKFile>\n"
+}
+
+fn parquet(frame: &Frame) -> Result<Vec<u8>, String> {
+    let batch = arrow::batch(frame);
+    let options = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
+    let mut writer = ArrowWriter::try_new(vec![], batch.schema(), Some(options)).map_err(|e| e.to_string())?;
+    writer.write(&batch).map_err(|e| e.to_string())?;
+    writer.into_inner().map_err(|e| e.to_string())
+}
+
+/// A frame as a PLY file: positions are `x`, `y`, `z`, other columns keep their names, words are whole numbers.
+fn ply(frame: &Frame) -> Result<Vec<u8>, String> {
+    let at = positions(frame)?;
+    let is_position = |column: &Column| at.iter().any(|own| std::ptr::eq(*own, column));
+    let others = || frame.columns.iter().filter(|(_, column)| !is_position(column));
+    let mut text = format!(
+        "ply\nformat binary_little_endian 1.0\ncomment frame {} time {}\nelement vertex {}\n",
+        frame.number,
+        frame.time,
+        frame.rows()
+    );
+    text += "property double x\nproperty double y\nproperty double z\n";
+    for (field, column) in others() {
+        let kind = match column {
+            Column::F64(_) => "double",
+            Column::F32(_) => "float",
+            Column::I64(_) | Column::Category { .. } => "int",
+        };
+        let name: String = field.name.chars().map(|c| if c.is_ascii_graphic() { c } else { '_' }).collect();
+        let _ = writeln!(text, "property {kind} {name}");
+    }
+    text += "end_header\n";
+    let mut bytes = text.into_bytes();
+    for row in 0..frame.rows() {
+        at.iter().for_each(|column| bytes.extend(number(column, row).to_le_bytes()));
+        for (field, column) in others() {
+            match column {
+                Column::F64(v) => bytes.extend(v[row].to_le_bytes()),
+                Column::F32(v) => bytes.extend(v[row].to_le_bytes()),
+                Column::I64(v) => {
+                    let whole = i32::try_from(v[row]).map_err(|_| {
+                        format!("`{}` has {}, and PLY has whole numbers of 32 bits", field.name, v[row])
+                    })?;
+                    bytes.extend(whole.to_le_bytes());
+                }
+                Column::Category { codes, .. } => bytes.extend(codes[row].to_le_bytes()),
+            }
+        }
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table;
+
+    fn frame() -> Frame {
+        let mut frame = Frame::new(7, 0.5);
+        frame.push("id", "", Column::I64(vec![3, 4]));
+        frame.push("class", "", Column::Category { codes: vec![1, 0], names: vec!["a<b>".into(), "stone".into()] });
+        for (k, name) in ["pos_x", "pos_y", "pos_z", "vel_x", "vel_y", "vel_z"].into_iter().enumerate() {
+            frame.push(name, "m", Column::F64(vec![k as f64 + 0.25, -1.0 - k as f64]));
+        }
+        frame.push("half_x", "m", Column::F32(vec![0.5, 0.125]));
+        frame
+    }
+
+    #[test]
+    fn exports_are_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        for (format, x) in [(Format::Vtu, "x"), (Format::Ply, "x"), (Format::Parquet, "pos_x"), (Format::Csv, "pos_x")]
+        {
+            let path = folder.path().join(format!("f_7.{}", format.ending()));
+            std::fs::write(&path, encode(&frame(), format).unwrap()).unwrap();
+            let own = table::find(&path).unwrap()[&7].read(7, &Default::default()).unwrap();
+            let numbers = |name: &str| [0, 1].map(|row| own.column(name).unwrap().number(row).unwrap());
+            assert_eq!((own.rows(), numbers(x)), (2, [0.25, -1.0]), "{format:?}");
+            assert_eq!((numbers("vel_y"), numbers("half_x"), numbers("id")), ([4.25, -5.0], [0.5, 0.125], [3.0, 4.0]));
+            assert_eq!(own.time, if format == Format::Vtu { 0.5 } else { 0.0 });
+        }
+        std::fs::write(folder.path().join("f.pvd"), collection(&[("f_7.vtu".into(), 0.5)])).unwrap();
+        let found = table::find(&folder.path().join("f.pvd")).unwrap();
+        assert_eq!(found[&7].read(7, &Default::default()).unwrap().time, 0.5);
+    }
+
+    #[test]
+    fn what_lacks_positions_or_range_is_told() {
+        let mut no_places = Frame::new(0, 0.0);
+        no_places.push("speed", "", Column::F64(vec![1.0]));
+        assert!(encode(&no_places, Format::Vtu).unwrap_err().contains("speed"));
+        let mut large = frame();
+        large.push("hash", "", Column::I64(vec![1, i64::MAX]));
+        assert!(encode(&large, Format::Ply).unwrap_err().contains("`hash`"));
+        assert!(encode(&Frame { columns: vec![], ..frame() }, Format::Csv).is_ok());
+    }
+}
