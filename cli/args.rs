@@ -9,7 +9,9 @@ mod image;
 mod simulate;
 mod value;
 
-pub use author::{CheckArgs, CompletionsArgs, InitArgs, ManArgs, SchemaArgs, SchemaKind, ShaderArgs, StarterArg};
+pub use author::{
+    CheckArgs, CompletionsArgs, DoctorArgs, InitArgs, ManArgs, SchemaArgs, SchemaKind, ShaderArgs, StarterArg,
+};
 pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
 pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload};
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
@@ -129,8 +131,8 @@ pub enum Command {
     Solve(SolveArgs),
     /// Measure the speed of simulation or rendering on this machine.
     Bench(BenchArgs),
-    /// List processors, memory, graphics adapters and tools of the machine.
-    Doctor,
+    /// List what of this machine scree can use, and how fast it writes.
+    Doctor(DoctorArgs),
     /// Print what a shell needs to complete commands and flags.
     Completions(CompletionsArgs),
     /// Write the pages of the manual, for `man`.

@@ -10,5 +10,5 @@ mod script;
 pub use made_of::MadeOf;
 pub use movie::{Movie, MovieStanding, images as movie_images};
 pub use plan::{ImageChoices, Plan, Requests, Scheduler, Simulation, Task};
-pub use queue::{most_indices, state_of, submit, submitted};
+pub use queue::{Slurm, most_indices, slurm, state_of, submit, submitted};
 pub use script::{Job, Needed, jobs};

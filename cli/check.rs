@@ -18,14 +18,29 @@ use std::path::{Path, PathBuf};
 pub fn run(job: CheckJob) -> Outcome {
     let n = job.files.len();
     let mut exits = Vec::new();
+    let mut checked = vec![];
     for (path, kind) in &job.files {
-        match check(path, *kind) {
-            Ok(noun) => println!("{}: valid {noun}", path.display()),
+        let mut said = Said::default();
+        let found = check(path, *kind, &mut said);
+        if job.json {
+            checked.push(as_json(path, &found, &said));
+        } else {
+            said.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
+            said.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        }
+        match found {
+            Ok(noun) if !job.json => println!("{}: valid {noun}", path.display()),
+            Ok(_) => {}
             Err(failure) => {
-                eprintln!("error: {failure}");
+                if !job.json {
+                    eprintln!("error: {failure}");
+                }
                 exits.push(failure.exit);
             }
         }
+    }
+    if job.json {
+        println!("{}", serde_json::Value::from(checked));
     }
     if job.list_files {
         guard::seen().iter().for_each(|path| println!("{}", path.display()));
@@ -39,35 +54,59 @@ pub fn run(job: CheckJob) -> Outcome {
     }
 }
 
+/// What is said of a file beside its fault.
+#[derive(Default)]
+struct Said {
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// What was found of a file, for programs.
+fn as_json(path: &Path, found: &Outcome<&str>, said: &Said) -> serde_json::Value {
+    let place = |n: usize| (n > 0).then_some(n);
+    let fault = found.as_ref().err().map(|failure| match &failure.fault {
+        Some(f) => serde_json::json!({
+            "file": f.file, "line": place(f.line), "column": place(f.column), "message": f.message, "hint": f.hint,
+        }),
+        None => {
+            serde_json::json!({"file": path, "line": null, "column": null, "message": failure.message, "hint": null})
+        }
+    });
+    let kind = found.as_ref().ok();
+    serde_json::json!({
+        "file": path, "kind": kind, "is_valid": fault.is_none(), "fault": fault, "warnings": said.warnings, "notes": said.notes,
+    })
+}
+
 /// Check a file; the noun of its kind if it has no faults.
-fn check(path: &Path, kind: Option<FileKind>) -> Outcome<&'static str> {
+fn check(path: &Path, kind: Option<FileKind>, said: &mut Said) -> Outcome<&'static str> {
     match kind {
         Some(FileKind::Yaml) => match source::kind_of(path)? {
-            Yaml::Model => check_model(path).map(|()| "model"),
-            Yaml::Metadata => check_metadata(path).map(|()| "metadata file"),
+            Yaml::Model => check_model(path, said).map(|()| "model"),
+            Yaml::Metadata => check_metadata(path, said).map(|()| "metadata file"),
         },
-        Some(FileKind::Scene) => check_scene(path).map(|()| "scene"),
+        Some(FileKind::Scene) => check_scene(path, said).map(|()| "scene"),
         Some(FileKind::Shader) => shader::compile(&ShaderFile::read(path)?).map(|_| "shader"),
         None => Err(Fault::whole(FaultKind::Input, path, "is of unknown kind: expected .yaml, .rib or .sl").into()),
     }
 }
 
-fn check_model(path: &Path) -> Outcome {
+fn check_model(path: &Path, said: &mut Said) -> Outcome {
     let (file, doc) = model_file::load(path, &[])?;
     let resolved = file.resolve(&doc)?;
     // Those that have a place name their file.
     let place = |w: &str| {
         if w.starts_with(&path.display().to_string()) { String::new() } else { format!("{}: ", path.display()) }
     };
-    resolved.warnings.iter().for_each(|w| eprintln!("warning: {}{w}", place(w)));
+    said.warnings.extend(resolved.warnings.iter().map(|w| format!("{}{w}", place(w))));
     if !file.sweep.is_empty() {
         let n = sweep::check(&file, &doc, &[])?;
-        println!("{}: {n} combinations of the sweep are valid", path.display());
+        said.notes.push(format!("{}: {n} combinations of the sweep are valid", path.display()));
     }
     Ok(())
 }
 
-fn check_metadata(path: &Path) -> Outcome {
+fn check_metadata(path: &Path, said: &mut Said) -> Outcome {
     let binding = bind::read(path)?;
     source::check_library(&binding)?;
     if binding.data.is_some() {
@@ -76,19 +115,19 @@ fn check_metadata(path: &Path) -> Outcome {
         if !source.numbers().is_empty() {
             let options = ImageOptions { programs: Permission::PassOver, ..ImageOptions::default() };
             let job = ImageJob::resolve(binding, source, PathBuf::new(), &options)?;
-            check_image(&job)?;
-            job.passes.iter().try_for_each(check_image)?;
+            check_image(&job, said)?;
+            job.passes.iter().try_for_each(|pass| check_image(pass, said))?;
             return Ok(());
         }
     }
     if let Some(model) = &binding.model {
-        check_model(&binding.folder().join(model))?;
+        check_model(&binding.folder().join(model), said)?;
     }
     Ok(())
 }
 
 /// Check the first image of a job up to its rendering.
-fn check_image(job: &ImageJob) -> Outcome {
+fn check_image(job: &ImageJob, said: &mut Said) -> Outcome {
     let frame = job.frames[0];
     let mut context = Context::new(job.files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     context.dry = true;
@@ -98,18 +137,19 @@ fn check_image(job: &ImageJob) -> Outcome {
         emit::frame(&job.binding, &job.source.read(frame)?, &image.to_string_lossy(), &job.files, &mut context)?;
     let mut values = MissingValues::default();
     values.add(frame, &missing);
-    values.warn();
-    context.warnings().iter().for_each(|w| eprintln!("warning: {w}"));
+    said.notes.extend(values.notes());
+    said.warnings.extend(values.warnings());
+    said.warnings.extend(context.warnings().iter().map(|w| w.to_string()));
     Ok(())
 }
 
-fn check_scene(path: &Path) -> Outcome {
+fn check_scene(path: &Path, said: &mut Said) -> Outcome {
     let rib = frame::read_bytes(FaultKind::Input, path)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let files = Files { programs: Permission::PassOver, ..library::files(folder) };
     let mut context = Context::new(files.clone()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     context.dry = true;
     reader::read(path, &rib, &files, &mut context, &mut |_, _| Ok(()))?;
-    context.warnings().iter().for_each(|w| eprintln!("warning: {w}"));
+    said.warnings.extend(context.warnings().iter().map(|w| w.to_string()));
     Ok(())
 }

@@ -1,31 +1,143 @@
-//! `scree doctor`: processors, memory, graphics adapters and tools of the machine, as far as scree can use them.
+//! `scree doctor`: processors, memory, graphics adapters, tools, scheduler and output folder of the machine, as far as scree can use them.
 
-use crate::report::Outcome;
-use crate::{machine, movie};
+use crate::job::DoctorJob;
+use crate::report::{Exit, Failure, Outcome};
+use crate::{batch, machine, movie, preview};
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What scree finds of a machine.
+#[derive(Serialize)]
+struct Findings {
+    scree: &'static str,
+    processors: usize,
+    memory_bytes: Option<u64>,
+    /// Kinds of vector lanes.
+    contact_lanes: &'static str,
+    sample_lanes: &'static str,
+    /// First line of `ffmpeg -version`.
+    ffmpeg: Option<String>,
+    /// Of each kind of movie, the encoder that makes it; none if ffmpeg has none of those that scree knows.
+    encoders: Vec<(&'static str, Option<&'static str>)>,
+    adapters: Vec<Adapter>,
+    slurm: Option<batch::Slurm>,
+    /// The program that shows previews.
+    preview: Option<PathBuf>,
+    output: Output,
+}
+
+#[derive(Serialize)]
+struct Adapter {
+    name: String,
+    driver: String,
+    is_software: bool,
+}
+
+/// The folder that results would go to.
+#[derive(Serialize)]
+struct Output {
+    folder: PathBuf,
+    free_bytes: Option<u64>,
+    /// Speed of writing a file, until it is on the disk, bytes/s.
+    write_bytes_per_second: f64,
+}
 
 /// Run `scree doctor`.
-pub fn run() -> Outcome {
-    println!("scree {}", env!("CARGO_PKG_VERSION"));
-    println!("processors: {}", rayon::current_num_threads());
-    if let Some(kib) = machine::memory_kib() {
-        println!("memory: {:.1} GiB", kib as f64 / 1_048_576.0);
+pub fn run(job: DoctorJob) -> Outcome {
+    let lanes = |is_wide: bool| if is_wide { "AVX2" } else { "plain" };
+    let adapter = |a: gpu::Adapter| Adapter { name: a.name, driver: a.driver, is_software: a.software };
+    let findings = Findings {
+        scree: env!("CARGO_PKG_VERSION"),
+        processors: rayon::current_num_threads(),
+        memory_bytes: machine::memory_kib().map(|kib| kib * 1024),
+        contact_lanes: lanes(sim::has_wide_lanes()),
+        sample_lanes: lanes(render::has_wide_lanes()),
+        ffmpeg: movie::ffmpeg_version(),
+        encoders: movie::encoders(),
+        adapters: gpu::adapters().into_iter().map(adapter).collect(),
+        slurm: batch::slurm(),
+        preview: preview::program().ok(),
+        output: output(&job.folder)?,
+    };
+    if job.json {
+        println!("{}", serde_json::to_string_pretty(&findings).unwrap_or_default());
+    } else {
+        findings.print();
     }
-    let lanes = |wide: bool| if wide { "AVX2" } else { "plain" };
-    println!("lanes: {} for contacts, {} for samples", lanes(sim::has_wide_lanes()), lanes(render::has_wide_lanes()));
-    match movie::ffmpeg_version() {
-        Some(version) => println!("movies: {version}"),
-        None => println!(
-            "movies: ffmpeg is not on PATH; animated PNGs are written instead (Debian: apt-get install ffmpeg)"
-        ),
-    }
-    let adapters = gpu::adapters();
-    if adapters.is_empty() {
-        println!("graphics: no Vulkan adapter; everything runs on the processor");
-    }
-    for a in adapters {
-        let kind = if a.software { "software, for tests only" } else { "usable" };
-        println!("graphics: {} ({}): {kind}", a.name, a.driver);
-    }
-    println!("simulation and rendering run on the processor");
     Ok(())
+}
+
+/// Measure the folder of results by writing a file that is then removed.
+fn output(folder: &Path) -> Outcome<Output> {
+    /// Size of the file, bytes.
+    const SIZE: usize = 64 << 20;
+    let fault = |e: std::io::Error| Failure::new(Exit::Fault, format!("{} cannot be written: {e}", folder.display()));
+    let part: Vec<u8> = (0..1_u32 << 18).flat_map(|k| k.wrapping_mul(0x9e37_79b9).to_le_bytes()).collect();
+    let mut file = tempfile::tempfile_in(folder).map_err(fault)?;
+    let started = Instant::now();
+    for _ in 0..SIZE / part.len() {
+        file.write_all(&part).map_err(fault)?;
+    }
+    file.sync_all().map_err(fault)?;
+    let write_bytes_per_second = SIZE as f64 / started.elapsed().as_secs_f64();
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+    Ok(Output { free_bytes: machine::free_bytes(&folder), folder, write_bytes_per_second })
+}
+
+impl Findings {
+    fn print(&self) {
+        const GIB: f64 = (1_u64 << 30) as f64;
+        println!("scree {}", self.scree);
+        println!("processors: {}", self.processors);
+        if let Some(bytes) = self.memory_bytes {
+            println!("memory: {:.1} GiB", bytes as f64 / GIB);
+        }
+        println!("lanes: {} for contacts, {} for samples", self.contact_lanes, self.sample_lanes);
+        match &self.ffmpeg {
+            Some(version) => {
+                println!("movies: {version}");
+                for (kind, encoder) in &self.encoders {
+                    println!(
+                        "  {kind} {}",
+                        encoder.map_or("cannot be made: ffmpeg has no encoder of it".into(), |e| format!("by {e}"))
+                    );
+                }
+            }
+            None => println!(
+                "movies: ffmpeg is not on PATH; animated PNGs are written instead (Debian: apt-get install ffmpeg)"
+            ),
+        }
+        if self.adapters.is_empty() {
+            println!("graphics: no Vulkan adapter; everything runs on the processor");
+        }
+        for a in &self.adapters {
+            let kind = if a.is_software { "software, for tests only" } else { "usable" };
+            println!("graphics: {} ({}): {kind}", a.name, a.driver);
+        }
+        println!("simulation and rendering run on the processor");
+        match &self.preview {
+            Some(program) => println!("previews: {}", program.display()),
+            None => println!("previews: scree-preview is not installed (`cargo install --locked --path preview`)"),
+        }
+        match &self.slurm {
+            Some(slurm) => {
+                let most = slurm.most_tasks.map_or("not answering".into(), |n| format!("arrays of up to {n} tasks"));
+                println!("cluster: {}, {most}", slurm.version);
+                for p in &slurm.partitions {
+                    println!(
+                        "  partition {}: {} nodes of {} processors and {} MB, up to {}",
+                        p.name, p.nodes, p.cpus, p.memory_mb, p.time
+                    );
+                }
+            }
+            None => println!(
+                "cluster: Slurm is not on PATH; films are made by processes of this machine, or by scripts of --dry-run"
+            ),
+        }
+        let Output { folder, free_bytes, write_bytes_per_second } = &self.output;
+        let free = free_bytes.map_or(String::new(), |bytes| format!(", {:.1} GiB free", bytes as f64 / GIB));
+        println!("output: {} takes {:.0} MB/s{free}", folder.display(), write_bytes_per_second / 1e6);
+    }
 }

@@ -90,21 +90,30 @@ impl MissingValues {
         self.uncolored_in = self.uncolored_in.or((missing.uncolored.rows > 0).then_some(frame));
     }
 
-    /// Print what is missing. An object may lack rows in some frames, but hardly in all.
+    /// Print what is missing.
     pub fn warn(&self) {
-        for name in self.absent.iter().flatten() {
-            let place = if self.n_frames == 1 { "the frame" } else { "any of the frames" };
-            eprintln!("note: the object `{name}` has no rows in {place}: it is not drawn");
-        }
-        let warn = |lack: &Lack, frame: Option<u64>, effect: &str| {
-            if let (Some((row, text)), Some(frame)) = (&lack.first, frame) {
-                // A name that is not plain has quotes already.
-                let text = if text.contains('`') { text.clone() } else { format!("`{text}`") };
-                let (n, s) = (lack.rows, if lack.rows == 1 { "" } else { "s" });
-                eprintln!("warning: {n} row{s} {effect}; the first is row {row} of frame {frame}, in {text}");
-            }
+        self.notes().iter().for_each(|note| eprintln!("note: {note}"));
+        self.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
+
+    /// The objects that have no rows: one may lack them in some frames, but hardly in all.
+    pub fn notes(&self) -> Vec<String> {
+        let place = if self.n_frames == 1 { "the frame" } else { "any of the frames" };
+        let note = |name: &String| format!("the object `{name}` has no rows in {place}: it is not drawn");
+        self.absent.iter().flatten().map(note).collect()
+    }
+
+    /// What rows lack.
+    pub fn warnings(&self) -> Vec<String> {
+        let warning = |lack: &Lack, frame: Option<u64>, effect: &str| {
+            let ((row, text), frame) = (lack.first.as_ref()?, frame?);
+            // A name that is not plain has quotes already.
+            let text = if text.contains('`') { text.clone() } else { format!("`{text}`") };
+            let (n, s) = (lack.rows, if lack.rows == 1 { "" } else { "s" });
+            Some(format!("{n} row{s} {effect}; the first is row {row} of frame {frame}, in {text}"))
         };
-        warn(&self.all.undrawn, self.undrawn_in, "not drawn for want of a value");
-        warn(&self.all.uncolored, self.uncolored_in, "drawn in magenta for want of a value of the colour");
+        let undrawn = warning(&self.all.undrawn, self.undrawn_in, "not drawn for want of a value or a size");
+        let effect = "drawn in magenta for want of a value of the colour";
+        undrawn.into_iter().chain(warning(&self.all.uncolored, self.uncolored_in, effect)).collect()
     }
 }

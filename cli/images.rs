@@ -126,6 +126,7 @@ fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, fai
     progress.finish();
     tally.say(n);
     work.values.warn();
+    work.check_others()?;
     job.passes.iter().try_for_each(|pass| render_pass(pass, shard, statistics, failed))
 }
 
@@ -149,13 +150,16 @@ struct Work<'a> {
     ledger: Ledger,
     hashes: Hashes,
     values: MissingValues,
+    /// The images that are done, and the hash of what each was made of.
+    made: Vec<(String, String)>,
 }
 
 impl<'a> Work<'a> {
     /// No image yet.
     fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Work<'a> {
         let ledger = Ledger::made_from(&job.folder, &job.binding.folder());
-        Work { job, shard, statistics, ledger, hashes: Hashes::default(), values: MissingValues::default() }
+        let (hashes, values) = (Hashes::default(), MissingValues::default());
+        Work { job, shard, statistics, ledger, hashes, values, made: vec![] }
     }
 
     /// Name of the file that is written of a frame.
@@ -178,6 +182,7 @@ impl<'a> Work<'a> {
         match &standing {
             Standing::Done if !lacks_statistics() => {
                 tally.kept += 1;
+                self.made.push((file.into(), imprint));
                 return Ok(());
             }
             Standing::Missing | Standing::Unknown | Standing::Done => {}
@@ -189,7 +194,26 @@ impl<'a> Work<'a> {
         let read = guard::trace();
         report_statistics(&result, frame, &written(&self.job.image(frame), self.shard), self.statistics)?;
         let seconds = started.elapsed().as_secs_f64();
-        Ok(self.ledger.record(file, &imprint, read, seconds, &mut self.hashes)?)
+        self.ledger.record(file, &imprint, read, seconds, &mut self.hashes)?;
+        self.made.push((file.into(), imprint));
+        Ok(())
+    }
+
+    /// Fail if another command has drawn images again since they were done, from other data or with other settings.
+    fn check_others(&self) -> Outcome {
+        let is_other = |(file, imprint): &&(String, String)| {
+            self.ledger.entry(file).is_some_and(|entry| entry.imprint != *imprint)
+        };
+        let mut others = self.made.iter().filter(is_other);
+        let Some((first, _)) = others.next() else { return Ok(()) };
+        let message = format!(
+            "another command has drawn {} of the {} images in {} again, from other data or with other settings (the first: {first}); \
+             give each a folder of its own with -o, and draw these again",
+            1 + others.count(),
+            self.made.len(),
+            self.job.folder.display()
+        );
+        Err(Failure::new(Exit::Partial, message))
     }
 
     /// How the file of an image or of a shard stands: a shard of a `whole` image that is up to date is not needed.

@@ -1,5 +1,6 @@
 //! `scree inspect`: the frames, columns and ranges of data, and a metadata file to render it with.
 
+use crate::failed::MissingValues;
 use crate::job::{InspectJob, Suggestion};
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
@@ -93,13 +94,19 @@ fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion,
     Ok(())
 }
 
-/// Warn of frames that the metadata file cannot draw.
+/// Warn of frames that the metadata file cannot draw, and of rows.
 fn warn_of_faults(path: &Path, frames: &[Frame]) -> Outcome {
     /// Frames whose faults are printed.
     const PRINTED: usize = 3;
     let binding = bind::read(path)?;
-    let check = |frame: &Frame| binding.check_columns(frame).and_then(|()| emit::check(&binding, frame)).err();
-    let faults: Vec<_> = frames.iter().filter_map(|frame| Some((frame.number, check(frame)?))).collect();
+    let (mut values, mut faults) = (MissingValues::default(), vec![]);
+    for frame in frames {
+        match binding.check_columns(frame).and_then(|()| emit::check(&binding, frame)) {
+            Ok(missing) => values.add(frame.number, &missing),
+            Err(fault) => faults.push((frame.number, fault)),
+        }
+    }
+    values.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     for (number, fault) in faults.iter().take(PRINTED) {
         eprintln!("warning: frame {number} cannot be drawn: {fault}");
     }

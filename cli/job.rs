@@ -3,6 +3,7 @@
 
 mod bench;
 mod check;
+mod doctor;
 mod export;
 mod film;
 mod frames;
@@ -29,6 +30,7 @@ pub mod sweep;
 pub use crate::args::SchemaKind;
 pub use bench::{BenchJob, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
+pub use doctor::DoctorJob;
 pub use export::ExportJob;
 pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, combination, images_made_of, images_of};
 pub use frames::{FramesJob, Origin};

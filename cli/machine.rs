@@ -80,6 +80,23 @@ fn of_limits() -> Option<u64> {
     None
 }
 
+/// The space that a user has left on the disk of a folder, bytes.
+#[cfg(unix)]
+pub fn free_bytes(folder: &Path) -> Option<u64> {
+    use std::os::unix::ffi::OsStrExt;
+    let path = std::ffi::CString::new(folder.as_os_str().as_bytes()).ok()?;
+    // SAFETY: all of the structure's fields are numbers, of which 0 is one.
+    let mut figures: libc::statvfs = unsafe { std::mem::zeroed() };
+    // SAFETY: the path ends with 0, and the call writes the structure that it is given.
+    let done = unsafe { libc::statvfs(path.as_ptr(), &mut figures) };
+    (done == 0).then(|| figures.f_bavail as u64 * figures.f_frsize as u64)
+}
+
+#[cfg(not(unix))]
+pub fn free_bytes(_: &Path) -> Option<u64> {
+    None
+}
+
 /// A value in KiB of a file in /proc.
 fn kib(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;

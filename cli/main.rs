@@ -52,8 +52,9 @@ mod task;
 use args::{Args, Command};
 use clap::Parser;
 use job::{
-    BenchJob, CheckJob, ExportJob, FilmJob, InitJob, InspectJob, MovieJob, PlanJob, PlotJob, PreviewJob, RenderJob,
-    ReportJob, RibJob, RunJob, SchemaJob, ShaderJob, ShellJob, SimulateJob, SolveJob, StatusJob, StitchJob, TaskJob,
+    BenchJob, CheckJob, DoctorJob, ExportJob, FilmJob, InitJob, InspectJob, MovieJob, PlanJob, PlotJob, PreviewJob,
+    RenderJob, ReportJob, RibJob, RunJob, SchemaJob, ShaderJob, ShellJob, SimulateJob, SolveJob, StatusJob, StitchJob,
+    TaskJob,
 };
 use report::Exit;
 use std::process::ExitCode;
@@ -106,7 +107,7 @@ fn main() -> ExitCode {
         Command::Stitch(args) => StitchJob::check(args).and_then(stitch::run),
         Command::Solve(args) => SolveJob::check(args).and_then(|job| machine::with_all_memory(|| solve::run(job))),
         Command::Bench(args) => BenchJob::check(args).and_then(|job| machine::with_all_memory(|| bench::run(job))),
-        Command::Doctor => doctor::run(),
+        Command::Doctor(args) => DoctorJob::check(args).and_then(doctor::run),
         Command::Completions(args) => ShellJob::completions(args).and_then(shell::run),
         Command::Man(args) => ShellJob::man(args).and_then(shell::run),
     };

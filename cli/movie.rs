@@ -12,7 +12,7 @@ use pixels::Format;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-pub use ffmpeg::version as ffmpeg_version;
+pub use ffmpeg::{encoders, version as ffmpeg_version};
 
 /// Run `scree movie`.
 pub fn run(job: MovieJob) -> Outcome {

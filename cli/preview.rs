@@ -29,7 +29,7 @@ pub fn start(run: &Path) -> Outcome<Child> {
 }
 
 /// The program: beside this one, or on the `PATH`.
-fn program() -> Outcome<PathBuf> {
+pub fn program() -> Outcome<PathBuf> {
     let beside = std::env::current_exe().ok().and_then(|own| Some(own.parent()?.join(NAME)));
     let path: OsString = std::env::var_os("PATH").unwrap_or_default();
     let mut places = beside.into_iter().chain(std::env::split_paths(&path).map(|folder| folder.join(NAME)));

@@ -41,7 +41,12 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
             let ranges = found.frames.values().filter_map(|(_, ranges)| *ranges.get(i)?);
             *range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
             if let Some([lo, hi]) = range {
-                eprintln!("note: the colours of `{}` go from {lo} to {hi}, the range of all frames", object.name);
+                let frames = if source.missing().is_empty() {
+                    "of all frames"
+                } else {
+                    "of the frames so far: these images are drafts, and are drawn again once others change it"
+                };
+                eprintln!("note: the colours of `{}` go from {lo} to {hi}, the range {frames}", object.name);
             }
         }
     }

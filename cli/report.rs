@@ -30,6 +30,8 @@ pub struct Failure {
     pub exit: Exit,
     /// The message.
     pub message: String,
+    /// The fault of a file that it comes from.
+    pub fault: Option<Box<Fault>>,
 }
 
 /// The result of a command, or of a part of it.
@@ -38,7 +40,7 @@ pub type Outcome<T = ()> = Result<T, Failure>;
 impl Failure {
     /// Make a failure.
     pub fn new(exit: Exit, message: impl Into<String>) -> Failure {
-        Failure { exit, message: message.into() }
+        Failure { exit, message: message.into(), fault: None }
     }
 }
 
@@ -55,7 +57,7 @@ impl From<Fault> for Failure {
             FaultKind::Data => Exit::Data,
             FaultKind::Machine => Exit::Fault,
         };
-        Failure::new(exit, fault.to_string())
+        Failure { fault: Some(fault.clone().into()), ..Failure::new(exit, fault.to_string()) }
     }
 }
 

@@ -318,9 +318,16 @@ pub fn duration(seconds: f64) -> String {
 /// Run `scree verify`: name what is not done, and fail if there is any.
 pub fn verify(job: StatusJob) -> Outcome {
     let (n, bad) = if Plan::exists(&job.folder) { of_film(&job.folder)? } else { of_images(&job.folder)? };
-    bad.iter().for_each(|(name, standing)| println!("{name}: {standing}"));
+    if job.json {
+        let bad: Vec<_> = bad.iter().map(|(name, why)| serde_json::json!({"what": name, "why": why})).collect();
+        println!("{}", serde_json::json!({"images": n, "is_done": bad.is_empty(), "not_done": bad}));
+    } else {
+        bad.iter().for_each(|(name, standing)| println!("{name}: {standing}"));
+    }
     if bad.is_empty() {
-        println!("{n} images are as they were written, of what is there now");
+        if !job.json {
+            println!("{n} images are as they were written, of what is there now");
+        }
         return Ok(());
     }
     let n_others = bad.iter().filter(|(name, _)| ["movie", "run", "sweep"].contains(&name.as_str())).count();

@@ -175,6 +175,23 @@ fn two_renders_into_one_folder_share_the_work() {
     assert_eq!(scree(&["verify", &out]).ok().split_whitespace().next(), Some("12"));
 }
 
+#[test]
+fn renders_of_other_settings_into_one_folder_are_told() {
+    let work = data(24);
+    let (md, out) = (at(work.path(), "md.yaml"), at(work.path(), "o"));
+    let mut long = Command::new(env!("CARGO_BIN_EXE_scree"));
+    long.args(["render", &md, "-o", &out, "--res", "320x180", "--samples", "4"]).stderr(Stdio::piped());
+    let long = long.spawn().unwrap();
+    while !work.path().join("o/000000.png").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    call(&["render", &md, "-o", &out, "--frames", "0"], &SMALL).ok();
+    let ended = long.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(5), "{said}");
+    assert!(said.contains("another command has drawn 1 of the 24 images") && said.contains("000000.png"), "{said}");
+}
+
 /// The model of a falling block, in a folder, and the folder of its film.
 fn film(folder: &Path) -> (String, String) {
     let model = folder.join("it's a drop.yaml");

@@ -132,6 +132,10 @@ fn what_is_taken_for_something_is_said() {
     assert!(inspect().fails(4).contains("column `radius` has `#INF` in row 2, which is no number"));
     // What cannot be drawn of the data is said as soon as the file is written.
     std::fs::write(at("p_0.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,0\n").unwrap();
+    assert!(
+        inspect().errors().contains("1 row not drawn for want of a value or a size; the first is row 2 of frame 0")
+    );
+    std::fs::write(at("p_0.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,-1\n").unwrap();
     let answer = inspect();
     answer.ok();
     assert!(
@@ -169,15 +173,21 @@ fn rows_without_values_are_counted() {
     let work = scratch();
     let (metadata, out) = (work.path().join("md.yaml"), work.path().join("o"));
     std::fs::write(work.path().join("p_1.csv"), "x,y,z,r,speed\n0,0,0,0.1,1\n").unwrap();
-    std::fs::write(work.path().join("p_2.csv"), "x,y,z,r,speed\n0,0,0,0.1,\n1,NA,0,0.1,2\n2,0,0,,3\n3,0,0,0.1,4\n")
-        .unwrap();
+    std::fs::write(
+        work.path().join("p_2.csv"),
+        "x,y,z,r,speed\n0,0,0,0.1,\n1,NA,0,0.1,2\n2,0,0,,3\n3,0,0,0,3\n4,0,0,0.1,4\n",
+    )
+    .unwrap();
     let head = "data: {csv: 'p_*.csv'}\ncamera: {eye: [1, -5, 1], look_at: [1, 0, 0]}\nobjects:\n  - name: a\n    position: [x, y, z]\n";
     let body = "    geometry: {sphere: {radius: r}}\n    color: {column: speed, range: [5, 0]}\n";
     std::fs::write(&metadata, format!("{head}{body}")).unwrap();
     let answer = scree(&["render", text(&metadata), "--res", "64x24", "--samples", "2", "-o", text(&out)]);
     answer.ok();
     let said = answer.errors();
-    assert!(said.contains("2 rows not drawn for want of a value; the first is row 2 of frame 2, in `y`"), "{said}");
+    assert!(
+        said.contains("3 rows not drawn for want of a value or a size; the first is row 2 of frame 2, in `y`"),
+        "{said}"
+    );
     assert!(
         said.contains("1 row drawn in magenta for want of a value of the colour; the first is row 1 of frame 2"),
         "{said}"

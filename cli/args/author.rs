@@ -1,4 +1,5 @@
-//! Arguments of the commands for authors of models, metadata, scenes and shaders: `check`, `schema` and `shader`.
+//! Arguments of the commands for authors of models, metadata, scenes and shaders, and for their shells and machines: `check`, `schema`,
+//! `shader`, `init`, `completions`, `man` and `doctor`.
 
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -19,6 +20,10 @@ pub struct CheckArgs {
     /// meshes.
     #[arg(long)]
     pub list_files: bool,
+    /// Print JSON: of each file its kind, its warnings and its fault with its
+    /// place.
+    #[arg(long, conflicts_with = "list_files")]
+    pub json: bool,
 }
 
 const SCHEMA_EXAMPLES: &str = "\
@@ -103,4 +108,22 @@ pub struct ManArgs {
     /// Folder of the pages, scree.1 and one of each command.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+}
+
+const DOCTOR_EXAMPLES: &str = "\
+Examples:
+  scree doctor
+  scree doctor --json /scratch/films";
+
+/// Arguments of `scree doctor`.
+#[derive(Args, Debug)]
+#[command(after_help = DOCTOR_EXAMPLES)]
+pub struct DoctorArgs {
+    /// Folder that results would go to: its free space is told, and how fast it
+    /// takes a file.
+    #[arg(value_name = "DIR", default_value = ".")]
+    pub folder: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
 }

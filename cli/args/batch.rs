@@ -157,6 +157,9 @@ pub struct VerifyArgs {
     /// Folder that a film was submitted to, or a folder of images.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `scree resume`.

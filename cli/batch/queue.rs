@@ -23,18 +23,58 @@ pub struct Submitted {
 /// The most indices of an array, from 0.
 pub fn most_indices(scheduler: Scheduler) -> usize {
     match scheduler {
-        Scheduler::Slurm => {
-            // Slurm's own default is 1001; the index must be below.
-            let said = said("scontrol", &["show", "config"]).unwrap_or_default();
-            let value = |line: &str| line.split_once('=').map(|(_, value)| value.trim().parse().ok());
-            let line = said.lines().find(|line| line.trim_start().starts_with("MaxArraySize"));
-            line.and_then(value).flatten().filter(|n| *n > 0).unwrap_or(1001)
-        }
+        // Slurm's own default is 1001; the index must be below.
+        Scheduler::Slurm => max_array_size().unwrap_or(1001),
         Scheduler::Pbs => 10_000,
         Scheduler::Torque => 100_000,
         Scheduler::GridEngine => 75_000,
         Scheduler::Local => usize::MAX,
     }
+}
+
+/// The `MaxArraySize` of a Slurm that answers.
+fn max_array_size() -> Option<usize> {
+    let said = said("scontrol", &["show", "config"]).ok()?;
+    let line = said.lines().find(|line| line.trim_start().starts_with("MaxArraySize"))?;
+    line.split_once('=')?.1.trim().parse().ok().filter(|n| *n > 0)
+}
+
+/// The Slurm of this machine.
+#[derive(Debug, Serialize)]
+pub struct Slurm {
+    /// What `sbatch --version` says.
+    pub version: String,
+    /// The most tasks of an array; none if the controller does not answer.
+    pub most_tasks: Option<usize>,
+    /// Its partitions.
+    pub partitions: Vec<Partition>,
+}
+
+/// A partition of a Slurm cluster, as `sinfo` lists it: a line for each kind of its nodes.
+#[derive(Debug, Serialize)]
+pub struct Partition {
+    /// Its name; that of the usual one ends with `*`.
+    pub name: String,
+    /// The longest time of a job, as Slurm writes it.
+    pub time: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Processors of a node.
+    pub cpus: String,
+    /// Memory of a node, MB.
+    pub memory_mb: String,
+}
+
+/// The Slurm of this machine, if it has one.
+pub fn slurm() -> Option<Slurm> {
+    let version = said("sbatch", &["--version"]).ok()?.trim().to_string();
+    let list = said("sinfo", &["--noheader", "--format=%P|%l|%D|%c|%m"]).unwrap_or_default();
+    let partition = |line: &str| {
+        let parts: Vec<String> = line.split('|').map(|part| part.trim().to_string()).collect();
+        let [name, time, nodes, cpus, memory_mb] = parts.try_into().ok()?;
+        Some(Partition { name, time, nodes: nodes.parse().ok()?, cpus, memory_mb })
+    };
+    Some(Slurm { version, most_tasks: max_array_size(), partitions: list.lines().filter_map(partition).collect() })
 }
 
 /// Where the names of the jobs are kept.

@@ -11,6 +11,8 @@ pub struct CheckJob {
     pub files: Vec<(PathBuf, Option<FileKind>)>,
     /// Whether the files that they read are listed.
     pub list_files: bool,
+    /// Whether JSON is printed.
+    pub json: bool,
 }
 
 /// Kinds of file, as their names tell them.
@@ -31,7 +33,7 @@ impl CheckJob {
             let kind = kind_of(&path);
             (path, kind)
         });
-        Ok(CheckJob { files: files.collect(), list_files: args.list_files })
+        Ok(CheckJob { files: files.collect(), list_files: args.list_files, json: args.json })
     }
 }
 

@@ -36,12 +36,13 @@ impl ExportJob {
             return Err(Failure::new(Exit::Data, "the data has no frames yet"));
         }
         let is_run = args.data.is_dir();
+        let is_default = args.output.is_none();
         let folder = args.output.unwrap_or_else(|| if is_run { args.data.join("export") } else { "export".into() });
         if RunReader::is_run(&folder) || folder.parent().is_some_and(RunReader::is_run) && folder.ends_with("frames") {
             let message = format!("{} has a run's own files: give another folder, -o DIR (--output)", folder.display());
             return Err(Failure::new(Exit::Usage, message));
         }
-        if is_run {
+        if is_run && is_default {
             spare_link(&folder, &args.data)?;
         }
         guard::allow(&folder);

@@ -129,7 +129,7 @@ impl StatusJob {
 
     /// Check the arguments of `scree verify`.
     pub fn verify(args: VerifyArgs) -> Outcome<StatusJob> {
-        Ok(StatusJob { folder: args.folder, watch: false, json: false })
+        Ok(StatusJob { folder: args.folder, watch: false, json: args.json })
     }
 }
 

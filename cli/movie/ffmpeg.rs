@@ -24,6 +24,9 @@ pub struct Encoder {
     options: &'static [&'static str],
 }
 
+/// Encoders that would do, with their options.
+type Choices = &'static [(&'static str, &'static [&'static str])];
+
 /// Encoders by the order in which they are tried. VP8 is none of them, since its colors are never those of BT.709.
 const H264: [(&str, &[&str]); 2] =
     [("libx264", &["-crf", "18", "-preset", "medium"]), ("libopenh264", &["-b:v", "12M"])];
@@ -51,9 +54,26 @@ fn ask(question: &[&str]) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).to_string())
 }
 
+/// Of each kind of movie, the encoder that this ffmpeg would make it by, if it has one.
+pub fn encoders() -> Vec<(&'static str, Option<&'static str>)> {
+    let list = list();
+    let kinds: [(_, Choices); 3] = [("mp4, mov, mkv", &H264), ("webm", &WEBM), ("gif", &GIF)];
+    kinds.map(|(kind, wanted)| (kind, first_there(wanted, &list).map(|(name, _)| *name))).into()
+}
+
+/// The encoders of this ffmpeg, a line each.
+fn list() -> String {
+    ask(&["-hide_banner", "-encoders"]).unwrap_or_default()
+}
+
+/// The first of some encoders that is in the list of those that are there.
+fn first_there(wanted: Choices, list: &str) -> Option<&'static (&'static str, &'static [&'static str])> {
+    wanted.iter().find(|(name, _)| list.lines().any(|l| l.split_whitespace().nth(1) == Some(name)))
+}
+
 /// The encoder for a kind of movie that this ffmpeg has.
 pub fn encoder(kind: MovieKind, movie: &Path) -> Outcome<Encoder> {
-    let (container, codecs, wanted): (_, _, &[(&str, &[&str])]) = match kind {
+    let (container, codecs, wanted): (_, _, Choices) = match kind {
         MovieKind::Mp4 => ("mp4", "H.264", &H264),
         MovieKind::Mov => ("mov", "H.264", &H264),
         MovieKind::Mkv => ("matroska", "H.264", &H264),
@@ -61,9 +81,7 @@ pub fn encoder(kind: MovieKind, movie: &Path) -> Outcome<Encoder> {
         MovieKind::Gif => ("gif", "GIF", &GIF),
         MovieKind::Apng => return Err(Failure::new(Exit::Fault, "animated PNGs are not encoded by ffmpeg")),
     };
-    let list = ask(&["-hide_banner", "-encoders"]).unwrap_or_default();
-    let has = |name: &str| list.lines().any(|l| l.split_whitespace().nth(1) == Some(name));
-    if let Some((name, options)) = wanted.iter().find(|(name, _)| has(name)) {
+    if let Some((name, options)) = first_there(wanted, &list()) {
         return Ok(Encoder { container, name, options });
     }
     let names: Vec<&str> = wanted.iter().map(|(name, _)| *name).collect();

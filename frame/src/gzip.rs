@@ -5,7 +5,9 @@ use flate2::read::MultiGzDecoder;
 use guard::memory::{self, Bytes};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::SystemTime;
 
 /// What every file that is packed by gzip begins with.
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -32,11 +34,18 @@ impl Source {
         })
     }
 
-    /// Go on from a byte of what is unpacked.
-    fn seek(&mut self, offset: u64) -> io::Result<()> {
+    /// Pass from a byte of what is unpacked to a later one.
+    fn pass(&mut self, at: u64, offset: u64) -> io::Result<()> {
         match self {
             Source::Plain(file) => file.seek(SeekFrom::Start(offset)).map(|_| ()),
-            Source::Packed(file) => io::copy(&mut file.take(offset), &mut io::sink()).map(|_| ()),
+            Source::Packed(file) => io::copy(&mut file.take(offset - at), &mut io::sink()).map(|_| ()),
+        }
+    }
+
+    fn buffer(&mut self) -> &mut dyn BufRead {
+        match self {
+            Source::Plain(file) => file,
+            Source::Packed(file) => file,
         }
     }
 
@@ -96,14 +105,50 @@ pub(crate) fn read_part(path: &Path, offset: u64, length: u64) -> Result<Vec<u8>
     if length > memory::room() {
         return Err(Fault::whole(FaultKind::Data, path, format!("a table of it is too large: {}", memory::Full)));
     }
-    let mut source = Source::open(path)?;
-    let read = move || -> io::Result<Vec<u8>> {
-        source.seek(offset)?;
-        let mut bytes = Vec::with_capacity(length as usize);
-        source.reader().take(length).read_to_end(&mut bytes)?;
-        Ok(bytes)
+    let (mut source, at) = Left::take(path, offset).map_or_else(|| Source::open(path).map(|s| (s, 0)), Ok)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    let mut read = || -> io::Result<usize> {
+        source.pass(at, offset)?;
+        source.buffer().take(length).read_to_end(&mut bytes)
     };
-    read().map_err(|e| fault(path, &e))
+    read().map_err(|e| fault(path, &e))?;
+    Left::put(path, source, offset + bytes.len() as u64);
+    Ok(bytes)
+}
+
+/// A packed file as its last part has left it: nobody can begin in its middle, and parts are mostly read one behind the other.
+struct Left {
+    path: PathBuf,
+    stamp: Stamp,
+    source: Source,
+    /// Bytes of what is unpacked that have been read.
+    at: u64,
+}
+
+/// What tells a file from any other that has come in its place.
+type Stamp = (u64, Option<SystemTime>);
+
+static LEFT: Mutex<Option<Left>> = Mutex::new(None);
+
+impl Left {
+    fn stamp(path: &Path) -> Option<Stamp> {
+        path.metadata().ok().map(|m| (m.len(), m.modified().ok()))
+    }
+
+    /// The file, if it was left before a byte, and where.
+    fn take(path: &Path, offset: u64) -> Option<(Source, u64)> {
+        let left = LEFT.lock().unwrap_or_else(|e| e.into_inner()).take()?;
+        let is_it = left.path == path && left.at <= offset && Some(left.stamp) == Left::stamp(path);
+        is_it.then_some((left.source, left.at))
+    }
+
+    /// Leave a file, if it is packed, behind a byte.
+    fn put(path: &Path, source: Source, at: u64) {
+        if let (Source::Packed(_), Some(stamp)) = (&source, Left::stamp(path)) {
+            let left = Left { path: path.into(), stamp, source, at };
+            *LEFT.lock().unwrap_or_else(|e| e.into_inner()) = Some(left);
+        }
+    }
 }
 
 /// Unpack a stream whole, as far as there is memory for it.
@@ -146,7 +191,11 @@ mod tests {
         let two = file(&[packed(b"x,y\n1,2\n"), packed(b"3,4\n")].concat());
         let whole = b"x,y\n1,2\n3,4\n";
         assert_eq!(read(two.path()).unwrap(), whole);
-        assert_eq!(read_part(two.path(), 6, 4).unwrap(), b"2\n3,");
+        for (offset, length, part) in [(6, 4, "2\n3,"), (10, 1, "4"), (4, 2, "1,"), (10, 9, "4\n"), (12, 3, "")] {
+            assert_eq!(read_part(two.path(), offset, length).unwrap(), part.as_bytes());
+        }
+        std::fs::write(two.path(), packed(b"another file")).unwrap();
+        assert_eq!(read_part(two.path(), 8, 4).unwrap(), b"file");
         assert_eq!(start(two.path(), 10), whole[..10]);
         for plain in [&whole[..], b"", b"\x1f"] {
             let plain_file = file(plain);

@@ -96,7 +96,9 @@ pub fn leads_out(path: &Path, folder: &Path) -> bool {
         let real = |p: &Path| if p.as_os_str().is_empty() { Path::new(".") } else { p }.canonicalize().ok();
         path.ancestors().find_map(real)
     };
-    matches!((nearest(path), folder.canonicalize()), (Some(real), Ok(home)) if !real.starts_with(&home))
+    // The folder is looked at first: what another process makes between the two looks leads nowhere else.
+    let Ok(home) = folder.canonicalize() else { return false };
+    nearest(path).is_some_and(|real| !real.starts_with(&home))
 }
 
 /// An error if a file or folder is outside of the folders to keep to, wherever its links lead.

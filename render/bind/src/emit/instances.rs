@@ -100,16 +100,23 @@ impl<'a> Rows<'a> {
         Ok(self.numbers(part, x)?.into_iter().map(|x| [x as f32; 3]).collect())
     }
 
-    /// Sizes of a shape along its axes.
+    /// Sizes of a shape along its axes. Rows with a size of 0 are noted as those that lack it: some programs let bodies vanish so.
     fn scale(&self, shape: &Shape) -> Result<Vec<[f32; 3]>, Fault> {
-        let part = "geometry";
-        match shape {
-            Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => self.same(part, &x.expr),
-            Shape::Box(half) | Shape::Ellipsoid(half) => self.three(part, exprs(half)),
+        let sizes = match shape {
+            Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => [&x.expr; 3],
+            Shape::Box(half) | Shape::Ellipsoid(half) => exprs(half),
             Shape::Cylinder([radius, half]) | Shape::Capsule([radius, half]) | Shape::Cone([radius, half]) => {
-                self.three(part, [&radius.expr, &radius.expr, &half.expr])
+                [&radius.expr, &radius.expr, &half.expr]
+            }
+        };
+        let is_round = std::ptr::eq(sizes[0], sizes[2]);
+        let scale = if is_round { self.same("geometry", sizes[0])? } else { self.three("geometry", sizes)? };
+        for (k, row) in scale.iter().enumerate() {
+            if let Some(axis) = row.iter().position(|x| *x == 0.0) {
+                self.missing.borrow_mut().entry(self.rows[k]).or_insert_with(|| sizes[axis].text.clone());
             }
         }
+        Ok(scale)
     }
 
     /// Which of the files each row is drawn from: that of its value in the column. An error if there is none.
@@ -139,11 +146,11 @@ impl<'a> Rows<'a> {
         self.rows.iter().map(file).collect()
     }
 
-    /// Check that all sizes are above 0.
+    /// Check that no size is below 0.
     fn check_scale(&self, scale: &[[f32; 3]]) -> Result<(), Fault> {
-        match scale.iter().position(|s| s.iter().any(|x| *x <= 0.0)) {
+        match scale.iter().position(|s| s.iter().any(|x| *x < 0.0)) {
             Some(k) => {
-                let fault = self.fault("geometry", format!("row {} has a size that is not above 0", self.rows[k] + 1));
+                let fault = self.fault("geometry", format!("row {} has a size below 0", self.rows[k] + 1));
                 Err(Fault { kind: FaultKind::Data, ..fault })
             }
             None => Ok(()),
