@@ -11,7 +11,7 @@ use crate::source;
 use bind::Binding;
 use bind::data::{Source, Store};
 use bind::metadata::Data;
-use frame::run::{RunReader, RunWriter, WarningEntry};
+use frame::run::{COMMANDS, RunReader, RunWriter, WarningEntry};
 use frame::{Fault, Frame};
 use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
@@ -38,6 +38,7 @@ pub fn simulate(job: ModelRun) -> Outcome {
         frame::atomic::sweep(&place);
     }
     say_what_is_there(&file, &folder, span.resume)?;
+    note_command(&folder, span.resume)?;
     let mut console = Console { progress: None, interruption: Listener::new() };
     guard::memory::doing("simulating into", &folder);
     let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, &span, &mut console));
@@ -49,6 +50,17 @@ pub fn simulate(job: ModelRun) -> Outcome {
             format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
         ),
     })
+}
+
+/// Note this command in a folder, behind those that it goes on from.
+fn note_command(folder: &Path, resume: bool) -> Outcome {
+    let path = folder.join(COMMANDS);
+    let before = if resume { std::fs::read_to_string(&path).unwrap_or_default() } else { String::new() };
+    let is_plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "_./=:,+-@%".contains(c));
+    let quoted = |word: String| if is_plain(&word) && !word.is_empty() { word } else { guard::text::shell(&word) };
+    let words = std::env::args_os().skip(1).map(|word| quoted(guard::text::line(&word.to_string_lossy())));
+    let command: Vec<String> = std::iter::once("scree".to_string()).chain(words).collect();
+    Ok(frame::atomic::write(&path, format!("{before}{}\n", command.join(" ")).as_bytes())?)
 }
 
 /// Say that a run of the same model is simulated again, or that there is none to resume.

@@ -3,6 +3,7 @@
 use super::number;
 use super::view::{Figure, File};
 use crate::job::RunData;
+use frame::run::COMMANDS;
 use std::path::Path;
 
 /// The files of a run whose hashes stand on its page.
@@ -22,9 +23,19 @@ pub fn provenance(run: &RunData) -> Vec<Figure> {
         Figure::new("machine", &index.adapter).noted("as the run recorded it"),
         Figure::new("seed", index.seed.to_string()),
         Figure::new("units", &index.units),
-        Figure::new("command line", "not recorded")
-            .noted("scree simulate model.yaml, of the file below, makes the run again"),
+        commands(run),
     ]
+}
+
+/// The commands that made a run.
+fn commands(run: &RunData) -> Figure {
+    let path = run.run.folder.join(COMMANDS);
+    let note = "`scree simulate model.yaml`, of the file below, makes the run again";
+    let text = if guard::leads_out(&path, &run.run.folder) { None } else { guard::read(&path).ok() };
+    match text.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).filter(|text| !text.trim().is_empty()) {
+        Some(text) => Figure::new("commands", text.lines().collect::<Vec<_>>().join("; then ")).noted(note),
+        None => Figure::new("commands", "not recorded").noted(note),
+    }
 }
 
 /// The files of a run with their hashes; what cannot be read is added to `faults`.

@@ -123,35 +123,32 @@ fn vtu(frame: &Frame) -> Result<Vec<u8>, String> {
     let mut body = vec![];
     let mut text = String::new();
     let mut write = |text: &mut String, own: &Array| {
-        let (name, kind, n) = (attribute(&own.name), own.kind, own.components);
+        let (name, kind) = (attribute(&own.name), own.kind);
+        let n = if own.components == 1 { String::new() } else { format!(" NumberOfComponents=\"{}\"", own.components) };
         let offset = body.len();
         let _ = writeln!(
             text,
-            "        <DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n}\" format=\"appended\" offset=\"{offset}\"/>"
+            "        <DataArray type=\"{kind}\" Name=\"{name}\"{n} format=\"appended\" offset=\"{offset}\"/>"
         );
         body.extend((own.bytes.len() as u64).to_le_bytes());
         body.extend(&own.bytes);
     };
-    text += "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+    let mut remarks = String::new();
+    for (field, column) in &frame.columns {
+        if let Column::Category { names, .. } = column {
+            // As a remark: arrays of texts are known to VTK, but not to all that read its files.
+            let words: Vec<String> = names.iter().enumerate().map(|(code, name)| format!("{code} {name}")).collect();
+            let words = format!("{}: {}", field.name, words.join(", ")).replace("--", "- -");
+            let _ = writeln!(remarks, "<!-- {} -->", attribute(&words));
+        }
+    }
+    let _ = write!(text, "<?xml version=\"1.0\"?>\n{remarks}");
+    text += "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
     let _ = writeln!(
         text,
         "  <UnstructuredGrid>\n    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>",
         frame.time
     );
-    for (field, column) in &frame.columns {
-        if let Column::Category { names, .. } = column {
-            // Texts are the codes of their letters, each ended by a 0.
-            let codes: Vec<String> =
-                names.iter().flat_map(|name| name.bytes().chain([0])).map(|byte| byte.to_string()).collect();
-            let _ = writeln!(
-                text,
-                "      <Array type=\"String\" Name=\"{}_names\" NumberOfTuples=\"{}\" format=\"ascii\">{}</Array>",
-                attribute(&field.name),
-                names.len(),
-                codes.join(" ")
-            );
-        }
-    }
     let _ =
         writeln!(text, "    </FieldData>\n    <Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{n}\">\n      <PointData>");
     arrays(frame).iter().for_each(|own| write(&mut text, own));

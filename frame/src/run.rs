@@ -6,6 +6,7 @@
 //! frames/000042.arrow   one table per frame (or .csv)
 //! report.csv            per step: contacts, iterations, residual, maximum penetration, milliseconds by stage
 //! metadata.yaml         geometry and shaders of every class
+//! commands.txt          the commands that made the run, a line each
 //! ```
 //! A frame is identified by its number in `run.json`, never by its position in a listing.
 
@@ -16,6 +17,9 @@ use std::path::{Component, Path, PathBuf};
 
 /// The version of the run directory's format that [`RunWriter`] writes and [`RunReader`] reads.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// The file of the commands that made a run.
+pub const COMMANDS: &str = "commands.txt";
 
 /// The file format of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
