@@ -58,8 +58,8 @@ fn standings_of(job: &ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standi
             work.shard = (n_shards > 1).then_some(Shard { part, parts: n_shards });
             of_frame.push(match &imprint {
                 Ok(imprint) => work.standing(&work.file(*frame), &whole, imprint),
-                // What cannot be drawn is said when it is tried.
-                Err(_) => Standing::Missing,
+                Err(_) if !job.folder.join(&whole).is_file() => Standing::Missing,
+                Err(failure) => Standing::Undrawable(failure.message.clone()),
             });
         }
         work.shard = None;
@@ -182,10 +182,11 @@ impl<'a> Work<'a> {
         match &standing {
             Standing::Done if !lacks_statistics() => {
                 tally.kept += 1;
+                self.ledger.forget_failure(file);
                 self.made.push((file.into(), imprint));
                 return Ok(());
             }
-            Standing::Missing | Standing::Unknown | Standing::Done => {}
+            Standing::Missing | Standing::Done => {}
             _ if self.job.redraw => {}
             why => *tally.again.entry(why.to_string()).or_default() += 1,
         }
@@ -292,8 +293,8 @@ fn say_gaps(job: &ImageJob) {
     let gone: Vec<&String> = of_frames.filter(is_gone).filter(|file| job.folder.join(file).is_file()).collect();
     if let Some(first) = gone.first() {
         eprintln!(
-            "warning: {} images in {} are of frames that the data does not have (the first: {first}): they stay",
-            gone.len(),
+            "warning: {} in {} of frames that the data does not have (the first: {first}): what is there stays",
+            if gone.len() == 1 { "1 image is".to_string() } else { format!("{} images are", gone.len()) },
             job.folder.display()
         );
     }

@@ -73,6 +73,10 @@ pub enum Standing {
     Changed,
     /// A file that it was made of has changed.
     Depends(PathBuf),
+    /// A file that it was made of is not there any more.
+    Lacks(PathBuf),
+    /// It cannot be drawn of what is there now.
+    Undrawable(String),
 }
 
 impl fmt::Display for Standing {
@@ -85,6 +89,8 @@ impl fmt::Display for Standing {
             Standing::Damaged => f.write_str("not as it was written"),
             Standing::Changed => f.write_str("stale: data, metadata, scene or program have changed"),
             Standing::Depends(path) => write!(f, "stale: {} has changed", path.display()),
+            Standing::Lacks(path) => write!(f, "stale: {} is not there any more", path.display()),
+            Standing::Undrawable(why) => write!(f, "stale: it cannot be drawn again: {}", guard::text::line(why)),
         }
     }
 }
@@ -236,8 +242,13 @@ impl Ledger {
     fn write(&self, entry: &Entry) -> Result<(), Fault> {
         let bytes = serde_json::to_vec(entry).unwrap_or_default();
         frame::atomic::write(&self.path(&entry.file, "json"), &bytes)?;
-        let _ = std::fs::remove_file(self.path(&entry.file, "failed"));
+        self.forget_failure(&entry.file);
         Ok(())
+    }
+
+    /// Forget that a file could not be made.
+    pub fn forget_failure(&self, file: &str) {
+        let _ = std::fs::remove_file(self.path(file, "failed"));
     }
 
     /// The file that says what the images were last made of.
@@ -278,14 +289,16 @@ impl Ledger {
             return Standing::Missing;
         }
         let Some(entry) = self.entry(file) else { return Standing::Unknown };
-        if imprint.is_some_and(|imprint| imprint != entry.imprint) {
-            return Standing::Changed;
-        }
         let Some(list) = self.depends_on(&entry.depends_on, hashes) else { return Standing::Unknown };
         let base = self.base.clone().unwrap_or_else(|| self.images.join(&entry.from));
         let changed = list.iter().find(|(path, hash)| hashes.of(&base.join(path)) != **hash);
         if let Some((path, _)) = changed {
-            return Standing::Depends(path.clone());
+            let is_there = base.join(path).exists();
+            return if is_there { Standing::Depends(path.clone()) } else { Standing::Lacks(path.clone()) };
+        }
+        // What has changed in one of its files has been named.
+        if imprint.is_some_and(|imprint| imprint != entry.imprint) {
+            return Standing::Changed;
         }
         let size = path.metadata().map(|m| m.len()).ok();
         if size != Some(entry.bytes) || hash_of(&path).as_ref() != Some(&entry.blake3) {

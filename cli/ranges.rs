@@ -20,6 +20,14 @@ struct Found {
     frames: BTreeMap<u64, (String, Vec<Option<[f64; 2]>>)>,
 }
 
+impl Found {
+    /// The range of an object's values in all frames.
+    fn range(&self, object: usize) -> Option<[f64; 2]> {
+        let ranges = self.frames.values().filter_map(|(_, ranges)| *ranges.get(object)?);
+        ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    }
+}
+
 /// Settle the ranges that are open, of a job and of its passes.
 pub fn settle(job: &mut ImageJob) -> Outcome {
     for pass in &mut job.passes {
@@ -35,11 +43,13 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
     if !binding.objects.iter().any(|object| is_open(&object.color)) {
         return Ok(());
     }
-    let found = scan(binding, source, kept)?;
+    let (found, before) = scan(binding, source, kept)?;
     for (i, object) in binding.objects.iter_mut().enumerate() {
         if let Color::By { range: range @ None, .. } = &mut object.color {
-            let ranges = found.frames.values().filter_map(|(_, ranges)| *ranges.get(i)?);
-            *range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+            *range = found.range(i);
+            if let Some([a, b]) = before.range(i).filter(|was| before.of == found.of && Some(*was) != *range) {
+                eprintln!("note: the colours of `{}` went from {a} to {b}: all its images are stale", object.name);
+            }
             if let Some([lo, hi]) = range {
                 let frames = if source.missing().is_empty() {
                     "of all frames"
@@ -53,9 +63,9 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
     Ok(())
 }
 
-/// The ranges of all frames of the data. Frames that were looked at before, and are as they were, are not read again; those that cannot
+/// The ranges of all frames of the data, and what was kept of them. Frames that were looked at before, and are as they were, are not read again; those that cannot
 /// be read have none.
-fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<Found> {
+fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<(Found, Found)> {
     let read = |bytes: Vec<u8>| serde_json::from_slice::<Found>(&bytes).ok();
     let before = kept.and_then(|path| read(std::fs::read(path).ok()?)).unwrap_or_default();
     let text = format!("{:?}{:?}{:?}", binding.objects, source.derive, source.select);
@@ -81,5 +91,5 @@ fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<Foun
         let bytes = serde_json::to_vec(&found).unwrap_or_default();
         kept.map(|path| frame::atomic::write(path, &bytes)).transpose()?;
     }
-    Ok(found)
+    Ok((found, before))
 }

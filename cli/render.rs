@@ -24,8 +24,9 @@ fn frames(job: RenderFrames) -> Outcome {
     let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
     let (binding, source) = model_run::provide(job.frames)?;
     let mut image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
+    let frames = (&image_job.frames[..], image_job.is_all);
+    MadeOf::write(&Ledger::of(&image_job.folder), (&input, &home), job.options.choices, frames)?;
     let failed = images::render(&mut image_job, job.shard, job.statistics)?;
-    MadeOf::write(&Ledger::of(&image_job.folder), &input, &home, job.options.choices)?;
     if failed.len() < image_job.frames.len() {
         println!("{}", image_job.folder.display());
         image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));

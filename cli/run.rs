@@ -13,8 +13,9 @@ pub fn run(job: RunJob) -> Outcome {
     let is_simulated = !matches!(job.frames.origin, Origin::Data(_));
     let (binding, source) = model_run::provide(job.frames)?;
     let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
+    let frames = (&images.frames[..], images.is_all);
+    MadeOf::write(&Ledger::of(&images.folder), (&input, &home), job.options.choices, frames)?;
     let failed = images::render(&mut images, None, Statistics::default())?;
-    MadeOf::write(&Ledger::of(&images.folder), &input, &home, job.options.choices)?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());

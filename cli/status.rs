@@ -12,7 +12,7 @@ use frame::run::RunReader;
 use frame::{Fault, FaultKind, list};
 use rayon::prelude::*;
 use render::film::bucket::Shard;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -118,14 +118,14 @@ fn look(images: &Path, plan: Option<&Plan>, status: &mut Status) {
     };
     let (files, entries) = (names(images), names(&ledger.folder()));
     let known = |name: &String| name.strip_suffix(".json").or(name.strip_suffix(".failed")).map(str::to_string);
+    let ending = if entries.iter().any(|name| name.contains(".exr")) { "exr" } else { "png" };
     let wanted: Vec<String> = match plan {
-        Some(plan) => {
-            let ending = if entries.iter().any(|name| name.contains(".exr")) { "exr" } else { "png" };
-            plan.frames.iter().map(|frame| format!("{frame:06}.{ending}")).collect()
-        }
+        Some(plan) => plan.frames.iter().map(|frame| format!("{frame:06}.{ending}")).collect(),
         None => {
-            let whole = entries.iter().filter_map(known).filter(|name| is_image(name));
-            whole.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+            let mut all: BTreeSet<String> = entries.iter().filter_map(known).filter(|name| is_image(name)).collect();
+            let made: Vec<u64> = MadeOf::read(&ledger).map_or(vec![], |made| made.frames().collect());
+            all.extend(made.iter().map(|frame| format!("{frame:06}.{ending}")));
+            all.into_iter().collect()
         }
     };
     let claims = ledger.claims();
@@ -167,18 +167,17 @@ fn of_image(
     (files, entries): (&HashSet<String>, &HashSet<String>),
     n_shards: usize,
 ) -> State {
-    let has_entry = entries.contains(&format!("{file}.json"));
-    if has_entry && files.contains(file) {
+    if entries.contains(&format!("{file}.failed"))
+        && let Some(why) = ledger.failure(file)
+    {
+        return State::Failed(why);
+    }
+    if entries.contains(&format!("{file}.json")) && files.contains(file) {
         let size = ledger.images.join(file).metadata().map(|m| m.len()).ok();
         return match ledger.entry(file) {
             Some(entry) if Some(entry.bytes) == size => State::Done(entry.seconds),
             _ => State::Damaged,
         };
-    }
-    if entries.contains(&format!("{file}.failed"))
-        && let Some(why) = ledger.failure(file)
-    {
-        return State::Failed(why);
     }
     let shard = |part: usize| written(Path::new(file), Some(Shard { part, parts: n_shards }));
     let there = (1..=n_shards).filter(|part| n_shards > 1 && files.contains(&shard(*part).display().to_string()));
@@ -330,11 +329,13 @@ pub fn verify(job: StatusJob) -> Outcome {
         }
         return Ok(());
     }
-    let n_others = bad.iter().filter(|(name, _)| ["movie", "run", "sweep"].contains(&name.as_str())).count();
+    let n_others = bad.iter().filter(|(name, _)| ["movie", "run", "sweep", "frames"].contains(&name.as_str())).count();
+    let are = |n: usize| if n == 1 { "is" } else { "are" };
+    let parts = |n: usize| if n == 1 { "1 other part".to_string() } else { format!("{n} other parts") };
     let message = match (bad.len() - n_others, n_others) {
-        (images, 0) => format!("{images} of {n} images are not done"),
-        (0, others) => format!("all {n} images are done, but {others} other parts of the film are not"),
-        (images, others) => format!("{images} of {n} images and {others} other parts of the film are not done"),
+        (images, 0) => format!("{images} of {n} images {} not done", are(images)),
+        (0, others) => format!("all {n} images are done, but {} of the film {} not", parts(others), are(others)),
+        (images, others) => format!("{images} of {n} images and {} of the film are not done", parts(others)),
     };
     Err(Failure::new(Exit::Partial, message))
 }
@@ -362,6 +363,13 @@ fn of_film(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
     if !plan.frames.is_empty() {
         match images_of(&plan, &plan.frames) {
             Ok(mut job) => {
+                let known: HashSet<u64> = plan.frames.iter().copied().collect();
+                let new =
+                    job.source.numbers().into_iter().filter(|frame| plan.is_all && !known.contains(frame)).count();
+                if new > 0 {
+                    let why = format!("the data has {new} frames that the film does not have: submit it again");
+                    bad.push(("frames".into(), why));
+                }
                 let lost = job.lacking.iter().map(|frame| (format!("frame {frame}"), Standing::Gone.to_string()));
                 bad.extend(lost);
                 bad.extend(not_done(images::standings(&mut job, 1)?));
@@ -397,16 +405,17 @@ fn of_images(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
             let stem = name.split_once('.')?.0;
             stem.parse::<u64>().ok().filter(|_| stem.len() >= 6)
         };
-        names.filter_map(number).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+        names.filter_map(number).collect::<BTreeSet<_>>().into_iter().collect()
     };
     let made = MadeOf::read(&main);
-    let frames = numbers(&main);
-    let job = made.map(|made| images_made_of(&made, &all[0], &frames)).transpose()?.flatten();
+    let there = numbers(&main);
+    let job = made.map(|made| images_made_of(&made, &all[0], &there)).transpose()?.flatten();
     if let Some(mut job) = job {
+        let n_frames = job.frames.len() + job.lacking.len();
         let lost = job.lacking.iter().map(|frame| (format!("frame {frame}"), Standing::Gone.to_string()));
         bad.extend(lost);
         bad.extend(not_done(images::standings(&mut job, 1)?));
-        return Ok((frames.len(), bad));
+        return Ok((n_frames, bad));
     }
     eprintln!(
         "note: data and metadata of these images are not there to be looked at; their shaders, scenes and textures are"

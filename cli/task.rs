@@ -62,8 +62,9 @@ fn sweep(plan: &Plan, i: usize) -> Outcome {
 fn draw(plan: &Plan, i: usize) -> Outcome {
     let mut job = images_of(plan, plan.frames_of(i))?;
     let shard = plan.shard_of(i).map(|part| Shard { part, parts: plan.buckets });
+    let (input, frames) = ((plan.input.as_path(), plan.home.as_path()), (&plan.frames[..], plan.is_all));
+    MadeOf::write(&Ledger::of(&job.folder), input, plan.images.clone(), frames)?;
     let failed = images::render(&mut job, shard, Statistics::default())?;
-    MadeOf::write(&Ledger::of(&job.folder), &plan.input, &plan.home, plan.images.clone())?;
     failed.outcome(job.frames.len(), "the others of the task were drawn")?;
     images::check_lost(&job)
 }

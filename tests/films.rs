@@ -134,7 +134,7 @@ fn a_project_that_is_copied_has_its_own_files() {
     }
     assert!(render(to.path()).contains("frame 2 is missing between the others"));
     std::fs::remove_file(to.path().join("p_5.csv")).unwrap();
-    assert!(render(to.path()).contains("000005.png): they stay"));
+    assert!(render(to.path()).contains("000005.png): what is there stays"));
     verify("frame 5: of a frame that the data does not have");
 }
 

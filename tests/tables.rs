@@ -136,10 +136,14 @@ fn what_is_taken_for_something_is_said() {
         inspect().errors().contains("1 row not drawn for want of a value or a size; the first is row 2 of frame 0")
     );
     std::fs::write(at("p_0.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,-1\n").unwrap();
+    assert!(
+        inspect().errors().contains("1 row not drawn for want of a value or a size; the first is row 2 of frame 0")
+    );
+    std::fs::write(at("p_1.csv"), "x,y,z,radius\n0,0,0,0.1\n1,0,0,some\n").unwrap();
     let answer = inspect();
     answer.ok();
     assert!(
-        answer.errors().contains("frame 0 cannot be drawn") && answer.errors().contains("row 2"),
+        answer.errors().contains("frame 1 cannot be drawn") && answer.errors().contains("row 2"),
         "{}",
         answer.errors()
     );

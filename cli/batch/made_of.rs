@@ -4,6 +4,7 @@ use super::plan::ImageChoices;
 use crate::ledger::Ledger;
 use frame::Fault;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 /// The input and the choices of the command that made a folder of images. Paths are seen from the images where these lie within the
@@ -17,18 +18,37 @@ pub struct MadeOf {
     home: PathBuf,
     /// Choices for the images.
     pub images: ImageChoices,
+    /// The frames: from, to, in steps of.
+    frames: Vec<[u64; 3]>,
+    /// Whether these were all frames of the data.
+    pub is_all: bool,
 }
 
 impl MadeOf {
-    /// Remember that the images of a ledger are made of an input.
-    pub fn write(ledger: &Ledger, input: &Path, home: &Path, images: ImageChoices) -> Result<(), Fault> {
-        let made = MadeOf { input: seen_from(&ledger.images, input), home: seen_from(&ledger.images, home), images };
-        let bytes = serde_json::to_vec(&made).unwrap_or_default();
-        let path = ledger.made_of();
-        match std::fs::read(&path) {
-            Ok(there) if there == bytes => Ok(()),
-            _ => frame::atomic::write(&path, &bytes),
+    /// Remember that the images of a ledger are made of an input: of some frames, or of all that its data has. Those that were to be
+    /// made of it before are not forgotten.
+    pub fn write(
+        ledger: &Ledger,
+        (input, home): (&Path, &Path),
+        images: ImageChoices,
+        (frames, is_all): (&[u64], bool),
+    ) -> Result<(), Fault> {
+        let mut made = MadeOf {
+            input: seen_from(&ledger.images, input),
+            home: seen_from(&ledger.images, home),
+            images,
+            frames: runs(frames.iter().copied()),
+            is_all,
+        };
+        let bytes = std::fs::read(ledger.made_of()).unwrap_or_default();
+        if let Ok(before) = serde_json::from_slice::<MadeOf>(&bytes)
+            && (&before.input, &before.images) == (&made.input, &made.images)
+        {
+            let all: BTreeSet<u64> = before.frames().chain(frames.iter().copied()).collect();
+            (made.frames, made.is_all) = (runs(all.into_iter()), is_all || before.is_all);
         }
+        let now = serde_json::to_vec(&made).unwrap_or_default();
+        if bytes == now { Ok(()) } else { frame::atomic::write(&ledger.made_of(), &now) }
     }
 
     /// What the images of a ledger are made of, if that is known.
@@ -47,6 +67,24 @@ impl MadeOf {
     pub fn home(&self) -> &Path {
         &self.home
     }
+
+    /// The frames of the images, ascending.
+    pub fn frames(&self) -> impl Iterator<Item = u64> + '_ {
+        self.frames.iter().flat_map(|[from, to, step]| (*from..=*to).step_by((*step).max(1) as usize))
+    }
+}
+
+/// Ascending numbers as runs of even steps: from, to, in steps of.
+fn runs(numbers: impl Iterator<Item = u64>) -> Vec<[u64; 3]> {
+    let mut runs: Vec<[u64; 3]> = vec![];
+    for number in numbers {
+        match runs.last_mut() {
+            Some([from, to, step]) if from == to => (*to, *step) = (number, number - *from),
+            Some([_, to, step]) if number == *to + *step => *to = number,
+            _ => runs.push([number, number, 1]),
+        }
+    }
+    runs
 }
 
 /// A path as it is seen from a folder that lies within its own folder, or within itself; any other as it is.
@@ -76,6 +114,21 @@ fn plain(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_are_the_numbers() {
+        for numbers in [vec![], vec![7], vec![0, 1, 2, 3], vec![0, 500, 1000, 1001, 1002, 1010], vec![3, 5, 6, 8]] {
+            let made = MadeOf {
+                input: PathBuf::new(),
+                home: PathBuf::new(),
+                images: ImageChoices::default(),
+                frames: runs(numbers.iter().copied()),
+                is_all: true,
+            };
+            assert_eq!(made.frames().collect::<Vec<_>>(), numbers);
+        }
+        assert_eq!(runs((0..100_000).map(|k| k * 50)), [[0, 4_999_950, 50]]);
+    }
 
     #[test]
     fn paths_are_seen_from_the_images() {

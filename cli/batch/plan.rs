@@ -98,6 +98,9 @@ pub struct Plan {
     pub simulation: Option<Simulation>,
     /// The frames to draw, in order.
     pub frames: Vec<u64>,
+    /// Whether these were all frames that the data had.
+    #[serde(default)]
+    pub is_all: bool,
     /// Frames of a task.
     pub frames_per_task: usize,
     /// Tasks that each image is cut to.
@@ -166,6 +169,7 @@ impl Plan {
             home: std::path::absolute(home)?,
             simulation: None,
             frames,
+            is_all: false,
             frames_per_task: 1,
             buckets: 1,
             images: ImageChoices::default(),

@@ -222,7 +222,8 @@ fn plan(input: &Path, home: &Path, image: ImageArgs, cut: &CutArgs) -> Outcome<P
         return Err(Failure::new(Exit::Usage, message));
     }
     let (binding, source) = data_of(&plan)?;
-    plan.frames = ImageJob::resolve(binding, source, plan.images_folder(), &options)?.frames;
+    let job = ImageJob::resolve(binding, source, plan.images_folder(), &options)?;
+    (plan.frames, plan.is_all) = (job.frames, job.is_all);
     Ok(plan)
 }
 
@@ -326,9 +327,10 @@ pub fn images_of(plan: &Plan, frames: &[u64]) -> Outcome<ImageJob> {
     images_of_data(data, plan.images_folder(), &plan.images, frames)
 }
 
-/// The images of a folder by what its ledger says that they were made of, of some frames; none if that is not known, or is a model
-/// that must be simulated first. No programs are run for it.
-pub fn images_made_of(made: &MadeOf, folder: &Path, frames: &[u64]) -> Outcome<Option<ImageJob>> {
+/// The images of a folder by what its ledger says that they were made of: of the frames that it says, of some more, and of all that the
+/// data has now where it was made of all; none if that is not known, or is a model that must be simulated first. No programs are run
+/// for it.
+pub fn images_made_of(made: &MadeOf, folder: &Path, more: &[u64]) -> Outcome<Option<ImageJob>> {
     if !made.input().exists() {
         return Ok(None);
     }
@@ -346,7 +348,10 @@ pub fn images_made_of(made: &MadeOf, folder: &Path, frames: &[u64]) -> Outcome<O
         None => source::metadata_of_run(made.home())?.0,
     };
     let choices = ImageChoices { allow_program: vec![], allow_programs: false, ..made.images.clone() };
-    images_of_data((binding, source), folder.into(), &choices, frames).map(Some)
+    let now = if made.is_all { source.numbers() } else { vec![] };
+    let frames: BTreeSet<u64> = made.frames().chain(more.iter().copied()).chain(now).collect();
+    let frames: Vec<u64> = frames.into_iter().collect();
+    images_of_data((binding, source), folder.into(), &choices, &frames).map(Some)
 }
 
 fn images_of_data(

@@ -62,6 +62,8 @@ pub struct ImageJob {
     pub files: Files,
     /// The frames, in order.
     pub frames: Vec<u64>,
+    /// Whether these are all frames that the data has.
+    pub is_all: bool,
     /// Frames that an interrupted simulation did not reach, or that the data of a film has lost, of those that are asked for.
     pub lacking: Vec<u64>,
     /// The folder of the images.
@@ -104,8 +106,9 @@ impl ImageJob {
         });
         let passes = passes.collect::<Outcome<_>>()?;
         let lacking = lacking(&binding, &source, options);
+        let is_all = options.frames.is_none() && binding.output.frames.is_none();
         let (library, redraw, allow_outside) = (library::hash(&files), options.redraw, options.allow_outside);
-        Ok(ImageJob { binding, source, files, frames, lacking, folder, library, redraw, allow_outside, passes })
+        Ok(ImageJob { binding, source, files, frames, is_all, lacking, folder, library, redraw, allow_outside, passes })
     }
 
     /// The file of a frame's image.
@@ -118,16 +121,20 @@ impl ImageJob {
     }
 }
 
-/// The table of the first frame that can be read; if there is none, why the first cannot.
+/// The table of the first frame that can be read and has rows, of the first some; one without rows if there is no other, and if none
+/// can be read, why the first cannot.
 fn first_readable(source: &Source, frames: &[u64]) -> Outcome<Frame> {
-    let first = source.read(frames[0]);
-    if first.is_ok() {
-        return Ok(first?);
+    /// Frames that are looked at.
+    const SOME: usize = 100;
+    let mut empty = None;
+    for frame in frames.iter().take(SOME) {
+        match source.read(*frame) {
+            Ok(table) if table.rows() > 0 => return Ok(table),
+            Ok(table) => drop(empty.get_or_insert(table)),
+            Err(_) => {}
+        }
     }
-    match frames[1..].iter().find_map(|frame| source.read(*frame).ok()) {
-        Some(table) => Ok(table),
-        None => Ok(first?),
-    }
+    empty.map_or_else(|| Ok(source.read(frames[0])?), Ok)
 }
 
 /// The frames of a run that are not there yet, of those that the command line selects, or the metadata.

@@ -18,14 +18,29 @@ pub(crate) fn is_dump(start: &[u8]) -> bool {
     start.starts_with(b"ITEM: ")
 }
 
+/// Whether a line is of the items that may stand before the time step that they belong to (LAMMPS manual, `dump_modify time` and
+/// `units`).
+fn is_before_step(line: &[u8]) -> bool {
+    line.strip_prefix(b"ITEM: ").is_some_and(|item| [&b"UNITS"[..], b"TIME"].contains(&item.trim_ascii()))
+}
+
 /// The time steps of a dump, in the order of the file.
 pub fn parts(path: &Path) -> Result<Vec<Part>, Fault> {
     let (mut scan, mut line) = (Scan::open(path)?, vec![]);
+    // Whether the head of a time step has begun, as it does by its units and its time where these are written.
+    let mut is_in_head = false;
     while scan.read(&mut line)? {
+        if is_before_step(&line) && !is_in_head {
+            scan.begin();
+            is_in_head = true;
+        }
         if !line.starts_with(b"ITEM: TIMESTEP") {
             continue;
         }
-        scan.begin();
+        if !is_in_head {
+            scan.begin();
+        }
+        is_in_head = false;
         if scan.read(&mut line)? {
             let text = String::from_utf8_lossy(&line);
             let step = text.trim().parse().map_err(|_| {
@@ -52,12 +67,11 @@ struct Dump<'a> {
     number: u64,
 }
 
-/// The box of a time step: its lower and upper bounds, and the tilts xy, xz and yz.
-#[derive(Clone, Copy, Debug, Default)]
+/// The box of a time step: its corner, and its edges from there.
+#[derive(Clone, Copy, Debug)]
 struct Bounds {
-    low: [f64; 3],
-    high: [f64; 3],
-    tilt: [f64; 3],
+    corner: [f64; 3],
+    edges: [[f64; 3]; 3],
 }
 
 impl<'a> Dump<'a> {
@@ -101,9 +115,7 @@ impl<'a> Dump<'a> {
                     let n: Result<usize, _> = line.trim().parse();
                     count = Some(n.map_err(|_| self.fault(at + 1, "expected a count, a whole number"))?);
                 }
-                ["BOX", "BOUNDS", "abc", ..] => {
-                    (0..3).try_for_each(|_| self.next(i, "an axis of the box").map(|_| ()))?
-                }
+                ["BOX", "BOUNDS", "abc", ..] => bounds = Some(self.axes(i)?),
                 ["BOX", "BOUNDS", ..] => bounds = Some(self.bounds(i, words.get(2) == Some(&"xy"))?),
                 ["ATOMS" | "ENTRIES", ref names @ ..] => {
                     let Some(count) = count else {
@@ -114,6 +126,7 @@ impl<'a> Dump<'a> {
                     while self.lines.next_if(|(_, line)| line.trim().is_empty()).is_some() {}
                     if let Some((next, line)) = self.lines.next()
                         && !line.starts_with("ITEM: TIMESTEP")
+                        && !is_before_step(line.as_bytes())
                     {
                         return Err(self.fault(next + 1, format!("expected the end after {count} rows")));
                     } else if self.lines.peek().is_some() {
@@ -138,24 +151,37 @@ impl<'a> Dump<'a> {
         numbers.try_into().map_err(|_| self.fault(at + 1, format!("expected {N} numbers")))
     }
 
+    /// The bounds of an upright or tilted box.
     fn bounds(&mut self, i: usize, is_tilted: bool) -> Result<Bounds, Fault> {
-        let mut b = Bounds::default();
+        let (mut low, mut high, mut tilt) = ([0.0; 3], [0.0; 3], [0.0; 3]);
         for k in 0..3 {
             let (at, line) = self.next(i + k, "the bounds of the box")?;
             if is_tilted {
-                [b.low[k], b.high[k], b.tilt[k]] = self.numbers(at, line)?;
+                [low[k], high[k], tilt[k]] = self.numbers(at, line)?;
             } else {
-                [b.low[k], b.high[k]] = self.numbers(at, line)?;
+                [low[k], high[k]] = self.numbers(at, line)?;
             }
         }
         // The bounds are those of the upright box about a tilted one (LAMMPS manual, triclinic boxes).
-        let [xy, xz, yz] = b.tilt;
+        let [xy, xz, yz] = tilt;
         let of_x = [0.0, xy, xz, xy + xz];
-        b.low[0] -= of_x.iter().copied().fold(0.0, f64::min);
-        b.high[0] -= of_x.iter().copied().fold(0.0, f64::max);
-        b.low[1] -= yz.min(0.0);
-        b.high[1] -= yz.max(0.0);
-        Ok(b)
+        low[0] -= of_x.iter().copied().fold(0.0, f64::min);
+        high[0] -= of_x.iter().copied().fold(0.0, f64::max);
+        low[1] -= yz.min(0.0);
+        high[1] -= yz.max(0.0);
+        let edges = [[high[0] - low[0], 0.0, 0.0], [xy, high[1] - low[1], 0.0], [xz, yz, high[2] - low[2]]];
+        Ok(Bounds { corner: low, edges })
+    }
+
+    /// The edges of a box of any edges, each with a coordinate of its corner (LAMMPS manual, `dump_modify triclinic/general`).
+    fn axes(&mut self, i: usize) -> Result<Bounds, Fault> {
+        let mut bounds = Bounds { corner: [0.0; 3], edges: [[0.0; 3]; 3] };
+        for k in 0..3 {
+            let (at, line) = self.next(i + k, "an edge of the box")?;
+            let [x, y, z, corner] = self.numbers(at, line)?;
+            (bounds.edges[k], bounds.corner[k]) = ([x, y, z], corner);
+        }
+        Ok(bounds)
     }
 
     /// The columns of the rows below the line of an index.
@@ -204,15 +230,14 @@ impl<'a> Dump<'a> {
         if let Some(own) = places(&columns, "u") {
             own.iter().zip(NAMES).for_each(|(k, name)| columns[*k].0.name = name.into());
         } else if let Some(own) = places(&columns, "s").or_else(|| places(&columns, "su")) {
-            let Some(Bounds { low, high, tilt: [xy, xz, yz] }) = bounds else {
+            let Some(Bounds { corner, edges }) = bounds else {
                 return Err(self.fault(i + 1, "has scaled coordinates, and above there are no bounds of the box"));
             };
             let n = columns[own[0]].1.len();
             let at = |k: usize, row: usize| columns[own[k]].1.number(row).unwrap_or(f64::NAN);
             let place = |row: usize| {
                 let s = [at(0, row), at(1, row), at(2, row)];
-                let straight = [0, 1, 2].map(|k| low[k] + s[k] * (high[k] - low[k]));
-                [straight[0] + s[1] * xy + s[2] * xz, straight[1] + s[2] * yz, straight[2]]
+                [0, 1, 2].map(|c| corner[c] + s[0] * edges[0][c] + s[1] * edges[1][c] + s[2] * edges[2][c])
             };
             let all: Vec<[f64; 3]> = (0..n).map(place).collect();
             for (k, name) in NAMES.into_iter().enumerate() {
@@ -242,6 +267,7 @@ mod tests {
     fn coordinates_are_those_of_the_world() {
         let upright = "pp pp pp\n-1 1\n0 4\n2 3";
         let tilted = "xy xz yz pp pp pp\n-1 3 2\n0 5 0\n2 3 1";
+        let general = "abc origin pp pp pp\n0 2 0 -1\n0 0 4 0\n1 0 0 2";
         for (bounds, rows, expected) in [
             (upright, "id x y z\n7 0.5 1 2.5", [0.5, 1.0, 2.5]),
             (upright, "id xs ys zs\n7 0.75 0.25 0.5", [0.5, 1.0, 2.5]),
@@ -249,6 +275,7 @@ mod tests {
             (upright, "id xu yu zu\n7 9 8 7", [9.0, 8.0, 7.0]),
             // The box has lengths 2, 4 and 1; its corner is at -1, 0, 2.
             (tilted, "id xs ys zs\n7 0.5 0.5 0.5", [0.0 + 1.0, 2.5, 2.5]),
+            (general, "id xs ys zs\n7 0.5 0.25 0.125", [-0.875, 1.0, 3.0]),
         ] {
             let frame = read(file(&step(0, bounds, rows)).path(), None, 3).unwrap();
             let at = |name: &str| frame.column(name).unwrap().number(0).unwrap();
@@ -274,6 +301,17 @@ mod tests {
         assert_eq!(frames[1].names(), ["id", "type", "type_2", "x", "y", "z"]);
         assert_eq!(frames[1].column("z"), Some(&Column::I64(vec![6, 7])));
         assert!(read(file.path(), None, 0).unwrap_err().message.contains("second time step"));
+        // With units and times before the time steps that they belong to.
+        let text = [
+            format!("ITEM: UNITS\nsi\nITEM: TIME\n0.5\n{}", step(0, bounds, "id x y z\n1 4 5 6")),
+            format!("ITEM: TIME\n0.75\n{}", step(500, bounds, "id x y z\n1 4 5 6\n2 4 5 7")),
+            format!("ITEM: TIME\n1\n{}", step(1000, bounds, "id x y z")),
+        ];
+        std::fs::write(file.path(), text.concat()).unwrap();
+        let found = parts(file.path()).unwrap();
+        assert_eq!(found.iter().map(|p| p.step.unwrap()).collect::<Vec<_>>(), [0, 500, 1000]);
+        let frames: Vec<Frame> = found.iter().map(|p| read(file.path(), Some(p), 0).unwrap()).collect();
+        assert_eq!(frames.iter().map(|f| (f.time, f.rows())).collect::<Vec<_>>(), [(0.5, 1), (0.75, 2), (1.0, 0)]);
     }
 
     #[test]

@@ -61,6 +61,12 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Vec<Mesh>, Fault> {
         Some("obj") => of_obj(path, bytes)?,
         _ => return Err(Fault::whole(FaultKind::Data, path, "is neither an .obj, nor an .stl, nor a .ply file")),
     };
+    if meshes.iter().all(|mesh| mesh.arities.is_empty()) {
+        let message = "has no faces: there is no surface to draw or to touch";
+        return Err(
+            Fault::whole(FaultKind::Data, path, message).hint("points alone are a table: draw a sphere at each")
+        );
+    }
     meshes.into_iter().map(|mesh| mesh.checked(path)).collect()
 }
 

@@ -27,11 +27,18 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
         files.push(path);
     }
     files.sort();
-    let decimals = decimals(&files, pattern)?;
+    // Numbers behind the last `*` are the same in all names.
+    let same =
+        name.rsplit_once('*').map(|(_, same)| same).filter(|same| digits(same).is_some() && !same.starts_with('.'));
+    let counted = |path: &Path| {
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        same.and_then(|same| file.strip_suffix(same)).map_or(file.clone(), |rest| format!("{rest}.csv"))
+    };
+    let names: Vec<String> = files.iter().map(|path| counted(path)).collect();
+    let decimals = decimals(&names, &files, pattern)?;
     let mut found: BTreeMap<u64, PathBuf> = BTreeMap::new();
-    for path in files {
-        let file = path.file_name().unwrap_or_default().to_string_lossy();
-        let own = if decimals == 0 { number_in(&file) } else { scaled(&file, decimals) };
+    for (path, file) in files.into_iter().zip(names) {
+        let own = decimals.map_or_else(|| number_in(&file), |decimals| scaled(&file, decimals));
         let number = match own {
             None if digits(&file).is_some() => {
                 return Err(Fault::whole(
@@ -45,7 +52,7 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, PathBuf>, Fault> {
         if let Some(other) = found.get(&number) {
             let message = format!("has frame number {number}, and so has {}", other.display());
             return Err(Fault::whole(FaultKind::Data, &path, message)
-                .hint("narrow the pattern: a frame's number is the last number in its file name"));
+                .hint("a frame's number is the last number in its file name: narrow the pattern, or write what follows the number, as in `frame*_v3.csv`"));
         }
         found.insert(number, path);
     }
@@ -145,49 +152,88 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// The digits before and behind the point of a number at the end of a file's name, as of a time: `p_0.15.csv`.
-fn fraction(file: &str) -> Option<(&str, &str)> {
+/// The digits before and behind the point of a number at the end of a file's name, as of a time: `p_0.15.csv`, `p_1.5e-01.csv`.
+fn fraction(file: &str) -> Option<(String, String)> {
     let file = unpacked(file);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    if let Some(number) = scientific(stem) {
+        return Some(number);
+    }
     let (whole, fraction) = stem.rsplit_once('.')?;
     let start = whole.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| i + 1);
     let is_number = start < whole.len() && whole.is_char_boundary(start);
     let is_fraction = !fraction.is_empty() && fraction.bytes().all(|b| b.is_ascii_digit());
-    (is_number && is_fraction).then(|| (&whole[start..], fraction))
+    (is_number && is_fraction).then(|| (whole[start..].into(), fraction.into()))
 }
 
-/// Decimals by which the numbers in the names of files are counted: 0 where they are whole numbers, or where all have the same digits before
-/// the point, so that those behind it count. An error if it is not known which.
-fn decimals(files: &[PathBuf], pattern: &Path) -> Result<usize, Fault> {
-    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let names: Vec<String> = files.iter().map(name).collect();
-    let fractions: Vec<(&str, &str)> = names.iter().filter_map(|name| fraction(name)).collect();
-    let Some(((whole, first), file)) =
-        fractions.first().copied().zip(files.iter().find(|f| fraction(&name(f)).is_some()))
+/// The same of a number with an exponent that has a sign.
+fn scientific(stem: &str) -> Option<(String, String)> {
+    /// Exponents beyond it are no times.
+    const MOST: usize = 18;
+    let at = stem.rfind(['e', 'E'])?;
+    let exponent = &stem[at + 1..];
+    let (is_negative, size) = match exponent.split_at_checked(1)? {
+        ("-", size) => (true, size),
+        ("+", size) => (false, size),
+        _ => return None,
+    };
+    let shift = size.parse::<usize>().ok().filter(|shift| *shift <= MOST)?;
+    let start = stem[..at].rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |i| i + 1);
+    let mantissa = stem.get(start..at)?.trim_start_matches('.');
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    if whole.is_empty() || fraction.contains('.') {
+        return None;
+    }
+    let all = format!("{whole}{fraction}");
+    let (whole, fraction) = if is_negative {
+        let all = format!("{}{all}", "0".repeat((shift + 1).saturating_sub(whole.len())));
+        let point = all.len() - fraction.len() - shift;
+        (all[..point].to_string(), all[point..].to_string())
+    } else {
+        let all = format!("{all}{}", "0".repeat(shift.saturating_sub(fraction.len())));
+        let point = whole.len() + shift;
+        (all[..point].to_string(), all[point..].to_string())
+    };
+    Some((whole, fraction.trim_end_matches('0').to_string()))
+}
+
+/// Decimals by which the numbers in the names of files are counted; none where they are whole numbers, or where all have the same digits
+/// before the point, so that those behind it count. An error if it is not known which.
+fn decimals(names: &[String], files: &[PathBuf], pattern: &Path) -> Result<Option<usize>, Fault> {
+    let stem = |name: &String| {
+        let name = unpacked(name);
+        name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_string()
+    };
+    let fractions: Vec<(String, String)> = names.iter().filter_map(|name| fraction(name)).collect();
+    let longest = fractions.iter().map(|(_, fraction)| fraction.len()).max().unwrap_or(0);
+    if names.iter().any(|name| scientific(&stem(name)).is_some()) {
+        return Ok(Some(longest));
+    }
+    let Some(((whole, first), i)) = fractions.first().zip(names.iter().position(|name| fraction(name).is_some()))
     else {
-        return Ok(0);
+        return Ok(None);
     };
     if files.len() == 1 {
-        return Ok(0);
+        return Ok(None);
     }
-    let is_one_whole = fractions.len() == files.len() && fractions.iter().all(|(w, _)| *w == whole);
+    let is_one_whole = fractions.len() == files.len() && fractions.iter().all(|(w, _)| w == whole);
     match (is_one_whole, fractions.iter().all(|(_, f)| f.len() == first.len())) {
-        (true, true) => Ok(0),
+        (true, true) => Ok(None),
         // Times below one.
         (true, false) if whole != "0" => {
             let message = "has a number with a point in its name, and so have the others, of other lengths: they are times or versions";
             let pattern = pattern.display();
-            Err(Fault::whole(FaultKind::Data, file, message).hint(format!(
+            Err(Fault::whole(FaultKind::Data, &files[i], message).hint(format!(
                 "number the files, in this order: n=0; for f in $(ls {pattern} | sort -V); do mv \"$f\" frame_$(printf %06d $n).csv; n=$((n+1)); done"
             )))
         }
-        _ => Ok(fractions.iter().map(|(_, fraction)| fraction.len()).max().unwrap_or(0)),
+        _ => Ok(Some(longest)),
     }
 }
 
 /// The number at the end of a file's name in units of its last decimal: `p_0.5.csv` is 50 of two decimals.
 fn scaled(file: &str, decimals: usize) -> Option<u64> {
-    let (whole, fraction) = fraction(file).or_else(|| Some((digits(file)?, "")))?;
+    let (whole, fraction) = fraction(file).or_else(|| Some((digits(file)?.to_string(), String::new())))?;
     format!("{whole}{fraction:0<decimals$}").parse().ok()
 }
 
@@ -240,9 +286,23 @@ mod tests {
         assert_eq!(numbers(&["run2.0001.csv", "run2.0010.csv"]).unwrap(), [1, 10]);
         assert_eq!(numbers(&["run2.5.csv"]).unwrap(), [5]);
         assert_eq!(numbers(&["t_0.1.csv", "t_0.25.csv"]).unwrap(), [10, 25]);
+        assert_eq!(numbers(&["t_3e-03.csv", "t_2e-04.csv", "t_1e-05.csv"]).unwrap(), [1, 20, 300]);
+        assert_eq!(numbers(&["out_1.00e-05.csv", "out_2.50e-05.csv", "out_1.2e+00.csv"]).unwrap(), [10, 25, 1_200_000]);
+        assert_eq!(numbers(&["t2e+03.csv", "t1.5e+02.csv"]).unwrap(), [150, 2000]);
         let fault = numbers(&["run2.9.csv", "run2.10.csv"]).unwrap_err();
         assert!(fault.message.contains("times or versions") && fault.hint.unwrap().contains("*.csv"));
         assert!(numbers(&["t1.5.csv", "t99999999999999999999.5.csv"]).is_err());
+    }
+
+    #[test]
+    fn what_follows_the_star_is_no_number() {
+        let scratch = tempfile::tempdir().unwrap();
+        for name in ["sim1_frame2_v3.csv", "sim1_frame10_v3.csv"] {
+            std::fs::write(scratch.path().join(name), "").unwrap();
+        }
+        assert!(find(&scratch.path().join("sim1_*.csv")).unwrap_err().hint.unwrap().contains("frame*_v3.csv"));
+        let found = find(&scratch.path().join("sim1_frame*_v3.csv")).unwrap();
+        assert_eq!(found.into_keys().collect::<Vec<_>>(), [2, 10]);
     }
 
     #[test]
@@ -254,7 +314,8 @@ mod tests {
         assert_eq!(numbered.map(number_in), [Some(7); 6]);
         let fractions =
             ["p_0.15.csv", "p.15.csv", "p_0.15b.csv", "v1.2_3.csv", "p_0.15.csv.gz", "p_15.csv.gz"].map(fraction);
-        assert_eq!(fractions, [Some(("0", "15")), None, None, None, Some(("0", "15")), None]);
+        let some = || Some(("0".to_string(), "15".to_string()));
+        assert_eq!(fractions, [some(), None, None, None, some(), None]);
         assert!(is_table(Path::new("a.CSV.gz")) && !is_table(Path::new("a.rib.gz")));
         assert!(matches("p_*.csv", "p_0003.csv") && matches("bed.csv", "bed.csv") && matches("*a*b", "xaybzb"));
         assert_eq!(

@@ -30,9 +30,22 @@ pub(super) fn pieces(file: &File<'_>) -> Result<Vec<PathBuf>, Fault> {
     Ok(found)
 }
 
-/// The data sets of a collection, by frame number: the last number in a file's name. An error if two are of one number, and not parts of
-/// one time.
+/// The data sets of a collection, by frame number: the last number in a file's name, or where files of several times have one name, as
+/// in folders of their own, their time in units of its last decimal. An error if two are of one number, and not parts of one time.
 pub(super) fn data_sets(file: &File<'_>) -> Result<BTreeMap<u64, DataSet>, Fault> {
+    let of_names = numbered(file, |name, _| sequence::number_in(name));
+    let Err(fault) = of_names else { return of_names };
+    let times: Vec<&str> = file.data()?.all("DataSet").filter_map(|set| set.get("timestep")).collect();
+    let decimals = times.iter().map(|time| time.trim().split_once('.').map_or(0, |(_, f)| f.len())).max().unwrap_or(0);
+    if times.iter().any(|time| time.contains(['e', 'E'])) || decimals > 12 {
+        return Err(fault);
+    }
+    let of_time = |time: f64| Some((time * 10f64.powi(decimals as i32)).round()).filter(|t| (0.0..1e15).contains(t));
+    numbered(file, |_, time| of_time(time).map(|t| t as u64)).map_err(|_| fault)
+}
+
+/// The data sets of a collection by numbers that names and times tell.
+fn numbered(file: &File<'_>, number: impl Fn(&str, f64) -> Option<u64>) -> Result<BTreeMap<u64, DataSet>, Fault> {
     let fault = |at: usize, message: String| file.source.fault(at, message);
     let mut found: BTreeMap<u64, DataSet> = BTreeMap::new();
     for set in file.data()?.all("DataSet") {
@@ -45,7 +58,7 @@ pub(super) fn data_sets(file: &File<'_>) -> Result<BTreeMap<u64, DataSet>, Fault
         };
         let path = beside(file.source.path, name);
         let own = path.file_name().and_then(|name| name.to_str()).unwrap_or("");
-        let number = sequence::number_in(own);
+        let number = number(own, time);
         if number.is_none() && own.split('.').next().is_some_and(|stem| stem.contains(|c: char| c.is_ascii_digit())) {
             return Err(fault(set.at, format!("names `{name}`, whose number is too large to count by")));
         }

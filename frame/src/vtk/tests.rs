@@ -408,15 +408,18 @@ fn pieces_and_collections_are_read_from_their_files() {
     let fault = found[&1].read(1, &Default::default()).unwrap_err();
     assert!(fault.message.contains("has no array `a<b`") && fault.file.ends_with("b_1.vtk"), "{fault}");
     for (sets, message) in [
-        (vec![("1", "0", "p/a_0.vtp"), ("2", "0", "q/a_0.vtp")], "has frame number 0, and so has"),
+        (vec![("1e1", "0", "p/a_0.vtp"), ("2", "0", "q/a_0.vtp")], "has frame number 0, and so has"),
         (vec![("1", "0", "p/a_0.vtp"), ("1", "0", "p/a_0.vtp")], "has frame number 0, and so has"),
         (vec![("soon", "0", "p/a_0.vtp")], "has the time `soon`"),
         (vec![], "has no data sets"),
-        (vec![("1", "0", "a_99999999999999999999.vtp")], "too large to count by"),
+        (vec![("-1", "0", "a_99999999999999999999.vtp")], "too large to count by"),
     ] {
         let fault = table::find(&collection(&sets)).unwrap_err();
         assert!(fault.message.contains(message), "{fault}");
     }
+    // In folders of their times.
+    let found = table::find(&collection(&[("0.5", "0", "p/a_0.vtp"), ("2", "0", "q/a_0.vtp")])).unwrap();
+    assert_eq!(found.keys().copied().collect::<Vec<_>>(), [5, 20]);
     let itself = table::find(&collection(&[("1", "0", "run.pvd")])).unwrap();
     assert!(itself[&0].read(0, &Default::default()).unwrap_err().message.contains("has the type `Collection`"));
 }

@@ -130,6 +130,9 @@ impl Source {
                 (frame, path.clone())
             }
         };
+        if frame.rows() == 0 {
+            return Ok(frame);
+        }
         let fault = |what: &str, expr: &Expr, message: String| {
             Fault::whole(FaultKind::Data, &path, format!("frame {number}: {what} `{}`: {message}", expr.text))
         };

@@ -99,7 +99,7 @@ pub fn frame(
 }
 
 /// Check the values of a frame that the objects are drawn from; gives those that the rows lack. An error if a column is missing, or if a
-/// value is no number, not finite or a size below 0.
+/// value is no number.
 pub fn check(binding: &Binding, frame: &Frame) -> Result<Missing, Fault> {
     prepare(binding, frame).map(|(_, missing)| missing)
 }
@@ -116,8 +116,7 @@ pub fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
     camera::stand(binding, frame)
 }
 
-/// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number, not finite or a
-/// size below 0.
+/// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number.
 pub fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
     let mut missing = Missing::default();
     let mut prepared = Vec::new();

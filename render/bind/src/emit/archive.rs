@@ -11,6 +11,13 @@ pub(super) fn include(file: &str, files: &Files, ri: &mut dyn Ri) -> RiResult {
     if ["obj", "stl", "ply"].contains(&ending.as_str()) {
         return mesh(file, files, ri);
     }
+    const OTHERS: [&str; 14] =
+        ["off", "gltf", "glb", "fbx", "dae", "3ds", "step", "stp", "iges", "igs", "3mf", "wrl", "usd", "usdz"];
+    if OTHERS.contains(&ending.as_str()) {
+        let message =
+            format!("{file} is none of the files that can be drawn, which are RIB and meshes as OBJ, STL and PLY");
+        return Err(Fail::new(message));
+    }
     let (path, text) = files.read(file, &["scenes"]).map_err(Fail::new)?;
     reader::read(&path, text.as_bytes(), files, ri, &mut |_, _| Ok(())).map_err(|e| Fail::new(format!("in {e}")))
 }

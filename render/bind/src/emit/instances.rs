@@ -56,25 +56,18 @@ impl<'a> Rows<'a> {
         self.binding.doc.fault(&format!("{}.{part}", self.key), message)
     }
 
-    /// An expression's value for each row; rows without one are noted.
+    /// An expression's value for each row; rows without one that is finite are noted.
     fn numbers(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
         let values = self.values(part, expr)?;
-        for (k, _) in values.iter().enumerate().filter(|(_, x)| x.is_nan()) {
+        for (k, _) in values.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
             self.missing.borrow_mut().entry(self.rows[k]).or_insert_with(|| expr.text.clone());
         }
         Ok(values)
     }
 
-    /// An expression's value for each row, not-a-number where it is missing; every other must be finite.
+    /// An expression's value for each row, not-a-number where it is missing.
     fn values(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
-        let values = expr.numbers(self.frame, &self.rows).map_err(|m| self.row_fault(part, expr, m))?;
-        match values.iter().position(|x| x.is_infinite()) {
-            Some(k) => {
-                let message = format!("row {} has {} in `{}`", self.rows[k] + 1, values[k], expr.text);
-                Err(Fault { kind: FaultKind::Data, ..self.fault(part, message) })
-            }
-            None => Ok(values),
-        }
+        expr.numbers(self.frame, &self.rows).map_err(|m| self.row_fault(part, expr, m))
     }
 
     /// The fault of an expression that has no number in a row: of the data if it has one in others, else of the expression.
@@ -100,7 +93,8 @@ impl<'a> Rows<'a> {
         Ok(self.numbers(part, x)?.into_iter().map(|x| [x as f32; 3]).collect())
     }
 
-    /// Sizes of a shape along its axes. Rows with a size of 0 are noted as those that lack it: some programs let bodies vanish so.
+    /// Sizes of a shape along its axes. Rows with a size that is not above 0 are noted as those that lack it: some programs let bodies
+    /// vanish so.
     fn scale(&self, shape: &Shape) -> Result<Vec<[f32; 3]>, Fault> {
         let sizes = match shape {
             Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => [&x.expr; 3],
@@ -112,7 +106,7 @@ impl<'a> Rows<'a> {
         let is_round = std::ptr::eq(sizes[0], sizes[2]);
         let scale = if is_round { self.same("geometry", sizes[0])? } else { self.three("geometry", sizes)? };
         for (k, row) in scale.iter().enumerate() {
-            if let Some(axis) = row.iter().position(|x| *x == 0.0) {
+            if let Some(axis) = row.iter().position(|x| *x <= 0.0) {
                 self.missing.borrow_mut().entry(self.rows[k]).or_insert_with(|| sizes[axis].text.clone());
             }
         }
@@ -146,17 +140,6 @@ impl<'a> Rows<'a> {
         self.rows.iter().map(file).collect()
     }
 
-    /// Check that no size is below 0.
-    fn check_scale(&self, scale: &[[f32; 3]]) -> Result<(), Fault> {
-        match scale.iter().position(|s| s.iter().any(|x| *x < 0.0)) {
-            Some(k) => {
-                let fault = self.fault("geometry", format!("row {} has a size below 0", self.rows[k] + 1));
-                Err(Fault { kind: FaultKind::Data, ..fault })
-            }
-            None => Ok(()),
-        }
-    }
-
     /// Place, size, orientation and motion of an object's rows.
     fn instances(&self, object: &Object, handle: Option<&String>) -> Result<Instances, Fault> {
         let mut instances = Instances {
@@ -187,7 +170,8 @@ impl<'a> Rows<'a> {
 
     /// The colours of rows by a value, and those that lack it.
     fn colors(&self, value: &Formula, map: Map, range: Option<[f64; 2]>) -> Result<(Param, Lack), Fault> {
-        let values = self.values("color", &value.expr)?;
+        let mut values = self.values("color", &value.expr)?;
+        values.iter_mut().filter(|x| x.is_infinite()).for_each(|x| *x = f64::NAN);
         let (lo, hi) = range.map(|[a, b]| (a, b)).unwrap_or_else(|| range_of(&values));
         // Of a range that is turned round, the map is too.
         let width = if hi == lo { 1.0 } else { hi - lo };
@@ -240,6 +224,9 @@ pub(super) fn color_range(
     frame: &Frame,
 ) -> Result<Option<[f64; 2]>, Fault> {
     let Color::By { value, .. } = &object.color else { return Ok(None) };
+    if frame.rows() == 0 {
+        return Ok(None);
+    }
     let (lo, hi) = range_of(&Rows::of(binding, i, object, frame)?.values("color", &value.expr)?);
     Ok((lo <= hi).then_some([lo, hi]))
 }
@@ -251,6 +238,10 @@ pub(super) fn prepare<'a>(
     object: &'a Object,
     frame: &Frame,
 ) -> Result<Prepared<'a>, Fault> {
+    if frame.rows() == 0 {
+        let missing = Missing { absent: vec![object.name.clone()], ..Missing::default() };
+        return Ok(Prepared { object, groups: vec![], missing });
+    }
     let mut rows = Rows::of(binding, i, object, frame)?;
     let sphere = matches!(object.shape, Shape::Sphere(_) | Shape::Ellipsoid(_));
     let handle = (!sphere).then(|| format!("scree:{}", object.name));
@@ -260,7 +251,6 @@ pub(super) fn prepare<'a>(
     if missing.undrawn.rows > 0 {
         instances = rows.instances(object, handle.as_ref())?;
     }
-    rows.check_scale(&instances.scale)?;
     if let Color::By { value, map, range } = &object.color {
         let (colors, lack) = rows.colors(value, *map, *range)?;
         instances.params.push(colors);
@@ -331,5 +321,6 @@ fn capsule_ends(middle: &Instances) -> Vec<Instances> {
 }
 
 fn range_of(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(*x), hi.max(*x)))
+    let finite = values.iter().filter(|x| x.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(*x), hi.max(*x)))
 }

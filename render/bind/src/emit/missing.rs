@@ -3,7 +3,7 @@
 /// Rows of a frame that lack values of what is drawn of them.
 #[derive(Clone, Debug, Default)]
 pub struct Missing {
-    /// Rows without a place or a size, or with a size of 0, which are not drawn.
+    /// Rows without a place or a size, or with a size that is not above 0, which are not drawn.
     pub undrawn: Lack,
     /// Rows without a value of their colour, which are magenta.
     pub uncolored: Lack,

@@ -260,7 +260,7 @@ pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
     // A corner at depth d + p·back is in the image if its offset is at most this share of that depth.
     let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
-    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-3, f32::max);
+    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-12, f32::max);
     let eye = center + back * distance;
     // To a thousandth of the distance.
     let step = 10f64.powf((distance as f64).log10().floor() - 3.0);
