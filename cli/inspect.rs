@@ -90,7 +90,8 @@ fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion,
     frame::atomic::write(path, suggestion.yaml.as_bytes())?;
     suggestion.remarks.iter().for_each(|remark| say(format!("note: {remark}")));
     warn_of_faults(path, frames)?;
-    say(format!("wrote {}; render it with `scree render {}`", path.display(), path.display()));
+    let word = guard::text::shell_word(&path.display().to_string());
+    say(format!("wrote {}; render it with `scree render {word}`", path.display()));
     Ok(())
 }
 

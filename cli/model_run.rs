@@ -56,9 +56,8 @@ pub fn simulate(job: ModelRun) -> Outcome {
 fn note_command(folder: &Path, resume: bool) -> Outcome {
     let path = folder.join(COMMANDS);
     let before = if resume { std::fs::read_to_string(&path).unwrap_or_default() } else { String::new() };
-    let is_plain = |word: &str| word.chars().all(|c| c.is_alphanumeric() || "_./=:,+-@%".contains(c));
-    let quoted = |word: String| if is_plain(&word) && !word.is_empty() { word } else { guard::text::shell(&word) };
-    let words = std::env::args_os().skip(1).map(|word| quoted(guard::text::line(&word.to_string_lossy())));
+    let word = |word: std::ffi::OsString| guard::text::shell_word(&guard::text::line(&word.to_string_lossy()));
+    let words = std::env::args_os().skip(1).map(word);
     let command: Vec<String> = std::iter::once("scree".to_string()).chain(words).collect();
     Ok(frame::atomic::write(&path, format!("{before}{}\n", command.join(" ")).as_bytes())?)
 }

@@ -108,7 +108,15 @@ pub fn read_table(path: &Path, number: u64) -> Result<Frame, Fault> {
             .hint("the file is cut off or damaged, or has columns of other types")
     };
     layout::check_table(&bytes).map_err(|e| damaged(&e))?;
-    let reader = FileReader::try_new(Cursor::new(bytes), None).map_err(|e| damaged(&e))?;
+    let open = |read| FileReader::try_new(Cursor::new(&bytes[..]), read).map_err(|e| damaged(&e));
+    let mut reader = open(None)?;
+    let is_read = |k: &usize| columns::is_read(reader.schema().field(*k).data_type());
+    let n_columns = reader.schema().fields().len();
+    let read: Vec<usize> = (0..n_columns).filter(is_read).collect();
+    if read.len() < n_columns {
+        // Dates and their like are left out.
+        reader = open(Some(read))?;
+    }
     let schema = reader.schema();
     let mut batches = vec![];
     for batch in reader {

@@ -137,7 +137,7 @@ fn parse(path: &Path, text: &str, number: u64, layout: &Layout) -> Result<Frame,
 
 /// Whether a line has cells: it is neither blank nor a remark.
 fn is_data(line: &str) -> bool {
-    !line.trim().is_empty() && !line.trim_start().starts_with('#')
+    !line.trim().is_empty() && cells::remark(line).is_none()
 }
 
 /// What stands above the names of the columns, as a title or `sep=;`: the byte and the count of lines where the names begin. These are
@@ -200,7 +200,7 @@ fn others<'a>(
 
 /// The frame of a text of comments alone, without rows: the last comment names the columns, unless it has numbers.
 fn without_rows(table: &Table, number: u64, layout: &Layout) -> Result<Frame, Fault> {
-    let comment = table.text.lines().rev().find_map(|line| line.trim_start().strip_prefix('#'));
+    let comment = table.text.lines().rev().find_map(cells::remark);
     let is_number = |word: &str| !word.is_empty() && values::number(word).is_some();
     let has_numbers = |line: &str| line.split([',', ';', '\t', ' ']).any(is_number);
     if let Some(names) = comment.map(str::trim).filter(|line| !line.is_empty() && !has_numbers(line)) {
@@ -303,7 +303,7 @@ fn looks_like_header(first: &[&str], rows: &Rows<'_>, remark: bool) -> bool {
 
 /// The `n` names of a remark, if it is just that.
 fn names_in(remark: &str, delimiter: u8, n: usize) -> Option<Vec<String>> {
-    let remark = remark.trim_start_matches('#').trim();
+    let remark = remark.trim_start_matches(['#', '%']).trim();
     let names = |delimiter: u8| with_units(&cells::split(remark, delimiter), delimiter);
     let is_naming = |names: &Vec<String>| names.len() == n && names.iter().all(|name| kind_of(name) == CellKind::Word);
     [delimiter, cells::sniff(remark)].into_iter().map(names).find(is_naming)

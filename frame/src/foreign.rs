@@ -45,6 +45,27 @@ const JSON: Format = Format {
 };
 const STL: Format = Format { name: "an STL mesh", hint: MESH, endings: &["stl"] };
 const OBJ: Format = Format { name: "a Wavefront OBJ mesh", hint: MESH, endings: &["obj"] };
+const ARROW_STREAM: Format = Format {
+    name: "an Arrow stream",
+    hint: "write it as an Arrow file, by Python: pyarrow.feather.write_feather(pyarrow.ipc.open_stream(FILE).read_all(), 'p_0.feather')",
+    endings: &["arrows"],
+};
+const LAMMPS_DATA: Format = Format {
+    name: "a LAMMPS data file",
+    hint: "write a dump, by LAMMPS: read_data FILE, then write_dump all custom p_0.dump id type x y z radius",
+    endings: &[],
+};
+const YAML_DUMP: Format = Format {
+    name: "YAML",
+    hint: "of LAMMPS, `dump custom` without the ending .yaml writes a dump that is read",
+    endings: &["yaml", "yml"],
+};
+const SERIES: Format = Format {
+    name: "a ParaView series",
+    hint: "give the pattern of the files that it lists, as 'p_*.vtk'",
+    endings: &["series"],
+};
+const GLTF: Format = Format { name: "a glTF scene", hint: MESH, endings: &["glb", "gltf"] };
 const TAR: Format = Format { name: "a tar archive", hint: UNPACK, endings: &["tar", "tgz"] };
 const PACKED: Format = Format { name: "a compressed file", hint: UNPACK, endings: &["bz2", "xz", "zst", "7z"] };
 const ZIP: Format = Format { name: "a zip archive", hint: UNPACK, endings: &["zip"] };
@@ -57,13 +78,35 @@ const IMAGE_FILE: Format =
 const PDF: Format = Format { name: "a PDF document", hint: IMAGE, endings: &["pdf"] };
 
 /// All formats, for their endings.
-const ALL: [Format; 16] =
-    [GRID, HDF5, NPY, NPZ, JSON, STL, OBJ, TAR, PACKED, ZIP, XLSX, ODS, MATLAB, IMAGE_FILE, PDF, RIB];
+const ALL: [Format; 19] = [
+    ARROW_STREAM,
+    SERIES,
+    GLTF,
+    GRID,
+    HDF5,
+    NPY,
+    NPZ,
+    JSON,
+    STL,
+    OBJ,
+    TAR,
+    PACKED,
+    ZIP,
+    XLSX,
+    ODS,
+    MATLAB,
+    IMAGE_FILE,
+    PDF,
+    RIB,
+];
 const RIB: Format =
     Format { name: "a RIB scene", hint: "a scene is rendered as it is: scree render FILE", endings: &["rib", "ribz"] };
 
 /// Formats by the bytes that all their files begin with.
-const MAGIC: [(&[u8], Format); 17] = [
+const MAGIC: [(&[u8], Format); 20] = [
+    (b"\xff\xff\xff\xff", ARROW_STREAM),
+    (b"glTF", GLTF),
+    (b"---\ncreator: LAMMPS", YAML_DUMP),
     (b"\x89HDF\r\n\x1a\n", HDF5),
     (b"\x93NUMPY", NPY),
     // What is packed by gzip once is unpacked before.
@@ -113,6 +156,7 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
         std::str::from_utf8(head).unwrap_or_else(|e| std::str::from_utf8(&head[..e.valid_up_to()]).unwrap_or(""));
     let text = text.trim_start_matches('\u{feff}').trim_start();
     match text.as_bytes() {
+        [b'{', ..] if text.contains("\"file-series-version\"") => Some(SERIES),
         [b'{', ..] => Some(JSON),
         [b'[', ..]
             if text[1..]
@@ -123,6 +167,7 @@ pub fn by_content(bytes: &[u8]) -> Option<Format> {
         }
         _ if text.starts_with("solid") && text.contains("facet normal") => Some(STL),
         _ if is_obj(text) => Some(OBJ),
+        _ if is_lammps_data(text) => Some(LAMMPS_DATA),
         _ => None,
     }
 }
@@ -149,6 +194,13 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 }
 
 /// Whether the first line that places something is a vertex, `v 0.1 0.2 0.3`.
+/// Whether a text begins as LAMMPS data files do: a line of any words, then counts of atoms (LAMMPS manual, `read_data`).
+fn is_lammps_data(text: &str) -> bool {
+    let mut lines = text.lines().skip(1).map(|line| line.split('#').next().unwrap_or("").trim());
+    let first = lines.find(|line| !line.is_empty()).unwrap_or("");
+    matches!(first.split_whitespace().collect::<Vec<_>>()[..], [count, "atoms"] if count.parse::<u64>().is_ok())
+}
+
 fn is_obj(text: &str) -> bool {
     let heads = ["#", "mtllib ", "o ", "g ", "usemtl ", "s "];
     let vertex = text.lines().map(str::trim).find(|l| !l.is_empty() && !heads.iter().any(|head| l.starts_with(head)));
@@ -169,6 +221,10 @@ mod tests {
             (b"\n[{\"x\": 1}]", Some("JSON")),
             (b"solid a\nfacet normal 0 0 1\n", Some("an STL mesh")),
             (b"# Blender\no Cube\nv 1 1 -1\n", Some("a Wavefront OBJ mesh")),
+            (b"LAMMPS data file\n\n200 atoms\n1 atom types\n", Some("a LAMMPS data file")),
+            (b"---\ncreator: LAMMPS\ntimestep: 0\n", Some("YAML")),
+            (b"{\n  \"file-series-version\" : \"1.0\",", Some("a ParaView series")),
+            (b"\xff\xff\xff\xff\x10\x01", Some("an Arrow stream")),
             (b"x,y\n1,2\n", None),
             (b"v x y z\n1 2 3 4\n", None),
             (b"2\n3\n4\n", None),

@@ -3,8 +3,7 @@
 //! A frame has the rows of its time, file by file; its number is the place of its time among all times. Where there are several files,
 //! the column `body` has the number in the file's name.
 
-use crate::csv::Layout;
-use crate::{Column, Fault, FaultKind, Field, Frame, csv, sequence};
+use crate::{Column, Fault, FaultKind, Field, Frame, sequence};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -30,16 +29,23 @@ impl fmt::Debug for Histories {
     }
 }
 
+/// Difference of two times over their size below which they are one.
+const ROUNDING: f64 = 1e-9;
+
 impl Histories {
-    /// Read the files of a pattern, CSV of a layout, whose rows have their time in the column `time`. An error as of
-    /// [`sequence::find`], if a file cannot be read, has no such column, or has other columns than the first.
-    pub fn read(pattern: &Path, layout: &Layout, time: &str) -> Result<Histories, Fault> {
+    /// Read the files of a pattern by `read`, whose rows have their time in the column `time`. An error as of [`sequence::find`], if a file
+    /// cannot be read, has no such column, or has other columns than the first.
+    pub fn read(
+        pattern: &Path,
+        read: impl Fn(&Path, u64) -> Result<Frame, Fault>,
+        time: &str,
+    ) -> Result<Histories, Fault> {
         let files = sequence::find(pattern)?;
         let mut stamp = blake3::Hasher::new();
         let (mut times, mut bodies) = (vec![], vec![]);
         let mut columns: Vec<(Field, Joined)> = vec![];
         for (body, path) in &files {
-            let table = csv::read(path, *body, layout)?;
+            let table = read(path, *body)?;
             let meta = path.metadata().map(|m| (m.len(), m.modified().ok()));
             stamp.update(format!("{path:?}{:?}", meta.unwrap_or_default()).as_bytes());
             times.extend(times_of(&table, path, time)?);
@@ -60,7 +66,10 @@ impl Histories {
         }
         let mut order: Vec<usize> = (0..times.len()).collect();
         order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
-        let rows: Vec<Vec<usize>> = order.chunk_by(|a, b| times[*a] == times[*b]).map(<[usize]>::to_vec).collect();
+        // What differs by rounding is one time.
+        let is_same = |a: f64, b: f64| (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+        let rows: Vec<Vec<usize>> =
+            order.chunk_by(|a, b| is_same(times[*a], times[*b])).map(<[usize]>::to_vec).collect();
         let times = rows.iter().map(|rows| times[rows[0]]).collect();
         let (files, stamp) = (files.into_values().collect(), stamp.finalize().to_hex().to_string());
         Ok(Histories { files, stamp, times, columns, rows })
@@ -162,7 +171,8 @@ mod tests {
     fn read(files: &[(&str, &str)], time: &str) -> Result<Histories, Fault> {
         let folder = tempfile::tempdir().unwrap();
         files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).unwrap());
-        Histories::read(&folder.path().join("b*"), &Layout::default(), time)
+        let read = |path: &Path, number| crate::csv::read(path, number, &Default::default());
+        Histories::read(&folder.path().join("b*"), read, time)
     }
 
     #[test]

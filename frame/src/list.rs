@@ -88,10 +88,11 @@ pub fn describe(frames: &[u64]) -> String {
     }
 }
 
+/// Missing frames of a gap that are told.
+const MOST: u64 = 1000;
+
 /// The frames (ascending) that are missing between others, if these are mostly one step apart: the step, and the missing ones.
 pub fn gaps(frames: &[u64]) -> Option<(u64, Vec<u64>)> {
-    /// Missing frames that are told.
-    const MOST: u64 = 1000;
     let steps: Vec<u64> = frames.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = steps.iter().copied().min().filter(|step| *step > 0)?;
     let is_regular = 2 * steps.iter().filter(|s| **s == step).count() >= steps.len();
@@ -110,7 +111,10 @@ pub fn describe_gaps(frames: &[u64]) -> Option<String> {
     let names: Vec<String> = missing.iter().take(NAMED).map(u64::to_string).collect();
     let are = match missing.len() {
         1 => format!("frame {} is", names[0]),
-        n => format!("{n} frames ({}{}) are", names.join(", "), if n > NAMED { ", …" } else { "" }),
+        n => {
+            let most = if n >= MOST as usize - 1 { "more than " } else { "" };
+            format!("{most}{n} frames ({}{}) are", names.join(", "), if n > NAMED { ", …" } else { "" })
+        }
     };
     Some(format!("{are} missing between the others, which are {step} apart"))
 }

@@ -174,7 +174,8 @@ pub fn find(pattern: &Path) -> Result<BTreeMap<u64, Stored>, Fault> {
 /// The tables of each time of files whose rows are of different times, which the column `time` has. An error as of
 /// [`Histories::read`].
 pub fn by_time(pattern: &Path, layout: &Layout, time: &str) -> Result<BTreeMap<u64, Stored>, Fault> {
-    let histories = Arc::new(Histories::read(pattern, layout, time)?);
+    let read = |path: &Path, number| Stored::new(path.into(), Kind::of(path), Place::Whole).read(number, layout);
+    let histories = Arc::new(Histories::read(pattern, read, time)?);
     let path = histories.files[0].clone();
     let stored = |k: usize| Stored { path: path.clone(), kind: Kind::Csv, place: Place::Time(histories.clone(), k) };
     Ok((0..histories.len()).map(|k| (k as u64, stored(k))).collect())

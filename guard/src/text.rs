@@ -45,6 +45,12 @@ pub fn shell(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
 }
 
+/// Text as one word of a command that a person may copy: in quotes if it needs them.
+pub fn shell_word(text: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_./=:,+-@%".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) { text.into() } else { shell(text) }
+}
+
 /// A path and what follows it, in which Slurm replaces `%a` and its like, as the value of an option in a `#SBATCH` line; `None` if the
 /// path has several lines.
 pub fn sbatch(text: &str, pattern: &str) -> Option<String> {

@@ -55,10 +55,25 @@ fn column(kind: &DataType, arrays: &[&ArrayRef]) -> Option<Column> {
         DataType::UInt32 => whole::<UInt32Type>(arrays, |x| Some(x.into()), f64::from)?,
         DataType::UInt64 => whole::<UInt64Type>(arrays, |x| i64::try_from(x).ok(), |x| x as f64)?,
         DataType::Boolean => truths(arrays)?,
-        DataType::Utf8 | DataType::LargeUtf8 => words(arrays)?,
-        DataType::Dictionary(_, values) if matches!(**values, DataType::Utf8 | DataType::LargeUtf8) => words(arrays)?,
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => words(arrays)?,
+        DataType::Dictionary(_, values) if is_words(values) => words(arrays)?,
         _ => return None,
     })
+}
+
+fn is_words(kind: &DataType) -> bool {
+    matches!(kind, DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View)
+}
+
+/// The words of an array that is no dictionary; none where one is missing.
+fn texts(array: &ArrayRef) -> Option<Box<dyn Iterator<Item = Option<&str>> + '_>> {
+    if let Some(own) = array.as_string_opt::<i32>() {
+        return Some(Box::new(own.iter()));
+    }
+    if let Some(own) = array.as_string_opt::<i64>() {
+        return Some(Box::new(own.iter()));
+    }
+    array.as_string_view_opt().map(|own| Box::new(own.iter()) as _)
 }
 
 fn floats<T: ArrowPrimitiveType, X: Copy>(arrays: &[&ArrayRef], nan: X, to: impl Fn(T::Native) -> X) -> Option<Vec<X>> {
@@ -115,17 +130,10 @@ fn words(arrays: &[&ArrayRef]) -> Option<Column> {
     let mut codes = Vec::with_capacity(arrays.iter().map(|array| array.len()).sum());
     for array in arrays {
         let Some(dictionary) = array.as_any_dictionary_opt() else {
-            match array.as_string_opt::<i32>() {
-                Some(own) => codes.extend(own.iter().map(|word| code_of(word.unwrap_or("")))),
-                None => codes.extend(array.as_string_opt::<i64>()?.iter().map(|word| code_of(word.unwrap_or("")))),
-            }
+            codes.extend(texts(array)?.map(|word| code_of(word.unwrap_or(""))));
             continue;
         };
-        let values = dictionary.values();
-        let own: Vec<u32> = match values.as_string_opt::<i32>() {
-            Some(own) => own.iter().map(|word| code_of(word.unwrap_or(""))).collect(),
-            None => values.as_string_opt::<i64>()?.iter().map(|word| code_of(word.unwrap_or(""))).collect(),
-        };
+        let own: Vec<u32> = texts(dictionary.values())?.map(|word| code_of(word.unwrap_or(""))).collect();
         let keys = if own.is_empty() { vec![0; array.len()] } else { dictionary.normalized_keys() };
         for (row, key) in keys.into_iter().enumerate() {
             codes.push(if array.is_null(row) { code_of("") } else { *own.get(key)? });

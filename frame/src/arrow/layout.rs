@@ -5,8 +5,8 @@
 //! (Apache Arrow Columnar Format, "IPC File Format").
 
 use arrow_ipc::{
-    Block, CompressionType, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch, Type,
-    root_as_footer, root_as_message,
+    Block, CompressionType, DateUnit, DictionaryBatch, Endianness, Field, Footer, Message, Precision, RecordBatch,
+    TimeUnit, Type, root_as_footer, root_as_message,
 };
 use std::fmt::Display;
 
@@ -23,7 +23,7 @@ pub(super) fn check_table(bytes: &[u8]) -> Result<(), String> {
     check_all(bytes, &shape, &any_columns, &|batch, body| {
         let batch = batch.data().ok_or("a dictionary has no words")?;
         // Their offsets are checked where they are decoded.
-        any_columns(&batch, body, &[Shape { bits: 32, buffers: 3 }])
+        any_columns(&batch, body, &[Shape::new(32, 3)])
     })
 }
 
@@ -178,6 +178,14 @@ struct Shape {
     bits: usize,
     /// Count of buffers: marks of what is there, values, and the letters of words.
     buffers: usize,
+    /// Whether there are further buffers with letters, which each batch counts: words by views.
+    has_views: bool,
+}
+
+impl Shape {
+    fn new(bits: usize, buffers: usize) -> Shape {
+        Shape { bits, buffers, has_views: false }
+    }
 }
 
 /// The shape of a column.
@@ -191,18 +199,27 @@ fn shape(field: &Field<'_>) -> Result<Shape, String> {
     }
     let bits = |bits: i32| usize::try_from(bits).ok().filter(|bits| [8, 16, 32, 64].contains(bits)).ok_or_else(refuse);
     let code = field.dictionary().map(|d| d.indexType().map_or(32, |int| int.bitWidth()));
+    let unit = |unit| if matches!(unit, TimeUnit::SECOND | TimeUnit::MILLISECOND) { 32 } else { 64 };
     Ok(match (field.type_type(), code) {
-        (Type::Utf8 | Type::LargeUtf8, Some(code)) => Shape { bits: bits(code)?, buffers: 2 },
-        (Type::Utf8, None) => Shape { bits: 32, buffers: 3 },
-        (Type::LargeUtf8, None) => Shape { bits: 64, buffers: 3 },
-        (Type::Bool, None) => Shape { bits: 1, buffers: 2 },
-        (Type::Int, None) => Shape { bits: bits(field.type_as_int().ok_or_else(refuse)?.bitWidth())?, buffers: 2 },
+        (Type::Utf8 | Type::LargeUtf8 | Type::Utf8View, Some(code)) => Shape::new(bits(code)?, 2),
+        (Type::Utf8, None) => Shape::new(32, 3),
+        (Type::LargeUtf8, None) => Shape::new(64, 3),
+        (Type::Utf8View, None) => Shape { has_views: true, ..Shape::new(128, 2) },
+        (Type::Bool, None) => Shape::new(1, 2),
+        (Type::Int, None) => Shape::new(bits(field.type_as_int().ok_or_else(refuse)?.bitWidth())?, 2),
         (Type::FloatingPoint, None) => match field.type_as_floating_point().map(|x| x.precision()) {
-            Some(Precision::DOUBLE) => Shape { bits: 64, buffers: 2 },
-            Some(Precision::SINGLE) => Shape { bits: 32, buffers: 2 },
-            Some(Precision::HALF) => Shape { bits: 16, buffers: 2 },
+            Some(Precision::DOUBLE) => Shape::new(64, 2),
+            Some(Precision::SINGLE) => Shape::new(32, 2),
+            Some(Precision::HALF) => Shape::new(16, 2),
             _ => return Err(refuse()),
         },
+        // Those that are left out.
+        (Type::Timestamp | Type::Duration, None) => Shape::new(64, 2),
+        (Type::Date, None) => match field.type_as_date().map(|date| date.unit()) {
+            Some(DateUnit::DAY) => Shape::new(32, 2),
+            _ => Shape::new(64, 2),
+        },
+        (Type::Time, None) => Shape::new(unit(field.type_as_time().ok_or_else(refuse)?.unit()), 2),
         _ => return Err(refuse()),
     })
 }
@@ -212,12 +229,17 @@ fn any_columns(batch: &RecordBatch<'_>, body: &[u8], shapes: &[Shape]) -> Result
     let (Some(nodes), Some(buffers)) = (batch.nodes(), batch.buffers()) else {
         return Err("rows have no values".into());
     };
-    let n_buffers: usize = shapes.iter().map(|shape| shape.buffers).sum();
-    if batch.variadicBufferCounts().is_some_and(|n| !n.is_empty())
-        || buffers.len() != n_buffers
-        || nodes.len() != shapes.len()
-    {
-        return Err("it has not the buffers that its columns need".into());
+    let bad = "it has not the buffers that its columns need";
+    let counts: Vec<i64> = batch.variadicBufferCounts().map_or(vec![], |counts| counts.iter().collect());
+    if counts.len() != shapes.iter().filter(|shape| shape.has_views).count() {
+        return Err(bad.into());
+    }
+    let mut counts = counts.into_iter().map(|n| usize::try_from(n).ok().filter(|n| *n <= buffers.len()));
+    let further = shapes.iter().map(|shape| if shape.has_views { counts.next().flatten() } else { Some(0) });
+    let further: Vec<usize> = further.collect::<Option<_>>().ok_or(bad)?;
+    let n_buffers: usize = shapes.iter().zip(&further).map(|(shape, n)| shape.buffers + n).sum();
+    if buffers.len() != n_buffers || nodes.len() != shapes.len() {
+        return Err(bad.into());
     }
     // What a compression makes of a byte at most.
     let most = match batch.compression().map(|own| own.codec()) {
@@ -243,9 +265,10 @@ fn any_columns(batch: &RecordBatch<'_>, body: &[u8], shapes: &[Shape]) -> Result
     let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
     let mut first = 0;
     for (k, shape) in shapes.iter().enumerate() {
-        let lengths = (first..first + shape.buffers).map(&mut length).collect::<Option<Vec<_>>>();
+        let n_own = shape.buffers + further[k];
+        let lengths = (first..first + n_own).map(&mut length).collect::<Option<Vec<_>>>();
         let lengths = lengths.ok_or("a part of it is outside of the file, or larger than it can be")?;
-        first += shape.buffers;
+        first += n_own;
         let n_offsets = usize::from(shape.buffers == 3 && rows > 0);
         let needed = rows.checked_add(n_offsets).and_then(|n| n.checked_mul(shape.bits)).map(|bits| bits.div_ceil(8));
         let has_marks = lengths[0] >= rows.div_ceil(8) || lengths[0] == 0 && nodes.get(k).null_count() == 0;

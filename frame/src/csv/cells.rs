@@ -43,8 +43,9 @@ impl<'a> Rows<'a> {
             let end = rest.find('\n').unwrap_or(rest.len());
             let line = &rest[..end];
             self.line += 1;
-            if line.trim().is_empty() || line.trim_start().starts_with('#') {
-                self.remark = line.trim_start().strip_prefix('#');
+            let remark = remark(line);
+            if line.trim().is_empty() || remark.is_some() {
+                self.remark = remark;
                 self.at += end + 1;
                 continue;
             }
@@ -125,6 +126,11 @@ fn split_plain<'a>(line: &'a str, delimiter: u8, cells: &mut Vec<&'a str>) {
 fn trimmed(cell: &str) -> &str {
     let ends_in_blanks = |byte: Option<&u8>| !byte.is_some_and(u8::is_ascii_graphic);
     if ends_in_blanks(cell.as_bytes().first()) || ends_in_blanks(cell.as_bytes().last()) { cell.trim() } else { cell }
+}
+
+/// What a line says if it is a remark: behind `#`, or `%` as MATLAB writes it.
+pub(super) fn remark(line: &str) -> Option<&str> {
+    line.trim_start().strip_prefix(['#', '%'])
 }
 
 /// The cells of a line that stands alone, such as a header in a remark.

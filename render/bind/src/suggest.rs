@@ -102,6 +102,11 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         movie: if is_ours { Movie { frame_rate: real_time(frames) } } else { Movie::default() },
         ..Metadata::default()
     };
+    if let Some((radius, apart)) = framing::too_large(&surveys).filter(|_| !is_ours && names.radius.is_some()) {
+        remarks.push(format!(
+            "the usual radius, {radius} m, is more than the rows lie apart at most, {apart} m: is it in the unit of the positions?"
+        ));
+    }
     if is_guessed {
         remarks.push(format!("no column tells a radius: {size} m is guessed from the distances between the rows"));
     }
@@ -264,8 +269,10 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let taken = |name: &str| names::is_position_or_size(frame, name);
     let numeric = |name: &&str| columns::is_numeric(frame, name);
     let names = frame.names();
-    // What is measured rather than counted: ids and types tell little as colours.
-    let is_measured = |name: &&&str| matches!(frame.column(name), Some(Column::F32(_) | Column::F64(_)));
+    // What is measured rather than counted, and varies: ids and types tell little as colours.
+    let varies = |column: &Column| column.range().is_some_and(|(lo, hi)| lo < hi);
+    let is_measured =
+        |name: &&&str| frame.column(name).is_some_and(|c| matches!(c, Column::F32(_) | Column::F64(_)) && varies(c));
     let others = || names.iter().filter(|n| !taken(n) && **n != "id" && numeric(n));
     let by = names
         .iter()

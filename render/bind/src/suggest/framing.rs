@@ -217,6 +217,18 @@ pub(super) fn radius_by_spacing(surveys: &[Survey<'_>], [lo, hi]: [Vec3; 2]) -> 
     Some((0.5 * usual).min(MAX * lo.distance(hi)))
 }
 
+/// The usual size of many things and how far they lie apart at most, m, if they are larger than that.
+pub(super) fn too_large(surveys: &[Survey<'_>]) -> Option<(f32, f32)> {
+    let things = &surveys.iter().max_by_key(|survey| survey.things.len())?.things;
+    let mut sizes: Vec<f32> = things.iter().map(|thing| thing.size).collect();
+    sizes.sort_by(f32::total_cmp);
+    let usual = *sizes.get(sizes.len() / 2)?;
+    let centers = things.iter().map(|thing| [thing.center(); 2]);
+    let [lo, hi] = union(centers)?;
+    let apart = lo.distance(hi);
+    (things.len() > 9 && usual > apart && apart > 0.0).then_some((usual, apart))
+}
+
 /// The box around things, without the outermost of many alike, as stray grains are. What is larger than most of its class is never
 /// left out, nor is a class of few: a vehicle among stones is no stray.
 fn without_strays<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Vec3; 2]> {

@@ -35,7 +35,9 @@ const UNITS: [(&str, f64); 13] = [
 fn unit<'a>(frame: &'a Frame, name: &'a str) -> Option<&'a str> {
     let field = frame.columns.iter().map(|(field, _)| field).find(|field| field.name == name)?;
     let bracketed = || Some(name.rsplit_once(['(', '['])?.1.trim_end_matches([')', ']']));
-    let unit = if field.unit.is_empty() { bracketed()? } else { &field.unit };
+    // `x_mm`, of the units that are not letters of other names.
+    let behind = || Some(name.rsplit_once('_')?.1).filter(|unit| ["mm", "cm", "um", "nm", "km"].contains(unit));
+    let unit = if field.unit.is_empty() { bracketed().or_else(behind)? } else { &field.unit };
     Some(unit.trim()).filter(|unit| !matches!(*unit, "" | "-" | "1"))
 }
 

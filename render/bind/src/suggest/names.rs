@@ -70,7 +70,7 @@ impl<'a> Names<'a> {
         let any = |_: &Frame, name: &str| !name.contains('`');
         let position = position.ok_or_else(|| {
             let misread = position_of(frame, any).and_then(|names| names.iter().find_map(|name| misread(frame, name)));
-            misread.unwrap_or_else(|| {
+            misread.or_else(|| plane_of(frame)).unwrap_or_else(|| {
                 let names = frame::listed(&frame.names());
                 format!("no columns of positions were found (as pos_x, pos_y, pos_z or x, y, z); the data has {names}")
             })
@@ -113,6 +113,23 @@ impl<'a> Names<'a> {
     }
 }
 
+/// Why data of two dimensions has no positions, and the way to draw it.
+fn plane_of(frame: &Frame) -> Option<String> {
+    let (position, axis) = match ["x", "y", "z"].map(|axis| position_axis(frame, axis)) {
+        [Some(x), Some(y), None] => (format!("[{x}, {y}, 0]"), "z"),
+        [Some(x), None, Some(z)] => (format!("[{x}, 0, {z}]"), "y"),
+        _ => return None,
+    };
+    Some(format!(
+        "the data has no column of {axis}: it is of two dimensions; write a metadata file with `position: {position}` for its objects, or add a column of zeros"
+    ))
+}
+
+/// The column of an axis, by its name alone or with `pos`.
+fn position_axis<'a>(frame: &'a Frame, axis: &str) -> Option<&'a str> {
+    only(frame, axis, is_numeric).or_else(|| only(frame, &format!("pos{axis}"), is_numeric))
+}
+
 /// Whether a frame has a column of this name with numbers that are not missing.
 fn has_numbers(frame: &Frame, name: &str) -> bool {
     is_numeric(frame, name) && frame.column(name).is_some_and(|c| c.range().is_some())
@@ -151,7 +168,15 @@ fn unnamed(frame: &Frame) -> Option<Unnamed<'_>> {
         return None;
     }
     let numbers: Vec<&str> = names.into_iter().filter(|name| is_numeric(frame, name)).collect();
-    let is_whole = |name: &str| matches!(frame.column(name), Some(Column::I64(_)));
+    // Whole numbers, or those that count the rows: NumPy writes them with decimals.
+    let is_whole = |name: &str| match frame.column(name) {
+        Some(Column::I64(_)) => true,
+        Some(column) if frame.rows() > 3 => {
+            let at = |row: usize| column.number(row).unwrap_or(f64::NAN);
+            (at(0) == 0.0 || at(0) == 1.0) && (1..frame.rows()).all(|row| at(row) - at(row - 1) == 1.0)
+        }
+        _ => false,
+    };
     let n_leading = numbers.iter().take_while(|name| is_whole(name)).count();
     let skip = if numbers.len() >= n_leading + 3 { n_leading } else { 0 };
     let position: [&str; 3] = numbers.get(skip..skip + 3)?.try_into().ok()?;
@@ -235,6 +260,8 @@ mod tests {
             ["Particle X-Coordinate [m]", "Particle Y-Coordinate [m]", "Particle Z-Coordinate [m]"],
             ["Particle X", "Particle Y", "Particle Z"],
             ["x_pos", "y_pos", "z_pos"],
+            ["x_mm", "y_mm", "z_mm"],
+            ["Q01 : Particle X Position (m)", "Q02 : Particle Y Position (m)", "Q03 : Particle Z Position (m)"],
         ] {
             assert_eq!(columns(&table(&names)), Some(names));
         }
@@ -253,6 +280,8 @@ mod tests {
         assert_eq!(text(&["Diameter"]), "0.5 * Diameter");
         assert_eq!(text(&["d [m]"]), "0.5 * `d [m]`");
         assert_eq!(text(&["d [mm]"]), "0.0005 * `d [mm]`");
+        assert_eq!(text(&["r_mm"]), "0.001 * r_mm");
+        assert_eq!(text(&["Q04 : Particle Radius (mm)"]), "0.001 * `Q04 : Particle Radius (mm)`");
         assert_eq!(text(&["R (µm)"]), "0.000001 * `R (µm)`");
         assert_eq!(text(&["diam", "Radius"]), "Radius");
         assert_eq!(text(&["id"]), "");
@@ -277,6 +306,11 @@ mod tests {
         let [one, none] = [1.0, 0.0].map(|x| Column::F64(vec![x, x]));
         let turned = [&xyz[..], &[one, none.clone(), none.clone(), none]].concat();
         assert_eq!(columns(&turned), ("c1 c2 c3".into(), None));
+        // Ids that NumPy has written with decimals.
+        let counted = Column::F64((1..6).map(f64::from).collect());
+        let many: Vec<Column> =
+            (1..5).map(|k| Column::F64((0..5).map(|i| 0.3 * f64::from(i * k % 4)).collect())).collect();
+        assert_eq!(columns(&[&[counted], &many[..]].concat()).0, "c2 c3 c4");
         assert_eq!(columns(&[ids.clone(), ids.clone(), ids, radii]), ("c1 c2 c3".into(), Some("c4".into())));
     }
 
