@@ -35,8 +35,8 @@ Exit codes:
 
 /// Simulate granular material and vehicles, and render the runs to images and movies.
 ///
-/// A model (YAML) describes bodies, materials and joints; a metadata file (YAML) describes how data is rendered. Start with the
-/// ready example: `scree run metadata/quickstart.yaml`. Units are SI: m, kg, s.
+/// A model (YAML) describes bodies, materials and joints; a metadata file (YAML) describes how data is rendered. Start with a
+/// project of your own: `scree init demo`, whose README says how to go on. Units are SI: m, kg, s.
 #[derive(Parser, Debug)]
 #[command(name = "scree", version, after_help = EXIT_CODES)]
 pub struct Args {

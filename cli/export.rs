@@ -31,12 +31,23 @@ pub fn run(job: ExportJob) -> Outcome {
     interrupt::remark(String::new());
     progress.finish();
     if job.format == Format::Vtu && !written.is_empty() {
-        frame::atomic::write(&collection, export::collection(&written).as_bytes())?;
+        frame::atomic::write(&collection, export::collection(&timed(&job, written.clone())).as_bytes())?;
     }
     if !written.is_empty() {
         println!("{}", job.folder.display());
     }
     failed.outcome(n, "the others were written")
+}
+
+/// The files with the times that a collection tells: those of the frames, or their numbers where the data has no times.
+fn timed(job: &ExportJob, mut files: Vec<(String, f64)>) -> Vec<(String, f64)> {
+    let first = files[0].1;
+    if files.len() > 1 && files.iter().all(|(_, time)| *time == first) {
+        eprintln!("note: the data tells no times: those of the collection are the numbers of the frames");
+        let number = |name: &str| job.frames.iter().find(|n| name.contains(&format!("_{n:06}."))).copied().unwrap_or(0);
+        files.iter_mut().for_each(|(name, time)| *time = number(name) as f64);
+    }
+    files
 }
 
 /// Write a frame to a file; its time, s.

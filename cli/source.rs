@@ -105,3 +105,12 @@ pub fn check_library(binding: &Binding) -> Outcome {
     }
     Ok(())
 }
+
+/// The name of a metadata file in the folder of a model that draws it, if there is one.
+pub fn metadata_beside(model: &Path) -> Option<String> {
+    let path = model.with_file_name("metadata.yaml");
+    let binding = bind::read(&path).ok()?;
+    let named = binding.folder().join(binding.model.as_ref()?);
+    let is_it = named.canonicalize().ok()? == model.canonicalize().ok()?;
+    is_it.then(|| guard::text::shell_word(&path.display().to_string()))
+}

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 
+import ase.io
 import meshio
 import numpy as np
 import pandas as pd
@@ -45,7 +46,7 @@ def main(scree):
         assert len(frame) == 22 and set(frame["class"]) == {"ground", "block", "stones"}, frame
         assert probes["time [s]"].iloc[-1] > 0.15 and len(probes.columns) > 6, probes
 
-        for kind in ("vtu", "parquet", "ply", "csv"):
+        for kind in ("vtu", "parquet", "xyz", "ply", "csv"):
             call(scree, "export", run, "--to", kind, "-o", folder / kind)
         place = frame[["pos_x", "pos_y", "pos_z"]].to_numpy()
         mesh = meshio.read(folder / "vtu/run_000003.vtu")
@@ -57,11 +58,15 @@ def main(scree):
         table = pq.read_table(folder / "parquet/run_000003.parquet")
         assert table.schema.field("pos_x").metadata[b"unit"] == b"m", table.schema
         pd.testing.assert_frame_equal(table.to_pandas()[["id", "pos_x", "speed"]], frame[["id", "pos_x", "speed"]])
+        np.testing.assert_array_equal(mesh.point_data["quat"][:, 3], frame["quat_w"].to_numpy())
+        grains = ase.io.read(folder / "xyz/run_000003.xyz", format="extxyz")
+        np.testing.assert_array_equal(grains.positions, place)
+        np.testing.assert_array_equal(grains.arrays["velo"][:, 2], frame["vel_z"].to_numpy())
         cloud = meshio.read(folder / "ply/run_000003.ply")
         np.testing.assert_allclose(cloud.points, place, atol=1e-6)
         text = pd.read_csv(folder / "csv/run_000003.csv")
         np.testing.assert_array_equal(text["pos_z [m]"].to_numpy(), place[:, 2])
-    print("exports and run directories open in pandas, pyarrow and meshio")
+    print("exports and run directories open in pandas, pyarrow, ASE and meshio")
 
 
 main(*sys.argv[1:])

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 const CHECK_EXAMPLES: &str = "\
 Example:
-  scree check sim/models/pour.yaml metadata/quickstart.yaml";
+  scree check model.yaml metadata.yaml";
 
 /// Arguments of `scree check`.
 #[derive(Args, Debug)]

@@ -45,7 +45,7 @@ pub struct CutArgs {
 
 const PLAN_EXAMPLES: &str = "\
 Examples:
-  scree plan metadata/quickstart.yaml
+  scree plan metadata.yaml
   scree plan runs/pour --frames-per-task 10 -f 0-999";
 
 /// Arguments of `scree plan`.
@@ -72,7 +72,7 @@ pub struct PlanArgs {
 
 const SUBMIT_EXAMPLES: &str = "\
 Examples:
-  scree submit metadata/quickstart.yaml --scheduler local --processes 2
+  scree submit metadata.yaml --scheduler local --processes 2
   scree submit runs/pour --scheduler slurm --frames-per-task 5 --time 1:00:00
   scree submit runs/pour --scheduler slurm --dry-run";
 

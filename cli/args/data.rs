@@ -18,7 +18,9 @@ pub enum FormatArg {
     Vtu,
     /// Apache Parquet, for pandas, Polars and DuckDB.
     Parquet,
-    /// Binary PLY, for OVITO, Blender and MeshLab.
+    /// Extended XYZ, for OVITO and ASE.
+    Xyz,
+    /// Binary PLY, for Blender and MeshLab.
     Ply,
     /// CSV with units in the header.
     Csv,
@@ -40,6 +42,9 @@ pub struct ExportArgs {
     /// Frames to export, as 0-99x5 [default: all].
     #[arg(short, long, value_name = "LIST")]
     pub frames: Option<FrameList>,
+    /// Column of the times, where the rows of a table are of different times.
+    #[arg(long, value_name = "COLUMN")]
+    pub time: Option<String>,
 }
 
 const INSPECT_EXAMPLES: &str = "\

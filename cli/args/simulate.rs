@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 const RUN_EXAMPLES: &str = "\
 Examples:
-  scree run metadata/quickstart.yaml
-  scree run sim/models/pour.yaml -o runs/pour --res 640x360 --samples 2";
+  scree run metadata.yaml
+  scree run model.yaml -o runs/pour --res 640x360 --samples 2";
 
 /// Arguments of `scree run`.
 #[derive(Args, Debug)]
@@ -33,9 +33,9 @@ pub struct RunArgs {
 
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
-  scree simulate sim/models/pour.yaml -o runs/pour --until 0.5
-  scree simulate sim/models/pour.yaml -o runs/pour --resume
-  scree simulate sim/models/pour.yaml --set solver.method=gauss_seidel";
+  scree simulate model.yaml -o runs/pour --until 0.5
+  scree simulate model.yaml -o runs/pour --resume
+  scree simulate model.yaml --set solver.method=gauss_seidel";
 
 /// Arguments of `scree simulate`.
 #[derive(Args, Debug)]

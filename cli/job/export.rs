@@ -27,7 +27,7 @@ pub struct ExportJob {
 impl ExportJob {
     /// Check the arguments: open the data, and choose its frames.
     pub fn check(args: ExportArgs) -> Outcome<ExportJob> {
-        let source = open(&args.data)?;
+        let source = open(&args.data, args.time.as_deref())?;
         let existing = source.numbers();
         let select = |list: &FrameList| list.select(&existing);
         let frames = args.frames.as_ref().map_or_else(|| Ok(existing.clone()), select);
@@ -55,10 +55,14 @@ impl ExportJob {
 }
 
 /// The data of a run directory, a metadata file, or tables.
-fn open(data: &Path) -> Outcome<Source> {
+fn open(data: &Path, time: Option<&str>) -> Outcome<Source> {
     let is_yaml = data.extension().is_some_and(|ending| ending == "yaml" || ending == "yml");
     if !is_yaml || !data.is_file() {
-        return Ok(Source::open(data, None)?);
+        return Ok(Source::open(data, time)?);
+    }
+    if time.is_some() {
+        let message = "--time is for tables: a metadata file has `data.time`";
+        return Err(Failure::new(Exit::Usage, message));
     }
     if source::kind_of(data)? == Yaml::Model {
         let message = format!("{} is a model: simulate it, and export its run", data.display());
@@ -77,6 +81,7 @@ impl From<FormatArg> for Format {
         match format {
             FormatArg::Vtu => Format::Vtu,
             FormatArg::Parquet => Format::Parquet,
+            FormatArg::Xyz => Format::Xyz,
             FormatArg::Ply => Format::Ply,
             FormatArg::Csv => Format::Csv,
         }

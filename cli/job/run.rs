@@ -7,6 +7,7 @@ use super::output::{default_folder, stem};
 use super::run_folder::spare_link;
 use crate::args::RunArgs;
 use crate::report::Outcome;
+use crate::source;
 use std::path::PathBuf;
 
 /// A movie to make from a model or a metadata file.
@@ -30,6 +31,11 @@ impl RunJob {
             spare_link(&images, &home)?;
         }
         let frames = FramesJob::of_yaml(&args.input, home, args.fresh)?;
+        if let (None, Some(name)) = (&frames.binding, source::metadata_beside(&args.input)) {
+            eprintln!(
+                "note: {name} beside this model says how to draw it: `scree run {name}` does that, this draws it plainly"
+            );
+        }
         Ok(RunJob { frames, options: ImageOptions::check(args.image, args.redraw.redraw)?, images, movie })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::args::{Args, CompletionsArgs, ManArgs};
 use crate::report::{Exit, Failure, Outcome};
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use std::path::PathBuf;
 
 /// Text for a shell, or pages of the manual, to write.
@@ -23,8 +23,9 @@ impl ShellJob {
     pub fn man(args: ManArgs) -> Outcome<ShellJob> {
         let mut command = Args::command();
         command.build();
-        let of_commands = command.get_subcommands().filter(|own| !own.is_hide_set() && own.get_name() != "help");
-        let pages = std::iter::once(&command).chain(of_commands).map(|own| {
+        let mut all = vec![];
+        visible(&command, &mut all);
+        let pages = all.into_iter().map(|own| {
             let name = own.get_display_name().unwrap_or(own.get_name()).to_string();
             let mut text = vec![];
             // A handful of names for the program's whole life.
@@ -35,4 +36,11 @@ impl ShellJob {
         });
         Ok(ShellJob { files: pages.collect::<Outcome<_>>()? })
     }
+}
+
+/// A command and those below it that users are shown.
+fn visible<'a>(command: &'a Command, all: &mut Vec<&'a Command>) {
+    all.push(command);
+    let below = command.get_subcommands().filter(|own| !own.is_hide_set() && own.get_name() != "help");
+    below.for_each(|own| visible(own, all));
 }

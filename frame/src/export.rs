@@ -1,4 +1,4 @@
-//! Frames as files of other programs: VTU with PVD collections, Parquet, PLY and CSV.
+//! Frames as files of other programs: VTU with PVD collections, Parquet, extended XYZ, PLY and CSV.
 
 use crate::{Column, Frame, arrow, csv};
 use parquet::arrow::ArrowWriter;
@@ -13,7 +13,9 @@ pub enum Format {
     Vtu,
     /// Apache Parquet, zstd: pandas, Polars, DuckDB.
     Parquet,
-    /// Stanford PLY, binary: OVITO, Blender, MeshLab.
+    /// Extended XYZ: OVITO, ASE.
+    Xyz,
+    /// Stanford PLY, binary: Blender, MeshLab.
     Ply,
     /// CSV with units in the header, as scree reads it.
     Csv,
@@ -25,6 +27,7 @@ impl Format {
         match self {
             Format::Vtu => "vtu",
             Format::Parquet => "parquet",
+            Format::Xyz => "xyz",
             Format::Ply => "ply",
             Format::Csv => "csv",
         }
@@ -36,6 +39,7 @@ pub fn encode(frame: &Frame, format: Format) -> Result<Vec<u8>, String> {
     match format {
         Format::Vtu => vtu(frame),
         Format::Parquet => parquet(frame),
+        Format::Xyz => xyz(frame),
         Format::Ply => ply(frame),
         Format::Csv => Ok(csv::encode(frame).into_bytes()),
     }
@@ -64,37 +68,62 @@ struct Array {
     bytes: Vec<u8>,
 }
 
-/// The frame's columns as arrays of points: columns `NAME_x`, `NAME_y` and `NAME_z` are one of three components, words are whole
-/// numbers.
-fn arrays(frame: &Frame) -> Vec<Array> {
+/// Columns that belong together: the name of all, and each of them.
+struct Group<'a> {
+    name: String,
+    columns: Vec<&'a Column>,
+}
+
+/// The columns of a frame but for its positions, those of vectors together: `vel_x`, `vel_y` and `vel_z` are `vel`, `vx`, `vy` and `vz`
+/// are `v`, and a quaternion is x, y, z and w.
+fn groups<'a>(frame: &'a Frame, at: &[&Column; 3]) -> Vec<Group<'a>> {
+    let mut joined: Vec<String> = vec![];
     let mut all = vec![];
-    let mut joined = vec![];
     for (field, column) in &frame.columns {
-        let vector = field.name.strip_suffix("_x").and_then(|name| {
-            let parts = ["x", "y", "z"].map(|axis| frame.column(&format!("{name}_{axis}")));
-            let [Some(x), Some(y), Some(z)] = parts else { return None };
-            let is_real = [x, y, z].iter().all(|c| matches!(c, Column::F32(_) | Column::F64(_)));
-            is_real.then(|| (name.to_string(), [x, y, z]))
-        });
-        if let Some((name, parts)) = vector {
-            joined.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}")));
-            let rows = 0..column.len();
-            let bytes = rows.flat_map(|row| parts.map(|part| number(part, row).to_le_bytes())).flatten().collect();
-            all.push(Array { name, kind: "Float64", components: 3, bytes });
+        if at.iter().any(|own| std::ptr::eq(*own, column)) || joined.contains(&field.name) {
             continue;
         }
-        if joined.contains(&field.name) {
-            continue;
+        let turn = ["x", "y", "z", "w"];
+        let quaternion = field.name.strip_suffix("_w").and_then(|stem| together(frame, &format!("{stem}_"), &turn));
+        let vector = || field.name.strip_suffix('x').and_then(|stem| together(frame, stem, &turn[..3]));
+        match quaternion.or_else(vector) {
+            Some((names, columns)) => {
+                let name = names[0].trim_end_matches('x').trim_end_matches('_').to_string();
+                joined.extend(names);
+                all.push(Group { name, columns });
+            }
+            None => all.push(Group { name: field.name.clone(), columns: vec![column] }),
         }
-        let (kind, bytes): (&str, Vec<u8>) = match column {
+    }
+    all
+}
+
+/// The columns of real numbers whose names are a stem and an axis, if there is one for each axis.
+fn together<'a>(frame: &'a Frame, stem: &str, axes: &[&str]) -> Option<(Vec<String>, Vec<&'a Column>)> {
+    let names: Vec<String> = axes.iter().map(|axis| format!("{stem}{axis}")).collect();
+    let is_real = |column: &&Column| matches!(column, Column::F32(_) | Column::F64(_));
+    let columns: Option<Vec<&Column>> = names.iter().map(|name| frame.column(name).filter(is_real)).collect();
+    (!stem.trim_end_matches('_').is_empty()).then_some((names, columns?))
+}
+
+/// The frame's columns but for its positions as arrays of points; words are whole numbers.
+fn arrays(frame: &Frame, at: &[&Column; 3]) -> Vec<Array> {
+    let array = |Group { name, columns }: Group<'_>| {
+        let components = columns.len();
+        let (kind, bytes): (&str, Vec<u8>) = match columns[0] {
+            _ if components > 1 => {
+                let rows = 0..columns[0].len();
+                let row = |row: usize| columns.iter().flat_map(move |part| number(part, row).to_le_bytes());
+                ("Float64", rows.flat_map(row).collect())
+            }
             Column::F64(v) => ("Float64", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
             Column::F32(v) => ("Float32", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
             Column::I64(v) => ("Int64", v.iter().flat_map(|x| x.to_le_bytes()).collect()),
             Column::Category { codes, .. } => ("Int32", codes.iter().flat_map(|x| x.to_le_bytes()).collect()),
         };
-        all.push(Array { name: field.name.clone(), kind, components: 1, bytes });
-    }
-    all
+        Array { name, kind, components, bytes }
+    };
+    groups(frame, at).into_iter().map(array).collect()
 }
 
 /// Text within an attribute of XML.
@@ -151,7 +180,7 @@ fn vtu(frame: &Frame) -> Result<Vec<u8>, String> {
     );
     let _ =
         writeln!(text, "    </FieldData>\n    <Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{n}\">\n      <PointData>");
-    arrays(frame).iter().for_each(|own| write(&mut text, own));
+    arrays(frame, &at).iter().for_each(|own| write(&mut text, own));
     text += "      </PointData>\n      <Points>\n";
     write(&mut text, &array("Points", "Float64", 3, points));
     text += "      </Points>\n      <Cells>\n";
@@ -184,6 +213,44 @@ fn parquet(frame: &Frame) -> Result<Vec<u8>, String> {
     let mut writer = ArrowWriter::try_new(vec![], batch.schema(), Some(options)).map_err(|e| e.to_string())?;
     writer.write(&batch).map_err(|e| e.to_string())?;
     writer.into_inner().map_err(|e| e.to_string())
+}
+
+/// A frame as extended XYZ, whose second line names the columns with their types and counts (OVITO manual, "XYZ file format"): names
+/// that OVITO and ASE know are used for positions, velocities, sizes and orientations.
+fn xyz(frame: &Frame) -> Result<Vec<u8>, String> {
+    let at = positions(frame)?;
+    let word =
+        |text: &str| text.chars().map(|c| if c.is_whitespace() || c == ':' { '_' } else { c }).collect::<String>();
+    let mut groups = groups(frame, &at);
+    groups.insert(0, Group { name: "pos".into(), columns: at.to_vec() });
+    let mut properties: Vec<String> = vec![];
+    for Group { name, columns } in &groups {
+        let name = match (name.as_str(), columns.len()) {
+            ("vel" | "v", 3) => "velo",
+            ("quat", 4) => "orientation",
+            ("half_x" | "radius" | "r", 1) => "radius",
+            (name, _) => name,
+        };
+        let kind = match columns[0] {
+            Column::F64(_) | Column::F32(_) => "R",
+            Column::I64(_) => "I",
+            Column::Category { .. } => "S",
+        };
+        properties.push(format!("{}:{kind}:{}", word(name), columns.len()));
+    }
+    let mut text = format!("{}\nProperties={} Time={}\n", frame.rows(), properties.join(":"), frame.time);
+    for row in 0..frame.rows() {
+        let columns = groups.iter().flat_map(|group| &group.columns);
+        let cells = columns.map(|column| match column {
+            Column::Category { .. } => Some(word(&column.text(row))).filter(|w| !w.is_empty()).unwrap_or("_".into()),
+            Column::I64(v) => v[row].to_string(),
+            Column::F32(v) => v[row].to_string(),
+            Column::F64(v) => v[row].to_string(),
+        });
+        text += &cells.collect::<Vec<_>>().join(" ");
+        text.push('\n');
+    }
+    Ok(text.into_bytes())
 }
 
 /// A frame as a PLY file: positions are `x`, `y`, `z`, other columns keep their names, words are whole numbers.
@@ -260,6 +327,21 @@ mod tests {
         std::fs::write(folder.path().join("f.pvd"), collection(&[("f_7.vtu".into(), 0.5)])).unwrap();
         let found = table::find(&folder.path().join("f.pvd")).unwrap();
         assert_eq!(found[&7].read(7, &Default::default()).unwrap().time, 0.5);
+    }
+
+    #[test]
+    fn vectors_and_quaternions_stand_together() {
+        let mut own = Frame::new(7, 0.5);
+        let names = ["x", "y", "z", "vx", "vy", "vz", "quat_w", "quat_x", "quat_y", "quat_z", "max"];
+        for (k, name) in names.into_iter().enumerate() {
+            own.push(name, "", Column::F64(vec![k as f64]));
+        }
+        let at = positions(&own).unwrap();
+        let found: Vec<(String, usize)> = groups(&own, &at).into_iter().map(|g| (g.name, g.columns.len())).collect();
+        assert_eq!(found, [("v".to_string(), 3), ("quat".to_string(), 4), ("max".to_string(), 1)]);
+        let text = String::from_utf8(encode(&own, Format::Xyz).unwrap()).unwrap();
+        let head = "1\nProperties=pos:R:3:velo:R:3:orientation:R:4:max:R:1 Time=0.5\n";
+        assert_eq!(text, format!("{head}0 1 2 3 4 5 7 8 9 6 10\n"));
     }
 
     #[test]
