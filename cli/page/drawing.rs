@@ -28,7 +28,7 @@ impl Drawing {
     pub fn section(&mut self, name: &str, plots: &[Plot]) -> Section {
         let scales = Scales::of(plots);
         let is_still = |plot: &&Plot| scale::is_constant(plot, scales.noise(plot));
-        let constants = plots.iter().filter(is_still).map(constant).collect();
+        let constants = plots.iter().filter(is_still).map(|plot| constant(plot, scales.noise(plot))).collect();
         let moving: Vec<&Plot> = plots.iter().filter(|plot| !is_still(plot)).collect();
         let chosen = self.choose(&moving);
         let mut heads = vec![];
@@ -92,8 +92,9 @@ impl Drawing {
 }
 
 /// The values of a plot that is not drawn, since each of its curves is constant.
-fn constant(plot: &Plot) -> Constant {
-    let mut values: Vec<(&str, f64)> = plot.curves.iter().map(|c| (c.label.as_str(), scale::middle(c))).collect();
+fn constant(plot: &Plot, noise: f64) -> Constant {
+    let mut values: Vec<(&str, f64)> =
+        plot.curves.iter().map(|c| (c.label.as_str(), scale::middle(c, noise))).collect();
     let is_same = values.iter().all(|v| v.1 == values[0].1);
     let value = |x: f64| super::number::quantity(x, titles::unit(plot));
     let text = if is_same {

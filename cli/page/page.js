@@ -37,7 +37,8 @@
     if (!runs) return color(k, n);
     if (!runColors) runColors = runs.labels.map((_, run) => runColor(run));
     const run = runs.labels.indexOf(label);
-    return lit && !lit.has(run) ? theme().line : runColors[run] || theme().soft;
+    // Those beside are so faint that what they are drawn over is seen.
+    return lit && !lit.has(run) ? `${theme().soft}22` : runColors[run] || theme().soft;
   };
 
   const minus = (text) => text.replace(/-/g, "−");
@@ -146,20 +147,22 @@
     const [first, last] = [times[0], times[times.length - 1]];
     const whole = first === last ? [first - 0.5, first + 0.5] : [first, last];
     // The vertical range of the whole time may leave out a first instant that would flatten the rest; the caption says so.
-    const isWhole = (u) => u.scales.x.min === whole[0] && u.scales.x.max === whole[1];
+    // The range of times is asked for before the vertical one, and stands in the scales only after both.
+    let shown = whole;
+    const isWhole = () => shown[0] === whole[0] && shown[1] === whole[1];
     // What does not change, but for noise, is a line in the middle.
     const room = (min, max) => {
       if (min == null) return [0, 1];
       const [middle, span] = [(min + max) / 2, Math.max(1e-12 * Math.max(Math.abs(min), Math.abs(max)), spec.span || 0)];
       if (max - min > span) return uPlot.rangeNum(min, max, 0.08, true);
-      const half = Math.max(0.5 * Math.abs(middle), span) || 1;
+      const half = Math.max(0.5 * Math.abs(middle), 1e10 * (spec.span || 0)) || 1;
       return [middle - half, middle + half];
     };
     let isFull = false;
-    const vertical = spec.log ? { distr: 3 } : { range: (u, min, max) => (spec.range && !isFull && isWhole(u) ? spec.range : room(min, max)) };
+    const vertical = spec.log ? { distr: 3 } : { range: (u, min, max) => (spec.range && !isFull && isWhole() ? spec.range : room(min, max)) };
     const u = new uPlot({
       width: figure.clientWidth, height: height(figure),
-      scales: { x: { time: false, range: (u, min, max) => (isLone || min == null ? whole : [min, max]) }, y: vertical },
+      scales: { x: { time: false, range: (u, min, max) => (shown = isLone || min == null ? whole : [min, max]) }, y: vertical },
       series: [{ label: "time [s]", value: (u, v) => number(v) }, ...series],
       axes: [
         axis({ label: "time [s]", values: ticks, size: 32 }),

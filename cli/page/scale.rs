@@ -9,17 +9,18 @@ use std::collections::BTreeMap;
 /// Rounding noise, over the greatest value of a quantity and of those beside it.
 const NOISE: f64 = 1e-11;
 
-/// Noise of lengths, angles, speeds and pure numbers, however small all of them are.
-const LEAST_NOISE: f64 = 1e-13;
+/// Noise of lengths, angles, speeds and pure numbers, however small all of them are: by unit.
+const LEAST_NOISE: [(&str, f64); 6] =
+    [("m", 1e-13), ("m/s", 1e-12), ("1", 1e-11), ("", 1e-11), ("rad", 1e-11), ("rad/s", 1e-9)];
 
 /// The part of the values of a curve that are above those of a plot's range, and below.
-const RARE: f64 = 0.01;
+const RARE: f64 = 0.02;
 
 /// Instants of curves whose rare values may be outside.
 const MIN_INSTANTS: usize = 100;
 
 /// How many times more all values range over where rare ones are left outside.
-const MIN_RATIO: f64 = 4.0;
+const MIN_RATIO: f64 = 3.0;
 
 /// The greatest values of the quantities of a section.
 pub struct Scales {
@@ -52,7 +53,7 @@ impl Scales {
     /// The size of rounding noise in a plot: of its own values, and of those of the same unit beside them.
     pub fn noise(&self, plot: &Plot) -> f64 {
         let greatest = self.greatest.get(&key(plot)).copied().unwrap_or(0.0);
-        let least = if ["m", "rad", "1", "", "m/s", "rad/s"].contains(&plot.unit.as_str()) { LEAST_NOISE } else { 0.0 };
+        let least = LEAST_NOISE.iter().find(|(unit, _)| *unit == plot.unit).map_or(0.0, |(_, least)| *least);
         (NOISE * greatest).max(least)
     }
 }
@@ -87,13 +88,13 @@ pub fn is_constant(plot: &Plot, noise: f64) -> bool {
     !plot.curves.is_empty() && !is_residual && plot.curves.iter().all(is_still)
 }
 
-/// The value of a curve that is constant: exact where all are the same, else 0 where they are noise about it.
-pub fn middle(curve: &Curve) -> f64 {
+/// The value of a curve that is constant: exact where all are the same, else 0 where they are no more than noise.
+pub fn middle(curve: &Curve, noise: f64) -> f64 {
     let Some([lo, hi]) = extent(curve) else { return f64::NAN };
     if lo == hi {
         return lo;
     }
-    if lo.abs().max(hi.abs()) <= LEAST_NOISE { 0.0 } else { 0.5 * (lo + hi) }
+    if lo.abs().max(hi.abs()) <= noise { 0.0 } else { 0.5 * (lo + hi) }
 }
 
 /// How a plot is seen at first: without the rare spikes of forces and of times, and without a first instant that flattens the rest.
@@ -175,7 +176,7 @@ mod tests {
         let scales = Scales::of(&plots);
         let still: Vec<bool> = plots.iter().map(|p| is_constant(p, scales.noise(p))).collect();
         assert_eq!(still, [false, true, false, true]);
-        assert_eq!((middle(&plots[1].curves[0]), middle(&plots[3].curves[0])), (0.0, 2.5));
+        assert_eq!((middle(&plots[1].curves[0], 1e-10), middle(&plots[3].curves[0], 0.0)), (0.0, 2.5));
     }
 
     #[test]

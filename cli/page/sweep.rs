@@ -18,7 +18,9 @@ pub fn page(name: &str, runs: &[RunData], plots: &[Plot], n_unreadable: usize, j
     let (cards, faults): (Vec<Run>, Vec<Vec<String>>) = cards.into_iter().unzip();
     let solver = solver_plots(runs);
     let mut drawing = Drawing::of(plots.iter().chain(&solver).map(|p| p.curves.len()).sum());
-    let sections = vec![drawing.section("probes", plots), drawing.section("solver", &solver)];
+    // Contacts and residual have room before places and orientations.
+    let solver = drawing.section("solver", &solver);
+    let sections = vec![drawing.section("probes", plots), solver];
     let worst = cards.iter().map(|card| card.tone).max().unwrap_or_default();
     let is_one = runs.iter().all(|run| run.model == runs[0].model);
     let (title, folder) = single::names(if is_one { &runs[0].model } else { "" }, name);
@@ -77,11 +79,13 @@ fn warnings(runs: &[RunData]) -> Vec<Warning> {
     runs.iter().flat_map(|run| early(run).into_iter().chain(single::warnings(run, &run.label))).collect()
 }
 
-/// How the contacts of the runs were solved: plots of the columns of their reports, with a curve for each run.
+/// How the contacts of the runs were solved: plots of columns of their reports, with a curve for each run. The others are the probes' too,
+/// or differ from machine to machine.
 fn solver_plots(runs: &[RunData]) -> Vec<Plot> {
+    const SHOWN: [&str; 3] = ["residual", "iterations", "contacts"];
     let mut plots: Vec<Plot> = vec![];
     for run in runs {
-        for mut plot in series::solver_plots(run) {
+        for mut plot in series::solver_plots(run).into_iter().filter(|plot| SHOWN.contains(&plot.title.as_str())) {
             plot.curves.iter_mut().for_each(|curve| curve.label.clone_from(&run.label));
             match plots.iter_mut().find(|p| p.title == plot.title) {
                 Some(there) => there.curves.extend(plot.curves),
