@@ -264,7 +264,8 @@ fn plots_are_called_by_what_they_show() {
     let axes: Vec<String> = plots(&made).iter().map(|p| p["axis"].as_str().unwrap().into()).collect();
     assert!(axes.contains(&"violation [m]".into()) && axes.contains(&"violation [m or rad]".into()), "{axes:?}");
     assert!(
-        made.contains("<b>rod.mass</b> = 2.5 kg") && made.contains("up to 5000 N, are outside of the vertical range")
+        made.contains("<strong>rod.mass</strong> = 2.5 kg")
+            && made.contains("up to 5000 N, are outside of the vertical range")
     );
     let hook = plots(&made).into_iter().find(|p| p["axis"] == "fx [N]").unwrap();
     assert!(hook["range"][1].as_f64().unwrap() < 100.0);

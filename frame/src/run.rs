@@ -97,7 +97,7 @@ pub struct Index {
     pub complete: bool,
     /// What ended it before its end; none while it goes on, or where it ended without a word, as by a power cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ended: Option<Ended>,
+    pub ended: Option<Box<Ended>>,
     /// The columns of the frames.
     pub columns: Vec<ColumnEntry>,
     /// Warnings about steps, by kind.
@@ -280,7 +280,7 @@ impl RunWriter {
 
     /// Set what ended the run, without writing `run.json`.
     pub fn set_ended(&mut self, ended: Ended) {
-        self.index.ended = Some(ended);
+        self.index.ended = Some(Box::new(ended));
     }
 
     /// Write `run.json` with the current index.
