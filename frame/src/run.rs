@@ -97,7 +97,7 @@ pub struct Index {
     pub complete: bool,
     /// What ended it before its end; none while it goes on, or where it ended without a word, as by a power cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ended: Option<Box<Ended>>,
+    pub ended: Option<Ended>,
     /// The columns of the frames.
     pub columns: Vec<ColumnEntry>,
     /// Warnings about steps, by kind.
@@ -280,7 +280,7 @@ impl RunWriter {
 
     /// Set what ended the run, without writing `run.json`.
     pub fn set_ended(&mut self, ended: Ended) {
-        self.index.ended = Some(Box::new(ended));
+        self.index.ended = Some(ended);
     }
 
     /// Write `run.json` with the current index.
@@ -306,7 +306,7 @@ pub struct RunReader {
     /// Path of the run directory.
     pub folder: PathBuf,
     /// The index of the run, from `run.json`.
-    pub index: Index,
+    pub index: Box<Index>,
     by_number: BTreeMap<u64, usize>,
 }
 
@@ -344,7 +344,7 @@ impl RunReader {
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
         let by_number = index.frames.iter().enumerate().map(|(i, f)| (f.number, i)).collect();
-        Ok(RunReader { folder: folder.into(), index, by_number })
+        Ok(RunReader { folder: folder.into(), index: Box::new(index), by_number })
     }
 
     /// Numbers of the frames, ascending.
