@@ -2,13 +2,16 @@
 
 mod curves;
 mod drawing;
+mod ending;
 mod files;
 mod media;
 mod number;
+mod scale;
 mod series;
 mod single;
 mod sweep;
 mod template;
+mod titles;
 mod view;
 
 use crate::job::{ReportJob, Subject};
@@ -19,7 +22,7 @@ pub fn run(job: ReportJob) -> Outcome {
     let (page, data) = match &job.subject {
         Subject::Run(run) => single::page(run, &job),
         Subject::Sweep { name, runs, plots, notes, faults } => {
-            let mut found = sweep::page(name, runs, plots, &job);
+            let mut found = sweep::page(name, runs, plots, faults.len(), &job);
             found.0.notes.extend(notes.iter().cloned());
             found.0.faults.extend(faults.iter().cloned());
             found

@@ -177,6 +177,100 @@ fn runs_that_lack_something_have_pages_that_say_so() {
     assert!(made.contains("note fault") && made.contains("probes.csv"));
 }
 
+/// A ball under a load that no step can follow.
+const DIVERGING: &str = "name: far\nstep: 0.01\nduration: 1\nframe_rate: 20\nmaterials: {m: {density: 1000, friction: 0.4}}\n\
+    bodies: [{name: ball, material: m, position: [0, 0, 1], sphere: {radius: 0.1}}]\n\
+    loads: [{body: ball, force: [1, 0, 0], value: 1.0e+12}]\n";
+
+#[test]
+fn how_a_run_ended_is_recorded_and_said() {
+    let work = scratch();
+    let (model, run) = (work.path().join("far.yaml"), work.path().join("far_run"));
+    std::fs::write(&model, DIVERGING).unwrap();
+    let said = scree(&["simulate", &text(&model), "-o", &text(&run)]).fails(4);
+    assert!(said.contains("diverged at step"), "{said}");
+    let index = |run: &Path| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(run.join("run.json")).unwrap()).unwrap()
+    };
+    let ended = &index(&run)["ended"];
+    assert!(ended["by"] == "diverged" && ended["why"].as_str().unwrap().contains("ball"), "{ended}");
+    let made = page(&run, &[]);
+    for part in [
+        "class=\"state bad\"",
+        "The simulation diverged at step",
+        "<h1>far</h1>",
+        "folder far_run",
+        "None was counted before",
+    ] {
+        assert!(made.contains(part), "{part}");
+    }
+    assert!(!made.contains("stayed within their bounds"));
+    // An interruption is said, and gone once the run goes on.
+    let run = work.path().join("pour");
+    scree(&["simulate", "sim/models/pour.yaml", "--until", "0.1", "-o", &text(&run)]).ok();
+    let whole = std::fs::read_to_string(run.join("run.json")).unwrap();
+    let cut = whole.replace(
+        "\"complete\": true",
+        "\"complete\": false, \"ended\": {\"by\": \"interrupted\", \"step\": 40, \"time\": 0.08}",
+    );
+    std::fs::write(run.join("run.json"), cut).unwrap();
+    let made = page(&run, &[]);
+    assert!(made.contains("class=\"state open\"") && made.contains("interrupted at step 40 (0.08 s): 3 of 3 frames"));
+    scree(&["simulate", "sim/models/pour.yaml", "--until", "0.1", "--resume", "-o", &text(&run)]).ok();
+    assert_eq!(std::fs::read_to_string(run.join("run.json")).unwrap(), whole);
+    // A finished run that has lost a file is no sound run.
+    std::fs::remove_file(run.join("report.csv")).unwrap();
+    let said = scree(&["report", &text(&run)]).fails(5);
+    assert!(said.contains("report.csv: is not there"), "{said}");
+    let made = std::fs::read_to_string(run.join("report.html")).unwrap();
+    assert!(made.contains("class=\"state bad\"") && made.contains("1 part of the data cannot be read"));
+    let sweep = scree(&["report", &text(work.path())]).fails(5);
+    assert!(sweep.contains("report.csv"), "{sweep}");
+    let made = std::fs::read_to_string(work.path().join("report.html")).unwrap();
+    assert!(made.contains("2 runs: 1 diverged; 1 finished, parts not readable") && made.contains("<h2>Provenance"));
+}
+
+#[test]
+fn plots_are_called_by_what_they_show() {
+    let work = scratch();
+    let run = work.path().join("run");
+    let columns = [
+        "drive.fx_joint [N]",
+        "drive.fy_joint [N]",
+        "drive.tx_joint [N m]",
+        "drive.ty_joint [N m]",
+        "drive.violation [m or rad]",
+    ];
+    write_run(&run, 400, &[&columns[..], &["eye.violation [m or rad]", "rod.x [m]"]].concat());
+    let model = "name: a machine\njoints: [{name: eye, kind: spherical}, {name: drive, kind: prismatic}]\n";
+    std::fs::write(run.join("model.yaml"), model).unwrap();
+    // Noise beside a length, a constant, and a needle.
+    let mut probes =
+        "time [s],rod.x [m],rod.y [m],rod.mass [kg],hook.fx [N],eye.violation [m or rad],drive.violation [m or rad]\n"
+            .to_string();
+    for i in 0..400 {
+        let (x, noise, force) =
+            (f64::from(i).sin(), 1e-14 * f64::from(i % 3), if i == 200 { 5000.0 } else { f64::from(i % 7) });
+        writeln!(probes, "{},{x},{noise},2.5,{force},{x},{x}", f64::from(i) * 1e-3).unwrap();
+    }
+    let before = page(&run, &[]);
+    for title in
+        ["drive: force in the joint&#x27;s frame", "drive: torque in the joint&#x27;s frame", "<h1>a machine</h1>"]
+    {
+        assert!(before.contains(title) || before.contains(&title.replace("&#x27;", "&#39;")), "{title}");
+    }
+    std::fs::write(run.join("probes.csv"), probes).unwrap();
+    let made = page(&run, &[]);
+    let axes: Vec<String> = plots(&made).iter().map(|p| p["axis"].as_str().unwrap().into()).collect();
+    assert!(axes.contains(&"violation [m]".into()) && axes.contains(&"violation [m or rad]".into()), "{axes:?}");
+    assert!(
+        made.contains("<strong>rod.mass</strong> = 2.5 kg")
+            && made.contains("up to 5000 N, are outside of the vertical range")
+    );
+    let hook = plots(&made).into_iter().find(|p| p["axis"] == "fx [N]").unwrap();
+    assert!(hook["range"][1].as_f64().unwrap() < 100.0);
+}
+
 #[test]
 fn what_is_no_run_and_what_is_no_page_is_refused() {
     let work = scratch();
@@ -236,7 +330,7 @@ fn runs_of_a_sweep_have_a_page() {
     let made = page(&sweep, &[]);
     assert!(made.contains("friction = 0.25") && made.contains("href=\"velocity%3D1_0_0_friction%3D10/report.html\""));
     assert_eq!(made.matches("data:image/jpeg").count(), 3);
-    assert!(made.contains("data-value=\"0.25\"") && made.contains("3 runs, 3 of them unfinished or with warnings"));
+    assert!(made.contains("data-value=\"0.25\"") && made.contains("3 runs, all finished with warnings"));
     let all = plots(&made);
     let x = all.iter().find(|p| p["axis"] == "x [m]").unwrap();
     assert_eq!(x["labels"], serde_json::json!(["friction=0.1", "friction=0.25", "friction=10"]));

@@ -6,10 +6,12 @@ use super::plot::{choose, of_owners, overlay};
 use super::run_folder::spare_link;
 use super::{Curve, Plot};
 use crate::args::ReportArgs;
+use crate::ledger::Claims;
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::RunReader;
 use frame::{Fault, FaultKind};
 use rayon::prelude::*;
+use serde::Deserialize;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -51,8 +53,12 @@ pub struct RunData {
     pub name: String,
     /// What differs between its name and those of the other runs.
     pub label: String,
+    /// The name of its model; empty if it has none.
+    pub model: String,
     /// Its index.
     pub run: RunReader,
+    /// Whether a process simulates into it.
+    pub is_running: bool,
     /// The plots of its probes; of a sweep none, since they are laid over each other.
     pub plots: Vec<Plot>,
     /// The energies among its probes: kinetic and potential, J.
@@ -74,6 +80,28 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"scree report\">";
 
 /// The name of a run's page.
 pub const PAGE: &str = "report.html";
+
+/// What a page takes of a model.
+#[derive(Default, Deserialize)]
+struct Model {
+    #[serde(default)]
+    name: String,
+    #[serde(default)]
+    joints: Vec<Joint>,
+}
+
+/// A joint of it.
+#[derive(Deserialize)]
+struct Joint {
+    name: String,
+    kind: String,
+}
+
+/// Joints that lock distances alone, and no angle.
+const WITHOUT_ANGLES: [&str; 3] = ["spherical", "distance", "point_on_plane"];
+
+/// The unit of an error of a joint's distances and angles, of which it is the greatest.
+const MIXED_UNIT: &str = "m or rad";
 
 const PROBES: &str = "probes.csv";
 const REPORT: &str = "report.csv";
@@ -210,7 +238,7 @@ fn check_output(path: &Path) -> Outcome {
 /// Read a run and the table of its probes. An error if its index cannot be read; what else cannot be is noted.
 fn read(folder: &Path) -> Outcome<(RunData, TimeTable)> {
     let run = RunReader::open(folder)?;
-    let (mut notes, mut faults) = (vec![], vec![]);
+    let (mut notes, mut faults) = (vec![], missing(&run));
     let mut series = |name: &str| {
         let path = folder.join(name);
         if !has_rows(&path) {
@@ -221,7 +249,14 @@ fn read(folder: &Path) -> Outcome<(RunData, TimeTable)> {
             TimeTable { columns: vec![] }
         })
     };
-    let (probes, report) = (series(PROBES), series(REPORT));
+    let (mut probes, report) = (series(PROBES), series(REPORT));
+    let model = model(folder);
+    for column in probes.columns.iter_mut().filter(|c| c.unit == MIXED_UNIT) {
+        let owner = column.name.rsplit_once('.').map_or("", |(owner, _)| owner);
+        if model.joints.iter().any(|j| j.name == owner && WITHOUT_ANGLES.contains(&j.kind.as_str())) {
+            column.unit = "m".into();
+        }
+    }
     let curve =
         |c: &table::TimeColumn| Curve { label: c.name.clone(), points: c.points.clone(), has_start: c.has_start };
     let energy = |name: &str| probes.columns.iter().find(|c| c.name == format!("energy.{name}")).map(curve);
@@ -229,6 +264,8 @@ fn read(folder: &Path) -> Outcome<(RunData, TimeTable)> {
     let data = RunData {
         name: name_of(folder),
         label: String::new(),
+        model: model.name,
+        is_running: is_running(&run),
         plots: vec![],
         energies,
         report: report.columns.iter().map(curve).collect(),
@@ -239,6 +276,36 @@ fn read(folder: &Path) -> Outcome<(RunData, TimeTable)> {
         run,
     };
     Ok((data, probes))
+}
+
+/// What a page takes of a run's model; nothing of one that cannot be read.
+fn model(folder: &Path) -> Model {
+    let path = folder.join("model.yaml");
+    let text = if guard::leads_out(&path, folder) { None } else { guard::read_to_string(&path).ok() };
+    text.and_then(|text| serde_yaml::from_str(&text).ok()).unwrap_or_default()
+}
+
+/// Whether a process simulates into a run that has not come to its end: it holds the run's lock.
+fn is_running(run: &RunReader) -> bool {
+    let lock = run.folder.join(".lock");
+    let is_open = !run.index.complete && lock.is_file() && !guard::leads_out(&lock, &run.folder);
+    is_open && Claims::open(&lock).claim("simulation").is_none()
+}
+
+/// Files that a run of this many frames has written, and that are not there.
+fn missing(run: &RunReader) -> Vec<String> {
+    let n = run.index.frames.len();
+    let mut faults = vec![];
+    // The series of a run that has just begun may not be there yet.
+    if run.index.complete || n > 1 {
+        let lost = [REPORT, PROBES].map(|name| run.folder.join(name)).into_iter().filter(|path| !path.exists());
+        faults.extend(lost.map(|path| format!("{}: is not there, and the run has written it", path.display())));
+    }
+    match n - run.n_there() {
+        0 => {}
+        lost => faults.push(format!("{}: {lost} of {n} frames are not there", run.folder.join("frames").display())),
+    }
+    faults
 }
 
 /// Whether a series has a line below that of its names: that of a run that has just begun has not.

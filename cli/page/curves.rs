@@ -3,6 +3,7 @@
 //! A long curve is cut into bins of equally many instants, of which the least and the greatest value stay, each at its own time: no
 //! extreme is lost, however short.
 
+use super::titles;
 use crate::job::{Curve, Plot};
 use serde_json::{Value, json};
 
@@ -65,14 +66,8 @@ pub fn data(plot: &Plot, is_log: bool, room: Room) -> (Value, bool) {
         plot.curves.iter().map(own).collect()
     };
     let labels: Vec<String> = plot.curves.iter().map(|c| guard::text::line(&c.label)).collect();
-    let axis = guard::text::line(&axis(plot));
+    let axis = guard::text::line(&titles::axis(plot));
     (json!({"axis": axis, "log": is_log, "labels": labels, "tables": tables}), is_thinned)
-}
-
-/// What the vertical axis says.
-fn axis(plot: &Plot) -> String {
-    let unit = if plot.unit.is_empty() { String::new() } else { format!("[{}]", plot.unit) };
-    format!("{} {unit}", plot.quantity).trim().to_string()
 }
 
 fn same_times(a: &Curve, b: &Curve) -> bool {

@@ -4,6 +4,7 @@ use super::number;
 use super::view::{Figure, File};
 use crate::job::RunData;
 use frame::run::COMMANDS;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The files of a run whose hashes stand on its page.
@@ -11,6 +12,9 @@ const FILES: [&str; 6] = ["run.json", "model.yaml", "metadata.yaml", "probes.csv
 
 /// Characters of a model that a page has at most.
 const MAX_MODEL: usize = 100_000;
+
+/// Different values of the runs of a sweep that are listed.
+const LISTED: usize = 4;
 
 /// What is recorded of a run.
 pub fn provenance(run: &RunData) -> Vec<Figure> {
@@ -27,15 +31,47 @@ pub fn provenance(run: &RunData) -> Vec<Figure> {
     ]
 }
 
+/// What is recorded of the runs of a sweep: what they have in common, and where they differ.
+pub fn provenance_of(runs: &[RunData]) -> Vec<Figure> {
+    let shared = |name: &str, of: fn(&RunData) -> String| {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        runs.iter().for_each(|run| *counts.entry(of(run)).or_default() += 1);
+        let some = |(value, n): (&String, &usize)| format!("{value} ({})", number::counted(*n as u64, "run"));
+        match counts.len() {
+            1 => Figure::new(name, counts.keys().next().cloned().unwrap_or_default()).noted("of all runs"),
+            n if n <= LISTED => {
+                Figure::new(name, counts.iter().map(some).collect::<Vec<_>>().join(", ")).noted("they differ")
+            }
+            n => Figure::new(name, format!("{n} different ones")),
+        }
+    };
+    let mut facts = vec![
+        shared("simulated by", |run| run.run.index.program.clone()),
+        Figure::new("page made by", concat!("scree ", env!("CARGO_PKG_VERSION"))),
+        shared("model hash", |run| run.run.index.model_hash.clone()),
+        shared("back end", |run| run.run.index.backend.clone()),
+        shared("machine", |run| run.run.index.adapter.clone()),
+        shared("seed", |run| run.run.index.seed.to_string()),
+        shared("step", |run| number::quantity(run.run.index.step_size, "s")),
+        shared("units", |run| run.run.index.units.clone()),
+        shared("commands", |run| text_of_commands(run).unwrap_or_else(|| "not recorded".into())),
+    ];
+    facts.retain(|fact| !fact.value.is_empty());
+    facts
+}
+
 /// The commands that made a run.
 fn commands(run: &RunData) -> Figure {
-    let path = run.run.folder.join(COMMANDS);
     let note = "`scree simulate model.yaml`, of the file below, makes the run again";
-    let text = if guard::leads_out(&path, &run.run.folder) { None } else { guard::read(&path).ok() };
-    match text.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).filter(|text| !text.trim().is_empty()) {
-        Some(text) => Figure::new("commands", text.lines().collect::<Vec<_>>().join("; then ")).noted(note),
-        None => Figure::new("commands", "not recorded").noted(note),
-    }
+    Figure::new("commands", text_of_commands(run).unwrap_or_else(|| "not recorded".into())).noted(note)
+}
+
+/// The commands in a run's folder, one behind the other.
+fn text_of_commands(run: &RunData) -> Option<String> {
+    let path = run.run.folder.join(COMMANDS);
+    let bytes = if guard::leads_out(&path, &run.run.folder) { None } else { guard::read(&path).ok() }?;
+    let text = String::from_utf8_lossy(&bytes).lines().collect::<Vec<_>>().join("; then ");
+    (!text.trim().is_empty()).then_some(text)
 }
 
 /// The files of a run with their hashes; what cannot be read is added to `faults`.

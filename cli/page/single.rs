@@ -2,18 +2,18 @@
 
 use super::drawing::Drawing;
 use super::view::{Figure, Page, Warning};
-use super::{files, media, number, series};
+use super::{ending, files, media, number, series};
 use crate::job::{Plot, ReportJob, RunData};
 use frame::{Column, Frame};
 use rayon::prelude::*;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Width of the images of a run, pixels.
 const IMAGE_WIDTH: u32 = 720;
 
 /// The page of a run, and the data of its plots.
-pub fn page(run: &RunData, job: &ReportJob) -> (Page, Vec<Value>) {
+pub fn page(run: &RunData, job: &ReportJob) -> (Page, Value) {
     let mut faults = run.faults.clone();
     let probes: Vec<Plot> = run.plots.iter().filter(|p| !is_energy(p)).cloned().collect();
     let (energy, solver) = (series::energy_plots(run), series::solver_plots(run));
@@ -29,29 +29,35 @@ pub fn page(run: &RunData, job: &ReportJob) -> (Page, Vec<Value>) {
         .par_iter()
         .map(|(frame, path)| media::image(path, caption(run, *frame), IMAGE_WIDTH, &job.output))
         .collect();
-    let images = images.into_iter().filter_map(|image| image.map_err(|e| faults.push(e.message)).ok()).collect();
+    let images: Vec<_> =
+        images.into_iter().filter_map(|image| image.map_err(|e| faults.push(e.message)).ok()).collect();
     let mut films = run.films.iter();
     let film = films
         .next()
         .and_then(|path| media::film(path, &job.output, job.embed_film).map_err(|e| faults.push(e.message)).ok());
-    let n_images = match (run.images.len(), shown.len()) {
+    let n_images = match (run.images.len(), images.len()) {
         (0, _) => "The run has no images yet: `scree render` draws them.".into(),
         (all, shown) if shown < all => format!("{shown} of {}.", number::counted(all as u64, "image")),
         _ => String::new(),
     };
     let energy = series::balance(run);
+    let (figures, files) = (figures(run, &mut faults), files::files(run, &mut faults));
+    let (title, folder) = names(&run.model, &run.name);
     let page = Page {
-        title: run.name.clone(),
+        title,
+        folder,
         kind: "run".into(),
-        state: state(run),
-        is_open: is_open(run),
+        state: ending::state(run, faults.len()),
+        tone: ending::tone(run, faults.len()),
+        cause: ending::cause(run),
         notes: run.notes.clone(),
         film,
         films: films.filter_map(|path| media::link(path, &job.output)).collect(),
         images,
         n_images,
-        figures: figures(run, &mut faults),
-        warnings: warnings(run),
+        figures,
+        warnings: warnings(run, ""),
+        no_warnings: ending::without_warnings(run).into(),
         energy_note: energy_note(energy.is_some()).into(),
         energy,
         solver: series::solver(run),
@@ -59,12 +65,20 @@ pub fn page(run: &RunData, job: &ReportJob) -> (Page, Vec<Value>) {
         sections,
         plot_note: drawing.note(),
         provenance: files::provenance(run),
-        files: files::files(run, &mut faults),
+        files,
         model: files::model(run),
         faults,
         ..Page::default()
     };
-    (page, drawing.data)
+    (page, json!({"plots": drawing.data}))
+}
+
+/// The title of a page and the folder beneath it: a model without a name is called by its folder.
+pub fn names(model: &str, folder: &str) -> (String, String) {
+    match model.trim() {
+        name if name.is_empty() || name == folder => (folder.into(), String::new()),
+        name => (name.into(), folder.into()),
+    }
 }
 
 /// Whether a plot is that of the energies, which stand in a section of their own.
@@ -78,41 +92,25 @@ pub fn caption(run: &RunData, frame: u64) -> String {
     entry.map_or(format!("frame {frame}"), |f| format!("frame {frame}, {}", number::quantity(f.time, "s")))
 }
 
-/// Whether a run has not come to its end, or has warnings.
-pub fn is_open(run: &RunData) -> bool {
-    let index = &run.run.index;
-    !index.complete || (index.frames.len() as u64) < index.expected_frames || !index.warnings.is_empty()
-}
-
-/// How far a run is.
-pub fn state(run: &RunData) -> String {
-    let index = &run.run.index;
-    let n = index.frames.len() as u64;
-    let mut state = match index.complete && n >= index.expected_frames {
-        true => format!("finished, {}", number::counted(n, "frame")),
-        false => format!("unfinished: {} of {} frames", number::count(n), number::count(index.expected_frames)),
-    };
-    let warned: u64 = index.warnings.len() as u64;
-    if warned > 0 {
-        state += &format!(", {}", number::counted(warned, "kind") + " of warnings");
-    }
-    state
-}
-
 fn energy_note(is_there: bool) -> &'static str {
     match is_there {
         true => {
-            "Friction and impacts take energy out; motors, loads and bodies that come later bring some in. The potential energy \
-             is that of gravity: its zero is at the origin."
+            "The total is of the kinetic energy and the potential energy of gravity, whose zero is at the origin. The elastic \
+             energy of springs and of springs in joints is not in it, nor is the work of motors and loads: what springs store is \
+             missing here until they give it back. Friction and impacts take energy out; motors, loads and bodies that come later \
+             bring some in."
         }
         false => {
-            "The run has no energies: they are left out by `no_energies` of its probes, or it has not taken a step yet."
+            "The run has no energies: they are left out by `no_energies` of its probes, or it has not taken a step yet, or its \
+             probes.csv cannot be read."
         }
     }
 }
 
-fn warnings(run: &RunData) -> Vec<Warning> {
+/// The warnings of a run, which goes by `label`.
+pub fn warnings(run: &RunData, label: &str) -> Vec<Warning> {
     let warning = |w: &frame::run::WarningEntry| Warning {
+        run: label.into(),
         kind: w.kind.clone(),
         steps: number::count(w.steps),
         first: format!("step {}, {}", number::count(w.first_step), number::quantity(w.first_time, "s")),
@@ -132,13 +130,17 @@ fn figures(run: &RunData, faults: &mut Vec<String>) -> Vec<Figure> {
         }
     }
     let steps = series::values(run, "step");
-    let n_steps = series::greatest(&steps).unwrap_or(0.0);
-    figures.push(
-        Figure::new("steps", number::count(n_steps as u64))
-            .noted(format!("of {} each", number::quantity(index.step_size, "s"))),
-    );
-    let simulated = n_steps * index.step_size;
-    figures.push(Figure::new("simulated time", number::duration(simulated)));
+    let n_steps = series::greatest(&steps);
+    let simulated = n_steps.unwrap_or(f64::NAN) * index.step_size;
+    let of_each = format!("of {} each", number::quantity(index.step_size, "s"));
+    // Where there is no report, nobody knows: a run that has just begun has an empty one.
+    let (steps, time) = match n_steps {
+        Some(n) => (number::count(n as u64), number::duration(simulated)),
+        None if index.frames.len() > 1 => ("–".into(), "–".into()),
+        None => ("0".into(), number::duration(0.0)),
+    };
+    figures.push(Figure::new("steps", steps).noted(of_each));
+    figures.push(Figure::new("simulated time", time));
     let n_frames = index.frames.len() as u64;
     let expected = match n_frames == index.expected_frames {
         true => String::new(),
@@ -181,10 +183,12 @@ fn bodies(table: &Frame, n_rows: usize) -> Figure {
     }
     let mut by_count: Vec<(&str, u64)> = classes.into_iter().filter(|(name, _)| !name.is_empty()).collect();
     by_count.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
+    // A single further class is named like the others.
+    let n_named = if by_count.len() == NAMED + 1 { NAMED + 1 } else { NAMED };
     let mut named: Vec<String> =
-        by_count.iter().take(NAMED).map(|(name, n)| format!("{} {name}", number::count(*n))).collect();
-    if by_count.len() > NAMED {
-        named.push(format!("{} more classes", by_count.len() - NAMED));
+        by_count.iter().take(n_named).map(|(name, n)| format!("{} {name}", number::count(*n))).collect();
+    if by_count.len() > n_named {
+        named.push(format!("{} more classes", by_count.len() - n_named));
     }
     let rows =
         if n_rows == ids.len() { String::new() } else { format!("; {} rows of a frame", number::count(n_rows as u64)) };

@@ -1,40 +1,99 @@
-//! The page of a folder of runs: an image of each, their values in a table to sort, the curves of their probes laid over each other.
+//! The page of a folder of runs: an image of each, their values in a table to sort, the curves of their probes and reports laid over each
+//! other.
 
 use super::drawing::Drawing;
-use super::view::{Cell, Page, Run, Table};
-use super::{media, series, single};
+use super::view::{Cell, Page, Run, Table, Tone, Warning};
+use super::{ending, files, media, number, series, single};
 use crate::job::{PAGE, Plot, ReportJob, RunData};
 use rayon::prelude::*;
-use serde_json::Value;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Width of the image of a run, pixels.
 const IMAGE_WIDTH: u32 = 400;
 
-/// The page of the runs of a folder, and the data of its plots.
-pub fn page(name: &str, runs: &[RunData], plots: &[Plot], job: &ReportJob) -> (Page, Vec<Value>) {
+/// The page of the runs of a folder, of which `n_unreadable` more cannot be read, and the data of its plots.
+pub fn page(name: &str, runs: &[RunData], plots: &[Plot], n_unreadable: usize, job: &ReportJob) -> (Page, Value) {
     let cards: Vec<(Run, Vec<String>)> = runs.par_iter().map(|run| card(run, job)).collect();
     let (cards, faults): (Vec<Run>, Vec<Vec<String>>) = cards.into_iter().unzip();
-    let mut drawing = Drawing::of(plots.iter().map(|p| p.curves.len()).sum());
-    let sections = vec![drawing.section("probes", plots)];
-    let n_open = cards.iter().filter(|card| card.is_open).count();
-    let state = match n_open {
-        0 => format!("{} runs, all finished", runs.len()),
-        n => format!("{} runs, {n} of them unfinished or with warnings", runs.len()),
-    };
+    let solver = solver_plots(runs);
+    let mut drawing = Drawing::of(plots.iter().chain(&solver).map(|p| p.curves.len()).sum());
+    // Contacts and residual have room before places and orientations.
+    let solver = drawing.section("solver", &solver);
+    let sections = vec![drawing.section("probes", plots), solver];
+    let worst = cards.iter().map(|card| card.tone).max().unwrap_or_default();
+    let is_one = runs.iter().all(|run| run.model == runs[0].model);
+    let (title, folder) = single::names(if is_one { &runs[0].model } else { "" }, name);
     let page = Page {
-        title: name.into(),
+        title,
+        folder,
         kind: "runs".into(),
-        state,
-        is_open: n_open > 0,
+        state: state_of(runs, n_unreadable),
+        tone: if n_unreadable > 0 { Tone::Bad } else { worst },
         notes: runs.iter().flat_map(|run| run.notes.iter().cloned()).collect(),
         faults: faults.into_iter().flatten().collect(),
+        warnings: warnings(runs),
+        no_warnings: "None was counted in any of the runs.".into(),
+        has_images: cards.iter().any(|card| card.image.is_some()),
         runs: cards,
         table: Some(table(runs)),
         sections,
         plot_note: drawing.note(),
+        provenance: files::provenance_of(runs),
         ..Page::default()
     };
-    (page, drawing.data)
+    let labels: Vec<String> = runs.iter().map(|run| guard::text::line(&run.label)).collect();
+    let (keys, values) = named_values(runs);
+    (page, json!({"plots": drawing.data, "runs": {"labels": labels, "keys": keys, "values": values}}))
+}
+
+/// How far the runs are, counted.
+fn state_of(runs: &[RunData], n_unreadable: usize) -> String {
+    let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+    runs.iter().for_each(|run| *counts.entry(ending::word(run)).or_default() += 1);
+    let n = runs.len() + n_unreadable;
+    let all = number::counted(n as u64, "run");
+    if n_unreadable == 0 && counts.len() == 1 {
+        let word = counts.keys().next().map_or("", String::as_str);
+        return if n > 1 { format!("{all}, all {word}") } else { format!("{all}, {word}") };
+    }
+    let mut parts: Vec<String> = counts.iter().map(|(word, n)| format!("{} {word}", number::count(*n))).collect();
+    if n_unreadable > 0 {
+        parts.push(format!("{} cannot be read", number::count(n_unreadable as u64)));
+    }
+    format!("{all}: {}", parts.join("; "))
+}
+
+/// The warnings of all runs, with why those ended that did not come to their end.
+fn warnings(runs: &[RunData]) -> Vec<Warning> {
+    let early = |run: &RunData| {
+        let ended = run.run.index.ended.as_ref().filter(|_| !ending::cause(run).is_empty())?;
+        Some(Warning {
+            run: run.label.clone(),
+            kind: ending::word(run),
+            steps: "–".into(),
+            first: format!("step {}, {}", number::count(ended.step), number::quantity(ended.time, "s")),
+            message: ending::cause(run),
+        })
+    };
+    runs.iter().flat_map(|run| early(run).into_iter().chain(single::warnings(run, &run.label))).collect()
+}
+
+/// How the contacts of the runs were solved: plots of columns of their reports, with a curve for each run. The others are the probes' too,
+/// or differ from machine to machine.
+fn solver_plots(runs: &[RunData]) -> Vec<Plot> {
+    const SHOWN: [&str; 3] = ["residual", "iterations", "contacts"];
+    let mut plots: Vec<Plot> = vec![];
+    for run in runs {
+        for mut plot in series::solver_plots(run).into_iter().filter(|plot| SHOWN.contains(&plot.title.as_str())) {
+            plot.curves.iter_mut().for_each(|curve| curve.label.clone_from(&run.label));
+            match plots.iter_mut().find(|p| p.title == plot.title) {
+                Some(there) => there.curves.extend(plot.curves),
+                None => plots.push(plot),
+            }
+        }
+    }
+    plots
 }
 
 /// What the grid has of a run, and what of the run cannot be read.
@@ -51,8 +110,8 @@ fn card(data: &RunData, job: &ReportJob) -> (Run, Vec<String>) {
         values: data.label.split(", ").map(written_pair).collect(),
         image,
         page: own.is_file().then(|| media::link(&own, &job.output)).flatten(),
-        state: single::state(data),
-        is_open: single::is_open(data),
+        state: ending::state(data, faults.len()),
+        tone: ending::tone(data, faults.len()),
     };
     (card, faults)
 }
@@ -88,6 +147,11 @@ fn swept(runs: &[RunData]) -> Option<(Vec<String>, Vec<Vec<String>>)> {
     Some((keys, values))
 }
 
+/// The values of the sweep, or the names of runs that are of none.
+fn named_values(runs: &[RunData]) -> (Vec<String>, Vec<Vec<String>>) {
+    swept(runs).unwrap_or_else(|| (vec!["run".into()], runs.iter().map(|run| vec![run.label.clone()]).collect()))
+}
+
 /// The table of the runs.
 fn table(runs: &[RunData]) -> Table {
     const RESULTS: [&str; 9] = [
@@ -101,8 +165,7 @@ fn table(runs: &[RunData]) -> Table {
         "deepest overlap [m]",
         "change of energy [J]",
     ];
-    let (keys, values) =
-        swept(runs).unwrap_or_else(|| (vec!["run".into()], runs.iter().map(|run| vec![run.label.clone()]).collect()));
+    let (keys, values) = named_values(runs);
     let mut columns = keys;
     columns.push("state".into());
     columns.extend(RESULTS.map(String::from));
@@ -121,19 +184,9 @@ fn table(runs: &[RunData]) -> Table {
             series::change(run),
         ];
         let mut row: Vec<Cell> = own.into_iter().map(Cell::text).collect();
-        row.push(Cell::text(state(run)));
+        row.push(Cell::text(ending::word(run)));
         row.extend(numbers.map(|x| Cell::number(x.unwrap_or(f64::NAN))));
         row
     };
     Table { columns, rows: runs.iter().zip(values).map(row).collect() }
-}
-
-/// How far a run is, in a word or two.
-fn state(run: &RunData) -> &'static str {
-    match (run.run.index.complete, run.run.index.warnings.is_empty()) {
-        (true, true) => "finished",
-        (true, false) => "finished, warnings",
-        (false, true) => "unfinished",
-        (false, false) => "unfinished, warnings",
-    }
 }

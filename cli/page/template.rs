@@ -5,7 +5,6 @@ use crate::job::MARK;
 use crate::report::{Exit, Failure, Outcome};
 use guard::text::html;
 use minijinja::{Environment, Error, ErrorKind, UndefinedBehavior, Value, context};
-use serde_json::json;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -16,8 +15,8 @@ const PLOT_STYLE: &str = include_str!("uPlot.min.css");
 const PLOT_LICENSE: &str = include_str!("uPlot.LICENSE");
 
 /// The text of a page with the data of its plots.
-pub fn render(page: &Page, plots: &[serde_json::Value]) -> Outcome<String> {
-    let data = html::script(&json!({ "plots": plots }).to_string());
+pub fn render(page: &Page, data: &serde_json::Value) -> Outcome<String> {
+    let data = html::script(&data.to_string());
     let own = Value::from_safe_string;
     let style = format!("{PLOT_STYLE}\n{STYLE}");
     let script = format!("/*\nuPlot:\n{PLOT_LICENSE}*/\n{PLOT_SCRIPT}\n{SCRIPT}");

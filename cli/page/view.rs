@@ -9,10 +9,14 @@ pub struct Page {
     pub title: String,
     /// What it is of.
     pub kind: String,
+    /// The folder; empty if the title is its name.
+    pub folder: String,
     /// A line on how far the run is, and whether that is the whole of it.
     pub state: String,
-    /// Whether the state needs attention.
-    pub is_open: bool,
+    /// How it stands for that.
+    pub tone: Tone,
+    /// Why it ended before its end; empty if it did not.
+    pub cause: String,
     /// What is not shown.
     pub notes: Vec<String>,
     /// What cannot be read.
@@ -29,6 +33,8 @@ pub struct Page {
     pub figures: Vec<Figure>,
     /// Warnings, by kind.
     pub warnings: Vec<Warning>,
+    /// What is said where there are none.
+    pub no_warnings: String,
     /// The energy balance.
     pub energy: Option<Table>,
     /// What is to be known of it.
@@ -41,6 +47,8 @@ pub struct Page {
     pub runs: Vec<Run>,
     /// Their values, in a table to sort.
     pub table: Option<Table>,
+    /// Whether some of the runs have an image.
+    pub has_images: bool,
     /// Plots, in sections.
     pub sections: Vec<Section>,
     /// What is to be known of the plots.
@@ -51,6 +59,19 @@ pub struct Page {
     pub files: Vec<File>,
     /// Its model.
     pub model: Option<String>,
+}
+
+/// How a run stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// As it should be.
+    #[default]
+    Good,
+    /// It goes on, or has warnings: it needs attention.
+    Open,
+    /// It is not to be used as it is.
+    Bad,
 }
 
 /// A film.
@@ -106,6 +127,8 @@ pub struct Figure {
 /// A warning.
 #[derive(Serialize)]
 pub struct Warning {
+    /// The run of a sweep that it is of; empty on the page of a run.
+    pub run: String,
     /// Its kind.
     pub kind: String,
     /// Steps that it concerns.
@@ -158,8 +181,8 @@ pub struct Run {
     pub page: Option<Link>,
     /// How far it is.
     pub state: String,
-    /// Whether the state needs attention.
-    pub is_open: bool,
+    /// How it stands for that.
+    pub tone: Tone,
 }
 
 /// Plots of one kind.
@@ -169,6 +192,17 @@ pub struct Section {
     pub name: String,
     /// Its plots.
     pub plots: Vec<PlotHead>,
+    /// What is not plotted, since it is constant.
+    pub constants: Vec<Constant>,
+}
+
+/// A value that stays what it is.
+#[derive(Serialize)]
+pub struct Constant {
+    /// What it is of.
+    pub name: String,
+    /// The value.
+    pub value: String,
 }
 
 /// A plot whose data stands in the script.
@@ -180,6 +214,8 @@ pub struct PlotHead {
     pub title: String,
     /// What is to be known of its axes.
     pub note: String,
+    /// Whether its vertical range leaves something out.
+    pub is_cut: bool,
 }
 
 /// A file of a run.

@@ -95,6 +95,9 @@ pub struct Index {
     pub expected_frames: u64,
     /// Whether the run was completed.
     pub complete: bool,
+    /// What ended it before its end; none while it goes on, or where it ended without a word, as by a power cut.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended: Option<Ended>,
     /// The columns of the frames.
     pub columns: Vec<ColumnEntry>,
     /// Warnings about steps, by kind.
@@ -120,6 +123,32 @@ pub struct WarningEntry {
     pub first_time: f64,
     /// Message about the first such step.
     pub message: String,
+}
+
+/// What ended a run before its end, as listed in `run.json`. A run that goes on has it no more.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ended {
+    /// The kind of its end.
+    pub by: EndKind,
+    /// Index of the last step, from 1.
+    pub step: u64,
+    /// Time after it, s.
+    pub time: f64,
+    /// What was wrong; empty of an interruption.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub why: String,
+}
+
+/// The kind of end that a run came to before its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EndKind {
+    /// The simulation diverged: its state has no more numbers.
+    Diverged,
+    /// A step had a warning, and the model's `on_divergence` is `stop`.
+    Stopped,
+    /// Whoever watched it stopped it. It has a checkpoint to go on from.
+    Interrupted,
 }
 
 /// Files of frames in a folder, whether or not it is a run directory: [`RunWriter::create`] removes them.
@@ -249,6 +278,11 @@ impl RunWriter {
         self.index.warnings = warnings;
     }
 
+    /// Set what ended the run, without writing `run.json`.
+    pub fn set_ended(&mut self, ended: Ended) {
+        self.index.ended = Some(ended);
+    }
+
     /// Write `run.json` with the current index.
     pub fn write(&self) -> Result<(), Fault> {
         self.write_index()
@@ -272,7 +306,7 @@ pub struct RunReader {
     /// Path of the run directory.
     pub folder: PathBuf,
     /// The index of the run, from `run.json`.
-    pub index: Index,
+    pub index: Box<Index>,
     by_number: BTreeMap<u64, usize>,
 }
 
@@ -310,7 +344,7 @@ impl RunReader {
             return Err(Fault::whole(FaultKind::Data, &path, message));
         }
         let by_number = index.frames.iter().enumerate().map(|(i, f)| (f.number, i)).collect();
-        Ok(RunReader { folder: folder.into(), index, by_number })
+        Ok(RunReader { folder: folder.into(), index: Box::new(index), by_number })
     }
 
     /// Numbers of the frames, ascending.

@@ -8,7 +8,7 @@ use crate::watch::{Broken, Warning, WarningCount};
 use crate::{
     Model, Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line,
 };
-use frame::run::{FORMAT_VERSION, Index, RunReader, RunWriter, WarningEntry};
+use frame::run::{EndKind, Ended, FORMAT_VERSION, Index, RunReader, RunWriter, WarningEntry};
 use frame::series::Series;
 use frame::{Fault, FaultKind, Frame, atomic, csv};
 use std::path::Path;
@@ -128,10 +128,11 @@ pub fn simulate(
         seed: sim.model.seed,
         step_size: sim.model.step,
         backend: sim.backend().into(),
-        adapter: "cpu".into(),
+        adapter: processor(),
         units: "SI: m, kg, s, rad".into(),
         expected_frames,
         complete: false,
+        ended: None,
         columns: vec![],
         warnings: vec![],
         generated: Default::default(),
@@ -254,7 +255,8 @@ impl<'a> Run<'a> {
             let step = self.sim.step();
             self.report.push(&report_line(&step))?;
             if let Some(broken) = &step.broken {
-                return Err(self.end_early(divergence(&self.sim, broken, frame)));
+                let why = matter(&self.sim, broken);
+                return Err(self.end_early(EndKind::Diverged, why.clone(), divergence(&self.sim, &why, frame)));
             }
             for warning in &step.warnings {
                 self.warn(warning, frame, observer)?;
@@ -264,6 +266,7 @@ impl<'a> Run<'a> {
             if observer.is_interrupted() {
                 self.save()?;
                 self.list_warnings();
+                self.set_ended(EndKind::Interrupted, String::new());
                 self.writer.write()?;
                 return Err(RunError::Interrupted(self.sim.state.time));
             }
@@ -299,7 +302,8 @@ impl<'a> Run<'a> {
                 Some(path) => format!("frames before {frame} and the checkpoint {} are kept", path.display()),
                 None => format!("frames before {frame} are kept, there is no checkpoint yet"),
             };
-            return Err(self.end_early(format!("{warning}; {kept}")));
+            let why = warning.message.clone();
+            return Err(self.end_early(EndKind::Stopped, why, format!("{warning}; {kept}")));
         }
         if self.sim.state.watch.warnings.iter().any(|w| w.first == *warning) {
             observer.warn(warning);
@@ -307,13 +311,19 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Write the series and the list of warnings, and return the error.
-    fn end_early(&mut self, why: String) -> RunError {
+    /// Write the series, the list of warnings and what ended the run, and return the error with its message for the user.
+    fn end_early(&mut self, by: EndKind, why: String, message: String) -> RunError {
         self.list_warnings();
+        self.set_ended(by, why);
         match self.flush().and_then(|()| self.writer.write()) {
-            Ok(()) => RunError::Diverged(why),
-            Err(more) => RunError::Diverged(format!("{why}\n{more}")),
+            Ok(()) => RunError::Diverged(message),
+            Err(more) => RunError::Diverged(format!("{message}\n{more}")),
         }
+    }
+
+    fn set_ended(&mut self, by: EndKind, why: String) {
+        let (step, time) = (self.sim.state.steps, self.sim.state.time);
+        self.writer.set_ended(Ended { by, step, time, why });
     }
 
     fn list_warnings(&mut self) {
@@ -366,12 +376,24 @@ fn clear(folder: &Path, ending: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Message of a run that cannot go on.
-fn divergence(sim: &Simulation, broken: &Broken, frame: u64) -> String {
+/// The name of the processor; `cpu` where the system does not say it.
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let of_line = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_string());
+    text.lines().find_map(of_line).filter(|name| !name.is_empty()).unwrap_or_else(|| "cpu".into())
+}
+
+/// What is wrong with a state that cannot go on.
+fn matter(sim: &Simulation, broken: &Broken) -> String {
     let body = broken.body.map_or(String::new(), |b| format!("body {}: ", sim.model.body_label(b)));
-    let (step, time, why) = (sim.state.steps, sim.state.time, &broken.why);
+    format!("{body}{}", broken.why)
+}
+
+/// Message of a run that cannot go on.
+fn divergence(sim: &Simulation, why: &str, frame: u64) -> String {
+    let (step, time) = (sim.state.steps, sim.state.time);
     format!(
-        "the simulation diverged at step {step} ({time:.4} s): {body}{why}; frames before {frame} are kept; try a shorter step"
+        "the simulation diverged at step {step} ({time:.4} s): {why}; frames before {frame} are kept; try a shorter step"
     )
 }
 
