@@ -192,7 +192,8 @@ impl Status {
     fn is_done(&self) -> bool {
         let is_swept = self.runs.is_none_or(|(done, all)| done == all);
         let is_drawn = self.done == self.images && (self.images > 0 || self.runs.is_some());
-        is_swept && is_drawn && self.movie.is_none_or(|movie| movie == MovieStanding::Done)
+        let is_failed = self.tasks.values().any(|state| matches!(state, TaskState::Failed(_)));
+        is_swept && is_drawn && !is_failed && self.movie.is_none_or(|movie| movie == MovieStanding::Done)
     }
 
     /// Whether nobody works on a film that is not done, as far as that can be known.
@@ -258,9 +259,9 @@ impl Status {
         let said = |(task, state): (&String, &TaskState)| match state {
             TaskState::Running => None,
             TaskState::Failed(why) => Some(format!("task {task} failed: {}\n", guard::text::line(why))),
-            TaskState::Lost => {
-                Some(format!("task {task} ended without a word: it was killed, or its machine was lost\n"))
-            }
+            TaskState::Lost => Some(format!(
+                "task {task} was stopped before its end: it was cancelled or killed, or its machine was lost\n"
+            )),
         };
         let all: Vec<String> = self.tasks.iter().filter_map(said).collect();
         let more = all.len().saturating_sub(PRINTED);

@@ -2,7 +2,7 @@
 
 mod local;
 
-use crate::batch::{self, Movie, MovieStanding, Needed, Plan, Scheduler, Simulation};
+use crate::batch::{self, Movie, MovieStanding, Needed, Plan, Scheduler, Simulation, Task, marks};
 use crate::images;
 use crate::job::{FilmJob, images_of, replacements};
 use crate::ledger::Standing;
@@ -20,12 +20,18 @@ pub fn run(job: FilmJob) -> Outcome {
         // All scripts in one text, which a check of scripts takes.
         println!("#!/bin/bash\n# shellcheck disable=SC1128,SC2093,SC2317");
         for job in &jobs {
-            println!("# {}", Plan::folder(&plan.home).join(format!("{}.sh", job.name)).display());
+            let script = Plan::folder(&plan.home).join(format!("{}.sh", job.name));
+            println!("# {}", guard::text::line(&script.display().to_string()));
             print!("{}", job.script);
         }
         return Ok(());
     }
     plan.write()?;
+    marks::forget(&plan.home, |task| match task {
+        Task::Simulate(_) | Task::Sweep(_) => !needed.simulate,
+        Task::Draw(i) => !needed.draw.contains(&i),
+        Task::Finish => !needed.finish,
+    });
     if jobs.is_empty() {
         println!("{}: all is done", plan.home.display());
         return Ok(());
@@ -47,7 +53,7 @@ pub fn run(job: FilmJob) -> Outcome {
     for job in batch::submit(&plan, &jobs)? {
         println!("{} {} ({} tasks)", job.id, job.job, job.tasks);
     }
-    eprintln!("`scree status {}` says how far it is", plan.home.display());
+    eprintln!("`scree status {}` says how far it is", guard::text::shell_word(&plan.home.display().to_string()));
     Ok(())
 }
 
@@ -64,7 +70,12 @@ fn needed(plan: &Plan, dry_run: bool) -> Outcome<Needed> {
     if !is_simulated || dry_run {
         return Ok(all(plan.simulation.is_some()));
     }
-    let Ok(mut job) = images_of(plan, &plan.frames) else { return Ok(all(false)) };
+    let mut job = match images_of(plan, &plan.frames) {
+        Ok(job) => job,
+        // No task could draw anything.
+        Err(failure) if matches!(failure.exit, Exit::Input | Exit::Usage) => return Err(failure),
+        Err(_) => return Ok(all(false)),
+    };
     let standings = images::standings(&mut job, plan.buckets)?;
     let is_needed = |task: &usize| {
         let shard = task % plan.buckets;

@@ -61,7 +61,7 @@ def main(scree):
         np.testing.assert_array_equal(mesh.point_data["quat"][:, 3], frame["quat_w"].to_numpy())
         grains = ase.io.read(folder / "xyz/run_000003.xyz", format="extxyz")
         np.testing.assert_array_equal(grains.positions, place)
-        np.testing.assert_array_equal(grains.arrays["velo"][:, 2], frame["vel_z"].to_numpy())
+        np.testing.assert_allclose(grains.arrays["velo"][:, 2], frame["vel_z"].to_numpy(), atol=1e-7)
         cloud = meshio.read(folder / "ply/run_000003.ply")
         np.testing.assert_allclose(cloud.points, place, atol=1e-6)
         text = pd.read_csv(folder / "csv/run_000003.csv")

@@ -42,8 +42,8 @@ pub struct ExportArgs {
     /// Frames to export, as 0-99x5 [default: all].
     #[arg(short, long, value_name = "LIST")]
     pub frames: Option<FrameList>,
-    /// Column of the times, where the rows of a table are of different times.
-    #[arg(long, value_name = "COLUMN")]
+    /// Column of times, where the rows of a table are of different times.
+    #[arg(long, value_name = "TEXT")]
     pub time: Option<String>,
 }
 

@@ -40,6 +40,15 @@ pub fn run(home: &Path, task: Task, work: impl FnOnce() -> Outcome) -> Outcome {
     done
 }
 
+/// Forget tasks whose work is done, whoever did it, unless they run.
+pub fn forget(home: &Path, is_done: impl Fn(Task) -> bool) {
+    let done =
+        |(name, state): &(String, TaskState)| *state != TaskState::Running && Task::parse(name).is_some_and(&is_done);
+    for (name, _) in states(home).into_iter().filter(done) {
+        let _ = std::fs::remove_file(folder(home).join(name));
+    }
+}
+
 /// The tasks that have begun and have not done their work.
 pub fn states(home: &Path) -> BTreeMap<String, TaskState> {
     let (claims, entries) = (claims(home), std::fs::read_dir(folder(home)).into_iter().flatten().flatten());
@@ -83,5 +92,7 @@ mod tests {
         let expected =
             [("draw-2".to_string(), TaskState::Failed("no data".into())), ("finish".into(), TaskState::Lost)];
         assert_eq!(states(home), BTreeMap::from(expected));
+        forget(home, |task| task == Task::Finish);
+        assert_eq!(states(home).into_keys().collect::<Vec<_>>(), ["draw-2"]);
     }
 }

@@ -223,12 +223,18 @@ fn xyz(frame: &Frame) -> Result<Vec<u8>, String> {
         |text: &str| text.chars().map(|c| if c.is_whitespace() || c == ':' { '_' } else { c }).collect::<String>();
     let mut groups = groups(frame, &at);
     groups.insert(0, Group { name: "pos".into(), columns: at.to_vec() });
+    if frame.column("radius").is_none()
+        && let Some(column) = frame.column("half_x")
+    {
+        groups.insert(1, Group { name: "radius".into(), columns: vec![column] });
+    }
     let mut properties: Vec<String> = vec![];
     for Group { name, columns } in &groups {
         let name = match (name.as_str(), columns.len()) {
             ("vel" | "v", 3) => "velo",
             ("quat", 4) => "orientation",
-            ("half_x" | "radius" | "r", 1) => "radius",
+            ("half", 3) => "aspherical_shape",
+            ("r", 1) => "radius",
             (name, _) => name,
         };
         let kind = match columns[0] {

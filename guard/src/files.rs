@@ -86,7 +86,9 @@ pub fn was_seen(path: &Path) -> bool {
 
 /// Whether a file that is there is one of others, by whatever names and links.
 pub fn is_one_of<P: AsRef<Path>>(path: &Path, others: impl IntoIterator<Item = P>) -> bool {
-    let Ok(real) = place_of(path).canonicalize() else { return false };
+    let place = place_of(path);
+    let place = if place.as_os_str().is_empty() { Path::new(".") } else { &place };
+    let Ok(real) = place.canonicalize() else { return false };
     others.into_iter().any(|other| other.as_ref().canonicalize().is_ok_and(|other| other == real))
 }
 
