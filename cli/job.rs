@@ -32,7 +32,7 @@ pub use bench::{BenchJob, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
 pub use doctor::DoctorJob;
 pub use export::ExportJob;
-pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, combination, images_made_of, images_of};
+pub use film::{FilmJob, PlanJob, StatusJob, TaskJob, combination, images_made_of, images_of, open_combinations};
 pub use frames::{FramesJob, Origin};
 pub use images::{ImageJob, ImageOptions};
 pub use init::{InitJob, Starter};

@@ -4,6 +4,7 @@ use crate::job::{ModelRun, Plan, SimulateJob, Sweep, SweepJob};
 use crate::model_run;
 use crate::preview;
 use crate::report::{Exit, Failure, Outcome};
+use frame::run::RunReader;
 use sim::run;
 
 /// Run `scree simulate`.
@@ -33,7 +34,11 @@ fn sweep(job: Sweep) -> Outcome {
         } else {
             eprintln!("sweep {} of {}: {}", case.index, job.n_combinations, case.name);
             let resolved = case.file.resolve(&case.doc)?;
-            let span = job.span;
+            let mut span = job.span;
+            if span.resume && RunReader::open(&folder).is_ok_and(|run| !run.is_whole()) {
+                eprintln!("warning: frames of {} are lost or damaged: it is simulated again", folder.display());
+                span.resume = false;
+            }
             model_run::simulate(ModelRun { file: case.file, resolved, folder: folder.clone(), span })?;
             println!("{}", folder.display());
         }

@@ -5,7 +5,7 @@ use crate::batch::marks::{self, TaskState};
 use crate::batch::{self, MadeOf, Movie, MovieStanding, Plan, Scheduler};
 use crate::displays::written;
 use crate::images;
-use crate::job::{StatusJob, images_made_of, images_of};
+use crate::job::{StatusJob, images_made_of, images_of, replacements};
 use crate::ledger::{Hashes, Ledger, Standing};
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::RunReader;
@@ -350,6 +350,9 @@ fn of_film(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
     if plan.simulation.is_some() {
         let folders = std::fs::read_dir(&plan.home).into_iter().flatten().flatten().map(|entry| entry.path());
         let runs = folders.chain([plan.home.clone()]).filter_map(|folder| RunReader::open(&folder).ok());
+        if let Some(why) = model_of_run(&plan) {
+            bad.push(("run".into(), why));
+        }
         for run in runs.filter(|run| !run.is_whole()) {
             let why = format!("{} has frames that are not as they were written", run.folder.display());
             bad.push(("run".into(), why));
@@ -385,6 +388,18 @@ fn of_film(folder: &Path) -> Outcome<(usize, Vec<(String, String)>)> {
         }
     }
     Ok((plan.frames.len(), bad))
+}
+
+/// Why the run of a film is not that of its model as it is now, if that is so.
+fn model_of_run(plan: &Plan) -> Option<String> {
+    let simulation = plan.simulation.as_ref().filter(|simulation| simulation.sweep == 0)?;
+    let run = RunReader::open(&plan.home).ok()?;
+    let set = replacements(simulation.set.iter().map(|(path, value)| (path, value)));
+    match sim::model_file::load(&simulation.model, &set) {
+        Ok((file, _)) if sim::run::model_hash(&file) == run.index.model_hash => None,
+        Ok(_) => Some(format!("stale: {} has changed since it was simulated", simulation.model.display())),
+        Err(fault) => Some(format!("cannot be simulated again: {}", guard::text::line(&fault.to_string()))),
+    }
 }
 
 /// Frames whose images are not done.

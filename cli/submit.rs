@@ -4,7 +4,7 @@ mod local;
 
 use crate::batch::{self, Movie, MovieStanding, Needed, Plan, Scheduler, Simulation, Task, marks};
 use crate::images;
-use crate::job::{FilmJob, images_of, replacements};
+use crate::job::{FilmJob, images_of, open_combinations, replacements};
 use crate::ledger::Standing;
 use crate::report::{Exit, Failure, Outcome};
 
@@ -28,7 +28,8 @@ pub fn run(job: FilmJob) -> Outcome {
     }
     plan.write()?;
     marks::forget(&plan.home, |task| match task {
-        Task::Simulate(_) | Task::Sweep(_) => !needed.simulate,
+        Task::Simulate(_) => !needed.simulate,
+        Task::Sweep(i) => !needed.sweep.contains(&i),
         Task::Draw(i) => !needed.draw.contains(&i),
         Task::Finish => !needed.finish,
     });
@@ -60,21 +61,27 @@ pub fn run(job: FilmJob) -> Outcome {
 /// What is left to do of a plan: the simulation, the tasks that draw what is not there or not up to date, and the end. All of it before
 /// a simulation is finished.
 fn needed(plan: &Plan, dry_run: bool) -> Outcome<Needed> {
-    let all =
-        |simulate: bool| Needed { simulate, draw: (0..plan.n_tasks()).collect(), finish: !plan.frames.is_empty() };
+    let all = |simulate: bool, sweep: Vec<usize>| {
+        let draw = (0..plan.n_tasks()).collect();
+        Needed { simulate, sweep, draw, finish: !plan.frames.is_empty() }
+    };
+    if let Some(simulation) = plan.simulation.as_ref().filter(|simulation| simulation.sweep > 0) {
+        let sweep = if dry_run { (0..simulation.sweep).collect() } else { open_combinations(simulation, &plan.home)? };
+        return Ok(all(!sweep.is_empty(), sweep));
+    }
     // A run that is not finished lacks frames, so that its images cannot all be looked at.
     let is_simulated = match &plan.simulation {
         None => true,
-        Some(simulation) => simulation.sweep == 0 && is_simulated(plan, simulation)?,
+        Some(simulation) => is_simulated(plan, simulation)?,
     };
     if !is_simulated || dry_run {
-        return Ok(all(plan.simulation.is_some()));
+        return Ok(all(plan.simulation.is_some(), vec![]));
     }
     let mut job = match images_of(plan, &plan.frames) {
         Ok(job) => job,
         // No task could draw anything.
         Err(failure) if matches!(failure.exit, Exit::Input | Exit::Usage) => return Err(failure),
-        Err(_) => return Ok(all(false)),
+        Err(_) => return Ok(all(false, vec![])),
     };
     let standings = images::standings(&mut job, plan.buckets)?;
     let is_needed = |task: &usize| {
@@ -87,7 +94,7 @@ fn needed(plan: &Plan, dry_run: bool) -> Outcome<Needed> {
     let is_joined = plan.buckets == 1 || job.frames.iter().all(|frame| job.image(*frame).is_file());
     let has_movie = || Movie::standing(&plan.home, Some(&images::hash(&job))) == MovieStanding::Done;
     let finish = !draw.is_empty() || !is_joined || plan.movie && !has_movie();
-    Ok(Needed { simulate: false, draw, finish })
+    Ok(Needed { simulate: false, sweep: vec![], draw, finish })
 }
 
 /// Whether the simulation of a plan is finished, with all of its frames.

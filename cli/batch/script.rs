@@ -24,6 +24,8 @@ pub struct Job {
 pub struct Needed {
     /// Whether its model is simulated.
     pub simulate: bool,
+    /// The combinations of its sweep that are.
+    pub sweep: Vec<usize>,
     /// The tasks that draw.
     pub draw: Vec<usize>,
     /// Whether shards are joined, images checked, and the movie made.
@@ -35,17 +37,23 @@ pub fn jobs(plan: &Plan, needed: &Needed, most: usize) -> Outcome<Vec<Job>> {
     let mut jobs: Vec<Job> = vec![];
     let mut simulated: Vec<usize> = vec![];
     if let Some(simulation) = plan.simulation.as_ref().filter(|_| needed.simulate) {
-        simulated = simulate(plan, simulation, most, &mut jobs)?;
+        simulated = simulate(plan, (simulation, &needed.sweep), most, &mut jobs)?;
     }
-    let mut drawn = vec![];
+    let mut parts = vec![];
     for (segment, tasks) in by_segment(plan, &needed.draw, simulated.len()) {
         let after: Vec<usize> = segment.map(|s| simulated[s]).into_iter().collect();
-        for part in arrays(plan.scheduler, &tasks, most) {
-            let name = format!("draw-{}", drawn.len());
-            drawn.push(jobs.len());
-            let tasks = part.into_iter().map(Task::Draw).collect();
-            jobs.push(job(plan, name, tasks, after.clone(), false, most)?);
-        }
+        parts.extend(arrays(plan.scheduler, &tasks, most).into_iter().map(|part| (after.clone(), part)));
+    }
+    let (sharing, n_at_once) = sharing(plan, parts.len());
+    let mut drawn = vec![];
+    for (after, part) in parts {
+        let name = format!("draw-{}", drawn.len());
+        // Of arrays that may not all run at once, each waits for an earlier one, which waits for the simulation.
+        let before = drawn.len().checked_sub(n_at_once).map(|k| drawn[k]);
+        drawn.push(jobs.len());
+        let tasks = part.into_iter().map(Task::Draw).collect();
+        let after = before.map_or(after, |before| vec![before]);
+        jobs.push(job(&sharing, name, tasks, after, before.is_some(), most)?);
     }
     if needed.finish {
         // What is drawn already needs no job; the end comes after the simulation then.
@@ -55,13 +63,29 @@ pub fn jobs(plan: &Plan, needed: &Needed, most: usize) -> Outcome<Vec<Job>> {
     Ok(jobs)
 }
 
-/// The jobs of a simulation; the indices of those after which its frames are there, one for each time.
-fn simulate(plan: &Plan, simulation: &Simulation, most: usize, jobs: &mut Vec<Job>) -> Outcome<Vec<usize>> {
+/// A plan whose tasks that run at once are shared by arrays, and how many of these run at once.
+fn sharing(plan: &Plan, n_arrays: usize) -> (Plan, usize) {
+    let mut plan = plan.clone();
+    let n_at_once = plan.requests.max_running.map_or(n_arrays, |most| n_arrays.min(most)).max(1);
+    plan.requests.max_running = plan.requests.max_running.map(|most| most / n_at_once);
+    (plan, n_at_once)
+}
+
+/// The jobs of a simulation, or of combinations of a sweep; the indices of those after which its frames are there, one for each time.
+fn simulate(
+    plan: &Plan,
+    (simulation, sweep): (&Simulation, &[usize]),
+    most: usize,
+    jobs: &mut Vec<Job>,
+) -> Outcome<Vec<usize>> {
     if simulation.sweep > 0 {
-        let all: Vec<usize> = (0..simulation.sweep).collect();
-        for (k, part) in arrays(plan.scheduler, &all, most).into_iter().enumerate() {
+        let parts = arrays(plan.scheduler, sweep, most);
+        let (sharing, n_at_once) = sharing(plan, parts.len());
+        for (k, part) in parts.into_iter().enumerate() {
             let tasks = part.into_iter().map(Task::Sweep).collect();
-            jobs.push(job(plan, format!("sweep-{k}"), tasks, vec![], false, most)?);
+            let before: Vec<usize> = k.checked_sub(n_at_once).into_iter().collect();
+            let is_after_any = !before.is_empty();
+            jobs.push(job(&sharing, format!("sweep-{k}"), tasks, before, is_after_any, most)?);
         }
         return Ok(vec![]);
     }

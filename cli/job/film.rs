@@ -183,6 +183,13 @@ pub fn combination(simulation: &Simulation, home: &Path, index: usize) -> Outcom
     })
 }
 
+/// The combinations of a sweep whose runs in a folder are not finished.
+pub fn open_combinations(simulation: &Simulation, home: &Path) -> Outcome<Vec<usize>> {
+    let set = replacements(simulation.set.iter().map(|(path, value)| (path, value)));
+    let (file, doc) = model_file::load(&simulation.model, &set)?;
+    sweep::unfinished(&file, &doc, &set, home)
+}
+
 /// The plan of a folder, whose tasks start where it was made.
 fn read(folder: &Path) -> Outcome<Plan> {
     if !Plan::exists(folder) {
@@ -286,6 +293,10 @@ fn simulation(
         Simulation { model, until: vec![], chain: cut.chain, sweep: 0, set: set.iter().map(of_plan).collect() };
     if !file.sweep.is_empty() {
         simulation.sweep = sweep::check(&file, &doc, &set)?;
+        if cut.segments > 1 || cut.chain > 1 {
+            let message = "--segments and --chain are of a single run: of a sweep, each combination is a task, which goes on from its checkpoint when it is submitted again";
+            return Err(Failure::new(Exit::Usage, message));
+        }
         plan.simulation = Some(simulation);
         return Ok(());
     }

@@ -51,8 +51,10 @@ pub fn check(file: &ModelFile, folder: &Path, until: Option<f64>) -> Outcome {
         return Err(Failure::new(Exit::Usage, format!("{}: is a file, and no folder", folder.display())));
     }
     let refuse = |why: String| {
-        let message =
-            format!("{} {why}\n  = --fresh replaces it; -o DIR (--output) simulates elsewhere", folder.display());
+        let message = format!(
+            "{} {why}\n  = `scree simulate --fresh` replaces it; -o DIR (--output) simulates elsewhere",
+            folder.display()
+        );
         Err(Failure::new(Exit::Usage, message))
     };
     if !RunReader::is_run(folder) {

@@ -6,9 +6,9 @@ use crate::report::{Exit, Failure, Outcome};
 use frame::run::{FrameFormat, RunReader};
 use frame::yaml::Document;
 use sim::model_file::{ModelFile, Replacement, Variants};
-use sim::run::Span;
+use sim::run::{self, Span};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What to do with the combinations of a model.
 pub enum SweepJob {
@@ -128,6 +128,19 @@ pub fn check(file: &ModelFile, doc: &Document, set: &[Replacement]) -> Outcome<u
         file.resolve(&doc)?;
     }
     Ok(combinations.len())
+}
+
+/// The combinations of a sweep whose runs in `home` are not finished, or have lost frames.
+pub fn unfinished(file: &ModelFile, doc: &Document, set: &[Replacement], home: &Path) -> Outcome<Vec<usize>> {
+    let variants = Variants::without_sweep(doc)?;
+    let mut found = vec![];
+    for (i, combination) in combinations(file, doc)?.into_iter().enumerate() {
+        let (file, _) = variants.load(&[set, &combination.values].concat())?;
+        if !run::is_done(&file, &home.join(&combination.name)) {
+            found.push(i);
+        }
+    }
+    Ok(found)
 }
 
 /// All combinations of a sweep, the last key changing fastest.

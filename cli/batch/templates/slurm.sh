@@ -58,7 +58,11 @@ while kill -0 "$task" 2>/dev/null; do
     status=$?
 done
 if [ "$status" -eq 130 ] && [ "$again" = yes ]; then
-    scontrol requeue "$SLURM_JOB_ID"
+    if [ "${SLURM_RESTART_COUNT:-0}" -lt 100 ]; then
+        scontrol requeue "$SLURM_JOB_ID"
+    else
+        echo "error: it has been queued 100 times and never ended within its time: submit it with a longer --time" >&2
+    fi
 fi
 exit "$status"
 {% else %}
