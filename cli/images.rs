@@ -259,11 +259,12 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A hash of the images of a job, by what its ledger has of them.
+/// What a movie of a job is made of: a hash of its images, by what their ledger has of them, and their rate.
 pub fn hash(job: &ImageJob) -> String {
     let names = job.frames.iter().map(|frame| job.image(*frame));
     let names: Vec<String> = names.map(|p| p.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
-    movie_images(&Ledger::of(&job.folder), names.iter().map(String::as_str))
+    let images = movie_images(&Ledger::of(&job.folder), names.iter().map(String::as_str));
+    format!("{images} at {}", job.binding.frame_rate)
 }
 
 /// Fail if the data of a film has lost frames; the others are rendered.

@@ -272,7 +272,7 @@ impl Status {
     /// What the scheduler has of the film.
     fn of_queue(&self) -> String {
         match &self.queue {
-            None if self.has_queue => "the queue cannot be asked: the scheduler does not answer here\n".into(),
+            None if self.has_queue => "the queue is not known here: of Slurm squeue does not answer, that of another scheduler is shown by qstat\n".into(),
             Some(queue) if !queue.is_empty() => {
                 let states: Vec<String> = queue.iter().map(|(state, n)| format!("{n} {state}")).collect();
                 format!("tasks in the queue: {}\n", states.join(", "))

@@ -17,6 +17,7 @@ pub fn run(job: FilmJob) -> Outcome {
     let draw = &needed.draw;
     eprintln!("tasks: {n_tasks}, in jobs: {}; {} of {} that draw are needed", jobs.len(), draw.len(), plan.n_tasks());
     if dry_run {
+        eprintln!("note: a dry run looks at no images: its scripts are those of all tasks, done or not");
         // All scripts in one text, which a check of scripts takes.
         println!("#!/bin/bash\n# shellcheck disable=SC1128,SC2093,SC2317");
         for job in &jobs {

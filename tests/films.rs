@@ -283,6 +283,53 @@ fn a_film_is_made_by_tasks_of_this_machine() {
 }
 
 #[test]
+fn each_segment_of_a_simulation_has_the_frames_that_are_drawn_of_it() {
+    let work = scratch();
+    let (model, home) = film(work.path());
+    let md = at(work.path(), "md.yaml");
+    let head = "model: \"it's a drop.yaml\"\ncamera: {eye: [0, -3, 1], look_at: [0, 0, 0]}\nmovie: {frame_rate: 10}\n";
+    let object = "objects: [{name: b, select: class == 'block', position: [pos_x, pos_y, pos_z], geometry: {sphere: {radius: 0.1}}}]\n";
+    std::fs::write(&md, format!("{head}{object}")).unwrap();
+    let submit = ["submit", &md, "-o", &home, "--scheduler", "local", "--segments", "2"];
+    call(&submit, &SMALL).ok();
+    let plan: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(Path::new(&home).join("plan/plan.json")).unwrap()).unwrap();
+    let until = plan["simulation"]["until"][0].to_string();
+    let first = at(work.path(), "first");
+    scree(&["simulate", &model, "-o", &first, "--until", &until]).ok();
+    assert_eq!(named(&Path::new(&first).join("frames"), "00000"), 2, "{plan}");
+    // The rate of a movie is a part of it, and so is the model of a run.
+    assert!(scree(&["verify", &home]).ok().contains("4 images"));
+    let verify = |expected: &str| {
+        let answer = scree(&["verify", &home]);
+        answer.fails(5);
+        assert!(answer.said().contains(expected), "{}", answer.said());
+    };
+    std::fs::write(&md, format!("{head}{object}").replace("frame_rate: 10", "frame_rate: 5")).unwrap();
+    verify("movie: stale");
+    let text = std::fs::read_to_string(&model).unwrap();
+    std::fs::write(&model, text.replace("friction: 0.5", "friction: 0.6")).unwrap();
+    verify("has changed since it was simulated");
+}
+
+#[test]
+fn sweeps_resume_what_is_open() {
+    let work = scratch();
+    let (model, home) = film(work.path());
+    let text = std::fs::read_to_string(&model).unwrap();
+    std::fs::write(&model, format!("{text}sweep: {{materials.stone.friction: [0.2, 0.4, 0.6]}}\n")).unwrap();
+    let submit = ["submit", &model, "-o", &home, "--scheduler", "local"];
+    assert!(scree(&[&submit[..], &["--chain", "2"]].concat()).fails(2).contains("are of a single run"));
+    scree(&submit).ok();
+    assert!(scree(&["resume", &home]).ok().contains("all is done"));
+    let frame = Path::new(&home).join("friction=0.4/frames/000001.arrow");
+    std::fs::write(&frame, "cut").unwrap();
+    scree(&["verify", &home]).fails(5);
+    assert!(scree(&["resume", &home]).errors().contains("tasks: 1,"));
+    scree(&["verify", &home]).ok();
+}
+
+#[test]
 fn scripts_of_schedulers_are_as_they_should_be() {
     let work = data(20);
     let (md, home) = (at(work.path(), "md.yaml"), at(work.path(), "film"));

@@ -36,7 +36,7 @@ impl fmt::Display for MovieStanding {
             MovieStanding::Done => "up to date",
             MovieStanding::Missing => "not there",
             MovieStanding::Damaged => "not as it was written",
-            MovieStanding::Stale => "stale: it was made of other images",
+            MovieStanding::Stale => "stale: it was made of other images, or at another rate",
         })
     }
 }

@@ -206,14 +206,18 @@ impl Plan {
         match (is_sound, is_here) {
             (true, true) => Ok(plan),
             (false, _) => Err(bad("is of another version, or has tasks of nothing or texts of several lines".into())),
-            (true, false) => Err(bad(format!("is of another folder, {}: it was moved or copied", plan.home.display()))),
+            (true, false) => Err(bad(format!(
+                "is of another folder, {}: it was moved or copied; `scree verify` of its `images` still looks at these",
+                plan.home.display()
+            ))),
         }
     }
 
     /// Write the plan to its folder.
     pub fn write(&self) -> Result<(), Fault> {
         let text = serde_json::to_vec_pretty(self).unwrap_or_default();
-        frame::atomic::write(&Plan::folder(&self.home).join("plan.json"), &text)
+        let path = Plan::folder(&self.home).join("plan.json");
+        if std::fs::read(&path).is_ok_and(|there| there == text) { Ok(()) } else { frame::atomic::write(&path, &text) }
     }
 
     /// The folder of the images.

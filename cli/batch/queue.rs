@@ -146,8 +146,11 @@ fn dependency(scheduler: Scheduler, jobs: &[Job], job: &Job, taken: &[Submitted]
 /// How many tasks of jobs are in each of a scheduler's states; none where it cannot be asked. Tasks that have ended are in none.
 pub fn state_of(scheduler: Scheduler, jobs: &[Submitted]) -> Option<BTreeMap<String, usize>> {
     let ids: Vec<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
-    if scheduler != Scheduler::Slurm || ids.is_empty() {
+    if scheduler != Scheduler::Slurm {
         return None;
+    }
+    if ids.is_empty() {
+        return Some(BTreeMap::new());
     }
     // Jobs that it has forgotten are an error to it when they are named, so that all of the user's are asked for.
     let text = said("squeue", &["--noheader", "--me", "--format=%i %T"]).ok()?;

@@ -325,7 +325,8 @@ fn simulation(
     let per_segment = n_chunks.div_ceil(n_segments);
     simulation.until = (1..n_segments)
         .map(|s| plan.frames[..(s * per_segment * plan.frames_per_task)].iter().max())
-        .map(|last| *last.expect("a segment has frames") as f64 / file.frame_rate)
+        // A run has the frames before its end: the last one of a segment, too.
+        .map(|last| (*last.expect("a segment has frames") as f64 + 0.5) / file.frame_rate)
         .chain([file.whole_duration()])
         .collect();
     plan.simulation = Some(simulation);

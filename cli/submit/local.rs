@@ -56,9 +56,14 @@ pub fn run(plan: &Plan, jobs: Vec<Job>) -> Outcome {
         running.retain_mut(|r| {
             let Ok(None) = r.child.try_wait() else {
                 left[r.job].open -= 1;
-                if !r.child.try_wait().is_ok_and(|status| status.is_some_and(|status| status.success())) {
+                let status = r.child.try_wait().ok().flatten();
+                if !status.is_some_and(|status| status.success()) {
                     left[r.job].failed = true;
-                    failures.push(format!("{}: {} (see {})", r.task.name(), last_line(&r.log), r.log.display()));
+                    // One with an exit code has said why it ends.
+                    let is_told = status.is_some_and(|status| status.code().is_some());
+                    let killed = || status.map_or("it was lost".into(), |status| format!("it was killed: {status}"));
+                    let why = if is_told { last_line(&r.log) } else { killed() };
+                    failures.push(format!("{}: {why} (see {})", r.task.name(), r.log.display()));
                 }
                 return false;
             };
