@@ -138,3 +138,13 @@ pub enum Command {
     /// Write the pages of the manual, for `man`.
     Man(ManArgs),
 }
+
+impl Command {
+    /// Whether it may simulate.
+    pub fn simulates(&self) -> bool {
+        matches!(
+            self,
+            Command::Run(_) | Command::Simulate(_) | Command::Task(_) | Command::Solve(_) | Command::Bench(_)
+        )
+    }
+}

@@ -63,11 +63,11 @@ use std::process::ExitCode;
 static MEMORY: guard::memory::Counting = guard::memory::Counting;
 
 fn main() -> ExitCode {
-    return_large_blocks();
     if let Err(e) = interrupt::handle() {
         eprintln!("warning: signals end the program without a message: {e}");
     }
     let args = Args::parse();
+    reuse_large_blocks(!args.command.simulates());
     std::env::args_os().for_each(guard::give);
     if let Some(threads) = args.threads
         && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
@@ -120,12 +120,18 @@ fn main() -> ExitCode {
     }
 }
 
-/// Allocate large columns directly from the system, which gets them back when they are freed: glibc would otherwise keep ever
-/// larger ones in its heap, whose holes cost a large bed a third of its memory.
-fn return_large_blocks() {
+/// Whether large columns are kept by the program once they are freed, for the next: tables that are read one after the other take none of
+/// the system's time then, which gives memory page by page. A simulation has its columns from the system, which gets them back: a heap
+/// of ever larger ones has holes that cost a large bed a third of its memory.
+fn reuse_large_blocks(is_reused: bool) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: the option is glibc's, and no other thread allocates yet.
+    // SAFETY: the options are glibc's, and no other thread allocates yet.
     unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 17);
+        if is_reused {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 30);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, 1 << 30);
+        } else {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 17);
+        }
     }
 }
