@@ -20,11 +20,12 @@ use rerun::{RecordingStream, RecordingStreamBuilder};
 /// Plots at most.
 const PLOTS: usize = 6;
 
-/// Send the layout for a binding whose first frame is `first`, with the curves of `series`.
+/// Send the layout for a binding whose first frame is `first`, with the curves of `series`, along a time line.
 pub fn send(
     binding: &Binding,
     first: Option<&Frame>,
     series: &[Series],
+    timeline: &str,
     stream: &RecordingStream,
 ) -> Result<(), Failure> {
     let Some(info) = stream.store_info() else { return Ok(()) };
@@ -47,7 +48,7 @@ pub fn send(
     for panel in ["blueprint_panel", "selection_panel"] {
         layout.log(panel, &PanelBlueprint::new().with_state(PanelState::Collapsed))?;
     }
-    layout.log("time_panel", &TimePanelBlueprint::new().with_timeline("time"))?;
+    layout.log("time_panel", &TimePanelBlueprint::new().with_timeline(timeline))?;
     let messages = messages.take();
     let store = messages.iter().find_map(|message| match message {
         LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),

@@ -80,6 +80,8 @@ struct Shown {
     failed: BTreeMap<u64, String>,
     /// Whether the run was missing when it was last looked at.
     is_lost: bool,
+    /// Whether frames tell their times.
+    has_times: bool,
 }
 
 impl Shown {
@@ -90,6 +92,7 @@ impl Shown {
             frames: BTreeMap::new(),
             failed: BTreeMap::new(),
             is_lost: false,
+            has_times: tells_times(&input.source),
         }
     }
 
@@ -100,7 +103,8 @@ impl Shown {
         stream.set_log_tick_enabled(false);
         stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let first = input.source.numbers().first().and_then(|number| input.source.read(*number).ok());
-        blueprint::send(&input.binding, first.as_ref(), &self.series, stream)
+        let timeline = if self.has_times { "time" } else { "frame" };
+        blueprint::send(&input.binding, first.as_ref(), &self.series, timeline, stream)
     }
 
     /// Send the frames that were not sent yet, or have been replaced.
@@ -150,7 +154,9 @@ impl Shown {
     fn frame(&mut self, args: &Args, number: u64, source: &Source, stream: &RecordingStream) -> Result<(), SendError> {
         let table = source.read(number)?;
         stream.set_time_sequence("frame", number as i64);
-        stream.set_duration_secs("time", time_of(source, number, table.time));
+        if self.has_times {
+            stream.set_duration_secs("time", table.time);
+        }
         self.bodies.send(&table, stream)?;
         if let (Some(length), Store::Run(run)) = (args.contacts, &source.store) {
             let path = run.folder.join(format!("contacts/{number:06}.csv"));
@@ -219,10 +225,10 @@ impl Shown {
     }
 }
 
-/// The time of a frame, s; of tables that tell none, a frame is a second.
-fn time_of(source: &Source, number: u64, time: f64) -> f64 {
-    match &source.store {
-        Store::Files { .. } if time == 0.0 => number as f64,
-        _ => time,
-    }
+/// Whether the frames of a source tell their times: those of a run do, and tables of which not all are at 0 s.
+fn tells_times(source: &Source) -> bool {
+    /// Tables that are looked at.
+    const SOME: usize = 3;
+    let is_later = |number: &u64| source.read(*number).is_ok_and(|table| table.time != 0.0);
+    matches!(source.store, Store::Run(_)) || source.numbers().iter().take(SOME).any(is_later)
 }

@@ -28,7 +28,9 @@ pub fn run(
         let change: f64 = slip.iter().zip(&feedback).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
         let is_fixed_point = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
-        if round > 0 && (is_fixed_point || total.iterations >= max) {
+        // Where the slip stands still, the problem of it may yet be far from solved, as that of piles which stick.
+        let is_solved = is_fixed_point && total.residual <= settings.tolerance;
+        if round > 0 && (is_solved || total.iterations >= max) {
             break;
         }
         op.set_slip_feedback(&slip);
@@ -38,7 +40,8 @@ pub fn run(
             scale::scale(op, gamma, response, work);
         }
         let left = max - total.iterations.min(max - 1);
-        let settings = SolverSettings { iterations: Some(budget.min(left)), ..settings.clone() };
+        let own = if round > 0 && is_fixed_point { left } else { budget.min(left) };
+        let settings = SolverSettings { iterations: Some(own), ..settings.clone() };
         let outcome = method::run(op, &settings, gamma, response, work);
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
     }
