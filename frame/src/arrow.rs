@@ -109,15 +109,12 @@ pub fn read_table(path: &Path, number: u64) -> Result<Frame, Fault> {
     };
     layout::check_table(&bytes).map_err(|e| damaged(&e))?;
     let open = |read| FileReader::try_new(Cursor::new(&bytes[..]), read).map_err(|e| damaged(&e));
-    let mut reader = open(None)?;
-    let is_read = |k: &usize| columns::is_read(reader.schema().field(*k).data_type());
-    let n_columns = reader.schema().fields().len();
-    let read: Vec<usize> = (0..n_columns).filter(is_read).collect();
-    if read.len() < n_columns {
-        // Dates and their like are left out.
-        reader = open(Some(read))?;
-    }
-    let schema = reader.schema();
+    let schema = open(None)?.schema();
+    // Dates, lists and their like are left out.
+    let read: Vec<usize> =
+        (0..schema.fields().len()).filter(|k| columns::is_read(schema.field(*k).data_type())).collect();
+    let schema = schema.project(&read).map_err(|e| damaged(&e))?;
+    let reader = open(Some(read))?;
     let mut batches = vec![];
     for batch in reader {
         batches.push(batch.map_err(|e| damaged(&e))?);

@@ -141,3 +141,60 @@ fn words(arrays: &[&ArrayRef]) -> Option<Column> {
     }
     Some(Column::Category { codes, names })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arrow_array::builder::{Float64Builder, ListBuilder};
+    use arrow_array::{DictionaryArray, Float64Array, StringViewArray, TimestampMicrosecondArray, UInt32Array};
+    use arrow_ipc::writer::FileWriter;
+    use std::sync::Arc;
+
+    /// A file with words by views, as polars writes them, and with columns that are left out.
+    fn file() -> Vec<u8> {
+        let words = || StringViewArray::from(vec!["stone", "a word of more than twelve letters", ""]);
+        let mut lists = ListBuilder::new(Float64Builder::new());
+        [vec![1.0], vec![], vec![2.0, 3.0]].into_iter().for_each(|own| {
+            lists.values().append_slice(&own);
+            lists.append(true);
+        });
+        let kinds = DictionaryArray::new(UInt32Array::from(vec![1, 0, 1]), Arc::new(words()));
+        let columns: Vec<(&str, ArrayRef)> = vec![
+            ("when", Arc::new(TimestampMicrosecondArray::from(vec![1, 2, 3]))),
+            ("name", Arc::new(words())),
+            ("all", Arc::new(lists.finish())),
+            ("kind", Arc::new(kinds)),
+            ("x", Arc::new(Float64Array::from(vec![0.5, 1.5, 2.5]))),
+        ];
+        let batch = RecordBatch::try_from_iter(columns).unwrap();
+        let mut writer = FileWriter::try_new(vec![], &batch.schema()).unwrap();
+        writer.write(&batch).unwrap();
+        writer.into_inner().unwrap()
+    }
+
+    #[test]
+    fn words_by_views_are_read_and_lists_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.arrow");
+        let whole = file();
+        std::fs::write(&path, &whole).unwrap();
+        let own = crate::arrow::read_table(&path, 0).unwrap();
+        assert_eq!(own.names(), ["name", "kind", "x"]);
+        let texts = |name: &str| [0, 1, 2].map(|row| own.column(name).unwrap().text(row));
+        assert_eq!(texts("name"), ["stone", "a word of more than twelve letters", ""]);
+        assert_eq!(
+            texts("kind"),
+            ["a word of more than twelve letters", "stone", "a word of more than twelve letters"]
+        );
+        assert_eq!(own.column("x"), Some(&Column::F64(vec![0.5, 1.5, 2.5])));
+        // Any byte may be another.
+        for at in 0..whole.len() {
+            for wrong in [0, 0xff, whole[at] ^ 1, whole[at] ^ 0x40] {
+                let mut bytes = whole.clone();
+                bytes[at] = wrong;
+                std::fs::write(&path, &bytes).unwrap();
+                let _ = crate::arrow::read_table(&path, 0);
+            }
+        }
+    }
+}

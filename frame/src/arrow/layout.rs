@@ -15,24 +15,31 @@ const MAGIC: &[u8] = b"ARROW1";
 
 /// Check the layout of a file; an error says what is wrong.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
-    check_all(bytes, &width, &|batch, body, widths| columns(batch, body, widths), &dictionary)
+    let width = |field: &Field<'_>| width(field).map(|width| vec![width]);
+    check_all(bytes, &width, &|batch, body, widths| columns(batch, body, widths), &|batch, _, body| {
+        dictionary(batch, body)
+    })
 }
 
 /// Check the layout of a file of another program, which may have columns of more types, and be compressed.
 pub(super) fn check_table(bytes: &[u8]) -> Result<(), String> {
-    check_all(bytes, &shape, &any_columns, &|batch, body| {
+    check_all(bytes, &shapes, &any_columns, &|batch, kind, body| {
         let batch = batch.data().ok_or("a dictionary has no words")?;
         // Their offsets are checked where they are decoded.
-        any_columns(&batch, body, &[Shape::new(32, 3)])
+        let words = if kind == Some(Type::Utf8View) { Shape::views() } else { Shape::new(32, 3) };
+        any_columns(&batch, body, &[words])
     })
 }
 
-/// Check the layout of a file, its columns and its dictionaries; `of` tells what is to be known of a column.
+/// What checks a dictionary: its batch, the type of the words that it is for, and its body.
+type CheckDictionary<'a> = &'a dyn Fn(&DictionaryBatch<'_>, Option<Type>, &[u8]) -> Result<(), String>;
+
+/// Check the layout of a file, its columns and its dictionaries; `of` tells what is to be known of a column and of those within it.
 fn check_all<T>(
     bytes: &[u8],
-    of: &dyn Fn(&Field<'_>) -> Result<T, String>,
+    of: &dyn Fn(&Field<'_>) -> Result<Vec<T>, String>,
     columns: &dyn Fn(&RecordBatch<'_>, &[u8], &[T]) -> Result<(), String>,
-    dictionary: &dyn Fn(&DictionaryBatch<'_>, &[u8]) -> Result<(), String>,
+    dictionary: CheckDictionary<'_>,
 ) -> Result<(), String> {
     let footer = footer(bytes)?;
     let schema = footer.schema().ok_or("it has no schema")?;
@@ -46,10 +53,12 @@ fn check_all<T>(
     }
     let fields = schema.fields().ok_or("it has no columns")?;
     let widths = fields.iter().map(|field| of(&field)).collect::<Result<Vec<_>, _>>()?;
+    let widths: Vec<T> = widths.into_iter().flatten().collect();
     for block in footer.dictionaries().into_iter().flatten() {
         let (message, body) = message(bytes, block)?;
         let batch = message.header_as_dictionary_batch().ok_or("a dictionary is none")?;
-        dictionary(&batch, body)?;
+        let is_its = |field: &Field<'_>| field.dictionary().is_some_and(|own| own.id() == batch.id());
+        dictionary(&batch, fields.iter().find(is_its).map(|field| field.type_type()), body)?;
     }
     for block in footer.recordBatches().ok_or("it has no rows")? {
         let (message, body) = message(bytes, block)?;
@@ -180,12 +189,38 @@ struct Shape {
     buffers: usize,
     /// Whether there are further buffers with letters, which each batch counts: words by views.
     has_views: bool,
+    /// Whether there is a value more than rows: where each ends, and the first begins.
+    has_offsets: bool,
+    /// Whether it is within another column, and has a number of rows of its own.
+    is_within: bool,
 }
 
 impl Shape {
     fn new(bits: usize, buffers: usize) -> Shape {
-        Shape { bits, buffers, has_views: false }
+        Shape { bits, buffers, has_views: false, has_offsets: buffers == 3, is_within: false }
     }
+
+    /// Words by views.
+    fn views() -> Shape {
+        Shape { has_views: true, ..Shape::new(128, 2) }
+    }
+}
+
+/// The shapes of a column and of those within it, which are left out with it.
+fn shapes(field: &Field<'_>) -> Result<Vec<Shape>, String> {
+    /// Columns within each other.
+    const DEEPEST: usize = 8;
+    fn add(field: &Field<'_>, depth: usize, all: &mut Vec<Shape>) -> Result<(), String> {
+        let own = shape(field)?;
+        if depth > DEEPEST {
+            return Err("it has columns too deep within each other".into());
+        }
+        all.push(Shape { is_within: depth > 0, ..own });
+        field.children().into_iter().flatten().try_for_each(|child| add(&child, depth + 1, all))
+    }
+    let mut all = vec![];
+    add(field, 0, &mut all)?;
+    Ok(all)
 }
 
 /// The shape of a column.
@@ -194,17 +229,30 @@ fn shape(field: &Field<'_>) -> Result<Shape, String> {
     if field.custom_metadata().into_iter().flatten().any(|note| note.key().is_none() || note.value().is_none()) {
         return Err(refuse());
     }
-    if field.name().is_none() || field.children().is_some_and(|children| !children.is_empty()) {
+    if field.name().is_none() {
         return Err(refuse());
     }
+    // The decoder takes the type of the codes for granted.
+    let code = match field.dictionary() {
+        None => None,
+        Some(own) => Some(own.indexType().ok_or_else(refuse)?.bitWidth()),
+    };
+    let n_children = field.children().map_or(0, |children| children.len());
+    match (field.type_type(), n_children) {
+        (_, 1..) if code.is_some() => return Err(refuse()),
+        (Type::List, 1) => return Ok(Shape { has_offsets: true, ..Shape::new(32, 2) }),
+        (Type::LargeList, 1) => return Ok(Shape { has_offsets: true, ..Shape::new(64, 2) }),
+        (Type::FixedSizeList, 1) if field.type_as_fixed_size_list().is_some() => return Ok(Shape::new(0, 1)),
+        (Type::Struct_, 1..) => return Ok(Shape::new(0, 1)),
+        (_, 0) => {}
+        _ => return Err(refuse()),
+    }
     let bits = |bits: i32| usize::try_from(bits).ok().filter(|bits| [8, 16, 32, 64].contains(bits)).ok_or_else(refuse);
-    let code = field.dictionary().map(|d| d.indexType().map_or(32, |int| int.bitWidth()));
-    let unit = |unit| if matches!(unit, TimeUnit::SECOND | TimeUnit::MILLISECOND) { 32 } else { 64 };
     Ok(match (field.type_type(), code) {
         (Type::Utf8 | Type::LargeUtf8 | Type::Utf8View, Some(code)) => Shape::new(bits(code)?, 2),
         (Type::Utf8, None) => Shape::new(32, 3),
         (Type::LargeUtf8, None) => Shape::new(64, 3),
-        (Type::Utf8View, None) => Shape { has_views: true, ..Shape::new(128, 2) },
+        (Type::Utf8View, None) => Shape::views(),
         (Type::Bool, None) => Shape::new(1, 2),
         (Type::Int, None) => Shape::new(bits(field.type_as_int().ok_or_else(refuse)?.bitWidth())?, 2),
         (Type::FloatingPoint, None) => match field.type_as_floating_point().map(|x| x.precision()) {
@@ -214,14 +262,30 @@ fn shape(field: &Field<'_>) -> Result<Shape, String> {
             _ => return Err(refuse()),
         },
         // Those that are left out.
-        (Type::Timestamp | Type::Duration, None) => Shape::new(64, 2),
-        (Type::Date, None) => match field.type_as_date().map(|date| date.unit()) {
-            Some(DateUnit::DAY) => Shape::new(32, 2),
-            _ => Shape::new(64, 2),
-        },
-        (Type::Time, None) => Shape::new(unit(field.type_as_time().ok_or_else(refuse)?.unit()), 2),
+        (Type::Timestamp | Type::Duration | Type::Date | Type::Time, None) => {
+            Shape::new(time_bits(field).ok_or_else(refuse)?, 2)
+        }
         _ => return Err(refuse()),
     })
+}
+
+/// Bits of a time or a date, of the units that the format has; none of any other.
+fn time_bits(field: &Field<'_>) -> Option<usize> {
+    let is_known = |unit: TimeUnit| unit.variant_name().is_some();
+    if let Some(date) = field.type_as_date() {
+        return match date.unit() {
+            DateUnit::DAY => Some(32),
+            DateUnit::MILLISECOND => Some(64),
+            _ => None,
+        };
+    }
+    if let Some(time) = field.type_as_time() {
+        let is_short = matches!(time.unit(), TimeUnit::SECOND | TimeUnit::MILLISECOND);
+        let bits = if is_short { 32 } else { 64 };
+        return (is_known(time.unit()) && time.bitWidth() == bits).then_some(bits as usize);
+    }
+    let unit = field.type_as_timestamp().map(|own| own.unit()).or(field.type_as_duration().map(|own| own.unit()));
+    unit.filter(|unit| is_known(*unit)).map(|_| 64)
 }
 
 /// Check the columns of a batch, which may be compressed.
@@ -262,22 +326,21 @@ fn any_columns(batch: &RecordBatch<'_>, body: &[u8], shapes: &[Shape]) -> Result
         room = room.checked_sub(length as u64)?;
         (length <= bytes.len().saturating_mul(most.unwrap_or(1))).then_some(length)
     };
-    let rows = usize::try_from(batch.length()).unwrap_or(usize::MAX);
+    let of_batch = usize::try_from(batch.length()).unwrap_or(usize::MAX);
     let mut first = 0;
     for (k, shape) in shapes.iter().enumerate() {
+        let own = usize::try_from(nodes.get(k).length()).unwrap_or(usize::MAX);
+        let rows = if shape.is_within { own } else { of_batch };
         let n_own = shape.buffers + further[k];
         let lengths = (first..first + n_own).map(&mut length).collect::<Option<Vec<_>>>();
         let lengths = lengths.ok_or("a part of it is outside of the file, or larger than it can be")?;
         first += n_own;
-        let n_offsets = usize::from(shape.buffers == 3 && rows > 0);
+        let n_offsets = usize::from(shape.has_offsets && rows > 0);
         let needed = rows.checked_add(n_offsets).and_then(|n| n.checked_mul(shape.bits)).map(|bits| bits.div_ceil(8));
         let has_marks = lengths[0] >= rows.div_ceil(8) || lengths[0] == 0 && nodes.get(k).null_count() == 0;
-        let is_whole = shape.bits < 8 || lengths[1].is_multiple_of(shape.bits / 8);
-        if usize::try_from(nodes.get(k).length()) != Ok(rows)
-            || !has_marks
-            || !is_whole
-            || needed.is_none_or(|needed| lengths[1] < needed)
-        {
+        let values = lengths.get(1).copied().unwrap_or(0);
+        let is_whole = shape.bits < 8 || values.is_multiple_of(shape.bits / 8);
+        if own != rows || !has_marks || !is_whole || needed.is_none_or(|needed| values < needed) {
             return Err("its columns are not of one length".into());
         }
     }
