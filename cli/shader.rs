@@ -8,16 +8,20 @@ use std::sync::Arc;
 
 /// Run `scree shader`.
 pub fn run(job: ShaderJob) -> Outcome {
-    let mut last_exit = None;
+    let (mut last_exit, mut described) = (None, vec![]);
     for shader in job.shaders {
         match shader.and_then(|shader| compile(&shader)) {
             Ok(program) if job.ir => print!("{program}"),
+            Ok(program) if job.json => described.push(as_json(program)),
             Ok(program) => print(program),
             Err(failure) => {
                 eprintln!("error: {failure}");
                 last_exit = Some(failure.exit);
             }
         }
+    }
+    if job.json {
+        println!("{}", serde_json::Value::from(described));
     }
     match last_exit {
         None => Ok(()),
@@ -28,6 +32,25 @@ pub fn run(job: ShaderJob) -> Outcome {
 /// Compile a shader.
 pub fn compile(shader: &ShaderFile) -> Outcome<Program> {
     Ok(render::sl::compile_with(&shader.path, &shader.text, &|name, from| shader.files.include(name, from))?)
+}
+
+/// A shader for programs: a default is a text, a number, or a list of the numbers.
+fn as_json(program: Program) -> serde_json::Value {
+    let (kind, name) = (program.kind.name(), program.name.clone());
+    let bound = BoundShader::new(Arc::new(program), vec![], vec![], &Lights(vec![]));
+    let parameters = bound.program.params.iter().map(|p| {
+        let default = match bound.parameter(&p.name) {
+            Some(Answer::Text(text)) => serde_json::json!(text),
+            Some(Answer::Numbers(v)) if v.len() == 1 => serde_json::json!(v[0]),
+            Some(Answer::Numbers(v)) => serde_json::json!(v),
+            None => serde_json::Value::Null,
+        };
+        serde_json::json!({
+            "name": p.name, "type": if p.kind == Kind::Text { "string" } else { p.kind.name() }, "array": p.array,
+            "varying": p.varying, "output": p.output, "default": default,
+        })
+    });
+    serde_json::json!({"kind": kind, "name": name, "parameters": parameters.collect::<Vec<_>>()})
 }
 
 fn print(program: Program) {

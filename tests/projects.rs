@@ -80,6 +80,13 @@ fn commands_that_report_speak_json() {
     answer.fails(5);
     assert_eq!(json(answer.said())["not_done"][0]["what"], "frame 1");
 
+    let shaders = json(scree(&["shader", "matte", "gravel", "--json"]).ok());
+    let first = &shaders[0]["parameters"][0];
+    assert_eq!(
+        (&shaders[0]["kind"], &first["name"], &first["type"]),
+        (&"surface".into(), &"Ka".into(), &"float".into())
+    );
+    assert!(first["default"].as_f64().is_some() && shaders.as_array().unwrap().len() == 2, "{shaders}");
     let machine = json(scree(&["doctor", "--json", work.path().to_str().unwrap()]).ok());
     assert!(
         machine["processors"].as_u64() > Some(0) && machine["output"]["free_bytes"].as_u64() > Some(0),

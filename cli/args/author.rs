@@ -66,6 +66,9 @@ pub struct ShaderArgs {
     /// Print the compiler's intermediate representation instead.
     #[arg(long)]
     pub ir: bool,
+    /// Print JSON: of each shader its kind, its name and its parameters.
+    #[arg(long, conflicts_with = "ir")]
+    pub json: bool,
 }
 
 /// Projects to start from.

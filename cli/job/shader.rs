@@ -13,6 +13,8 @@ pub struct ShaderJob {
     pub shaders: Vec<Outcome<ShaderFile>>,
     /// Whether their intermediate representation is printed.
     pub ir: bool,
+    /// Whether JSON is printed.
+    pub json: bool,
 }
 
 /// The text of a shader.
@@ -28,7 +30,7 @@ pub struct ShaderFile {
 impl ShaderJob {
     /// Check the arguments: find the shaders.
     pub fn check(args: ShaderArgs) -> Outcome<ShaderJob> {
-        Ok(ShaderJob { shaders: args.files.iter().map(|path| find(path)).collect(), ir: args.ir })
+        Ok(ShaderJob { shaders: args.files.iter().map(|path| find(path)).collect(), ir: args.ir, json: args.json })
     }
 }
 
