@@ -63,6 +63,7 @@ pub struct Workspace {
     gamma: Vec<DVec3>,
     offset: Vec<f64>,
     offset_without_slip: Vec<f64>,
+    last_slip: Vec<f64>,
     eta: Vec<f64>,
     iterates: Iterates,
     sweeps: Sweeps,
@@ -109,6 +110,8 @@ pub fn run(
         offset: if has_offsets { Offset::Column(&mut work.offset) } else { Offset::OfGap },
         recovery: Recovery::of(model),
         offset_without_slip: &work.offset_without_slip,
+        last_slip: &work.last_slip,
+        least_slip: model.gravity.length() * model.step * std::env::var("LEAST").map_or(1.0, |x| x.parse().unwrap()),
         eta: &work.eta,
         envelope: model.envelope,
     };
@@ -175,10 +178,16 @@ impl Workspace {
             if restitution > 0.0 && closes { opening.min(restitution * speed) } else { opening }
         });
         for (k, row) in limits.iter().enumerate() {
-            offset[n + k] = recovery.rate(row.psi);
+            offset[n + k] = recovery.limit_rate(row.psi);
         }
         if has_slip_feedback {
             self.offset_without_slip.clone_from(offset);
+            self.last_slip.clear();
+            self.last_slip.resize(n, 0.0);
+            fill_rows(&mut self.last_slip, |i| {
+                let (v, normal) = (contacts.velocity(i, |b| state.twist(b)), contacts.normal[i]);
+                model.laws[contacts.law[i] as usize].friction * (v - normal * v.dot(normal)).length()
+            });
         }
         true
     }

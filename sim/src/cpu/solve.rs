@@ -62,7 +62,7 @@ pub fn solve(
     op.response(gamma, response);
     match settings.friction {
         FrictionLaw::Relaxed => {
-            scale::scale(op, gamma, response, work);
+            scale::scale(op, settings.max_iterations(gamma.len()), gamma, response, work);
             method::run(op, settings, gamma, response, work)
         }
         FrictionLaw::Exact => exact::run(op, settings, gamma, response, work),

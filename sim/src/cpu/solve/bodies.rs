@@ -69,7 +69,10 @@ impl Offset<'_> {
     }
 }
 
-/// The rate of gaps: closing of open gaps, and recovery of overlaps at a bounded speed.
+/// The rate of gaps: closing of open gaps within the step, and recovery of overlaps by a share at a bounded speed.
+///
+/// An overlap that is recovered adds to the bodies' momentum. Let a solve leave the share 1 − ε of the error of a slow mode, as of a deep
+/// bed; the mode then oscillates from step to step, and grows where more than about 2 ε of the overlap are recovered in each step.
 #[derive(Clone, Copy)]
 pub struct Recovery {
     /// Step size h, s.
@@ -79,15 +82,29 @@ pub struct Recovery {
 }
 
 impl Recovery {
+    /// Share of an overlap that is recovered in a step.
+    pub const SHARE: f64 = 1.0 / 32.0;
+
     /// The recovery of a model.
     pub fn of(model: &Model) -> Recovery {
         Recovery { step: model.step, speed: model.solver.recovery_speed }
     }
 
-    /// Φ/h, at least minus the maximum speed of recovery, m/s.
+    /// Φ/h of an open gap; for an overlap its share, at least minus the maximum speed of recovery, m/s.
     #[inline]
     pub fn rate(&self, gap: f64) -> f64 {
-        let rate = gap / self.step;
+        self.bounded(if gap <= 0.0 { gap * Self::SHARE } else { gap })
+    }
+
+    /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s: joints are solved to round-off.
+    #[inline]
+    pub fn limit_rate(&self, gap: f64) -> f64 {
+        self.bounded(gap)
+    }
+
+    #[inline]
+    fn bounded(&self, change: f64) -> f64 {
+        let rate = change / self.step;
         if rate <= -self.speed { -self.speed } else { rate }
     }
 }
@@ -114,6 +131,10 @@ pub struct BodyOperator<'a> {
     pub recovery: Recovery,
     /// The offset without slip feedback (n_contacts + n_limits; empty for the relaxed law).
     pub offset_without_slip: &'a [f64],
+    /// Slip over μ below which none is fed back: the speed of one step of free fall, m/s.
+    pub least_slip: f64,
+    /// The slip μ |v_t| of the contacts at the velocities of the step's start, m/s (n_contacts; empty for the relaxed law).
+    pub last_slip: &'a [f64],
     /// η (n_blocks; empty for sweeps over spheres, which do not use it).
     pub eta: &'a [f64],
     /// Envelope δ, m: the range of cohesion.

@@ -166,6 +166,16 @@ impl Operator for BodyOperator<'_> {
         }
     }
 
+    fn last_slip(&self) -> Option<Vec<f64>> {
+        let mut slip = self.last_slip.to_vec();
+        slip.resize(self.n_blocks(), 0.0);
+        Some(slip)
+    }
+
+    fn least_slip(&self, i: usize) -> f64 {
+        self.least_slip * self.friction(i).0
+    }
+
     fn set_slip_feedback(&mut self, slip: &[f64]) {
         let Offset::Column(offset) = &mut self.offset else { unreachable!("exact friction has a column of offsets") };
         for i in 0..self.contacts.len() {

@@ -69,6 +69,14 @@ pub trait Operator: Sync {
     }
     /// The coefficient of friction of a block, and its normal; (0, 0) where it has none.
     fn friction(&self, block: usize) -> (f64, DVec3);
+    /// The slip `μ |v_t|` of every block in the last step, if there was one, m/s.
+    fn last_slip(&self) -> Option<Vec<f64>> {
+        None
+    }
+    /// Slip of a block below which none is fed back, m/s.
+    fn least_slip(&self, _block: usize) -> f64 {
+        0.0
+    }
     /// Set the slip feedback `μ |v_t|` in the gap's rate of every block (exact friction), m/s.
     fn set_slip_feedback(&mut self, slip: &[f64]);
 }
