@@ -116,6 +116,21 @@ impl Contacts {
         }
     }
 
+    /// Add contact `i` of other contacts, between the bodies, with the key and the law of this model, its impulses times `factor`. The
+    /// arms are vectors.
+    pub fn carry(&mut self, from: &Contacts, i: usize, bodies: [u32; 2], key: [u32; 3], law: u32, factor: f64) {
+        self.bodies.push(bodies);
+        self.key.push(key);
+        self.pair.push(NO_SPHERE_PAIR);
+        self.normal.push(from.normal[i]);
+        let Arms::Any(arms) = &mut self.arms else { unreachable!("carried contacts have arms as vectors") };
+        arms.push(from.arms(i));
+        self.gap.push(from.gap[i]);
+        self.law.push(law);
+        self.impulse.push(from.impulse[i] * factor);
+        self.rolling_impulse.push(from.rolling_impulse.get(i).map_or(DVec3::ZERO, |roll| *roll * factor));
+    }
+
     /// Number of contacts.
     pub fn len(&self) -> usize {
         self.bodies.len()

@@ -11,6 +11,7 @@ mod contact_rows;
 mod contact_solve;
 mod contact_write;
 mod force;
+mod geometric_stiffness;
 mod integrate;
 mod joint_write;
 pub(crate) mod masses;
@@ -32,6 +33,7 @@ use bin_emit::Bins;
 use masses::Masses;
 use pair_write::Pairs;
 use solve::joints::Joints;
+use solve::overlaps::Displacement;
 use solve::response::Response;
 
 /// The CPU back end, with the columns between its stages that are not in the state.
@@ -53,6 +55,7 @@ pub struct Cpu {
     joints: Joints,
     limits: Vec<Row>,
     response: Response,
+    displacement: Displacement,
     solver: contact_solve::Workspace,
     outcome: StepOutcome,
 }
@@ -90,13 +93,13 @@ impl Backend for Cpu {
                     limits: &mut self.limits,
                     free: &mut self.free,
                 };
-                joint_write::run(model, state, &self.masses, out);
+                joint_write::run(model, state, &mut self.masses, out);
             }
             Stage::ContactSolve => self.contact_solve(model, plan, state),
             Stage::Integrate => {
                 let Cpu { joint_start, joints, response, outcome, .. } = self;
                 joint_write::record(model, state, joint_start, &joints.rows, response, outcome);
-                integrate::run(model, &self.response.twist, state);
+                integrate::run(model, &self.response.twist, &self.displacement.twist, state);
             }
         }
         true
@@ -164,6 +167,7 @@ impl Cpu {
             joints: &mut self.joints,
             limits: &self.limits,
             response: &mut self.response,
+            displacement: &mut self.displacement,
         };
         *self.solver.step_length() = state.step_length;
         (self.outcome.solver, self.outcome.worst) =

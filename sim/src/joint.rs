@@ -201,6 +201,11 @@ impl Frames {
         (force, torque)
     }
 
+    /// From the centres of mass of A and B to the frames' origins, m.
+    pub fn arms(&self) -> [DVec3; 2] {
+        self.arm
+    }
+
     /// From the origin of A's frame to that of B's, m.
     fn offset(&self) -> DVec3 {
         self.b.position - self.a.position

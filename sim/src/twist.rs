@@ -25,6 +25,12 @@ impl Twist {
         Twist { v: self.v - other.v, w: self.w - other.w }
     }
 
+    /// The product with a number.
+    #[inline(always)]
+    pub fn times(&self, factor: f64) -> Twist {
+        Twist { v: self.v * factor, w: self.w * factor }
+    }
+
     /// The extrapolation `self + β (self − from)`.
     #[inline(always)]
     pub fn beyond(&self, from: &Twist, beta: f64) -> Twist {

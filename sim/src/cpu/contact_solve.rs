@@ -18,6 +18,7 @@
 //! inout  impulse           [n_contacts]   N s, world: the starting point, then the solution
 //! inout  rolling_impulse   [n_contacts]   N m s, world
 //! out    motion            [n_bodies]     m/s and rad/s, world
+//! out    displacement      [n_bodies]     m/s and rad/s, world: the recovery of overlaps, over h; empty where nothing overlaps
 //! out    joint_impulse     [n_rows]       N s, N m s
 //!
 //! Per contact, with its normal n and b = (Φ/h) n: minimise ½ γᵀNγ + rᵀγ over γ in the cone |γ_t| ≤ μ γ_n, with
@@ -28,6 +29,7 @@ use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
+use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::worst_block;
 use super::solve::response::Response;
 use super::solve::sphere_sweeps::{self, Sweeps};
@@ -55,6 +57,8 @@ pub struct Columns<'a> {
     pub limits: &'a [Row],
     /// Velocities with contacts and joints, and the joints' multipliers.
     pub response: &'a mut Response,
+    /// Recovery of overlaps.
+    pub displacement: &'a mut Displacement,
 }
 
 /// The stage's own columns, which keep their memory from step to step.
@@ -76,7 +80,7 @@ pub fn run(
     plan: &StepPlan,
     state: &State,
     contacts: &mut Contacts,
-    Columns { masses, free, joints, limits, response }: Columns,
+    Columns { masses, free, joints, limits, response, displacement }: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
@@ -123,6 +127,7 @@ pub fn run(
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
+    overlaps::recover(&mut op, &gamma, response, displacement);
     if has_other_blocks {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if plan.rolls {

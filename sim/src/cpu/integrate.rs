@@ -1,5 +1,6 @@
 //! Integrate the poses of the bodies with their new velocities.
 //! in     motion            [n_bodies]  m/s and rad/s, world
+//! in     displacement      [n_bodies]  m/s and rad/s, world: moves the poses alone; empty where nothing overlaps
 //! in     joint_start       [n_joints + 1]
 //! in     joint_row         [n_rows]
 //! in     joint_impulse     [n_rows]    N s, N m s: joint states are recorded before the poses change
@@ -20,7 +21,7 @@ use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 /// The stage.
-pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
+pub fn run(model: &Model, motion: &[Twist], displacement: &[Twist], state: &mut State) {
     let (h, activity) = (model.step, &state.activity);
     let columns = (
         state.position.par_chunks_mut(CHUNK),
@@ -46,6 +47,10 @@ pub fn run(model: &Model, motion: &[Twist], state: &mut State) {
             } else {
                 tumble(before, w, inverse, h)
             };
+            if let Some(moved) = displacement.get(b) {
+                position[k] += moved.v * h;
+                orientation[k] = (rotation(moved.w * h) * orientation[k]).normalize();
+            }
         }
     });
     state.steps += 1;

@@ -1,14 +1,15 @@
 //! Write the rows of joints, motors and springs, and of the limits that may be met in the step.
 //! in     position     [n_bodies]      m
 //! in     orientation  [n_bodies]
-//! in     tensor       [n_tensors]
 //! out    joint_start  [n_joints + 1]  first row of each joint, and of the springs
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
 //! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
 //! out    limit        [n_limits]
-//! inout  free         [n_bodies]      explicit springs act on it
+//! inout  tensor       [n_tensors]     geometric stiffness is added
+//! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
+use super::geometric_stiffness::Stiffness;
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
@@ -34,7 +35,7 @@ pub struct Output<'a> {
 }
 
 /// The stage. Joints with an inactive body do not act yet.
-pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints, limits, free }: Output) {
+pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, joints, limits, free }: Output) {
     let h = model.step;
     let end = state.time + h;
     start.clear();
@@ -44,6 +45,7 @@ pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints
     let present = |bodies: [u32; 2]| {
         !bodies.iter().any(|b| state.is_inactive(*b as usize)) && bodies.iter().any(|b| state.moves(*b as usize))
     };
+    let mut stiffness = Stiffness::default();
     for (i, joint) in model.joints.iter().enumerate() {
         let first = joints.rows.len();
         start.push(first as u32);
@@ -51,6 +53,7 @@ pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints
             continue;
         }
         let f = state.joint_frames(joint);
+        stiffness.add(joint, &f, state.joints[i].force_world);
         joint.rows(&f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
@@ -73,6 +76,7 @@ pub fn run(model: &Model, state: &State, masses: &Masses, Output { start, joints
         }
     }
     start.push(joints.rows.len() as u32);
+    stiffness.apply(model, state, h, masses, free, joints);
     for (i, spring) in model.springs.iter().enumerate() {
         if !spring.acts(state.time) || !present(spring.bodies) {
             continue;

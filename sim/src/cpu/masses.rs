@@ -15,6 +15,8 @@ pub struct Masses {
     /// Reciprocal moments of inertia of bodies with isotropic inertia, 1/(kg m²); 0 for the others (n_bodies).
     pub inv_moment: Vec<f64>,
     tensors: InertiaTensors,
+    /// Bodies with isotropic inertia that were stiffened in this step, and their reciprocal moments before, 1/(kg m²).
+    stiffened: Vec<(usize, f64)>,
 }
 
 /// The inertia tensors of bodies with anisotropic inertia.
@@ -37,6 +39,7 @@ impl Masses {
         self.inv_mass.clear();
         self.inv_mass.extend((0..n).map(|b| if state.moves(b) { model.inv_mass[b] } else { 0.0 }));
         let isotropic = |b: usize| !state.moves(b) || is_isotropic(model.inv_inertia[b]);
+        self.stiffened.clear();
         self.inv_moment.clear();
         self.inv_moment
             .extend((0..n).map(|b| if state.moves(b) && isotropic(b) { model.inv_inertia[b].x } else { 0.0 }));
@@ -51,10 +54,34 @@ impl Masses {
 
     /// Rotate the inertia tensors to the bodies' orientations.
     pub fn rotate(&mut self, model: &Model, state: &State) {
+        for (b, inv_moment) in self.stiffened.drain(..) {
+            self.inv_moment[b] = inv_moment;
+        }
         let InertiaTensors::Some { slot, tensor } = &mut self.tensors else { return };
         for (b, slot) in slot.iter().enumerate().filter(|(_, s)| **s != ISOTROPIC) {
             let of = |inv_inertia: DVec3| world_inv_inertia(state.orientation[b], inv_inertia);
             tensor[*slot as usize] = [of(model.inv_inertia[b]), of(model.inv_inertia[b].recip())];
+        }
+    }
+
+    /// Add to the inertia of a body, kg m², for this step, so that it resists its rotation at the step's end; isotropic inertia stays
+    /// isotropic. Returns the angular velocity, rad/s, that the angular momentum of `w` then gives it.
+    pub fn stiffen(&mut self, body: usize, added: DMat3, w: DVec3) -> DVec3 {
+        match &mut self.tensors {
+            InertiaTensors::Some { slot, tensor } if slot[body] != ISOTROPIC => {
+                let [inverse, inertia] = &mut tensor[slot[body] as usize];
+                let momentum = *inertia * w;
+                *inertia += added;
+                *inverse = inertia.inverse();
+                *inverse * momentum
+            }
+            _ => {
+                let before = self.inv_moment[body];
+                let greatest = crate::geometry::principal(added).0.max_element();
+                self.stiffened.push((body, before));
+                self.inv_moment[body] = 1.0 / (1.0 / before + greatest);
+                w * (self.inv_moment[body] / before)
+            }
         }
     }
 

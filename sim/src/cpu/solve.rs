@@ -21,6 +21,7 @@ pub mod joints;
 mod ldl;
 mod method;
 pub mod operator;
+pub mod overlaps;
 pub mod residual;
 pub mod response;
 mod scale;

@@ -11,6 +11,7 @@ use super::shape::{self, Shape, direction, finite, not_negative, orientation, po
 use super::types::*;
 use super::{Probes, Resolved};
 use crate::checkpoint;
+use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
 use crate::joint::{Joint, JointKind, JointState, Motor, Spring};
 use crate::load::{Function, Load};

@@ -69,43 +69,41 @@ impl Offset<'_> {
     }
 }
 
-/// The rate of gaps: closing of open gaps within the step, and recovery of overlaps by a share at a bounded speed.
-///
-/// An overlap that is recovered adds to the bodies' momentum. Let a solve leave the share 1 − ε of the error of a slow mode, as of a deep
-/// bed; the mode then oscillates from step to step, and grows where more than about 2 ε of the overlap are recovered in each step.
+/// The rate of gaps: open gaps close within the step; overlaps are recovered apart from the velocities, at a bounded speed
+/// ([`super::overlaps`]).
 #[derive(Clone, Copy)]
 pub struct Recovery {
     /// Step size h, s.
     pub step: f64,
     /// Maximum speed of recovery, m/s.
     pub speed: f64,
+    /// Overlap that is left as it is, m: a tenth of what gravity moves a body in a step.
+    pub least: f64,
 }
 
 impl Recovery {
-    /// Share of an overlap that is recovered in a step.
-    pub const SHARE: f64 = 1.0 / 32.0;
-
     /// The recovery of a model.
     pub fn of(model: &Model) -> Recovery {
-        Recovery { step: model.step, speed: model.solver.recovery_speed }
+        let h = model.step;
+        Recovery { step: h, speed: model.solver.recovery_speed, least: 0.1 * model.gravity.length() * h * h }
     }
 
-    /// Φ/h of an open gap; for an overlap its share, at least minus the maximum speed of recovery, m/s.
+    /// Φ/h of an open gap, m/s; 0 for an overlap.
     #[inline]
     pub fn rate(&self, gap: f64) -> f64 {
-        self.bounded(if gap <= 0.0 { gap * Self::SHARE } else { gap })
+        if gap <= 0.0 { 0.0 } else { gap / self.step }
     }
 
-    /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s: joints are solved to round-off.
+    /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s.
     #[inline]
     pub fn limit_rate(&self, gap: f64) -> f64 {
-        self.bounded(gap)
+        (gap / self.step).max(-self.speed)
     }
 
+    /// Speed at which what is left of an overlap after the step, in which it changes at `speed`, is recovered, m/s.
     #[inline]
-    fn bounded(&self, change: f64) -> f64 {
-        let rate = change / self.step;
-        if rate <= -self.speed { -self.speed } else { rate }
+    pub fn overlap_speed(&self, gap: f64, speed: f64) -> f64 {
+        (-(gap + self.least) / self.step - speed).clamp(0.0, self.speed)
     }
 }
 

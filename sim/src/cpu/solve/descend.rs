@@ -2,7 +2,7 @@
 //!
 //! Contacts without cohesion go four at a time through lanes; the order of the sums is the same on all machines.
 
-use super::bodies::{BodyOperator, Recovery};
+use super::bodies::BodyOperator;
 use super::cells::Cells;
 use super::operator::any;
 use super::response::Extrapolated;
@@ -84,7 +84,7 @@ fn run<V: Lanes4, const SPHERES: bool>(Chunk { op, first, next, from, step, sums
     };
     let (gap, eta) = (&c.gap[range.clone()], &op.eta[range.clone()]);
     let offset = op.offset.column(range.clone());
-    let [h, slowest, share] = [op.recovery.step, -op.recovery.speed, Recovery::SHARE].map(V::splat);
+    let (h, zero) = (V::splat(op.recovery.step), V::splat(0.0));
     let (x, previous) = (&from.x[range.clone()], &from.previous[range]);
     let twist = &from.response.twist[..];
     let (beta, step_v) = (V::splat(from.beta), V::splat(step));
@@ -101,8 +101,7 @@ fn run<V: Lanes4, const SPHERES: bool>(Chunk { op, first, next, from, step, sums
             Some(offset) => V::load(four(offset, k)),
             None => {
                 let gap = V::load(four(gap, k));
-                let rate = gap.select_le(V::splat(0.0), gap * share, gap) / h;
-                rate.select_le(slowest, slowest, rate)
+                gap.select_le(zero, zero, gap) / h
             }
         };
         let rotational = if SPHERES {

@@ -66,6 +66,8 @@ pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<
 fn fill_rows_in_place(slip: &mut [f64], op: &impl Operator) {
     for (i, s) in slip.iter_mut().enumerate() {
         let least = op.least_slip(i);
-        if *s < 2.0 * least { *s *= ((*s - least) / least).max(0.0); }
+        if *s < 2.0 * least {
+            *s *= ((*s - least) / least).max(0.0);
+        }
     }
 }

@@ -54,7 +54,9 @@ impl Builder<'_> {
         for (name, b) in other_model.body_names.iter().filter(|(_, b)| id[**b as usize] != u32::MAX) {
             self.model.body_names.insert(name.clone(), id[*b as usize]);
         }
+        let mut shape_id = vec![u32::MAX; other_model.n_shapes()];
         for s in (0..other_model.n_shapes()).filter(|s| id[other_model.shape_body[*s] as usize] != u32::MAX) {
+            shape_id[s] = self.model.n_shapes() as u32;
             let (kind, part) = (other_model.shape_kind[s], other_model.shape_part[s] as usize);
             let material = &other_model.material_names[other_model.shape_material[s] as usize];
             let group =
@@ -69,6 +71,8 @@ impl Builder<'_> {
             let new = NewShape { shape, pose: other_model.shape_pose[s], material, density, group };
             self.add_shape(id[other_model.shape_body[s] as usize], other_model.shape_pose[s], new);
         }
+        let step = self.model.step / other_model.step;
+        self.impulses(&state.contacts, [&id, &shape_id], step);
         let included = |bodies: [u32; 2]| {
             let pair = bodies.map(|b| id[b as usize]);
             (!pair.contains(&u32::MAX)).then_some(pair)
@@ -92,5 +96,19 @@ impl Builder<'_> {
             self.groups_pass.push(pair);
         }
         Ok(())
+    }
+
+    /// Carry over the contacts of the base's last step between bodies and shapes with the ids in `id` (`u32::MAX` for none), so that the
+    /// first step starts from their impulses; `step` is the step size over that of the base.
+    fn impulses(&mut self, from: &Contacts, [body, shape]: [&[u32]; 2], step: f64) {
+        let of = |id: &[u32], pair: [u32; 2]| pair.map(|old| id[old as usize]);
+        for i in 0..from.len() {
+            let [s, t, feature] = from.key[i];
+            let (bodies, [s, t]) = (of(body, from.bodies[i]), of(shape, [s, t]));
+            if !bodies.contains(&u32::MAX) {
+                let law = self.model.law(s as usize, t as usize);
+                self.state.contacts.carry(from, i, bodies, [s, t, feature], law, step);
+            }
+        }
     }
 }

@@ -1,0 +1,91 @@
+//! Geometric stiffness of joints that carry loads too heavy for the step.
+//!
+//! The force F of a joint on a body at the arm r turns with nothing while the arm turns with the body: its torque changes by −K δθ with
+//! K = (F·r) 1 − r Fᵀ. Light links under tension swing fast, and where h²K is above their inertia the explicit rows of a step shake them
+//! apart. There K acts at the step's end, as a stiff spring does: it is added to the inertia, h²K for the links' rotation, and so S stays
+//! block-sparse; a link of constant length resists transverse motion with F over its length, by two rows.
+//! Source: Andrews, Teichmann and Kry, *Geometric stiffness for real-time constrained multibody dynamics* (2017), with the threshold of
+//! [`super::joint_write`] for springs. Forces are those of the last step.
+
+use super::masses::Masses;
+use super::solve::joints::Joints;
+use crate::geometry::principal;
+use crate::joint::{Coordinate, Frames, Joint, Row};
+use crate::model::Model;
+use crate::state::State;
+use crate::twist::Twist;
+use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
+
+/// The geometric stiffness of the joints of a step.
+#[derive(Default)]
+pub struct Stiffness {
+    /// That of the rotation of bodies, N m/rad, world.
+    of_body: BTreeMap<u32, DMat3>,
+    /// Transverse rows of links.
+    transverse: Vec<Row>,
+}
+
+impl Stiffness {
+    /// Add the stiffness of a joint with the frames `f`, which carried the force of the last step.
+    pub fn add(&mut self, joint: &Joint, f: &Frames, force_on_a: DVec3) {
+        if force_on_a == DVec3::ZERO {
+            return;
+        }
+        for ((body, force), arm) in joint.bodies.into_iter().zip([force_on_a, -force_on_a]).zip(f.arms()) {
+            let product = DMat3::from_cols(arm * force.x, arm * force.y, arm * force.z);
+            let stiffness = DMat3::IDENTITY * force.dot(arm) - (product + product.transpose()) * 0.5;
+            *self.of_body.entry(body).or_insert(DMat3::ZERO) += stiffness;
+        }
+        if joint.kind.coordinate() == Some(Coordinate::Length) {
+            let along = joint.free_row(f, Coordinate::Length);
+            let stiffness = along.linear.dot(force_on_a) / along.psi.max(f64::MIN_POSITIVE);
+            let (u, w) = along.linear.any_orthonormal_pair();
+            // The stiffness stands where the compliance over h² comes to be.
+            let [a, b] = f.arms();
+            self.transverse.extend([u, w].map(|e| Row {
+                bodies: joint.bodies,
+                linear: e,
+                angular_a: a.cross(e),
+                angular_b: b.cross(e),
+                softness: stiffness,
+                ..Row::default()
+            }));
+        }
+    }
+
+    /// Let what is too stiff for the step `h` act at its end: on the inertia of bodies and their velocities without joints, and as rows.
+    pub fn apply(
+        self,
+        model: &Model,
+        state: &State,
+        h: f64,
+        masses: &mut Masses,
+        free: &mut [Twist],
+        joints: &mut Joints,
+    ) {
+        for (body, stiffness) in self.of_body {
+            let b = body as usize;
+            let least = model.inv_inertia[b].max_element().recip();
+            // The trace of K is twice F·r, and the greatest eigenvalue at most the norm.
+            let norm = stiffness.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !state.moves(b) || h * h * norm < least {
+                continue;
+            }
+            let (values, axes) = principal(stiffness);
+            let values = values.max(DVec3::ZERO) * (h * h);
+            let axes = DMat3::from_quat(axes);
+            let added = axes * DMat3::from_diagonal(values) * axes.transpose();
+            if values.max_element() >= least {
+                free[b].w = masses.stiffen(b, added, free[b].w);
+            }
+        }
+        for row in self.transverse {
+            let stiffness = row.softness;
+            if stiffness > 0.0 && h * h * stiffness * masses.response(&row) >= 1.0 {
+                joints.rows.push(Row { softness: 1.0 / (h * h * stiffness), ..row });
+                joints.bias.push(0.0);
+            }
+        }
+    }
+}
