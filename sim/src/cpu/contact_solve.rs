@@ -86,7 +86,7 @@ pub fn run(
     let n = contacts.len();
     let method = plan.method_with(n, limits.len());
     joints.prepare(masses);
-    let has_offsets = work.fill_offsets(model, plan, state, contacts, limits, method);
+    let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);
     // Sweeps over spheres compute η themselves.
     match method {
         ContactMethod::SphereSweeps => work.eta.clear(),
@@ -161,18 +161,20 @@ impl Workspace {
         plan: &StepPlan,
         state: &State,
         contacts: &Contacts,
-        limits: &[Row],
+        (joints, limits): (&Joints, &[Row]),
         method: ContactMethod,
     ) -> bool {
         let (h, n, offset) = (model.step, contacts.len(), &mut self.offset);
         let recovery = Recovery::of(model);
         let has_slip_feedback = plan.has_slip_feedback(method);
-        if !(plan.bounces || has_slip_feedback || !limits.is_empty()) {
+        if !(plan.bounces || has_slip_feedback || !joints.rows.is_empty() || !limits.is_empty()) {
             return false;
         }
         offset.resize(n + limits.len(), 0.0);
         fill_rows(&mut offset[..n], |i| {
-            let opening = recovery.rate(contacts.gap[i]);
+            let is_jointed = contacts.bodies[i].iter().any(|b| joints.hold(*b));
+            let gap = contacts.gap[i];
+            let opening = if is_jointed { recovery.jointed_rate(gap) } else { recovery.rate(gap) };
             if !plan.bounces {
                 return opening;
             }

@@ -17,6 +17,9 @@ use crate::twist::Twist;
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 
+/// Greatest h²K over the inertia: explicit motion is stable below 4.
+const BOUND: f64 = 2.0;
+
 /// The geometric stiffness of the joints of a step.
 #[derive(Default)]
 pub struct Stiffness {
@@ -55,36 +58,29 @@ impl Stiffness {
     }
 
     /// Let what is too stiff for the step `h` act at its end: on the inertia of bodies and their velocities without joints, and as rows.
-    pub fn apply(
-        self,
-        model: &Model,
-        state: &State,
-        h: f64,
-        masses: &mut Masses,
-        free: &mut [Twist],
-        joints: &mut Joints,
-    ) {
+    pub fn apply(self, model: &Model, state: &State, h: f64, masses: &mut Masses, free: &[Twist], joints: &mut Joints) {
         for (body, stiffness) in self.of_body {
             let b = body as usize;
             let least = model.inv_inertia[b].max_element().recip();
             // The trace of K is twice F·r, and the greatest eigenvalue at most the norm.
             let norm = stiffness.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-            if !state.moves(b) || h * h * norm < least {
+            if !state.moves(b) || h * h * norm < BOUND * least {
                 continue;
             }
             let (values, axes) = principal(stiffness);
-            let values = values.max(DVec3::ZERO) * (h * h);
+            let values = (values * (h * h / BOUND) - least).max(DVec3::ZERO);
             let axes = DMat3::from_quat(axes);
             let added = axes * DMat3::from_diagonal(values) * axes.transpose();
-            if values.max_element() >= least {
-                free[b].w = masses.stiffen(b, added, free[b].w);
+            if values != DVec3::ZERO {
+                masses.stiffen(b, added);
             }
         }
         for row in self.transverse {
             let stiffness = row.softness;
-            if stiffness > 0.0 && h * h * stiffness * masses.response(&row) >= 1.0 {
-                joints.rows.push(Row { softness: 1.0 / (h * h * stiffness), ..row });
-                joints.bias.push(0.0);
+            let added = h * h * stiffness / BOUND - 1.0 / masses.response(&row);
+            if added > 0.0 {
+                joints.rows.push(Row { softness: 1.0 / added, ..row });
+                joints.bias.push(-row.speed_in(free));
             }
         }
     }

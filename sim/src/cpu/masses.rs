@@ -1,5 +1,6 @@
 //! Masses and inertia tensors of a step, in the world frame.
 
+use crate::geometry::principal;
 use crate::inertia::{is_isotropic, world_inv_inertia};
 use crate::joint::Row;
 use crate::model::Model;
@@ -64,23 +65,18 @@ impl Masses {
         }
     }
 
-    /// Add to the inertia of a body, kg m², for this step, so that it resists its rotation at the step's end; isotropic inertia stays
-    /// isotropic. Returns the angular velocity, rad/s, that the angular momentum of `w` then gives it.
-    pub fn stiffen(&mut self, body: usize, added: DMat3, w: DVec3) -> DVec3 {
+    /// Add to the inertia of a body for this step, kg m²; isotropic inertia stays isotropic.
+    pub fn stiffen(&mut self, body: usize, added: DMat3) {
         match &mut self.tensors {
             InertiaTensors::Some { slot, tensor } if slot[body] != ISOTROPIC => {
                 let [inverse, inertia] = &mut tensor[slot[body] as usize];
-                let momentum = *inertia * w;
                 *inertia += added;
                 *inverse = inertia.inverse();
-                *inverse * momentum
             }
             _ => {
-                let before = self.inv_moment[body];
-                let greatest = crate::geometry::principal(added).0.max_element();
-                self.stiffened.push((body, before));
-                self.inv_moment[body] = 1.0 / (1.0 / before + greatest);
-                w * (self.inv_moment[body] / before)
+                let inv_moment = &mut self.inv_moment[body];
+                self.stiffened.push((body, *inv_moment));
+                *inv_moment = 1.0 / (1.0 / *inv_moment + principal(added).0.max_element());
             }
         }
     }

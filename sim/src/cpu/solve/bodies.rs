@@ -54,7 +54,7 @@ pub enum Free<'a> {
 pub enum Offset<'a> {
     /// A column: Φ/h or the restitution velocity, and the slip feedback of exact friction (n_contacts + n_limits).
     Column(&'a mut [f64]),
-    /// Φ/h of each contact ([`Recovery`]), evaluated where it is read; there are no limits.
+    /// Φ/h of each contact ([`Recovery`]), evaluated where it is read; there are no joints.
     OfGap,
 }
 
@@ -69,8 +69,8 @@ impl Offset<'_> {
     }
 }
 
-/// The rate of gaps: open gaps close within the step; overlaps are recovered apart from the velocities, at a bounded speed
-/// ([`super::overlaps`]).
+/// The rate of gaps: open gaps close within the step; overlaps are recovered at a bounded speed, apart from the velocities
+/// ([`super::overlaps`]), and a share of those of bodies on joints by the contacts' impulses, which lift a machine on its light links.
 #[derive(Clone, Copy)]
 pub struct Recovery {
     /// Step size h, s.
@@ -92,6 +92,13 @@ impl Recovery {
     #[inline]
     pub fn rate(&self, gap: f64) -> f64 {
         if gap <= 0.0 { 0.0 } else { gap / self.step }
+    }
+
+    /// Φ/h of a contact of a body on joints; a share of it for an overlap, at least minus the maximum speed of recovery, m/s.
+    #[inline]
+    pub fn jointed_rate(&self, gap: f64) -> f64 {
+        const SHARE: f64 = 1.0 / 8.0;
+        if gap <= 0.0 { self.limit_rate(SHARE * gap) } else { gap / self.step }
     }
 
     /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s.

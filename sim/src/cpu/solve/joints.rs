@@ -28,6 +28,8 @@ pub struct Joints {
     pattern: Vec<[u32; 2]>,
     /// Rows of each moving body.
     of_body: Vec<(u32, Vec<u32>)>,
+    /// Whether a body has rows (n_bodies).
+    is_held: Vec<bool>,
     /// Slots of the pairs (k, l ≥ k) of each body's rows, in order.
     slot: Vec<u32>,
     ldl: Ldl,
@@ -96,6 +98,9 @@ impl Joints {
             }
         }
         self.of_body = of_body.into_iter().collect();
+        self.is_held.clear();
+        self.is_held.resize(masses.inv_mass.len(), false);
+        self.of_body.iter().for_each(|(body, _)| self.is_held[*body as usize] = true);
         let mut entry_of: std::collections::HashMap<[u32; 2], u32> = Default::default();
         let mut entries: Vec<[u32; 2]> = vec![];
         let mut all: Vec<u32> = vec![];
@@ -125,6 +130,12 @@ impl Joints {
         let (ldl, slots) = Ldl::analyse(n, &entries, &group);
         self.ldl = ldl;
         self.slot = all.iter().map(|e| slots[*e as usize]).collect();
+    }
+
+    /// Whether a joint acts on a moving body.
+    #[inline]
+    pub fn hold(&self, body: u32) -> bool {
+        !self.rows.is_empty() && self.is_held[body as usize]
     }
 
     /// Discard the sparsity pattern: other bodies move.
