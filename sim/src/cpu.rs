@@ -99,7 +99,7 @@ impl Backend for Cpu {
             Stage::Integrate => {
                 let Cpu { joint_start, joints, response, outcome, .. } = self;
                 joint_write::record(model, state, joint_start, &joints.rows, response, outcome);
-                integrate::run(model, &self.response.twist, &self.displacement.twist, state);
+                integrate::run(model, &self.response.twist, &self.displacement, state);
             }
         }
         true
@@ -134,6 +134,7 @@ impl Backend for Cpu {
             Column::JointBias => View::of_f64(&self.joints.bias),
             Column::Limit => View::of_rows(&self.limits, row),
             Column::Motion => View::of_f64(&self.response.twist),
+            Column::Displacement => View::of_f64(&self.displacement.twist),
             Column::JointImpulse => View::of_f64(&self.response.lambda),
             column => View::of_state(state, column).expect("all other columns are the state's"),
         }

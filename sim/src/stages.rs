@@ -226,7 +226,7 @@ columns! {
     /// Velocities at the step's end without contacts and joints, world, where the plan has [`StepPlan::has_free_column`].
     Free "free": Twist, Length::Bodies, Values::Finite, "m/s, rad/s", [Force, JointWrite] => [JointWrite, ContactSolve];
     /// Inverse inertia tensor and inertia tensor of each body with anisotropic inertia, world.
-    Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force] => [JointWrite, ContactSolve];
+    Tensor "tensor": [glam::DMat3; 2], Length::Found, Values::Finite, "1/(kg m²), kg m²", [Force, JointWrite] => [JointWrite, ContactSolve];
     /// First joint row of each joint, and of the implicit springs.
     JointStart "joint_start": u32, Length::JointStarts, Values::Any, "", [JointWrite] => [Integrate];
     /// Rows of joints, motors and implicit springs.
@@ -237,6 +237,8 @@ columns! {
     Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve];
     /// Velocities at the step's end with contacts and joints, world.
     Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
+    /// Displacements over the step size that recover overlaps, world; no rows where nothing overlaps.
+    Displacement "displacement": Twist, Length::Found, Values::Finite, "m/s, rad/s", [ContactSolve] => [Integrate];
     /// Multipliers of the joint rows.
     JointImpulse "joint_impulse": f64, Length::As(Column::JointRow), Values::Watched, "N s, N m s",
         [ContactSolve] => [Integrate];

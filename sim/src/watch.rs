@@ -235,7 +235,7 @@ impl WatchState {
         let overlap = state.contacts.worst_penetration();
         if overlap > 0.0 {
             return Some(format!(
-                "{message}; the recovery of overlaps adds energy, the maximum penetration is {overlap:.3e} m"
+                "{message}; the recovery of overlaps lifts bodies, the maximum penetration is {overlap:.3e} m"
             ));
         }
         Some(message)

@@ -127,7 +127,7 @@ pub fn run(
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
-    overlaps::recover(&mut op, &gamma, response, displacement);
+    overlaps::recover(&mut op, state.steps, response, displacement);
     if has_other_blocks {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if plan.rolls {
@@ -167,7 +167,8 @@ impl Workspace {
         let (h, n, offset) = (model.step, contacts.len(), &mut self.offset);
         let recovery = Recovery::of(model);
         let has_slip_feedback = plan.has_slip_feedback(method);
-        if !(plan.bounces || has_slip_feedback || !joints.rows.is_empty() || !limits.is_empty()) {
+        let has_rows = !joints.rows.is_empty() || !limits.is_empty();
+        if !(plan.bounces || has_slip_feedback || has_rows) {
             return false;
         }
         offset.resize(n + limits.len(), 0.0);

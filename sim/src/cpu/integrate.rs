@@ -12,6 +12,7 @@
 //! round-off. A body of isotropic inertia turns by its new velocity; any other by that which this momentum gives it in the middle of the
 //! step (the implicit midpoint rule on the rotation group): the same in both directions of time, so that energy does not drift.
 
+use super::solve::overlaps::Displacement;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
 use crate::rows::CHUNK;
@@ -21,8 +22,9 @@ use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
 /// The stage.
-pub fn run(model: &Model, motion: &[Twist], displacement: &[Twist], state: &mut State) {
+pub fn run(model: &Model, motion: &[Twist], displacement: &Displacement, state: &mut State) {
     let (h, activity) = (model.step, &state.activity);
+    let part = h * displacement.share;
     let columns = (
         state.position.par_chunks_mut(CHUNK),
         state.orientation.par_chunks_mut(CHUNK),
@@ -47,9 +49,15 @@ pub fn run(model: &Model, motion: &[Twist], displacement: &[Twist], state: &mut 
             } else {
                 tumble(before, w, inverse, h)
             };
-            if let Some(moved) = displacement.get(b) {
-                position[k] += moved.v * h;
-                orientation[k] = (rotation(moved.w * h) * orientation[k]).normalize();
+            if let Some(moved) = displacement.twist.get(b) {
+                position[k] += moved.v * part;
+                if moved.w != DVec3::ZERO {
+                    // What is turned keeps its angular momentum, too.
+                    let momentum = orientation[k] * (spin[k] / inverse);
+                    orientation[k] = (rotation(moved.w * part) * orientation[k]).normalize();
+                    let into = orientation[k].inverse();
+                    spin[k] = if is_isotropic(inverse) { into * w } else { (into * momentum) * inverse };
+                }
             }
         }
     });

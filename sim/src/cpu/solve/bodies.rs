@@ -107,10 +107,10 @@ impl Recovery {
         (gap / self.step).max(-self.speed)
     }
 
-    /// Speed at which what is left of an overlap after the step, in which it changes at `speed`, is recovered, m/s.
+    /// Speed at which what is left of an overlap after the step, in which it changes at `speed`, is recovered for `steps` steps, m/s.
     #[inline]
-    pub fn overlap_speed(&self, gap: f64, speed: f64) -> f64 {
-        (-(gap + self.least) / self.step - speed).clamp(0.0, self.speed)
+    pub fn overlap_speed(&self, gap: f64, speed: f64, steps: f64) -> f64 {
+        (-(gap + self.least) / self.step - speed).clamp(0.0, self.speed * steps)
     }
 }
 

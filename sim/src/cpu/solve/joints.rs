@@ -151,13 +151,22 @@ impl Joints {
 
     /// Solve the joints: update the multipliers λ and the velocities of a response whose velocities include the effect of its λ.
     pub fn solve(&mut self, masses: &Masses, response: &mut Response) {
+        self.solve_with(masses, response, 1.0);
+    }
+
+    /// [`Joints::solve`] for rows that are where they shall be and stay there.
+    pub fn solve_at_rest(&mut self, masses: &Masses, response: &mut Response) {
+        self.solve_with(masses, response, 0.0);
+    }
+
+    fn solve_with(&mut self, masses: &Masses, response: &mut Response, bias: f64) {
         if self.rows.is_empty() {
             return;
         }
         self.rhs.clear();
         for (k, row) in self.rows.iter().enumerate() {
             let speed = row.speed_in(&response.twist);
-            self.rhs.push(-(speed + self.bias[k] + self.softness[k] * response.lambda[k]));
+            self.rhs.push(-(speed + bias * self.bias[k] + self.softness[k] * response.lambda[k]));
         }
         self.ldl.solve(&mut self.rhs);
         response.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);

@@ -7,68 +7,147 @@
 //! left to the next steps, which see it again.
 
 use super::bodies::BodyOperator;
+use super::cells::Cells;
 use super::operator::Operator;
 use super::response::Response;
-use crate::rows::{fill_rows, reduce_chunks};
+use super::schedule;
+use crate::contacts::Arms;
+use crate::rows::reduce_chunks;
 use crate::twist::Twist;
 use glam::DVec3;
+
+/// Overlaps are recovered in one of so many steps, for all of them.
+const PERIOD: u64 = 4;
 
 /// Share of the step to the minimum along the direction: more would open some contacts for the sake of others.
 const SHARE: f64 = 0.5;
 
-/// The displacement, and the columns from which it is made.
+/// The displacement, and the impulses that make it.
 #[derive(Default)]
 pub struct Displacement {
     /// Displacements over the step size, m/s and rad/s, world (n_bodies, or empty where nothing overlaps).
     pub twist: Vec<Twist>,
-    gamma: Vec<DVec3>,
-    response: Response,
+    /// Share of the displacements that is made.
+    pub share: f64,
+    /// Impulses along the contacts' normals, N s (n_contacts).
+    push: Vec<f64>,
 }
 
-/// Find the displacement after a solve with the solution `gamma` and its `response`.
-pub fn recover(op: &mut BodyOperator, gamma: &[DVec3], response: &Response, out: &mut Displacement) {
+/// Find the displacement after the solve of a step, with the velocities of `response`; `steps` is the number of steps before it.
+pub fn recover(op: &mut BodyOperator, steps: u64, response: &mut Response, out: &mut Displacement) {
     out.twist.clear();
-    let contacts = op.contacts;
-    out.gamma.clear();
-    out.gamma.extend_from_slice(gamma);
-    let this = &*op;
-    let [slope] = reduce_chunks(&mut out.gamma[..contacts.len()], |first, rows| {
-        let mut slope = 0.0;
-        for (k, gamma) in rows.iter_mut().enumerate() {
-            let i = first + k;
-            if contacts.gap[i] >= -this.recovery.least {
-                continue;
-            }
-            let normal = contacts.normal[i];
-            let speed = contacts.velocity(i, |b| response.twist[b]).dot(normal);
-            let left = this.recovery.overlap_speed(contacts.gap[i], speed);
-            let impulse = left / this.normal_response(i);
-            *gamma += normal * impulse;
-            slope += impulse * left;
-        }
-        [slope]
-    });
+    if !steps.is_multiple_of(PERIOD) {
+        return;
+    }
+    let slope = op.push_apart(response, &mut out.push);
     if slope == 0.0 {
         return;
     }
-    op.response(&out.gamma, &mut out.response);
-    let curvature = op.curvature(&out.response, response);
+    let mut moved = Response { twist: std::mem::take(&mut out.twist), lambda: vec![] };
+    let curvature = op.displace(&out.push, &mut moved);
     if curvature > 0.0 {
         let share = SHARE * (slope / curvature).min(1.0);
-        out.twist.resize(response.twist.len(), Twist::default());
-        let (moved, still) = (&out.response.twist, &response.twist);
-        fill_rows(&mut out.twist, |b| moved[b].minus(&still[b]).times(share));
+        if op.recovery.least == 0.0 {
+            op.keep_angular_momentum(&out.push, &moved.lambda, share, response);
+        }
+        out.twist = moved.twist;
+        out.share = share;
     }
 }
+
 impl BodyOperator<'_> {
-    /// Relative speed along a contact's normal that a unit impulse along it makes, without joints, 1/kg.
-    fn normal_response(&self, contact: usize) -> f64 {
-        let (bodies, normal) = (self.contacts.bodies[contact], self.contacts.normal[contact]);
-        let of = |(body, arm): (u32, DVec3)| {
-            let (b, turn) = (body as usize, arm.cross(normal));
-            self.masses.inv_mass[b] + turn.dot(self.masses.apply_inv_inertia(b, turn))
+    /// Set `push` to the impulse that alone would recover what is left of each contact's overlap. Returns the sum of the impulses times
+    /// the speeds of recovery, J.
+    fn push_apart(&self, response: &Response, push: &mut Vec<f64>) -> f64 {
+        let contacts = self.contacts;
+        let least = -self.recovery.least;
+        if !contacts.gap.iter().any(|gap| *gap < least) {
+            return 0.0;
+        }
+        push.resize(contacts.len(), 0.0);
+        let [slope] = reduce_chunks(push, |first, rows| {
+            let mut slope = 0.0;
+            for (k, push) in rows.iter_mut().enumerate() {
+                let i = first + k;
+                *push = 0.0;
+                if contacts.gap[i] < least {
+                    let speed = self.normal_speed(i, response);
+                    let left = self.recovery.overlap_speed(contacts.gap[i], speed, PERIOD as f64);
+                    *push = left / self.normal_response(i);
+                    slope += *push * left;
+                }
+            }
+            [slope]
+        });
+        slope
+    }
+
+    /// The velocities that the impulses `push` give to bodies and joints at rest. Returns twice their energy, J.
+    fn displace(&mut self, push: &[f64], moved: &mut Response) -> f64 {
+        self.clear_sums(&mut moved.twist);
+        let sums = Cells::new(&mut moved.twist);
+        // SAFETY: contacts that are visited concurrently have no moving body in common.
+        schedule::each(self.contacts, |i| unsafe {
+            if push[i] != 0.0 {
+                self.add_block(i, self.contacts.normal[i] * push[i], &sums);
+            }
+        });
+        let masses = self.masses;
+        let [energy] = reduce_chunks(&mut moved.twist, |first, rows| {
+            let mut energy = 0.0;
+            for (k, twist) in rows.iter_mut().enumerate() {
+                *twist = masses.change::<false>(first + k, twist);
+                energy += masses.energy::<false>(first + k, twist);
+            }
+            [energy]
+        });
+        self.joints.reset(moved);
+        if self.joints.rows.is_empty() {
+            return energy;
+        }
+        self.joints.solve_at_rest(masses, moved);
+        self.energy(moved)
+    }
+
+    /// Relative speed along a contact's normal, m/s. Arms along it have no part in it.
+    #[inline]
+    fn normal_speed(&self, contact: usize, response: &Response) -> f64 {
+        let of = |b: usize| response.twist[b];
+        let velocity = match self.contacts.arms {
+            Arms::Any(_) => self.contacts.velocity(contact, of),
+            Arms::Along(_) => {
+                let [a, b] = self.contacts.bodies[contact].map(|b| of(b as usize).v);
+                b - a
+            }
         };
-        let [a, b] = self.contacts.arms(contact);
-        of((bodies[0], a)) + of((bodies[1], b))
+        velocity.dot(self.contacts.normal[contact])
+    }
+
+    /// Relative speed along a contact's normal that a unit impulse along it makes, without joints, 1/kg.
+    #[inline]
+    fn normal_response(&self, contact: usize) -> f64 {
+        let bodies = self.contacts.bodies[contact].map(|b| b as usize);
+        let linear = bodies.iter().map(|b| self.masses.inv_mass[*b]).sum::<f64>();
+        let Arms::Any(arms) = &self.contacts.arms else { return linear };
+        let turns = bodies.into_iter().zip(arms[contact]).map(|(b, arm)| {
+            let turn = arm.cross(self.contacts.normal[contact]);
+            turn.dot(self.masses.apply_inv_inertia(b, turn))
+        });
+        linear + turns.sum::<f64>()
+    }
+
+    /// Turn the bodies so that the displacement by the share `share` of the impulses leaves the angular momentum as it is, which counts
+    /// without gravity: a pair that is pushed apart with the impulse p while it slides at v changes it by h p × v.
+    fn keep_angular_momentum(&self, push: &[f64], lambda: &[f64], share: f64, response: &mut Response) {
+        let (contacts, masses) = (self.contacts, self.masses);
+        let pushes = (0..contacts.len()).map(|i| (contacts.bodies[i], contacts.normal[i] * push[i]));
+        let pulls = self.joints.rows.iter().zip(lambda).map(|(row, impulse)| (row.bodies, row.linear * *impulse));
+        let half = 0.5 * share * self.recovery.step;
+        let move_both = |bodies: [u32; 2]| bodies.iter().all(|b| masses.inv_mass[*b as usize] > 0.0);
+        for (bodies, push) in pushes.chain(pulls).filter(|(bodies, push)| *push != DVec3::ZERO && move_both(*bodies)) {
+            let [a, b] = bodies.map(|b| response.twist[b as usize].v);
+            let turn = push.cross(b - a) * half;
+            bodies.iter().for_each(|b| response.twist[*b as usize].w -= masses.apply_inv_inertia(*b as usize, turn));
+        }
     }
 }
