@@ -100,8 +100,12 @@ fn the_starting_point_is_the_last_steps_impulses() {
         for (name, mut sim) in piles() {
             make_ready(&mut sim, again);
             let before = impulses(&sim);
-            sim.model.solver =
-                SolverSettings { method: Method::Jacobi, iterations: Some(1), lambda: 0.0, ..sim.model.solver.clone() };
+            sim.model.solver = SolverSettings {
+                method: Some(Method::Jacobi),
+                iterations: Some(1),
+                lambda: 0.0,
+                ..sim.model.solver.clone()
+            };
             sim.step();
             let after = impulses(&sim);
             let known: Vec<_> = after.iter().filter_map(|(key, now)| Some((*before.get(key)?, *now))).collect();

@@ -110,6 +110,9 @@ pub struct SolveArgs {
     /// Solver [default: gauss_seidel and apgd in turns].
     #[arg(long)]
     pub method: Option<Method>,
+    /// Write the multipliers and relative velocities of the contacts to this CSV file.
+    #[arg(long, value_name = "FILE")]
+    pub multipliers: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -15,6 +15,8 @@ pub struct SolveJob {
     pub problem: MatrixOperator,
     /// The law of friction, the tolerance and the solver.
     pub law: Law,
+    /// File for the multipliers.
+    pub multipliers: Option<PathBuf>,
     /// Whether JSON is printed.
     pub json: bool,
 }
@@ -28,7 +30,8 @@ impl SolveJob {
             iterations: args.iterations,
             method: args.method.map(Method::from),
         };
-        Ok(SolveJob { problem: problem::read(&args.file)?, path: args.file, law, json: args.json })
+        let problem = problem::read(&args.file)?;
+        Ok(SolveJob { problem, path: args.file, law, multipliers: args.multipliers, json: args.json })
     }
 }
 

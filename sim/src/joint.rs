@@ -317,14 +317,19 @@ impl Joint {
         }
     }
 
-    /// Violation |Ψ|, m or rad, of `row` at the step's start; none for the row of a motor, which is not a locked motion. `row` is row `k`
-    /// of the `n` rows of [`Joint::rows`] and has the prescribed length at the step's end `t_end`, s; the violation is that of the length
-    /// at the step's start `t`, s.
-    pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> Option<f64> {
-        let is_motor = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_))) && k + 1 == n;
+    /// Violation |Ψ|, m or rad, of `row` at the step's start, and whether it is the row of a motor, which locks no motion. `row` is row `k`
+    /// of the `n` rows of [`Joint::rows`] and has what is prescribed at the step's end `t_end`, s; the violation is that of what is
+    /// prescribed at the step's start `t`, s.
+    pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> (f64, bool) {
+        let is_last = k + 1 == n;
         let has_length = matches!(self.kind, JointKind::Distance | JointKind::RevoluteSpherical) && k == 0;
-        let change = if has_length { self.length.at(t_end) - self.length.at(t) } else { 0.0 };
-        (!is_motor).then_some((row.psi + change).abs())
+        let (prescribed, is_motor) = match &self.motor {
+            Some(Motor::Position(goal)) if is_last => (Some(goal), true),
+            Some(Motor::Speed(_)) if is_last => (None, true),
+            _ => (has_length.then_some(&self.length), false),
+        };
+        let change = prescribed.map_or(0.0, |value| value.at(t_end) - value.at(t));
+        ((row.psi + change).abs(), is_motor)
     }
 
     fn fixed_length(&self, f: &Frames, t: f64) -> Row {

@@ -183,7 +183,7 @@ fn descend(op: &mut MatrixOperator, law: &Law, method: Method, mut gamma: Vec<DV
             op.set_slip_feedback(&slip);
         }
         let settings = SolverSettings {
-            method,
+            method: Some(method),
             friction: FrictionLaw::Relaxed,
             iterations: Some((law.iterations - done).min(200)),
             tolerance: 0.0,

@@ -45,8 +45,9 @@ impl Method {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSettings {
-    /// Method: `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`.
-    pub method: Method,
+    /// Method: `apgd`, `barzilai_borwein`, `gauss_seidel` or `jacobi`; if not given, `gauss_seidel` for beds of spheres, else `apgd`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
     /// Law of friction: `relaxed` (the convex form) or `exact` (Coulomb's law).
     pub friction: FrictionLaw,
     /// Maximum number of iterations per step; if not given, 50,000 divided by the number of contacts, and at least 50.
@@ -71,7 +72,7 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> SolverSettings {
         SolverSettings {
-            method: Method::Apgd,
+            method: None,
             friction: FrictionLaw::Relaxed,
             iterations: None,
             tolerance: 1e-7,

@@ -72,7 +72,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
 /// Solver settings of the workloads: a method and a fixed number of iterations, whatever the residual.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
     SolverSettings {
-        method,
+        method: Some(method),
         iterations: Some(iterations),
         tolerance: 0.0,
         envelope: Some(2e-4),

@@ -25,7 +25,7 @@ pub struct Rows<'a, A> {
 
 impl<A> Rows<'_, A> {
     /// Write row `i`: the contact of two shapes in a point. Of shapes that are no spheres, `p` and `q` have the body and the material
-    /// alone. `arms_of` makes the arms from the bodies, the point and the radii.
+    /// alone. `arms_of` makes the arms from the bodies, the point, of which the first shape is now A's, and the radii.
     #[inline(always)]
     pub fn put(
         &mut self,
@@ -39,7 +39,9 @@ impl<A> Rows<'_, A> {
         let radii = if is_swapped { [q.radius, p.radius] } else { [p.radius, q.radius] };
         self.bodies[i] = if is_swapped { [q.body, p.body] } else { [p.body, q.body] };
         self.key[i] = key;
-        self.normal[i] = if is_swapped { -point.normal } else { point.normal };
+        let swapped = Point { normal: -point.normal, on_first: point.on_second, on_second: point.on_first, ..*point };
+        let point = if is_swapped { &swapped } else { point };
+        self.normal[i] = point.normal;
         self.gap[i] = point.gap;
         self.law[i] = p.material * self.n_materials + q.material;
         self.arms[i] = arms_of(self.bodies[i], point, radii);

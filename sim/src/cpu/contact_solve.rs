@@ -127,7 +127,11 @@ pub fn run(
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
-    overlaps::recover(&mut op, state.steps, response, displacement);
+    displacement.twist.clear();
+    let period = recovery_period(method);
+    if state.steps.is_multiple_of(period) {
+        overlaps::recover(&mut op, period, response, displacement);
+    }
     if has_other_blocks {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if plan.rolls {
@@ -138,6 +142,14 @@ pub fn run(
     }
     work.gamma = gamma;
     (outcome, worst)
+}
+
+/// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.
+fn recovery_period(method: ContactMethod) -> u64 {
+    match method {
+        ContactMethod::SphereSweeps => 4,
+        ContactMethod::Blocks(_) => 1,
+    }
 }
 
 /// Minimum approach speed for restitution, m/s.

@@ -76,19 +76,23 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
     contacts.arms = match (at.plan.narrow, std::mem::take(&mut contacts.arms)) {
         (Narrow::Any, arms) => {
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
-            let middle = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
-                let middle = 0.5 * (point.on_first + point.on_second);
-                bodies.map(|b| middle - at.state.position[b as usize])
+            let arms_of = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
+                let contact = match at.surface_of(bodies, point.gap) {
+                    Some(0) => point.on_first,
+                    Some(_) => point.on_second,
+                    None => 0.5 * (point.on_first + point.on_second),
+                };
+                bodies.map(|b| contact - at.state.position[b as usize])
             };
             let sphere = |s: u32| Sphere::of(at.model, at.state, s as usize, at.margin[s as usize]);
             let find = |pairs: &[[u32; 2]], place: &mut [u32]| find_spheres(pairs, sphere, place);
             let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
                 for (i, place) in places.iter().enumerate() {
                     let pair = pairs[*place as usize];
-                    rows.put_spheres(i, pair, pair.map(sphere), middle);
+                    rows.put_spheres(i, pair, pair.map(sphere), arms_of);
                 }
             };
-            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, middle));
+            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, arms_of));
             Arms::Any(arms)
         }
         (Narrow::Spheres, arms) => {
@@ -98,7 +102,11 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
             let write = |pairs: &[[u32; 2]], places: &[u32], rows: &mut Rows<_>| {
                 widest(sphere_pairs::Write { pairs, places, spheres, rows })
             };
-            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, along));
+            let arms_of = |bodies: [u32; 2], point: &Point, radii: [f64; 2]| match at.surface_of(bodies, point.gap) {
+                Some(_) => radii,
+                None => along(bodies, point, radii),
+            };
+            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, arms_of));
             Arms::Along(arms)
         }
     };
@@ -235,6 +243,19 @@ fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usiz
         n
     } else {
         collide(&a, &b, reach, out)
+    }
+}
+
+impl Input<'_> {
+    /// The body, 0 for A and 1 for B, on whose surface a contact at a gap has its point: that which moves, where the other is held in
+    /// place and they have not met yet. Between two bodies that move the point is in the middle, which keeps the angular momentum.
+    #[inline(always)]
+    fn surface_of(&self, bodies: [u32; 2], gap: f64) -> Option<usize> {
+        match bodies.map(|b| self.state.moves(b as usize)) {
+            [true, false] if gap > 0.0 => Some(0),
+            [false, true] if gap > 0.0 => Some(1),
+            _ => None,
+        }
     }
 }
 

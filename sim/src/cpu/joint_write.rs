@@ -61,10 +61,10 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             let at = joint.coordinate(&f, &state.joints[i]);
             let row = joint.free_row(&f, c);
             let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
-            if at - min < reach {
+            if at - min <= reach {
                 limits.push(Row { psi: at - min, ..row });
             }
-            if max - at < reach {
+            if max - at <= reach {
                 limits.push(Row {
                     psi: max - at,
                     linear: -row.linear,
@@ -121,10 +121,12 @@ pub fn record(
             now.rate = joint.free_row(&f, c).speed_in(motion);
             now.coordinate += h * now.rate;
         }
-        now.violation = rows.iter().fold(0.0, |m, r| r.psi.abs().max(m));
         for (k, row) in rows.iter().enumerate() {
-            let error = joint.error(row, k, rows.len(), state.time, state.time + h);
-            error.iter().for_each(|error| outcome.joints.add(i, row, *error));
+            let (error, is_motor) = joint.error(row, k, rows.len(), state.time, state.time + h);
+            now.violation = error.max(now.violation);
+            if !is_motor {
+                outcome.joints.add(i, row, error);
+            }
         }
         (now.force_world, now.torque_world) = f.reaction(rows, lambda, h);
         let into = f.a.orientation.inverse();

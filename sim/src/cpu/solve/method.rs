@@ -20,7 +20,7 @@ pub fn run(
     if is_idle(op, gamma, response) {
         return Outcome::default();
     }
-    match settings.method {
+    match settings.method.unwrap_or(Method::Apgd) {
         Method::Jacobi => jacobi::run(op, settings, gamma, response, work),
         Method::GaussSeidel => gauss_seidel::run(op, settings, gamma, response, work),
         Method::Apgd => apgd::run(op, settings, gamma, response, work),

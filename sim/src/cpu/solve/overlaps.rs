@@ -16,9 +16,6 @@ use crate::rows::reduce_chunks;
 use crate::twist::Twist;
 use glam::DVec3;
 
-/// Overlaps are recovered in one of so many steps, for all of them.
-const PERIOD: u64 = 4;
-
 /// Share of the step to the minimum along the direction: more would open some contacts for the sake of others.
 const SHARE: f64 = 0.5;
 
@@ -33,13 +30,10 @@ pub struct Displacement {
     push: Vec<f64>,
 }
 
-/// Find the displacement after the solve of a step, with the velocities of `response`; `steps` is the number of steps before it.
-pub fn recover(op: &mut BodyOperator, steps: u64, response: &mut Response, out: &mut Displacement) {
-    out.twist.clear();
-    if !steps.is_multiple_of(PERIOD) {
-        return;
-    }
-    let slope = op.push_apart(response, &mut out.push);
+/// Find the displacement after the solve of a step, with the velocities of `response`; in one of `period` steps, for
+/// all of them.
+pub fn recover(op: &mut BodyOperator, period: u64, response: &mut Response, out: &mut Displacement) {
+    let slope = op.push_apart(period as f64, response, &mut out.push);
     if slope == 0.0 {
         return;
     }
@@ -58,7 +52,7 @@ pub fn recover(op: &mut BodyOperator, steps: u64, response: &mut Response, out: 
 impl BodyOperator<'_> {
     /// Set `push` to the impulse that alone would recover what is left of each contact's overlap. Returns the sum of the impulses times
     /// the speeds of recovery, J.
-    fn push_apart(&self, response: &Response, push: &mut Vec<f64>) -> f64 {
+    fn push_apart(&self, period: f64, response: &Response, push: &mut Vec<f64>) -> f64 {
         let contacts = self.contacts;
         let least = -self.recovery.least;
         if !contacts.gap.iter().any(|gap| *gap < least) {
@@ -72,7 +66,7 @@ impl BodyOperator<'_> {
                 *push = 0.0;
                 if contacts.gap[i] < least {
                     let speed = self.normal_speed(i, response);
-                    let left = self.recovery.overlap_speed(contacts.gap[i], speed, PERIOD as f64);
+                    let left = self.recovery.overlap_speed(contacts.gap[i], speed, period);
                     *push = left / self.normal_response(i);
                     slope += *push * left;
                 }
