@@ -30,6 +30,7 @@ mod projects;
 mod properties;
 mod rays;
 mod rendering;
+mod rest;
 mod runs;
 mod sheets;
 mod solver;

@@ -115,7 +115,7 @@ pub fn run(
         recovery: Recovery::of(model),
         offset_without_slip: &work.offset_without_slip,
         last_slip: &work.last_slip,
-        least_slip: model.gravity.length() * model.step * std::env::var("LEAST").map_or(1.0, |x| x.parse().unwrap()),
+        least_slip: model.gravity.length() * model.step,
         eta: &work.eta,
         envelope: model.envelope,
     };

@@ -28,7 +28,7 @@ pub fn run(
         // The first feedback is the slip of the last step, or that of the starting point.
         let last = if round == 0 { op.last_slip() } else { None };
         let mut slip = last.unwrap_or_else(|| measure(op, response, gamma.len()));
-        fill_rows_in_place(&mut slip, op);
+        leave_out_creep(op, &mut slip);
         let change: f64 = slip.iter().zip(&feedback).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
         let is_fixed_point = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
@@ -63,11 +63,13 @@ pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<
     slip
 }
 
-fn fill_rows_in_place(slip: &mut [f64], op: &impl Operator) {
-    for (i, s) in slip.iter_mut().enumerate() {
+/// Leave out the slip of blocks that hardly slip: it is that of the solver's errors, and what is fed back for it would shake what rests.
+/// All is fed from twice the least slip on.
+fn leave_out_creep(op: &impl Operator, slip: &mut [f64]) {
+    for (i, slip) in slip.iter_mut().enumerate() {
         let least = op.least_slip(i);
-        if *s < 2.0 * least {
-            *s *= ((*s - least) / least).max(0.0);
+        if *slip < 2.0 * least {
+            *slip *= ((*slip - least) / least).max(0.0);
         }
     }
 }

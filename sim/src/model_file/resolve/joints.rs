@@ -116,7 +116,7 @@ impl Builder<'_> {
                 return Err(doc.fault(&at("limits"), "this kind of joint has no coordinate to limit"));
             }
             Some([lo, hi]) => {
-                if !(lo < hi) {
+                if !(lo <= hi) {
                     return Err(doc.fault(&at("limits"), format!("run from {lo} to {hi}, expected the smaller first")));
                 }
                 Some(if angle { [lo.to_radians(), hi.to_radians()] } else { [lo, hi] })

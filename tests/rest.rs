@@ -1,0 +1,168 @@
+//! What shall rest rests: beds that a step cannot solve to the end, runs based on them, and light chains under heavy loads.
+
+use crate::analytic::simulation;
+use crate::cli::{scratch, scree};
+use sim::Simulation;
+
+/// A bed of 300 spheres in a narrow shaft, 30 layers deep. In that of this seed no loose grain rolls on between the others after 2.5 s.
+const SHAFT: &str = "step: 1e-3
+seed: 3
+materials: {m: {density: 2500, friction: 0.5}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: east, material: m, plane: {normal: [-1, 0, 0]}, position: [0.17, 0, 0]}
+  - {name: west, material: m, plane: {normal: [1, 0, 0]}, position: [-0.17, 0, 0]}
+  - {name: north, material: m, plane: {normal: [0, -1, 0]}, position: [0, 0.17, 0]}
+  - {name: south, material: m, plane: {normal: [0, 1, 0]}, position: [0, -0.17, 0]}
+fills:
+  - {name: grains, material: m, count: 300, radius: [0.045, 0.055], min: [-0.17, -0.17, 0], max: [0.17, 0.17, 12]}
+";
+
+/// The mean speed of the bodies that move, m/s, and the error of the vertical force on those that do not over the weight.
+fn unrest(sim: &Simulation) -> (f64, f64) {
+    let (model, state) = (&sim.model, &sim.state);
+    let moving: Vec<usize> = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0).collect();
+    let weight = moving.iter().map(|b| 9.81 / model.inv_mass[*b]).sum::<f64>();
+    let speed = moving.iter().map(|b| state.velocity[*b].length()).sum::<f64>() / moving.len() as f64;
+    let held = |b: u32| model.inv_mass[b as usize] == 0.0;
+    let force = (0..state.contacts.len()).map(|i| match state.contacts.bodies[i].map(held) {
+        [true, false] => state.contacts.impulse[i].z,
+        [false, true] => -state.contacts.impulse[i].z,
+        _ => 0.0,
+    });
+    (speed, (force.sum::<f64>() / model.step / weight - 1.0).abs())
+}
+
+#[test]
+fn a_deep_bed_comes_to_rest_with_few_iterations() {
+    for solver in
+        ["method: apgd", "method: barzilai_borwein", "method: gauss_seidel", "method: gauss_seidel, friction: exact"]
+    {
+        let mut sim = simulation(&format!("solver: {{{solver}, iterations: 50}}\n{SHAFT}"));
+        (0..2_500).for_each(|_| drop(sim.step()));
+        for _ in 0..500 {
+            sim.step();
+            let (speed, force) = unrest(&sim);
+            assert!(speed <= 1e-4 && force <= 1e-3, "{solver}: {speed:.1e} m/s, {force:.1e} of the weight");
+        }
+        assert!(sim.state.contacts.worst_penetration() < 1e-4, "{solver}");
+    }
+}
+
+#[test]
+fn a_run_on_a_bed_at_rest_starts_at_rest() {
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    std::fs::write(at("bed.yaml"), format!("duration: 2.5\nframe_rate: 1\n{SHAFT}")).unwrap();
+    scree(&["simulate", &at("bed.yaml"), "-o", &at("bed")]).ok();
+    for step in ["1e-3", "5e-4"] {
+        let on =
+            format!("step: {step}\nmaterials: {{m: {{density: 2500, friction: 0.5}}}}\nbase: {{run: {}}}\n", at("bed"));
+        let mut sim = simulation(&on);
+        assert!(sim.state.contacts.len() > 300);
+        for k in 0..20 {
+            sim.step();
+            let (speed, force) = unrest(&sim);
+            assert!(speed <= 1e-4 && force <= 1e-3, "step {k} of {step} s: {speed:.1e} m/s, {force:.1e} of the weight");
+        }
+    }
+}
+
+/// A chain of links of 10 g and 0.1 m that leans by 0.3 rad, with a load at its end, kg.
+fn chain(links: usize, kind: &str, load: f64) -> Simulation {
+    let (x, z) = (0.3f64.sin() * 0.1, -0.3f64.cos() * 0.1);
+    let at = |s: f64| format!("[{}, 0, {}]", x * s, z * s);
+    let (mut bodies, mut joints) = (String::new(), String::new());
+    let is_distance = kind == "distance";
+    for k in 0..links {
+        let (start, before) = (k as f64, if k == 0 { "world".into() } else { format!("link{}", k - 1) });
+        let place = at(start + if is_distance { 1.0 } else { 0.5 });
+        bodies +=
+            &format!("  - {{name: link{k}, shapes: [], mass: 0.01, inertia: [8e-6, 8e-6, 1e-6], position: {place}}}\n");
+        let ends = if is_distance { format!("position_b: {}", at(start + 1.0)) } else { "axis: [0, 1, 0]".into() };
+        joints +=
+            &format!("  - {{name: pin{k}, kind: {kind}, a: {before}, b: link{k}, position: {}, {ends}}}\n", at(start));
+    }
+    let (end, last) = (at(links as f64), links - 1);
+    bodies += &format!("  - {{name: load, shapes: [], mass: {load}, inertia: [10, 10, 10], position: {end}}}\n");
+    joints += &format!("  - {{name: hook, kind: spherical, a: link{last}, b: load, position: {end}}}\n");
+    simulation(&format!(
+        "step: 1e-3\nmaterials: {{m: {{density: 1000, friction: 0}}}}\nbodies:\n{bodies}joints:\n{joints}"
+    ))
+}
+
+#[test]
+fn a_light_chain_swings_a_heavy_load() {
+    for (links, kind, load) in [(200, "spherical", 1000.0), (60, "revolute", 1000.0), (60, "distance", 1000.0)] {
+        let mut sim = chain(links, kind, load);
+        let length = 0.1 * links as f64;
+        let energy = |s: &Simulation| {
+            let (v, z) = (s.state.velocity[links].length_squared(), s.state.position[links].z);
+            load * (0.5 * v + 9.81 * (z + length))
+        };
+        let first = energy(&sim);
+        for _ in 0..1_000 {
+            assert!(sim.step().warnings.is_empty(), "{kind}");
+            let reach = sim.state.position[links].length();
+            assert!((reach / length - 1.0).abs() < 1e-4, "{links} {kind} links reach {reach} m");
+        }
+        let drift = energy(&sim) / first - 1.0;
+        assert!(drift.abs() < 0.01, "{links} {kind} links: the energy drifts by {drift}");
+    }
+}
+
+#[test]
+fn the_reaction_of_a_container_is_the_weight() {
+    let spheres: String = (0..8)
+        .map(|i| {
+            let [x, y, z] = [i % 2, i / 2 % 2, i / 4].map(|k| 0.11 + 0.21 * f64::from(k));
+            format!("  - {{name: s{i}, material: m, mass: 5, sphere: {{radius: 0.1}}, position: [{x}, {y}, {z}]}}\n")
+        })
+        .collect();
+    let mut sim = simulation(&format!(
+        "materials: {{m: {{density: 1000, friction: 0.3}}}}
+bodies:
+  - {{name: floor, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: a, material: m, plane: {{normal: [1, 0, 0]}}}}
+  - {{name: b, material: m, plane: {{normal: [0, 1, 0]}}}}
+  - {{name: c, material: m, plane: {{normal: [-1, 0, 0]}}, position: [0.43, 0, 0]}}
+  - {{name: d, material: m, plane: {{normal: [0, -1, 0]}}, position: [0, 0.43, 0]}}
+{spheres}"
+    ));
+    (0..2_000).for_each(|_| drop(sim.step()));
+    let (_, error) = unrest(&sim);
+    assert!(error * 392.4 < 1e-3, "{} N off", error * 392.4);
+}
+
+#[test]
+fn an_impact_acts_at_the_surface() {
+    // A sphere that hits a rough ground stops to slide: 5/7 of its speed are left.
+    let mut sim = simulation(
+        "gravity: [0, 0, 0]
+solver: {friction: exact, tolerance: 1e-12}
+materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: ball, material: m, sphere: {radius: 0.1}, position: [0, 0, 0.101], velocity: [3, 0, -4]}
+",
+    );
+    sim.step();
+    let (v, w) = (sim.state.velocity[1], sim.state.angular_velocity[1]);
+    assert!((v.x - 15.0 / 7.0).abs() < 1e-9 && (w.y - 150.0 / 7.0).abs() < 1e-8, "{v} {w}");
+}
+
+#[test]
+fn motion_that_is_prescribed_is_no_violation_and_a_range_of_zero_holds() {
+    let body = "materials: {m: {density: 1000, friction: 0}}
+bodies:
+  - {name: a, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [1, 0, 0]}
+joints:
+  - {name: j, kind: revolute, a: world, b: a, position: [0, 0, 0], axis: [0, 1, 0], ";
+    let mut sim = simulation(&format!("{body}motor: {{motion: {{ramp: {{times: [0, 1], values: [0, 1]}}}}}}}}\n"));
+    (0..300).for_each(|_| drop(sim.step()));
+    assert!((sim.state.joints[0].coordinate - 0.3).abs() < 1e-5);
+    assert!(sim.state.joints[0].violation < 1e-5, "{}", sim.state.joints[0].violation);
+    let mut sim = simulation(&format!("{body}limits: [0, 0]}}\n"));
+    (0..300).for_each(|_| drop(sim.step()));
+    assert!(sim.state.joints[0].coordinate.abs() < 1e-6, "{}", sim.state.joints[0].coordinate);
+}
