@@ -28,7 +28,7 @@ pub fn run(
         // The first feedback is the slip of the last step, or that of the starting point.
         let last = if round == 0 { op.last_slip() } else { None };
         let mut slip = last.unwrap_or_else(|| measure(op, response, gamma.len()));
-        leave_out_creep(op, &mut slip);
+        leave_out_creep(op, gamma, &mut slip);
         let change: f64 = slip.iter().zip(&feedback).map(|(a, b)| (a - b).abs()).sum();
         let sum: f64 = slip.iter().sum();
         let is_fixed_point = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
@@ -63,12 +63,19 @@ pub fn measure(op: &impl Operator, response: &Response, n_blocks: usize) -> Vec<
     slip
 }
 
-/// Leave out the slip of blocks that hardly slip: it is that of the solver's errors, and what is fed back for it would shake what rests.
-/// All is fed from twice the least slip on.
-fn leave_out_creep(op: &impl Operator, slip: &mut [f64]) {
+/// Leave out the slip of blocks that hardly slip, and of those that stick, whose multipliers are within their cones: it is that of the
+/// solver's errors, and what is fed back for it would shake what rests. All is fed from twice the least slip on.
+fn leave_out_creep(op: &impl Operator, gamma: &[DVec3], slip: &mut [f64]) {
+    /// Share of the cone's width from which on a block slides.
+    const SLIDES: f64 = 0.99;
     for (i, slip) in slip.iter_mut().enumerate() {
         let least = op.least_slip(i);
-        if *slip < 2.0 * least {
+        let (mu, normal) = op.friction(i);
+        let along = gamma[i].dot(normal);
+        let sticks = least > 0.0 && (gamma[i] - normal * along).length() < SLIDES * mu * along;
+        if sticks {
+            *slip = 0.0;
+        } else if *slip < 2.0 * least {
             *slip *= ((*slip - least) / least).max(0.0);
         }
     }
