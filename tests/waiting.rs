@@ -125,6 +125,35 @@ bodies:
     });
 }
 
+/// Spheres in a row that touch: all at once they share the motion, one after another they hand it on.
+#[test]
+fn a_cradle_that_touches_hands_the_impact_on_where_it_is_sequential() {
+    for_all(|method, law| {
+        for (impacts, speeds) in [("simultaneous", [-0.5, 0.5, 0.5, 0.5]), ("sequential", [0.0, 0.0, 0.0, 1.0])] {
+            let spheres: String = [-0.12, 0.0, 0.1, 0.2]
+                .iter()
+                .enumerate()
+                .map(|(i, x)| {
+                    let speed = if i == 0 { 1 } else { 0 };
+                    format!("  - {{name: s{i}, material: m, sphere: {{radius: 0.05}}, position: [{x}, 0, 0], velocity: [{speed}, 0, 0]}}\n")
+                })
+                .collect();
+            let mut sim = simulation(&format!(
+                "gravity: [0, 0, 0]
+solver: {{method: {method}, friction: {law}, impacts: {impacts}, tolerance: 1e-10}}
+materials: {{m: {{density: 7800, friction: 0.3, restitution: 1}}}}
+bodies:
+{spheres}"
+            ));
+            (0..100).for_each(|_| drop(sim.step()));
+            for (b, speed) in speeds.into_iter().enumerate() {
+                let v = sim.state.velocity[b].x;
+                assert!((v - speed).abs() < 1e-6, "{method}, {law}, {impacts}: sphere {b} has {v} m/s");
+            }
+        }
+    });
+}
+
 /// Spheres in a row with gaps, without friction: the momentum of the first one goes through all of them, and energy does not grow.
 #[test]
 fn a_cradle_keeps_its_energy() {

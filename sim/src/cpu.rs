@@ -12,6 +12,7 @@ mod contact_solve;
 mod contact_write;
 mod force;
 mod geometric_stiffness;
+mod impacts;
 mod integrate;
 mod joint_write;
 pub(crate) mod masses;

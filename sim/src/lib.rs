@@ -61,7 +61,7 @@ pub use outcome::{JointErrors, Outcome, StepOutcome};
 pub use plan::{ContactMethod, Narrow, StepPlan};
 pub use pose::{Pose, PoseColumn};
 pub use probe::{probe_header, probe_line};
-pub use settings::{FrictionLaw, Method, SolverSettings};
+pub use settings::{FrictionLaw, Impacts, Method, SolverSettings};
 pub use shape::ShapeKind;
 pub use simulation::{Simulation, StepReport};
 pub use state::{Activity, State};

@@ -2,7 +2,7 @@
 //! appears or begins to move, or the solver's settings change.
 
 use crate::model::Model;
-use crate::settings::{FrictionLaw, Method, SolverSettings};
+use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
 use crate::state::State;
 
 use crate::inertia::is_isotropic;
@@ -41,8 +41,10 @@ pub struct StepPlan {
     pub rolls: bool,
     /// Whether a contact law has cohesion.
     pub coheres: bool,
-    /// Whether a contact law has restitution.
+    /// Whether a contact law has restitution, and impacts are solved with the contacts.
     pub bounces: bool,
+    /// Whether a contact law has restitution, and impacts act one after another before the contacts are solved.
+    pub has_sequential_impacts: bool,
     /// Whether the velocities without contacts and joints are a column; else each reader evaluates them, which happens twice a step.
     pub has_free_column: bool,
     /// Whether the solve starts from the last step's impulses.
@@ -66,14 +68,17 @@ impl StepPlan {
             None => can_sweep && is_bed(model, state),
         };
         let method = if sweeps && can_sweep { ContactMethod::SphereSweeps } else { blocks(settings) };
+        let bounces = any(|l| l.restitution > 0.0);
+        let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let has_forces = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
         StepPlan {
             narrow,
             method,
             rolls,
             coheres,
-            bounces: any(|l| l.restitution > 0.0),
-            has_free_column: has_forces || !(sweeps && has_spheres),
+            bounces: bounces && !has_sequential_impacts,
+            has_sequential_impacts,
+            has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
             settings: settings.clone(),
         }

@@ -41,6 +41,17 @@ impl Method {
     }
 }
 
+/// How the impacts of a step act.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Impacts {
+    /// All at once, with the contacts.
+    #[default]
+    Simultaneous,
+    /// One after another, the fastest first, until none closes.
+    Sequential,
+}
+
 /// Settings of the contact solver: the `solver` section of a model file.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -50,6 +61,8 @@ pub struct SolverSettings {
     pub method: Option<Method>,
     /// Law of friction: `relaxed` (the convex form) or `exact` (Coulomb's law).
     pub friction: FrictionLaw,
+    /// How several impacts act: `simultaneous` or `sequential`, one after another, as in a cradle of spheres that touch.
+    pub impacts: Impacts,
     /// Maximum number of iterations per step; if not given, 50,000 divided by the number of contacts, and at least 50.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<u32>,
@@ -74,6 +87,7 @@ impl Default for SolverSettings {
         SolverSettings {
             method: None,
             friction: FrictionLaw::Relaxed,
+            impacts: Impacts::Simultaneous,
             iterations: None,
             tolerance: 1e-7,
             omega: None,

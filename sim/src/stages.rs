@@ -199,24 +199,24 @@ columns! {
     ContactStart "contact_start": u32, Length::As(Column::SpherePairStart), Values::StartsOf(Column::ContactBodies), "",
         [ContactWrite] => [WarmStart, ContactSolve];
     /// Bodies A and B of a contact, the lower id first.
-    ContactBodies "contact_bodies": [u32; 2], Length::Found, Values::Bodies, "", [ContactWrite] => [ContactSolve];
+    ContactBodies "contact_bodies": [u32; 2], Length::Found, Values::Bodies, "", [ContactWrite] => [Force, ContactSolve];
     /// Identity of a contact from step to step: its shapes and feature id.
     ContactKey "contact_key": [u32; 3], Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
     /// Index of a contact's sphere pair within its tile; `u32::MAX` for other contacts.
     ContactPair "contact_pair": u32, Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
     /// Unit normals, out of A, world.
     ContactNormal "contact_normal": DVec3, Length::As(Column::ContactBodies), Values::Finite, "",
-        [ContactWrite] => [ContactSolve];
+        [ContactWrite] => [Force, ContactSolve];
     /// Arms from the centres of mass of A and B to the contact point, world, where the plan has [`Narrow::Any`].
     ContactArms "contact_arms": [DVec3; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
-        [ContactWrite] => [ContactSolve];
+        [ContactWrite] => [Force, ContactSolve];
     /// Lengths of the arms along the normal, where the plan has [`Narrow::Spheres`].
     ContactReach "contact_reach": [f64; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
-        [ContactWrite] => [ContactSolve];
+        [ContactWrite] => [Force, ContactSolve];
     /// Gaps Φ, negative in overlap.
-    ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [ContactSolve];
+    ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [Force, ContactSolve];
     /// Contact law, an index into [`Model::laws`].
-    ContactLaw "contact_law": u32, Length::As(Column::ContactBodies), Values::Laws, "", [ContactWrite] => [ContactSolve];
+    ContactLaw "contact_law": u32, Length::As(Column::ContactBodies), Values::Laws, "", [ContactWrite] => [Force, ContactSolve];
     /// Impulses on B, world.
     Impulse "impulse": DVec3, Length::As(Column::ContactBodies), Values::Watched, "N s",
         [WarmStart, ContactSolve] => [WarmStart, ContactSolve];

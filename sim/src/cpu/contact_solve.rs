@@ -25,6 +25,7 @@
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
 //! contact, which preserves its cone. The methods are in [`super::solve`].
 
+use super::impacts::bounces;
 use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::iterates::Iterates;
@@ -152,9 +153,6 @@ fn recovery_period(method: ContactMethod) -> u64 {
     }
 }
 
-/// Minimum approach speed for restitution, m/s.
-const MIN_BOUNCE_SPEED: f64 = 1e-3;
-
 impl Workspace {
     /// Release the memory of columns that the next solve lays out again.
     pub fn release(&mut self) {
@@ -176,7 +174,7 @@ impl Workspace {
         (joints, limits): (&Joints, &[Row]),
         method: ContactMethod,
     ) -> bool {
-        let (h, n, offset) = (model.step, contacts.len(), &mut self.offset);
+        let (n, offset) = (contacts.len(), &mut self.offset);
         let recovery = Recovery::of(model);
         let has_slip_feedback = plan.has_slip_feedback(method);
         let has_rows = !joints.rows.is_empty() || !limits.is_empty();
@@ -193,9 +191,7 @@ impl Workspace {
             }
             let restitution = model.laws[contacts.law[i] as usize].restitution;
             let speed = contacts.velocity(i, |b| state.twist(b)).dot(contacts.normal[i]);
-            let min_speed = MIN_BOUNCE_SPEED.max(2.0 * model.gravity.length() * h);
-            let closes = speed < -min_speed && contacts.gap[i] + h * speed <= 0.0;
-            if restitution > 0.0 && closes { opening.min(restitution * speed) } else { opening }
+            if restitution > 0.0 && bounces(model, gap, speed) { opening.min(restitution * speed) } else { opening }
         });
         for (k, row) in limits.iter().enumerate() {
             offset[n + k] = recovery.limit_rate(row.psi);

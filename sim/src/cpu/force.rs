@@ -3,10 +3,17 @@
 //! in   orientation       [n_bodies]
 //! in   velocity          [n_bodies]  m/s
 //! in   angular_velocity  [n_bodies]  rad/s
+//! in   contact_bodies    [n_contacts]  where impacts act one after another (`impacts`)
+//! in   contact_normal    [n_contacts]
+//! in   contact_arms      [n_contacts]  m, or
+//! in   contact_reach     [n_contacts]  m
+//! in   contact_gap       [n_contacts]  m
+//! in   contact_law       [n_contacts]
 //! out  tensor            [n_tensors] of bodies with anisotropic inertia
 //! out  free              [n_bodies]  m/s and rad/s, world, where the plan has it as a column
 //! Source: PHYSICS, k = M v + h f. Gyroscopic terms are in `integrate`.
 
+use super::impacts;
 use super::masses::Masses;
 use super::solve::bodies::Falling;
 use crate::model::Model;
@@ -28,6 +35,9 @@ pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, f
     free.resize(model.n_bodies(), Twist::default());
     let falling = Falling { model, state };
     fill_rows(free, |b| falling.twist(b));
+    if plan.has_sequential_impacts {
+        impacts::run(model, state, masses, free);
+    }
     // A load acts with its value in the middle of the step.
     let middle = state.time + 0.5 * h;
     for load in &model.loads {

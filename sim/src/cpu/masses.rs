@@ -1,5 +1,6 @@
 //! Masses and inertia tensors of a step, in the world frame.
 
+use crate::contacts::{Arms, Contacts};
 use crate::geometry::principal;
 use crate::inertia::{is_isotropic, world_inv_inertia};
 use crate::joint::Row;
@@ -155,6 +156,19 @@ impl Masses {
             row.linear.length_squared() * self.inv_mass[b] + self.apply_inv_inertia(b, angular).dot(angular)
         };
         own(row.bodies[0], row.angular_a) + own(row.bodies[1], row.angular_b)
+    }
+
+    /// Relative speed along the normal of contact `i` that a unit impulse along it makes, 1/kg. Arms along it have no part in it.
+    #[inline]
+    pub fn normal_response(&self, contacts: &Contacts, i: usize) -> f64 {
+        let bodies = contacts.bodies[i].map(|b| b as usize);
+        let linear = bodies.iter().map(|b| self.inv_mass[*b]).sum::<f64>();
+        let Arms::Any(arms) = &contacts.arms else { return linear };
+        let turns = bodies.into_iter().zip(arms[i]).map(|(b, arm)| {
+            let turn = arm.cross(contacts.normal[i]);
+            turn.dot(self.apply_inv_inertia(b, turn))
+        });
+        linear + turns.sum::<f64>()
     }
 
     /// Inverse inertia tensor, 1/(kg m²).

@@ -67,7 +67,7 @@ impl BodyOperator<'_> {
                 if contacts.gap[i] < least {
                     let speed = self.normal_speed(i, response);
                     let left = self.recovery.overlap_speed(contacts.gap[i], speed, period);
-                    *push = left / self.normal_response(i);
+                    *push = left / self.masses.normal_response(contacts, i);
                     slope += *push * left;
                 }
             }
@@ -115,19 +115,6 @@ impl BodyOperator<'_> {
             }
         };
         velocity.dot(self.contacts.normal[contact])
-    }
-
-    /// Relative speed along a contact's normal that a unit impulse along it makes, without joints, 1/kg.
-    #[inline]
-    fn normal_response(&self, contact: usize) -> f64 {
-        let bodies = self.contacts.bodies[contact].map(|b| b as usize);
-        let linear = bodies.iter().map(|b| self.masses.inv_mass[*b]).sum::<f64>();
-        let Arms::Any(arms) = &self.contacts.arms else { return linear };
-        let turns = bodies.into_iter().zip(arms[contact]).map(|(b, arm)| {
-            let turn = arm.cross(self.contacts.normal[contact]);
-            turn.dot(self.masses.apply_inv_inertia(b, turn))
-        });
-        linear + turns.sum::<f64>()
     }
 
     /// Turn the bodies so that the displacement by the share `share` of the impulses leaves the angular momentum as it is, which counts
