@@ -50,6 +50,29 @@ fn a_deep_bed_comes_to_rest_with_few_iterations() {
 }
 
 #[test]
+fn a_deep_pile_of_boxes_comes_to_rest() {
+    // Their contacts come and go: 16 layers of 2 × 2 boxes, thrown into a shaft.
+    let boxes: String = (0..64)
+        .map(|i| {
+            let [x, y, z] = [i % 2, i / 2 % 2, i / 4].map(f64::from);
+            let (position, axis) = ([0.22 * (x - 0.5), 0.22 * (y - 0.5), 0.2 + 0.25 * z], [1, 2, i % 7]);
+            format!("  - {{name: b{i}, material: m, box: {{size: [0.2, 0.15, 0.1]}}, position: {position:?}, rotate: {{axis: {axis:?}, angle: {}}}}}\n", 20 * i)
+        })
+        .collect();
+    let walls = SHAFT.split("fills:").next().expect("walls").replace("0.17", "0.28");
+    for method in ["apgd", "gauss_seidel"] {
+        let mut sim = simulation(&format!("solver: {{method: {method}, iterations: 50}}\n{walls}{boxes}"));
+        (0..3_000).for_each(|_| drop(sim.step()));
+        for _ in 0..500 {
+            sim.step();
+            let (speed, force) = unrest(&sim);
+            assert!(speed <= 1e-4 && force <= 1e-3, "{method}: {speed:.1e} m/s, {force:.1e} of the weight");
+        }
+        assert!(sim.state.contacts.worst_penetration() < 1e-4, "{method}");
+    }
+}
+
+#[test]
 fn a_run_on_a_bed_at_rest_starts_at_rest() {
     let work = scratch();
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();

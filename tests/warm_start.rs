@@ -32,7 +32,7 @@ bodies:
             yaml += &format!("  - {{name: b{i}, material: m, {}, position: [{x}, 0, {z}]}}\n", shapes[i / 6 % 3]);
         }
         [Simulation::new(model, state), simulation(&yaml)].map(|mut sim| {
-            (0..500).for_each(|_| _ = sim.step());
+            (0..1_500).for_each(|_| _ = sim.step());
             assert!(sim.state.contacts.len() > 60, "{} contacts", sim.state.contacts.len());
             (sim.model, sim.state)
         })
@@ -108,6 +108,8 @@ fn the_starting_point_is_the_last_steps_impulses() {
             };
             sim.step();
             let after = impulses(&sim);
+            // What contacts of two shapes had that are no more goes on with another of the same shapes.
+            let (before, after) = (of_shapes(&before), of_shapes(&after));
             let known: Vec<_> = after.iter().filter_map(|(key, now)| Some((*before.get(key)?, *now))).collect();
             let new = after.iter().filter(|(key, _)| !before.contains_key(*key));
             let dot = |f: &dyn Fn(&(DVec3, DVec3)) -> f64| known.iter().map(f).sum::<f64>();
@@ -117,9 +119,18 @@ fn the_starting_point_is_the_last_steps_impulses() {
             assert!(off < 0.05, "{name}, {again}: the starting point is off by {off} of the last impulses");
             assert!(
                 new.into_iter().all(|(_, now)| *now == DVec3::ZERO),
-                "{name}, {again}: a new contact has an impulse"
+                "{name}, {again}: shapes that did not touch have an impulse"
             );
-            assert!(known.len() > 60, "{name}: {} known contacts", known.len());
+            assert!(known.len() > 20, "{name}: {} pairs that touched", known.len());
         }
     }
+}
+
+/// The sums of the impulses of the contacts of two shapes.
+fn of_shapes(impulses: &BTreeMap<[u32; 3], DVec3>) -> BTreeMap<[u32; 2], DVec3> {
+    let mut sums = BTreeMap::new();
+    for ([a, b, _], impulse) in impulses {
+        *sums.entry([*a, *b]).or_insert(DVec3::ZERO) += *impulse;
+    }
+    sums
 }

@@ -50,9 +50,9 @@ bodies:
 ";
     let stones: String = (0..400)
         .map(|i| {
-            let shape = ["box: {size: [0.2, 0.15, 0.1]}", "capsule: {radius: 0.05, height: 0.1}", "sphere: {radius: 0.08}", "cylinder: {radius: 0.08, height: 0.12}"][i % 4];
+            let shape = ["box: {size: [0.2, 0.15, 0.1]}", "capsule: {radius: 0.05, length: 0.1}", "sphere: {radius: 0.08}", "cylinder: {radius: 0.08, length: 0.12}"][i % 4];
             let [x, y, z] = [i % 4, (i / 4) % 4, i / 16].map(|k| k as f64);
-            format!("  - {{name: s{i}, material: m, {shape}, position: [{}, {}, {}], rotation: {{axis: [1, 2, {}], angle: {}}}}}\n", 0.22 * (x - 1.5), 0.22 * (y - 1.5), 0.2 + 0.25 * z, i % 7, 20 * i)
+            format!("  - {{name: s{i}, material: m, {shape}, position: [{}, {}, {}], rotate: {{axis: [1, 2, {}], angle: {}}}}}\n", 0.22 * (x - 1.5), 0.22 * (y - 1.5), 0.2 + 0.25 * z, i % 7, 20 * i)
         })
         .collect();
     let (mut boxes, mut hinges) = (String::new(), "joints:\n".to_string());
@@ -68,6 +68,7 @@ bodies:
     let case = |name, yaml: String, rests_from, ends| Case { name, yaml: format!("{ground}{yaml}"), rests_from, ends };
     vec![
         case("bed", walls(0.55) + grains, 5.0, 8.0),
+        case("second bed", walls(0.55) + grains + "seed: 11\n", 5.0, 8.0),
         case("stones", walls(0.5) + &stones, 5.0, 6.0),
         case("ten boxes", stack((0..10).map(|_| (1.0, BOX))), 0.5, 2.0),
         case("1000 times", stack((0..21).map(|i| (if i == 20 { 1e3 } else { 1.0 }, SPHERE))), 0.5, 2.0),

@@ -201,7 +201,8 @@ columns! {
     /// Bodies A and B of a contact, the lower id first.
     ContactBodies "contact_bodies": [u32; 2], Length::Found, Values::Bodies, "", [ContactWrite] => [Force, ContactSolve];
     /// Identity of a contact from step to step: its shapes and feature id.
-    ContactKey "contact_key": [u32; 3], Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
+    ContactKey "contact_key": [u32; 3], Length::As(Column::ContactBodies), Values::Any, "",
+        [ContactWrite] => [WarmStart, ContactSolve];
     /// Index of a contact's sphere pair within its tile; `u32::MAX` for other contacts.
     ContactPair "contact_pair": u32, Length::As(Column::ContactBodies), Values::Any, "", [ContactWrite] => [WarmStart];
     /// Unit normals, out of A, world.
@@ -209,10 +210,10 @@ columns! {
         [ContactWrite] => [Force, ContactSolve];
     /// Arms from the centres of mass of A and B to the contact point, world, where the plan has [`Narrow::Any`].
     ContactArms "contact_arms": [DVec3; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
-        [ContactWrite] => [Force, ContactSolve];
+        [ContactWrite] => [WarmStart, Force, ContactSolve];
     /// Lengths of the arms along the normal, where the plan has [`Narrow::Spheres`].
     ContactReach "contact_reach": [f64; 2], Length::As(Column::ContactBodies), Values::Finite, "m",
-        [ContactWrite] => [Force, ContactSolve];
+        [ContactWrite] => [WarmStart, Force, ContactSolve];
     /// Gaps Φ, negative in overlap.
     ContactGap "contact_gap": f64, Length::As(Column::ContactBodies), Values::Finite, "m", [ContactWrite] => [Force, ContactSolve];
     /// Contact law, an index into [`Model::laws`].

@@ -5,6 +5,7 @@
 //! in     angular_velocity  [n_bodies]     rad/s
 //! in     contact_start     [n_tiles + 2]
 //! in     contact_bodies    [n_contacts]
+//! in     contact_key       [n_contacts]   where shapes have faces
 //! in     contact_normal    [n_contacts]
 //! in     contact_arms      [n_contacts]   m, or
 //! in     contact_reach     [n_contacts]   m
@@ -39,8 +40,9 @@ use crate::contacts::Contacts;
 use crate::joint::Row;
 use crate::model::Model;
 use crate::outcome::Outcome;
-use crate::plan::{ContactMethod, StepPlan};
+use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
+use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
 use crate::watch::residual_bound;
@@ -178,14 +180,21 @@ impl Workspace {
         let recovery = Recovery::of(model);
         let has_slip_feedback = plan.has_slip_feedback(method);
         let has_rows = !joints.rows.is_empty() || !limits.is_empty();
-        if !(plan.bounces || has_slip_feedback || has_rows) {
+        // Contacts of faces come and go with each step, so that what a cut-off solve leaves of them adds up to overlaps.
+        let has_faces = plan.narrow == Narrow::Any;
+        if !(plan.bounces || has_slip_feedback || has_rows || has_faces) {
             return false;
         }
         offset.resize(n + limits.len(), 0.0);
         fill_rows(&mut offset[..n], |i| {
-            let is_jointed = contacts.bodies[i].iter().any(|b| joints.hold(*b));
+            let of_face = |s: u32| {
+                let s = s as usize;
+                model.shape_kind[s] != ShapeKind::Sphere && model.inv_mass[model.shape_body[s] as usize] > 0.0
+            };
+            let is_lifted = has_faces && contacts.key[i][..2].iter().any(|s| of_face(*s))
+                || contacts.bodies[i].iter().any(|b| joints.hold(*b));
             let gap = contacts.gap[i];
-            let opening = if is_jointed { recovery.jointed_rate(gap) } else { recovery.rate(gap) };
+            let opening = if is_lifted { recovery.lifting_rate(gap) } else { recovery.rate(gap) };
             if !plan.bounces {
                 return opening;
             }

@@ -2,14 +2,19 @@
 //! in     contact_start    [n_tiles + 2]
 //! in     contact_key      [n_contacts]
 //! in     contact_pair     [n_contacts]
+//! in     contact_arms     [n_contacts]  m, of the last step and of this one, or
+//! in     contact_reach    [n_contacts]  m
 //! inout  impulse          [n_contacts]  N s, world: that of the last step; zero for a new contact
 //! inout  rolling_impulse  [n_contacts]  N m s, world, where the plan has rolling or spinning friction
 //! Source: PHYSICS, "warm start from the last step's γ of the same pair".
 //!
 //! While the candidate pairs are those of the last step, contacts of sphere pairs have the same order in both steps, and one pass
 //! along both matches them. The others, and all after a run of the broad phase, are matched by their keys.
+//!
+//! Faces on faces have contacts whose features change from step to step while they rest. What such a contact had goes on with the nearest
+//! new contact of the same two shapes, or the nearest one at all, so that no force between two shapes is lost while they touch.
 
-use crate::contacts::{Contacts, NO_SPHERE_PAIR};
+use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
 use crate::plan::StepPlan;
 use crate::rows::{cut, fill_rows};
 use glam::{DVec3, Vec3};
@@ -24,6 +29,8 @@ pub struct Last {
     /// Contacts that are matched by their keys, and the keys: those that are not of sphere pairs if the pairs hold, else all.
     known: Vec<u32>,
     key: Vec<[u32; 3]>,
+    /// Arms of those contacts, m (none where all are of spheres).
+    arms: Vec<[Vec3; 2]>,
     impulse: Vec<Vec3>,
     rolling_impulse: Vec<Vec3>,
     /// Indices of the sphere pairs that touched, and the first contact of each tile.
@@ -62,6 +69,10 @@ impl Last {
             self.known = (0..contacts.len() as u32).collect();
             self.key = std::mem::take(&mut contacts.key);
         }
+        self.arms = match &contacts.arms {
+            Arms::Any(arms) => self.known.iter().map(|i| arms[*i as usize].map(|arm| arm.as_vec3())).collect(),
+            Arms::Along(_) => vec![],
+        };
         self.impulse.resize(contacts.impulse.len(), Vec3::ZERO);
         fill_rows(&mut self.impulse, |i| contacts.impulse[i].as_vec3());
         self.rolling_impulse.resize(contacts.rolling_impulse.len(), Vec3::ZERO);
@@ -101,6 +112,45 @@ impl Last {
     }
 }
 
+impl Last {
+    /// Pairs of contacts of two shapes that still touch: one of the last step that is no more, and the one that goes on with its impulse.
+    fn successors(&self, contacts: &Contacts, same: &[u32]) -> Vec<[u32; 2]> {
+        let Arms::Any(arms) = &contacts.arms else { return vec![] };
+        let mut goes_on = vec![false; self.impulse.len()];
+        same.iter().filter(|i| **i != NEW).for_each(|i| goes_on[*i as usize] = true);
+        let shapes = |key: &[u32; 3]| [key[0], key[1]];
+        let is_gone = |k: &usize| {
+            let i = self.known[*k] as usize;
+            !goes_on[i] && self.pair[i] == NO_SPHERE_PAIR && self.impulse[i] != Vec3::ZERO
+        };
+        let mut gone: Vec<usize> = (0..self.arms.len()).filter(is_gone).collect();
+        gone.sort_by_key(|k| (shapes(&self.key[*k]), *k));
+        if gone.is_empty() {
+            return vec![];
+        }
+        let now = others(&contacts.pair);
+        let key = |i: &u32| &contacts.key[*i as usize];
+        let mut pairs = vec![];
+        for run in now.chunk_by(|i, j| shapes(key(i)) == shapes(key(j))) {
+            let own = shapes(key(&run[0]));
+            let first = gone.partition_point(|k| shapes(&self.key[*k]) < own);
+            for &k in gone[first..].iter().take_while(|k| shapes(&self.key[**k]) == own) {
+                let distance2 = |i: &u32| {
+                    let [a, b] = arms[*i as usize].map(|arm| arm.as_vec3());
+                    (a - self.arms[k][0]).length_squared() + (b - self.arms[k][1]).length_squared()
+                };
+                let nearer = |i: &&u32, j: &&u32| {
+                    let is_old = |i: &u32| same[*i as usize] != NEW;
+                    is_old(i).cmp(&is_old(j)).then(distance2(i).total_cmp(&distance2(j)))
+                };
+                let heir = run.iter().min_by(nearer).expect("a run has contacts");
+                pairs.push([self.known[k], *heir]);
+            }
+        }
+        pairs
+    }
+}
+
 /// The stage. The memory of the last step's keys is released.
 pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Contacts) {
     let mut impulse = std::mem::take(&mut contacts.impulse);
@@ -122,11 +172,18 @@ pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Con
         let of = |column: &[Vec3], i: usize| column.get(same[i] as usize).map_or(DVec3::ZERO, |v| v.as_dvec3());
         fill_rows(&mut impulse, |i| of(&last.impulse, i));
         fill_rows(&mut rolling_impulse, |i| of(&last.rolling_impulse, i));
+        for pair in last.successors(contacts, &same) {
+            let [gone, heir] = pair.map(|i| i as usize);
+            impulse[heir] += last.impulse[gone].as_dvec3();
+            if plan.rolls {
+                rolling_impulse[heir] += last.rolling_impulse[gone].as_dvec3();
+            }
+        }
     } else {
         impulse.fill(DVec3::ZERO);
         rolling_impulse.fill(DVec3::ZERO);
     }
     contacts.impulse = impulse;
     contacts.rolling_impulse = rolling_impulse;
-    (last.known, last.key) = (vec![], vec![]);
+    (last.known, last.key, last.arms) = (vec![], vec![], vec![]);
 }

@@ -17,6 +17,8 @@ use glam::DVec3;
 
 /// Maximum step length. N is so small only along contacts between bodies that joints constrain.
 const MAX_STEP: f64 = 1e6;
+/// Iterations that a step length is kept after one that was too long: each attempt to exceed the length that fits costs an iteration.
+const KEEP: u32 = 40;
 
 pub fn run(
     op: &mut impl Operator,
@@ -36,7 +38,7 @@ pub fn run(
     let min_step = 1.0 / (3.0 * gamma.len() as f64);
     let is_valid = (min_step..=MAX_STEP).contains(&work.step_length);
     let mut step = if is_valid { work.step_length } else { 1.0 };
-    let mut done = 0;
+    let (mut done, mut kept) = (0, KEEP);
     let max = settings.max_iterations(gamma.len());
     while done < max {
         loop {
@@ -55,11 +57,13 @@ pub fn run(
                 beta = next_beta;
                 theta = if uphill { 1.0 } else { next_theta };
                 work.step_length = step;
-                if is_known {
+                kept += 1;
+                if is_known && kept > KEEP {
                     step = (1.1 * step).min(MAX_STEP);
                 }
                 break;
             }
+            kept = 0;
             step = (0.95 * moved / curvature).min(0.95 * step).max(min_step);
         }
         // previous ← γ ← next, and their responses.

@@ -70,7 +70,8 @@ impl Offset<'_> {
 }
 
 /// The rate of gaps: open gaps close within the step; overlaps are recovered at a bounded speed, apart from the velocities
-/// ([`super::overlaps`]), and a share of those of bodies on joints by the contacts' impulses, which lift a machine on its light links.
+/// ([`super::overlaps`]), and a share of those of faces and of bodies on joints by the contacts' impulses, which lift a machine on its
+/// light links and a pile of stones.
 #[derive(Clone, Copy)]
 pub struct Recovery {
     /// Step size h, s.
@@ -94,11 +95,12 @@ impl Recovery {
         if gap <= 0.0 { 0.0 } else { gap / self.step }
     }
 
-    /// Φ/h of a contact of a body on joints; a share of it for an overlap, at least minus the maximum speed of recovery, m/s.
+    /// Φ/h of a contact of a body on joints or of a face; for an overlap a share of what is beyond that of rest, at least minus the
+    /// maximum speed of recovery, m/s.
     #[inline]
-    pub fn jointed_rate(&self, gap: f64) -> f64 {
+    pub fn lifting_rate(&self, gap: f64) -> f64 {
         const SHARE: f64 = 1.0 / 8.0;
-        if gap <= 0.0 { self.limit_rate(SHARE * gap) } else { gap / self.step }
+        if gap <= 0.0 { self.limit_rate(SHARE * (gap + 10.0 * self.least).min(0.0)) } else { gap / self.step }
     }
 
     /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s.
