@@ -418,3 +418,22 @@ bodies:
         }
     }
 }
+
+#[test]
+fn crossed_logs_touch_at_one_point() {
+    // A log across another, its centre beside the lower one's axis, has nothing to stand on there: it tips at once. Centred, it stays.
+    for shape in ["cylinder: {radius: 0.1, length: 1}", "capsule: {radius: 0.1, length: 0.8}"] {
+        for (beside, falls) in [(0.2, true), (0.0, false)] {
+            let mut sim = simulation(&format!(
+                "materials: {{m: {{density: 700, friction: 0.5}}}}
+bodies:
+  - {{name: lower, material: m, fixed: true, {shape}, position: [0, 0, 0.1], rotate: {{axis: [0, 1, 0], angle: 90}}}}
+  - {{name: upper, material: m, {shape}, position: [0, {beside}, 0.3], rotate: {{axis: [1, 0, 0], angle: 90}}}}
+"
+            ));
+            run(&mut sim, 0.3);
+            let (height, spin) = (sim.state.position[1].z, sim.state.angular_velocity[1].length());
+            assert_eq!(height < 0.28 && spin > 1.0, falls, "{shape}, {beside} m beside: {height} m, {spin} rad/s");
+        }
+    }
+}

@@ -346,3 +346,118 @@ joints:
         close(force, sphere * 9.81, 1e-6, method.name());
     }
 }
+
+/// Two bobs of 1 kg with 0.01 kg m² about y, the second hinged at the centre of the first, each 1 m from its hinge; let go level.
+fn double_pendulum(step: f64) -> sim::Simulation {
+    simulation(&format!(
+        "step: {step}
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: upper, shapes: [], mass: 1, inertia: [0.01, 0.01, 0.01], position: [1, 0, 0]}}
+  - {{name: lower, shapes: [], mass: 1, inertia: [0.01, 0.01, 0.01], position: [2, 0, 0]}}
+joints:
+  - {{name: shoulder, kind: revolute, a: world, b: upper, position: [0, 0, 0], axis: [0, 1, 0]}}
+  - {{name: elbow, kind: revolute, a: upper, b: lower, position: [1, 0, 0], axis: [0, 1, 0]}}
+"
+    ))
+}
+
+/// Angles from the vertical, rad, and their rates, of that pendulum: one step of the classical Runge–Kutta method.
+fn runge_kutta(y: [f64; 4], h: f64) -> [f64; 4] {
+    let rates = |[a, b, u, v]: [f64; 4]| {
+        let ((s, c), g) = ((a - b).sin_cos(), 9.81);
+        // [2.01, c; c, 1.01] (u', v') = r.
+        let r = [-s * v * v - 2.0 * g * a.sin(), s * u * u - g * b.sin()];
+        let det = 2.01 * 1.01 - c * c;
+        [u, v, (1.01 * r[0] - c * r[1]) / det, (2.01 * r[1] - c * r[0]) / det]
+    };
+    let add = |y: [f64; 4], k: [f64; 4], h: f64| [0, 1, 2, 3].map(|i| y[i] + h * k[i]);
+    let k1 = rates(y);
+    let k2 = rates(add(y, k1, 0.5 * h));
+    let k3 = rates(add(y, k2, 0.5 * h));
+    let k4 = rates(add(y, k3, h));
+    [0, 1, 2, 3].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+}
+
+#[test]
+fn the_double_pendulum_is_half_a_step_ahead_of_its_equation() {
+    // A velocity acts over the whole step at whose end it is found, so that it is that of the step's middle: the motion from rest is half a
+    // step ahead, and of second order from there.
+    let mut off = vec![];
+    for h in [2e-3, 1e-3] {
+        let mut sim = double_pendulum(h);
+        let mut y = [std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2, 0.0, 0.0];
+        (0..5).for_each(|_| y = runge_kutta(y, 0.1 * h));
+        let mut worst = 0f64;
+        for _ in 0..(3.0 / h) as usize {
+            sim.step();
+            (0..10).for_each(|_| y = runge_kutta(y, 0.1 * h));
+            let arm = |angle: f64| DVec3::new(angle.sin(), 0.0, -angle.cos());
+            let places = [arm(y[0]), arm(y[0]) + arm(y[1])];
+            worst = (0..2).map(|b| sim.state.position[b].distance(places[b])).fold(worst, f64::max);
+        }
+        off.push(worst);
+    }
+    assert!(off[1] < 2e-4, "{off:?} m at 1 ms");
+    assert!(off[0] / off[1] > 3.5, "{off:?} m at 2 and 1 ms");
+}
+
+#[test]
+fn a_bent_shaft_turns_as_its_cross_does_in_any_phase() {
+    let (bend, speed) = (0.6f64, 10.0);
+    for phase in [0.0f64, 0.7, 1.3, 2.5] {
+        let (b, pin) = ([bend.cos(), 0.0, bend.sin()], [0.0, phase.cos(), phase.sin()]);
+        let mut sim = simulation(&format!(
+            "gravity: [0, 0, 0]
+step: 2e-4
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: driving, shapes: [], mass: 1, inertia: [0.01, 0.02, 0.02], position: [-1, 0, 0], angular_velocity: [{speed}, 0, 0]}}
+  - {{name: driven, shapes: [], mass: 1, inertia: [0.01, 0.01, 0.01], position: {b:?}}}
+joints:
+  - {{name: motor, kind: revolute, a: world, b: driving, position: [-1, 0, 0], axis: [1, 0, 0], motor: {{speed: {speed}}}}}
+  - {{name: bearing, kind: revolute, a: world, b: driven, position: {b:?}, axis: {b:?}}}
+  - {{name: cross, kind: universal, a: driving, b: driven, axis: [1, 0, 0], axis_x: {pin:?}, axis_b: {b:?}}}
+"
+        ));
+        for _ in 0..3142 {
+            // The rate is that of the step, the angle that of its start. θ is the pin's from the normal of the plane of the shafts.
+            let theta = phase + sim.state.joints[0].coordinate;
+            sim.step();
+            let ratio = bend.cos() / (1.0 - (bend.sin() * theta.sin()).powi(2));
+            let rate = sim.state.joints[1].rate;
+            assert!((rate - ratio * speed).abs() < 0.02 * speed, "phase {phase}: {rate} rad/s at {theta}");
+            assert!(sim.state.joints[2].violation < 1e-5, "phase {phase}");
+        }
+        close(sim.state.joints[1].coordinate, std::f64::consts::TAU, 2e-3, "a whole turn");
+    }
+}
+
+#[test]
+fn a_spring_of_no_length_holds_two_points_together() {
+    // 2 kg on 200 N/m hang 98.1 mm below; pulled aside, they swing there with the same frequency in all directions, and damped to rest.
+    let bushing = |more: &str| {
+        simulation(&format!(
+            "step: 1e-3
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: body, shapes: [], mass: 2, inertia: [0.1, 0.2, 0.3], velocity: [0.3, 0, 0]}}
+springs:
+  - {{name: bushing, a: world, b: body, rest: 0, {more}}}
+"
+        ))
+    };
+    let mut sim = bushing("stiffness: 200");
+    // A quarter of a period: x has its amplitude v/ω, z is halfway.
+    run(&mut sim, 0.25 * std::f64::consts::TAU / 10.0);
+    let p = sim.state.position[0];
+    assert!((p - DVec3::new(0.03, 0.0, -0.0981)).length() < 2e-3, "{p}");
+    for (more, below) in [("stiffness: 200, damping: 40", 0.0981), ("stiffness: 2e8, damping: 1e4", 9.81e-8)] {
+        let mut sim = bushing(more);
+        run(&mut sim, 3.0);
+        let (p, spring) = (sim.state.position[0], sim.state.springs[0]);
+        assert!((p - DVec3::new(0.0, 0.0, -below)).length() < 1e-3 * below + 1e-12, "{more}: {p}");
+        close(spring.force, 19.62, 1e-3, "force");
+        close(spring.coordinate, below, 1e-3, "length");
+    }
+}

@@ -85,19 +85,30 @@ pub struct Joint {
     pub until: f64,
 }
 
-/// A spring and damper, along the line between two points or about the z axis of two frames.
+/// Along or about what a spring acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpringKind {
+    /// Along the line between two points.
+    Line,
+    /// On the offset of two points that shall be one, and on its rate, in all directions: a bushing.
+    Point,
+    /// About the z axis of two frames.
+    Angle,
+}
+
+/// A spring and damper between two bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Name.
     pub name: String,
     /// Ids of bodies A and B.
     pub bodies: [u32; 2],
-    /// The frame on A, in A's principal frame; a linear spring uses the frame's origin alone.
+    /// The frame on A, in A's principal frame; all but springs about an axis use the frame's origin alone.
     pub frame_a: Pose,
     /// The frame on B, in B's principal frame.
     pub frame_b: Pose,
-    /// Whether the spring is rotational, about z, rather than linear.
-    pub rotational: bool,
+    /// Along or about what it acts.
+    pub kind: SpringKind,
     /// Stiffness, N/m or N m/rad.
     pub stiffness: f64,
     /// Damping, N s/m or N m s/rad.
@@ -384,10 +395,26 @@ impl Spring {
         self.stiffness * (psi - self.rest) + self.preload.at(t)
     }
 
-    /// Row along which the spring acts; Ψ is the length, m, or the angle, rad, unwrapped from that of the last step's state `known`.
-    pub fn row(&self, f: &Frames, known: &SpringState) -> Row {
-        let row = if self.rotational { f.about() } else { f.distance() };
-        let psi = if self.rotational { unwrapped(row.psi, known.coordinate) } else { row.psi };
-        Row { bodies: self.bodies, psi, ..row }
+    /// Rows along which the spring acts, one, or three of a point; Ψ is the length, m, a component of the offset, m, or the angle, rad,
+    /// unwrapped from that of the last step's state `known`.
+    pub fn rows(&self, f: &Frames, known: &SpringState) -> impl Iterator<Item = Row> {
+        let rows = match self.kind {
+            SpringKind::Line => [Some(f.distance()), None, None],
+            SpringKind::Point => [DVec3::X, DVec3::Y, DVec3::Z].map(|e| Some(f.along(e))),
+            SpringKind::Angle => {
+                let row = f.about();
+                [Some(Row { psi: unwrapped(row.psi, known.coordinate), ..row }), None, None]
+            }
+        };
+        let bodies = self.bodies;
+        rows.into_iter().flatten().map(move |row| Row { bodies, ..row })
+    }
+
+    /// Length, m, or angle, rad, of values Ψ of the rows.
+    pub fn coordinate(&self, psi: impl Iterator<Item = f64>) -> f64 {
+        match self.kind {
+            SpringKind::Point => psi.map(|x| x * x).sum::<f64>().sqrt(),
+            _ => psi.sum(),
+        }
     }
 }

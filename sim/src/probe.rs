@@ -1,6 +1,6 @@
 //! Probes: the quantities of `probes.csv`, one line per instant, with units in the header.
 
-use crate::joint::Coordinate;
+use crate::joint::{Coordinate, SpringKind};
 use crate::model_file::Probes;
 use crate::{Model, Pose, State};
 use glam::DVec3;
@@ -64,8 +64,10 @@ pub fn probe_header(model: &Model, probes: &Probes) -> String {
     }
     for s in &probes.springs {
         let spring = &model.springs[*s as usize];
-        let parts =
-            if spring.rotational { [("torque", "N m"), ("angle", "rad")] } else { [("force", "N"), ("length", "m")] };
+        let parts = match spring.kind {
+            SpringKind::Angle => [("torque", "N m"), ("angle", "rad")],
+            SpringKind::Line | SpringKind::Point => [("force", "N"), ("length", "m")],
+        };
         add(&spring.name, &parts);
     }
     for (name, _) in &probes.contacts {

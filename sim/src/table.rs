@@ -1,5 +1,6 @@
 //! Frames and contact tables from the state, and lines of `report.csv` from step reports.
 
+use crate::joint::SpringKind;
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::shape::ShapeKind;
@@ -85,7 +86,11 @@ impl Rod {
         let (a, b) = (ends.a.position, ends.b.position);
         let length = a.distance(b);
         let is_there = spring.bodies.iter().all(|body| !state.is_inactive(*body as usize));
-        if spring.rotational || !is_there || !(spring.from..spring.until).contains(&state.time) || !(length > 1e-9) {
+        if spring.kind != SpringKind::Line
+            || !is_there
+            || !(spring.from..spring.until).contains(&state.time)
+            || !(length > 1e-9)
+        {
             return None;
         }
         let orientation = DQuat::from_rotation_arc(DVec3::Z, (b - a) / length);

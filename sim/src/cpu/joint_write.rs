@@ -13,7 +13,7 @@ use super::geometric_stiffness::Stiffness;
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
-use crate::joint::{Coordinate, JointState, Row};
+use crate::joint::{Coordinate, JointState, Row, SpringState};
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::State;
@@ -82,19 +82,20 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             continue;
         }
         let f = state.spring_frames(spring);
-        let row = spring.row(&f, &state.springs[i]);
         let (k, c) = (spring.stiffness, spring.damping);
-        // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
-        let response = masses.response(&row);
-        let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
-        let tension = spring.tension(row.psi, end);
-        let damping = c + theta * h * k;
-        if damping > 0.0 {
-            // λ = −h (tension + damping u), or u + λ/(h damping) + tension/damping = 0.
-            joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
-            joints.bias.push(tension / damping);
-        } else {
-            masses.apply_row_impulse(free, &row, -h * tension);
+        for row in spring.rows(&f, &state.springs[i]) {
+            // Explicit in position (symplectic, no numerical damping) while h²k/m is small, implicit beyond.
+            let response = masses.response(&row);
+            let theta = if h * h * k * response < 1.0 { 0.0 } else { 1.0 };
+            let tension = spring.tension(row.psi, end);
+            let damping = c + theta * h * k;
+            if damping > 0.0 {
+                // λ = −h (tension + damping u), or u + λ/(h damping) + tension/damping = 0.
+                joints.rows.push(Row { softness: 1.0 / (h * damping), ..row });
+                joints.bias.push(tension / damping);
+            } else {
+                masses.apply_row_impulse(free, &row, -h * tension);
+            }
         }
     }
 }
@@ -135,18 +136,16 @@ pub fn record(
     }
     for (i, spring) in model.springs.iter().enumerate() {
         let f = state.spring_frames(spring);
-        let row = spring.row(&f, &state.springs[i]);
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| state.is_inactive(*b as usize));
-        let speed = row.speed_in(motion);
+        let rows = || spring.rows(&f, &state.springs[i]).map(|row| (row.psi, row.speed_in(motion)));
         if acts {
-            outcome.spring_oscillation += (h * spring.tension(row.psi, state.time + h) * speed).abs();
+            let power = |(psi, speed): (f64, f64)| (spring.tension(psi, state.time + h) * speed).abs();
+            outcome.spring_oscillation += h * rows().map(power).sum::<f64>();
         }
-        state.springs[i].coordinate = row.psi + h * speed;
-        state.springs[i].force = if acts {
-            spring.stiffness * (row.psi - spring.rest) + spring.damping * speed + spring.preload.at(state.time + h)
-        } else {
-            0.0
-        };
+        let force = |(psi, speed): (f64, f64)| spring.tension(psi, state.time + h) + spring.damping * speed;
+        let force = if acts { spring.coordinate(rows().map(force)) } else { 0.0 };
+        let coordinate = spring.coordinate(rows().map(|(psi, speed)| psi + h * speed));
+        state.springs[i] = SpringState { force, coordinate };
     }
 }
 

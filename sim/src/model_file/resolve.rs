@@ -13,7 +13,7 @@ use super::{Probes, Resolved};
 use crate::checkpoint;
 use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
-use crate::joint::{Joint, JointKind, JointState, Motor, Spring};
+use crate::joint::{Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
 use crate::terrain::Ground;
 use crate::{ContactLaw, Model, Pose, Scheduled, ShapeKind, SplitMix64, State, fill};
@@ -371,8 +371,8 @@ impl<'a> Builder<'a> {
         }
         for s in &self.model.springs {
             let f = self.state.spring_frames(s);
-            let coordinate = s.row(&f, &Default::default()).psi;
-            self.state.springs.push(crate::joint::SpringState { coordinate, ..Default::default() });
+            let coordinate = s.coordinate(s.rows(&f, &Default::default()).map(|row| row.psi));
+            self.state.springs.push(SpringState { coordinate, ..Default::default() });
         }
     }
 

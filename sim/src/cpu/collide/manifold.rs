@@ -131,6 +131,10 @@ pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> us
 /// The manifold of two features with given nearest points: the corners of the clipped features within `reach`, m, and the nearest
 /// point where none of them is as near. Returns the number of points.
 pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f64, out: &mut Points) -> usize {
+    /// What the nearest point may be nearer than all others by, over the size.
+    const NEAR: f64 = 1e-5;
+    /// What the points of parallel edges may lie beside each other by, over the size.
+    const BESIDE: f64 = 1e-2;
     let n = nearest.normal;
     // The reference is the face whose own normal is closest to the contact's.
     let facing = |f: &Feature| if f.n >= 3 { f.normal().dot(n).abs() } else { 0.0 };
@@ -146,9 +150,15 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
         }
     } else if fa.n == 2 && fb.n == 2 {
         kept = clip(fa, fb, n, reach, out);
+        // Edges that cross touch at their nearest points alone.
+        let [p, q] = [fa.corner[0].0, fa.corner[1].0];
+        let across = (q - p).cross(n).normalize_or_zero();
+        if out[..kept].iter().any(|point| (point.on_second - p).dot(across).abs() > BESIDE * size) {
+            kept = 0;
+        }
     }
     let min_gap = out[..kept].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
-    if min_gap > nearest.gap + 1e-3 * size {
+    if min_gap > nearest.gap + NEAR * size {
         let place = if kept < MAX_POINTS { kept } else { MAX_POINTS - 1 };
         let Nearest { normal, on_first, on_second, gap } = *nearest;
         out[place] = Point { normal, on_first, on_second, gap, feature: 1 << 16 };

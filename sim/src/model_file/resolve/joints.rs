@@ -123,14 +123,14 @@ impl Builder<'_> {
             }
             None => None,
         };
+        let orientation_b = self.shaft(key, file, orientation)?;
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
-        let frame = |p: DVec3| Pose { position: p, orientation };
         let joint = Joint {
             name: file.name.clone(),
             kind: file.kind,
             bodies,
-            frame_a: self.in_body(bodies[0], frame(pa)),
-            frame_b: self.in_body(bodies[1], frame(pb)),
+            frame_a: self.in_body(bodies[0], Pose { position: pa, orientation }),
+            frame_b: self.in_body(bodies[1], Pose { position: pb, orientation: orientation_b }),
             length,
             limits,
             motor,
@@ -142,6 +142,24 @@ impl Builder<'_> {
             self.exclusions.push([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]);
         }
         Ok(())
+    }
+
+    /// Orientation of a joint's frame on B, world, where that on A is `on_a`: the same, but for the shaft of a universal joint, whose pin is
+    /// perpendicular to it and to the pin on A.
+    fn shaft(&self, key: &str, file: &JointFile, on_a: DQuat) -> Result<DQuat, Fault> {
+        let at = format!("{key}.axis_b");
+        let Some(axis) = file.axis_b else { return Ok(on_a) };
+        if file.kind != JointKind::Universal {
+            return Err(self.doc.fault(&at, "is only for universal joints"));
+        }
+        let z = direction(self.doc, &at, axis)?;
+        let pin_of_a = on_a * DVec3::X;
+        let y = z.cross(pin_of_a).try_normalize().filter(|_| z.dot(pin_of_a).abs() < 0.999).ok_or_else(|| {
+            self.doc
+                .fault(&at, "is along the joint's pin on A, with which the shaft of B cannot turn")
+                .hint("turn that pin with `axis_x`")
+        })?;
+        Ok(DQuat::from_mat3(&DMat3::from_cols(y.cross(z), y, z)))
     }
 
     fn motor(&self, key: &str, kind: JointKind, m: &MotorFile) -> Result<Motor, Fault> {
@@ -181,8 +199,24 @@ impl Builder<'_> {
             Some(axis) => DQuat::from_rotation_arc(DVec3::Z, direction(doc, &at("about"), axis)?),
             None => DQuat::IDENTITY,
         };
-        if file.about.is_none() && !((pb - pa).length() > 0.0) {
-            return Err(doc.fault(&at("position_b"), "the spring's two points coincide: it has no line to act along"));
+        let kind = match file.about {
+            Some(_) => SpringKind::Angle,
+            None if pb == pa => SpringKind::Point,
+            None => SpringKind::Line,
+        };
+        // Two points on each other have no line to act along, but a spring that pulls them together needs none.
+        if kind == SpringKind::Point {
+            let fault =
+                |part: &str, says: &str| doc.fault(&at(part), format!("the spring's two points coincide: {says}"));
+            match (file.rest, &file.preload) {
+                (Some(0.0), None) => {}
+                (Some(0.0), Some(_)) => return Err(fault("preload", "it has no line along which to pull")),
+                (Some(_), _) => return Err(fault("rest", "it has no line along which to push them apart")),
+                (None, _) => {
+                    return Err(fault("position_b", "it has no line to act along")
+                        .hint("give the point on B as `position_b`, or `rest: 0` for a spring that pulls the two points together"));
+                }
+            }
         }
         let rest = match (file.rest, file.about) {
             (Some(degrees), Some(_)) => degrees.to_radians(),
@@ -201,7 +235,7 @@ impl Builder<'_> {
             bodies,
             frame_a: self.in_body(bodies[0], Pose { position: pa, orientation }),
             frame_b: self.in_body(bodies[1], Pose { position: pb, orientation }),
-            rotational: file.about.is_some(),
+            kind,
             stiffness: file.stiffness,
             damping: file.damping,
             rest,

@@ -28,6 +28,9 @@ pub struct JointFile {
     /// The joint's x axis, world; the axes of a universal joint are x on A and y on B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis_x: Option<[f64; 3]>,
+    /// Direction of the shaft of B, world, of a universal joint; that of A is `axis`. The same if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis_b: Option<[f64; 3]>,
     /// Length over time, m (distance, revolute_spherical), of a linear actuator; the length at the start if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length: Option<FunctionFile>,
@@ -80,7 +83,7 @@ pub struct SpringFile {
     /// Position of the point on A, m, world.
     #[serde(default)]
     pub position: [f64; 3],
-    /// Position of the point on B, m, world.
+    /// Position of the point on B, m, world; a spring with `rest: 0` pulls two points that are one back together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_b: Option<[f64; 3]>,
     /// Axis of a rotational spring, world; a linear spring if not given.
