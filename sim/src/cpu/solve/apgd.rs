@@ -17,8 +17,12 @@ use glam::DVec3;
 
 /// Maximum step length. N is so small only along contacts between bodies that joints constrain.
 const MAX_STEP: f64 = 1e6;
-/// Iterations that a step length is kept after one that was too long: each attempt to exceed the length that fits costs an iteration.
-const KEEP: u32 = 40;
+/// Iterations that a step length is kept after one that was too long: each attempt to exceed the length that fits costs an iteration,
+/// which short solves cannot afford.
+const KEEP: u32 = 10;
+const KEEP_IN_SHORT: u32 = 40;
+/// The most iterations of a short solve.
+const SHORT: u32 = 100;
 
 pub fn run(
     op: &mut impl Operator,
@@ -38,8 +42,9 @@ pub fn run(
     let min_step = 1.0 / (3.0 * gamma.len() as f64);
     let is_valid = (min_step..=MAX_STEP).contains(&work.step_length);
     let mut step = if is_valid { work.step_length } else { 1.0 };
-    let (mut done, mut kept) = (0, KEEP);
     let max = settings.max_iterations(gamma.len());
+    let keep = if max <= SHORT { KEEP_IN_SHORT } else { KEEP };
+    let (mut done, mut kept) = (0, keep);
     while done < max {
         loop {
             done += 1;
@@ -58,7 +63,7 @@ pub fn run(
                 theta = if uphill { 1.0 } else { next_theta };
                 work.step_length = step;
                 kept += 1;
-                if is_known && kept > KEEP {
+                if is_known && kept > keep {
                     step = (1.1 * step).min(MAX_STEP);
                 }
                 break;
