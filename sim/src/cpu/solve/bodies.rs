@@ -96,11 +96,15 @@ impl Recovery {
     }
 
     /// Φ/h of a contact of a body on joints or of a face; for an overlap a share of what is beyond that of rest, at least minus the
-    /// maximum speed of recovery, m/s.
+    /// maximum speed of recovery and ten times what gravity adds to a speed in a step, m/s.
     #[inline]
     pub fn lifting_rate(&self, gap: f64) -> f64 {
         const SHARE: f64 = 1.0 / 8.0;
-        if gap <= 0.0 { self.limit_rate(SHARE * (gap + 10.0 * self.least).min(0.0)) } else { gap / self.step }
+        let of_rest = 10.0 * self.least;
+        if gap > 0.0 {
+            return gap / self.step;
+        }
+        self.limit_rate((SHARE * (gap + of_rest).min(0.0)).max(-10.0 * of_rest))
     }
 
     /// Φ/h of a joint's limit, at least minus the maximum speed of recovery, m/s or rad/s.
