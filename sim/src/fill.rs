@@ -24,6 +24,11 @@ impl SplitMix64 {
         lo + (hi - lo) * self.uniform()
     }
 
+    /// The next whole number, uniform below `n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((self.uniform() * n as f64) as usize).min(n - 1)
+    }
+
     /// A random rotation, uniform over SO(3).
     pub fn rotation(&mut self) -> glam::DQuat {
         let (u, v, w) =

@@ -16,6 +16,7 @@ use crate::cpu::solve::iterates::Iterates;
 use crate::cpu::solve::operator::Operator;
 use crate::cpu::solve::response::Response;
 use crate::cpu::solve::{exact, solve as solve_with};
+use crate::fill::SplitMix64;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
 use glam::{DMat3, DVec3};
 
@@ -48,58 +49,64 @@ pub struct Solution {
 /// Solve a problem from zero multipliers; a solve that does not converge returns the multipliers with the lowest error.
 pub fn solve(op: &mut MatrixOperator, law: &Law) -> Solution {
     match law.method {
-        Some(Method::GaussSeidel) => sweeps(op, law, vec![DVec3::ZERO; op.q.len()]),
+        Some(Method::GaussSeidel) => sweeps(op, law, vec![DVec3::ZERO; op.q.len()], 0).0,
         Some(method) => descend(op, law, method, vec![DVec3::ZERO; op.q.len()]),
         None => alternate(op, law),
     }
 }
 
-/// Alternate Gauss–Seidel and APGD in rounds of doubling length, each from the best multipliers so far: Gauss–Seidel converges faster
-/// on most problems of rigid bodies, APGD by far on some.
+/// Alternate Gauss–Seidel and APGD, each from the best multipliers so far: Gauss–Seidel converges faster on most problems of rigid bodies,
+/// APGD by far on some. The rounds become twice as long, those of APGD half as long when they find nothing better.
 fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
-    /// Sweeps of the first round.
-    const FIRST: u32 = 32;
-    /// Iterations of APGD that cost as much as a sweep.
-    const RATIO: u32 = 16;
+    /// Iterations of the first round of each: those of APGD cost a sixteenth of a sweep.
+    const FIRST: [(Method, u32); 2] = [(Method::GaussSeidel, 32), (Method::Apgd, 512)];
     let exact = law.friction == FrictionLaw::Exact;
     let start = vec![DVec3::ZERO; op.q.len()];
     let mut best =
         Solution { error: op.error(&start, exact), gamma: start, iterations: 0, method: Method::GaussSeidel.name() };
-    let (mut done, mut round) = (0, FIRST);
+    let (mut done, mut rounds) = (0, FIRST);
     while best.error > law.tolerance && done < law.iterations {
-        for method in [Method::GaussSeidel, Method::Apgd] {
-            let length = if method == Method::GaussSeidel { round } else { round.saturating_mul(RATIO) };
-            let part = Law { iterations: length.min(law.iterations - done), ..*law };
-            let next = match method {
-                Method::GaussSeidel => sweeps(op, &part, best.gamma.clone()),
-                _ => descend(op, &part, method, best.gamma.clone()),
+        for ((method, length), (_, least)) in rounds.iter_mut().zip(FIRST) {
+            let part = Law { iterations: (*length).min(law.iterations - done), ..*law };
+            let (next, made) = match method {
+                Method::GaussSeidel => sweeps(op, &part, best.gamma.clone(), done),
+                _ => (descend(op, &part, *method, best.gamma.clone()), part.iterations),
             };
             let ends = next.error <= law.tolerance;
             // Iterations without progress count too.
-            done += if ends { next.iterations } else { part.iterations };
-            if next.error < best.error {
+            done += if ends { next.iterations } else { made };
+            let is_better = next.error < best.error;
+            let doubles = is_better || *method == Method::GaussSeidel;
+            *length = if doubles { length.saturating_mul(2) } else { (*length / 2).max(least) };
+            if is_better {
                 best = Solution { iterations: done, ..next };
             }
             if ends || done >= law.iterations {
                 return best;
             }
         }
-        round = round.saturating_mul(2);
     }
     best
 }
 
-/// Gauss–Seidel on the law itself: each contact's own problem is solved with the other multipliers fixed (Jourdan et al. 1998).
-fn sweeps(op: &MatrixOperator, law: &Law, mut gamma: Vec<DVec3>) -> Solution {
+/// Gauss–Seidel on the law itself: each contact's own problem is solved with the other multipliers fixed (Jourdan et al. 1998). Each
+/// sweep has a random order of its own, the same in every run, so that no mode of a stiff problem is by far slower than the others. Returns
+/// the solution, and the number of sweeps made.
+fn sweeps(op: &MatrixOperator, law: &Law, mut gamma: Vec<DVec3>, seed: u32) -> (Solution, u32) {
     let exact = law.friction == FrictionLaw::Exact;
     let n = gamma.len();
     let mut best =
         Solution { error: op.error(&gamma, exact), gamma: gamma.clone(), iterations: 0, method: "gauss_seidel" };
     let mut next_check = 1;
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut random = SplitMix64(seed.into());
+    let mut made = 0;
     for sweep in 1..=law.iterations {
-        // Symmetric: forward and backward sweeps alternate.
-        for k in 0..n {
-            let i = if sweep % 2 == 1 { k } else { n - 1 - k };
+        made = sweep;
+        for k in (1..n).rev() {
+            order.swap(k, random.below(k + 1));
+        }
+        for &i in &order {
             let own = op.diagonal(i);
             let others = op.velocity(&gamma, i) - own * gamma[i];
             gamma[i] = local(&own, others, op.friction[i], gamma[i], exact);
@@ -120,7 +127,7 @@ fn sweeps(op: &MatrixOperator, law: &Law, mut gamma: Vec<DVec3>) -> Solution {
             }
         }
     }
-    best
+    (best, made)
 }
 
 /// One contact's problem: r with `K* ∋ Wr + q + g ⊥ r ∈ K`, by extragradient steps of adaptive length.

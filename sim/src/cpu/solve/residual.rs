@@ -22,6 +22,11 @@ pub fn residual(op: &impl Operator, gamma: &[DVec3], response: &Response) -> f64
     sum.sqrt() / gamma.len() as f64
 }
 
+/// Sum of the lengths of all blocks' residual terms: what a few blocks are off by counts for little beside what all are.
+pub fn sum_of_lengths(op: &impl Operator, gamma: &[DVec3], response: &Response) -> f64 {
+    sum_rows(gamma.len(), |i| [term(op, i, op.eta(i), gamma, response).length() * op.lever(i)])[0]
+}
+
 /// Index of the block with the maximum residual term. There must be blocks; η is evaluated here, since some methods do not store it.
 pub fn worst_block(op: &impl Operator, gamma: &[DVec3], response: &Response) -> usize {
     let squared = |i: usize| {

@@ -2,6 +2,7 @@
 
 use super::iterates::Iterates;
 use super::operator::Operator;
+use super::residual::sum_of_lengths;
 use super::response::Response;
 use crate::rows::{fill_rows, sum_rows};
 use glam::DVec3;
@@ -10,8 +11,9 @@ use glam::DVec3;
 /// last step would push bodies back, and after the onset of a load the impulses would stay too small for as many iterations as a stack's
 /// slowest mode takes, which is their common factor.
 ///
-/// In a bed at rest the factor is near 1 and follows the slight errors of the last step. Where there are fewer iterations than blocks,
-/// they would not undo what it disturbs everywhere, and the starting point stays as it is.
+/// In a bed at rest the factor is near 1 and follows the slight errors of the last step; or it follows a single grain that falls, whose
+/// energy is more than that of all that rest. Where there are fewer iterations than blocks, they would not undo what the factor disturbs
+/// everywhere: the starting point stays as it is, unless the whole changes and the residual of most blocks becomes less.
 pub fn scale(
     op: &mut impl Operator,
     max_iterations: u32,
@@ -37,7 +39,8 @@ pub fn scale(
     let max = if op.has_homogeneous_cones() { f64::INFINITY } else { 1.0 };
     if curvature > 0.0 && factor.is_finite() {
         let factor = factor.clamp(0.0, max);
-        if (factor - 1.0).abs() <= NEAR && gamma.len() > max_iterations as usize {
+        let is_large = gamma.len() > max_iterations as usize;
+        if is_large && (factor - 1.0).abs() <= NEAR {
             return;
         }
         fill_rows(next, |i| gamma[i] * factor);
@@ -45,6 +48,9 @@ pub fn scale(
             op.response(next, response_y);
         } else {
             response_y.extrapolate(response, response_next, factor - 1.0);
+        }
+        if is_large && sum_of_lengths(op, gamma, response) < sum_of_lengths(op, next, response_y) {
+            return;
         }
         std::mem::swap(gamma, next);
         std::mem::swap(response, response_y);
