@@ -122,7 +122,7 @@ fn sweeps(op: &MatrixOperator, law: &Law, mut gamma: Vec<DVec3>, seed: u32) -> (
                 break;
             }
             // Stop without progress.
-            if sweep > 2000 && sweep > 4 * best.iterations {
+            if sweep > 20_000 && sweep > 4 * best.iterations {
                 break;
             }
         }
