@@ -22,7 +22,7 @@ fn write_run(folder: &Path, n_steps: usize, columns: &[&str]) {
     std::fs::write(folder.join("run.json"), index.to_string()).unwrap();
     std::fs::write(folder.join("model.yaml"), "# <script>alert(1)</script>\nstep: 0.001\n").unwrap();
     let mut probes = format!("time [s]{}\n", columns.iter().map(|c| format!(",\"{c}\"")).collect::<String>());
-    let mut report = "step [1],time [s],contacts [1],iterations [1],residual [m/s],worst_penetration [m],bounds [ms],\
+    let mut report = "step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],bounds [ms],\
         contact_solve [ms]\n"
         .to_string();
     for i in 0..n_steps {

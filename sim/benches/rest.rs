@@ -93,6 +93,11 @@ fn run(case: &Case, method: Method, law: FrictionLaw) -> String {
     let mut rested = f64::NAN;
     while sim.state.time < case.ends - 1e-9 {
         let report = sim.step();
+        if let Some(broken) = report.broken {
+            eprintln!("{}, {}, {}: {broken:?}", case.name, method.name(), word(law));
+            (steps, fastest, reaction, rested) = (steps.max(1), f64::INFINITY, f64::INFINITY, f64::NAN);
+            break;
+        }
         let speed = mean_speed(&sim);
         let c = &sim.state.contacts;
         let on_held = (0..c.len()).map(|i| match c.bodies[i].map(|b| is_held(&sim.model, b)) {

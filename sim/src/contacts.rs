@@ -47,18 +47,28 @@ pub struct Tiles {
 impl Tiles {
     /// The tiles of each round: the first contact of each tile, and the end of the last one.
     pub fn rounds(&self) -> [&[u32]; 2] {
-        match self.start.len() {
-            0 => [&[], &[]],
-            n => [&self.start[..=self.n_first], &self.start[self.n_first..n - 1]],
-        }
+        rounds_of(&self.start, self.n_first)
     }
 
     /// The range of the contacts in no tile.
     pub fn rest(&self) -> Range<u32> {
-        match self.start[..] {
-            [.., first, end] => first..end,
-            _ => 0..0,
-        }
+        rest_of(&self.start)
+    }
+}
+
+/// The starts of the tiles of each round, and the end of the last one, of starts like those of [`Tiles`].
+pub fn rounds_of(start: &[u32], n_first: usize) -> [&[u32]; 2] {
+    match start.len() {
+        0 => [&[], &[]],
+        n => [&start[..=n_first], &start[n_first..n - 1]],
+    }
+}
+
+/// The range in no tile, of starts like those of [`Tiles`].
+pub fn rest_of(start: &[u32]) -> Range<u32> {
+    match start[..] {
+        [.., first, end] => first..end,
+        _ => 0..0,
     }
 }
 

@@ -22,9 +22,9 @@ pub enum Narrow {
 /// The method of a step's contact solve: sweeps for spheres alone, or a [`Method`] on general blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
-    /// Gauss–Seidel sweeps on packed contacts between spheres, which solve either law of friction contact by contact; for steps in which
-    /// no joint limit may be met, and laws without cohesion, rolling and spinning friction.
-    SphereSweeps,
+    /// Gauss–Seidel sweeps on packed contacts, which solve either law of friction contact by contact; for steps in which no joint limit
+    /// may be met, and laws without cohesion, rolling and spinning friction.
+    Sweeps,
     /// A method on blocks of three multipliers, for any shapes, contact laws and joint limits.
     Blocks(Method),
 }
@@ -62,12 +62,12 @@ impl StepPlan {
         let coheres = any(|l| l.cohesion != 0.0);
         let narrow = if has_spheres_only(model, state) { Narrow::Spheres } else { Narrow::Any };
         let has_spheres = narrow == Narrow::Spheres;
-        let can_sweep = has_spheres && !rolls && !coheres;
+        let can_sweep = !rolls && !coheres;
         let sweeps = match settings.method {
             Some(method) => method == Method::GaussSeidel,
-            None => can_sweep && is_bed(model, state),
+            None => has_spheres && can_sweep && is_bed(model, state),
         };
-        let method = if sweeps && can_sweep { ContactMethod::SphereSweeps } else { blocks(settings) };
+        let method = if sweeps && can_sweep { ContactMethod::Sweeps } else { blocks(settings) };
         let bounces = any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let has_forces = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
@@ -97,7 +97,7 @@ impl StepPlan {
 
     /// Whether `method` reaches exact friction by adding the slip feedback μ |v_t| to the gaps' rates, rather than contact by contact.
     pub fn has_slip_feedback(&self, method: ContactMethod) -> bool {
-        self.settings.friction == FrictionLaw::Exact && method != ContactMethod::SphereSweeps
+        self.settings.friction == FrictionLaw::Exact && method != ContactMethod::Sweeps
     }
 }
 

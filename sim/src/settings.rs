@@ -7,7 +7,7 @@ pub enum FrictionLaw {
     /// The convex relaxation of Negrut et al. 2012: a contact that slides at the speed `|v_t|` separates at `μ |v_t|`.
     #[default]
     Relaxed,
-    /// Coulomb's law without relaxation: contact by contact in Gauss–Seidel sweeps over spheres, else by a fixed point on the slip
+    /// Coulomb's law without relaxation: contact by contact in Gauss–Seidel sweeps, else by a fixed point on the slip
     /// feedback `μ |v_t|` (Cadoux 2009; Acary et al. 2011).
     Exact,
 }

@@ -190,7 +190,7 @@ pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
 /// Header of `report.csv`, with its line break: names and units of the quantities of a [`StepReport`], a column for each stage's time.
 pub fn report_header() -> String {
     let stages: Vec<String> = Stage::ALL.iter().map(|s| format!("{} [ms]", s.name())).collect();
-    format!("step [1],time [s],contacts [1],iterations [1],residual [m/s],worst_penetration [m],{}\n", stages.join(","))
+    format!("step,time [s],contacts,iterations,residual [m/s],worst_penetration [m],{}\n", stages.join(","))
 }
 
 /// Line of `report.csv` for a step, with its line break; the values are in the order of [`report_header`].

@@ -34,7 +34,7 @@ use super::solve::joints::Joints;
 use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::worst_block;
 use super::solve::response::Response;
-use super::solve::sphere_sweeps::{self, Sweeps};
+use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
 use crate::contacts::Contacts;
 use crate::joint::Row;
@@ -90,9 +90,9 @@ pub fn run(
     let method = plan.method_with(n, limits.len());
     joints.prepare(masses);
     let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);
-    // Sweeps over spheres compute η themselves.
+    // Sweeps on packed contacts compute η themselves.
     match method {
-        ContactMethod::SphereSweeps => work.eta.clear(),
+        ContactMethod::Sweeps => work.eta.clear(),
         ContactMethod::Blocks(_) => work.fill_eta(plan, masses, contacts, limits),
     }
     let mut gamma = std::mem::take(&mut work.gamma);
@@ -123,15 +123,13 @@ pub fn run(
         envelope: model.envelope,
     };
     let outcome = match method {
-        ContactMethod::SphereSweeps => {
-            sphere_sweeps::run(&mut op, &model.solver, &mut gamma, response, &mut work.sweeps)
-        }
+        ContactMethod::Sweeps => sweeps::run(&mut op, &model.solver, &mut gamma, response, &mut work.sweeps),
         ContactMethod::Blocks(_) => solve::solve(&mut op, &model.solver, &mut gamma, response, &mut work.iterates),
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
     displacement.twist.clear();
-    let period = recovery_period(method);
+    let period = recovery_period(plan, method);
     if state.steps.is_multiple_of(period) {
         overlaps::recover(&mut op, period, response, displacement);
     }
@@ -148,10 +146,10 @@ pub fn run(
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.
-fn recovery_period(method: ContactMethod) -> u64 {
+fn recovery_period(plan: &StepPlan, method: ContactMethod) -> u64 {
     match method {
-        ContactMethod::SphereSweeps => 4,
-        ContactMethod::Blocks(_) => 1,
+        ContactMethod::Sweeps if plan.narrow == Narrow::Spheres => 4,
+        _ => 1,
     }
 }
 

@@ -28,7 +28,7 @@ pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, f
     masses.rotate(model, state);
     let h = model.step;
     if !plan.has_free_column {
-        // Sweeps over spheres read it twice a step, which is not worth a column; the other methods read it in every iteration.
+        // Sweeps on packed contacts read it twice a step, which is not worth a column; the other methods read it in every iteration.
         *free = vec![];
         return;
     }

@@ -146,7 +146,7 @@ pub struct BodyOperator<'a> {
     pub least_slip: f64,
     /// The slip μ |v_t| of the contacts at the velocities of the step's start, m/s (n_contacts; empty for the relaxed law).
     pub last_slip: &'a [f64],
-    /// η (n_blocks; empty for sweeps over spheres, which do not use it).
+    /// η (n_blocks; empty for sweeps on packed contacts, which do not use it).
     pub eta: &'a [f64],
     /// Envelope δ, m: the range of cohesion.
     pub envelope: f64,
@@ -191,6 +191,11 @@ impl BodyOperator<'_> {
             Offset::Column(offset) => offset[contact],
             Offset::OfGap => self.recovery.rate(self.contacts.gap[contact]),
         }
+    }
+
+    /// Whether all bodies of a list move; an id after the last body's stands for none, which does not.
+    pub fn all_move(&self, bodies: &[u32]) -> bool {
+        bodies.iter().all(|b| self.masses.inv_mass.get(*b as usize).is_some_and(|inv_mass| *inv_mass > 0.0))
     }
 
     /// The law of a contact.

@@ -1,6 +1,6 @@
 //! Projected Gauss–Seidel: each block is solved with the impulses of the blocks before it. Blocks of one colour have no body in common,
 //! so that they run in parallel and the result does not depend on the number of threads. The joints are one block, solved exactly at
-//! the end of each sweep. Contacts between spheres alone have sweeps of their own (`sphere_sweeps`).
+//! the end of each sweep. Contacts that know friction alone have faster sweeps (`sweeps`).
 
 use super::cells::Cells;
 use super::iterates::Iterates;

@@ -6,7 +6,7 @@
 //! all threads together.
 
 use super::cells::Cells;
-use crate::contacts::Contacts;
+use crate::contacts::{Contacts, rest_of, rounds_of};
 use crate::rows::{SERIAL_LIMIT, reduce_tasks};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
@@ -74,23 +74,74 @@ pub fn each(contacts: &Contacts, visit: impl Fn(usize) + Sync) {
     contacts.tiles.rest().for_each(|contact| visit(contact as usize));
 }
 
-/// Contacts by tiles and colours.
+/// Blocks of contacts: each contact by itself, or manifolds, runs of at most [`Blocks::MOST`] contacts of the same two bodies.
+#[derive(Default)]
+pub struct Blocks {
+    /// First contact of each manifold, and the end; empty where each contact is a block.
+    first: Vec<u32>,
+    /// First block of each tile and of the blocks in no tile, and the end (n_tiles + 2), where the blocks are manifolds.
+    start: Vec<u32>,
+}
+
+impl Blocks {
+    /// The most contacts of a manifold.
+    pub const MOST: usize = 4;
+
+    /// Each contact is a block.
+    pub fn be_contacts(&mut self) {
+        self.first.clear();
+    }
+
+    /// Each pair's contacts are blocks.
+    pub fn be_manifolds(&mut self, contacts: &Contacts) {
+        let Blocks { first, start } = self;
+        (first.clear(), start.clear());
+        for ends in contacts.tiles.start.windows(2) {
+            start.push(first.len() as u32);
+            let mut own = 0;
+            for i in ends[0]..ends[1] {
+                let is_next =
+                    own > 0 && own < Self::MOST && contacts.bodies[i as usize] == contacts.bodies[i as usize - 1];
+                own = if is_next { own + 1 } else { 1 };
+                if own == 1 {
+                    first.push(i);
+                }
+            }
+        }
+        start.push(first.len() as u32);
+        first.push(contacts.len() as u32);
+    }
+
+    /// The contacts of a block.
+    #[inline]
+    pub fn contacts(&self, block: u32) -> Range<usize> {
+        let b = block as usize;
+        if self.first.is_empty() { b..b + 1 } else { self.first[b] as usize..self.first[b + 1] as usize }
+    }
+
+    /// First block of each tile and of the blocks in no tile, and the end, of blocks with these contacts.
+    fn starts<'a>(&'a self, contacts: &'a Contacts) -> &'a [u32] {
+        if self.first.is_empty() { &contacts.tiles.start } else { &self.start }
+    }
+}
+
+/// Blocks by tiles and colours.
 #[derive(Default)]
 pub struct Tiled {
     /// The tiles of both rounds; those of a round have no moving body in common.
     pub rounds: [Vec<Colored>; 2],
-    /// The contacts in no tile.
+    /// The blocks in no tile.
     pub shared: Colored,
 }
 
 impl Tiled {
-    /// Colour the contacts tile by tile.
-    pub fn fill(&mut self, contacts: &Contacts, inv_mass: &[f64]) {
-        let Contacts { bodies, tiles, .. } = contacts;
+    /// Colour the blocks tile by tile.
+    pub fn fill(&mut self, contacts: &Contacts, blocks: &Blocks, inv_mass: &[f64]) {
         let moving = |body: u32| (inv_mass[body as usize] > 0.0).then_some(body);
-        let bodies = |contact: u32| bodies[contact as usize].map(moving);
+        let bodies = |block: u32| contacts.bodies[blocks.contacts(block).start].map(moving);
+        let (starts, n_first) = (blocks.starts(contacts), contacts.tiles.n_first);
         let mut taken = vec![0; inv_mass.len()];
-        for (tiles, start) in self.rounds.iter_mut().zip(tiles.rounds()) {
+        for (tiles, start) in self.rounds.iter_mut().zip(rounds_of(starts, n_first)) {
             taken.fill(0);
             let taken = Cells::new(&mut taken);
             tiles.resize_with(start.len() - 1, Colored::default);
@@ -100,6 +151,6 @@ impl Tiled {
         }
         taken.fill(0);
         // SAFETY: no other thread is at work.
-        unsafe { self.shared.fill(tiles.rest(), bodies, &Cells::new(&mut taken)) };
+        unsafe { self.shared.fill(rest_of(starts), bodies, &Cells::new(&mut taken)) };
     }
 }

@@ -1,0 +1,154 @@
+//! Groups of blocks in lanes, and the motions of the bodies that they act on.
+
+use super::bodies::BodyOperator;
+use super::cells::Cells;
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Wide;
+use crate::lanes::{Lanes, Plain, Real};
+use crate::twist::Twist;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Blocks of one colour side by side in lanes.
+pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
+    /// A group without blocks: its lanes refer to the motion after the last body's, which belongs to no body.
+    fn empty(n_bodies: usize) -> Self;
+
+    /// Put a block's contacts into a lane, with the impulses γ, projected onto their cones, for the exact law of friction or the relaxed.
+    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], is_exact: bool);
+
+    /// Note whether all bodies move, once all lanes are filled.
+    fn close(&mut self, op: &BodyOperator);
+
+    /// Impulse of contact `k` of the block in a lane.
+    fn gamma(&self, l: usize, k: usize) -> DVec3;
+
+    /// Visit groups one after the other, with the action `ACT`; returns the sum of `|Δγ/η|²`.
+    ///
+    /// # Safety
+    /// No other thread touches the motions of the groups' moving bodies.
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64;
+}
+
+/// The action of a visit on a contact.
+pub mod act {
+    /// Apply its impulse to its bodies.
+    pub const APPLY: u8 = 0;
+    /// Solve its problem with relaxed friction.
+    pub const RELAXED: u8 = 1;
+    /// Solve its problem with exact friction.
+    pub const EXACT: u8 = 2;
+}
+
+/// The velocities of a body with its reciprocal mass and moment of inertia, in one cache line.
+#[derive(Clone, Copy, Default)]
+#[repr(C, align(32))]
+pub struct Motion<T> {
+    /// v (3), the reciprocal mass, ω (3), the reciprocal moment of inertia.
+    pub row: [T; 8],
+}
+
+impl<T: Real> Motion<T> {
+    /// The motion of a body with a velocity, a reciprocal mass and a reciprocal moment of inertia.
+    pub fn of(t: &Twist, inv_mass: f64, inv_inertia: f64) -> Motion<T> {
+        Motion { row: [t.v.x, t.v.y, t.v.z, inv_mass, t.w.x, t.w.y, t.w.z, inv_inertia].map(T::of) }
+    }
+
+    /// The velocity.
+    pub fn twist(&self) -> Twist {
+        let [vx, vy, vz, _, wx, wy, wz, _] = self.row.map(T::wide);
+        Twist { v: DVec3::new(vx, vy, vz), w: DVec3::new(wx, wy, wz) }
+    }
+}
+
+/// Lanes of as many blocks as a group has.
+pub trait Grouped<const L: usize>: Real {
+    /// Lanes in registers.
+    #[cfg(target_arch = "x86_64")]
+    type Wide: Lanes<Self, L>;
+    /// Lanes in arrays.
+    type Plain: Lanes<Self, L>;
+}
+
+impl Grouped<8> for f32 {
+    #[cfg(target_arch = "x86_64")]
+    type Wide = Wide<std::arch::x86_64::__m256>;
+    type Plain = Plain<f32, 8>;
+}
+
+impl Grouped<4> for f64 {
+    #[cfg(target_arch = "x86_64")]
+    type Wide = Wide<std::arch::x86_64::__m256d>;
+    type Plain = Plain<f64, 4>;
+}
+
+/// [`Group::visit`] with the widest lanes that the processor has.
+///
+/// # Safety
+/// As there.
+pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
+    groups: &mut [G],
+    motion: &Cells<Motion<T>>,
+    omega: f64,
+) -> f64 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        unsafe fn wide<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
+            groups: &mut [G],
+            motion: &Cells<Motion<T>>,
+            omega: f64,
+        ) -> f64 {
+            // SAFETY: the caller's promise.
+            unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
+        }
+        if crate::lanes::has_wide_lanes() {
+            // SAFETY: the processor has AVX2; the caller's promise.
+            return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) };
+        }
+    }
+    // SAFETY: the caller's promise.
+    unsafe { G::visit::<ACT, T::Plain>(groups, motion, omega) }
+}
+
+/// The motions of bodies A and B of a group's blocks, as columns: of v (3), the reciprocal mass, ω (3), the reciprocal moment of inertia.
+///
+/// # Safety
+/// No other thread writes the motions.
+#[inline(always)]
+pub unsafe fn gather<T: Real, const L: usize, V: Lanes<T, L>>(
+    motion: &Cells<Motion<T>>,
+    bodies: &[[u32; 2]; L],
+) -> [[V; 8]; 2] {
+    let mut rows = [[[T::default(); 8]; L]; 2];
+    for (l, of_lane) in bodies.iter().enumerate() {
+        for k in 0..2 {
+            // SAFETY: the caller's promise.
+            rows[k][l] = unsafe { motion.get(of_lane[k] as usize).row };
+        }
+    }
+    [V::columns(&rows[0]), V::columns(&rows[1])]
+}
+
+/// Write the motions of the bodies that move; `moves` tells that all do.
+///
+/// # Safety
+/// No other thread touches the motions of the bodies that move.
+#[inline(always)]
+pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
+    motion: &Cells<Motion<T>>,
+    bodies: &[[u32; 2]; L],
+    moves: bool,
+    columns: [[V; 8]; 2],
+) {
+    let rows = columns.map(V::rows);
+    for (l, of_lane) in bodies.iter().enumerate() {
+        for k in 0..2 {
+            // A body that is held in place may be in several groups that are visited concurrently: it is never written.
+            if moves || rows[k][l][3] > T::default() {
+                // SAFETY: the caller's promise.
+                unsafe { motion.set(of_lane[k] as usize, Motion { row: rows[k][l] }) };
+            }
+        }
+    }
+}

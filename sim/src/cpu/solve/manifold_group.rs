@@ -1,0 +1,213 @@
+//! Groups of manifolds: the contacts of a pair of bodies of any shapes, visited one after the other while the bodies' velocities are in
+//! registers.
+//!
+//! With N_ii n = a n + k, k along the tangents, and b the largest eigenvalue of the tangents' part of N_ii, a visit is: Coulomb's law
+//! itself: the normal's own problem, with a; then the tangents, which see k times the normal's change, make a step of 1/b and are
+//! projected onto the disc that the normal's solution gives. The relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which
+//! is an upper bound of N_ii, and in that metric the projection onto the cone, as for spheres (`sphere_group`).
+
+use super::bodies::BodyOperator;
+use super::cells::Cells;
+use super::group::{Group, Grouped, Motion, act, gather, scatter};
+use super::operator::Operator;
+use super::schedule::Blocks;
+use crate::contacts::tangents;
+use crate::lanes::{Lane3, Lanes, Real, project};
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// A group of manifolds of one colour, in lanes.
+#[derive(Clone, Copy)]
+pub struct ManifoldGroup<T, const L: usize> {
+    bodies: [[u32; 2]; L],
+    /// Whether all bodies move.
+    moves: bool,
+    /// The most contacts of a manifold of the group.
+    n_contacts: u32,
+    /// Inverse inertia tensors of A and B: xx, yy, zz, yz, xz, xy.
+    inv_inertia: [[[T; L]; 6]; 2],
+    contacts: [Contact<T, L>; Blocks::MOST],
+}
+
+/// The contacts of one number in a group's manifolds; zero in a lane whose manifold has fewer.
+#[derive(Clone, Copy)]
+struct Contact<T, const L: usize> {
+    normal: [[T; L]; 3],
+    /// Arms on A and B, m.
+    arms: [[[T; L]; 3]; 2],
+    gamma: [[T; L]; 3],
+    /// The tangential part k of N n, 1/kg.
+    coupling: [[T; L]; 3],
+    offset: [T; L],
+    friction: [T; L],
+    /// Step lengths along the normal and the tangents, kg.
+    along: [T; L],
+    across: [T; L],
+    /// 1/η, 1/kg.
+    inv_eta: [T; L],
+}
+
+impl<T: Real, const L: usize> Contact<T, L> {
+    fn empty() -> Self {
+        let (zero, one) = ([T::default(); L], [T::of(1.0); L]);
+        Contact {
+            normal: [zero; 3],
+            arms: [[zero; 3]; 2],
+            gamma: [zero; 3],
+            coupling: [zero; 3],
+            offset: zero,
+            friction: zero,
+            along: one,
+            across: one,
+            inv_eta: zero,
+        }
+    }
+
+    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3, is_exact: bool) {
+        let c = op.contacts;
+        let n = c.normal[i];
+        let bodies = c.bodies[i].map(|b| b as usize);
+        let arms = c.arms(i);
+        let inv_mass = bodies.iter().map(|b| op.masses.inv_mass[*b]).sum::<f64>();
+        // Change of the contact's relative velocity by a unit impulse along `d`.
+        let response = |d: DVec3| {
+            let turn = |k: usize| op.masses.apply_inv_inertia(bodies[k], arms[k].cross(d)).cross(arms[k]);
+            d * inv_mass + turn(0) + turn(1)
+        };
+        let (u, w) = tangents(n);
+        let (of_n, of_u, of_w) = (response(n), response(u), response(w));
+        let a = of_n.dot(n);
+        let coupling = of_n - n * a;
+        let (uu, ww, uw) = (of_u.dot(u), of_w.dot(w), of_u.dot(w));
+        let b = 0.5 * (uu + ww) + (0.25 * (uu - ww) * (uu - ww) + uw * uw).sqrt();
+        let bound = if is_exact { 1.0 } else { 1.0 + coupling.length() / (a * b).sqrt() };
+        for k in 0..3 {
+            self.normal[k][l] = T::of(n[k]);
+            self.gamma[k][l] = T::of(gamma[k]);
+            self.coupling[k][l] = T::of(coupling[k]);
+            for side in 0..2 {
+                self.arms[side][k][l] = T::of(arms[side][k]);
+            }
+        }
+        self.offset[l] = T::of(op.offset(i));
+        self.friction[l] = T::of(op.law(i).friction);
+        self.along[l] = T::of(1.0 / (bound * a));
+        self.across[l] = T::of(1.0 / (bound * b));
+        self.inv_eta[l] = T::of((a + uu + ww) / 3.0);
+    }
+
+    /// The change of the impulses of a visit, and the sum of the squared residual terms.
+    #[inline(always)]
+    fn solve<const ACT: u8, V: Lanes<T, L>>(
+        &mut self,
+        v: Lane3<V>,
+        n: Lane3<V>,
+        omega: V,
+        residual2: &mut V,
+    ) -> Lane3<V> {
+        let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
+        let gamma = load3(&self.gamma);
+        let (along, across, friction) = (V::load(&self.along), V::load(&self.across), V::load(&self.friction));
+        let v_n = v.dot(n);
+        let before_n = gamma.dot(n);
+        let normal = before_n - (v_n + V::load(&self.offset)) * along;
+        let z = if ACT == act::EXACT {
+            let kept = zero.select_le(normal, normal, zero);
+            let v_t = v.minus(n.times(v_n)).plus(load3::<T, L, V>(&self.coupling).times(kept - before_n));
+            let tangent = gamma.minus(n.times(before_n)).minus(v_t.times(across));
+            let (limit, length) = (friction * kept, tangent.dot(tangent).sqrt());
+            n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
+        } else {
+            let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
+            // √(b/a).
+            let stretch = (along / across).sqrt();
+            let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
+            let z_n = n.times(z.dot(n));
+            z_n.plus(z.minus(z_n).times(one / stretch))
+        };
+        let d = z.minus(gamma).times(omega);
+        let gamma = gamma.plus(d);
+        self.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
+        let inv_eta = V::load(&self.inv_eta);
+        *residual2 = *residual2 + d.dot(d) * inv_eta * inv_eta;
+        d
+    }
+}
+
+impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
+    fn empty(n_bodies: usize) -> Self {
+        ManifoldGroup {
+            bodies: [[n_bodies as u32; 2]; L],
+            moves: false,
+            n_contacts: 0,
+            inv_inertia: [[[T::default(); L]; 6]; 2],
+            contacts: [Contact::empty(); Blocks::MOST],
+        }
+    }
+
+    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], is_exact: bool) {
+        self.bodies[l] = op.contacts.bodies[contacts.start];
+        for (side, body) in self.bodies[l].into_iter().enumerate() {
+            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = op.masses.inv_inertia(body as usize);
+            for (k, entry) in [x.x, y.y, z.z, y.z, x.z, x.y].into_iter().enumerate() {
+                self.inv_inertia[side][k][l] = T::of(entry);
+            }
+        }
+        self.n_contacts = self.n_contacts.max(contacts.len() as u32);
+        for (contact, i) in self.contacts.iter_mut().zip(contacts) {
+            contact.put(l, op, i, op.project(i, gamma[i], gamma), is_exact);
+        }
+    }
+
+    fn close(&mut self, op: &BodyOperator) {
+        self.moves = op.all_move(self.bodies.as_flattened());
+    }
+
+    fn gamma(&self, l: usize, k: usize) -> DVec3 {
+        DVec3::from_array(self.contacts[k].gamma.map(|x| x[l].wide()))
+    }
+
+    #[inline(always)]
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+        let omega = V::splat(T::of(omega));
+        let mut residual2 = V::splat(T::of(0.0));
+        for g in groups {
+            // SAFETY: the caller's promise, here and below.
+            let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
+            let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = a;
+            let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = b;
+            let (mut va, mut vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+            let (mut wa, mut wb) = (Lane3 { x: wax, y: way, z: waz }, Lane3 { x: wbx, y: wby, z: wbz });
+            for contact in &mut g.contacts[..g.n_contacts as usize] {
+                let n: Lane3<V> = load3(&contact.normal);
+                let (arm_a, arm_b): (Lane3<V>, Lane3<V>) = (load3(&contact.arms[0]), load3(&contact.arms[1]));
+                let d = if ACT == act::APPLY {
+                    load3(&contact.gamma)
+                } else {
+                    let v = vb.plus(wb.cross(arm_b)).minus(va).minus(wa.cross(arm_a));
+                    contact.solve::<ACT, V>(v, n, omega, &mut residual2)
+                };
+                va = va.minus(d.times(mass_a));
+                vb = vb.plus(d.times(mass_b));
+                wa = wa.minus(turned(&g.inv_inertia[0], arm_a.cross(d)));
+                wb = wb.plus(turned(&g.inv_inertia[1], arm_b.cross(d)));
+            }
+            let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
+            let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
+            unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };
+        }
+        residual2.to_array().iter().map(|m| m.wide()).sum()
+    }
+}
+
+#[inline(always)]
+fn load3<T: Real, const L: usize, V: Lanes<T, L>>(v: &[[T; L]; 3]) -> Lane3<V> {
+    Lane3 { x: V::load(&v[0]), y: V::load(&v[1]), z: V::load(&v[2]) }
+}
+
+/// Product of inverse inertia tensors and vectors.
+#[inline(always)]
+fn turned<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[T; L]; 6], v: Lane3<V>) -> Lane3<V> {
+    let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|k| V::load(&inv_inertia[k]));
+    Lane3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
+}

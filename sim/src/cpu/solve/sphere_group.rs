@@ -1,0 +1,127 @@
+//! Groups of contacts between spheres.
+//!
+//! A sphere's contact arm lies along the normal, so that `D_iᵀ v = v_b − v_a − (r_a ω_a + r_b ω_b) × n`, and N_ii is diagonal in the
+//! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
+//! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
+//! of its own, and the tangents are projected onto the disc that its solution gives (Jourdan et al. 1998): no outer loop is needed.
+
+use super::bodies::BodyOperator;
+use super::cells::Cells;
+use super::group::{Group, Grouped, Motion, act, gather, scatter};
+use super::operator::Operator;
+use crate::contacts::Arms;
+use crate::lanes::{Lane3, Lanes, project};
+use glam::DVec3;
+use std::ops::Range;
+
+/// A group of contacts of one colour, in lanes.
+#[derive(Clone, Copy)]
+pub struct SphereGroup<T, const L: usize> {
+    bodies: [[u32; 2]; L],
+    /// Whether all bodies move.
+    moves: bool,
+    normal: [[T; L]; 3],
+    gamma: [[T; L]; 3],
+    /// Lengths of the arms, m.
+    reach: [[T; L]; 2],
+    offset: [T; L],
+    friction: [T; L],
+}
+
+impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
+    fn empty(n_bodies: usize) -> Self {
+        SphereGroup {
+            bodies: [[n_bodies as u32; 2]; L],
+            moves: false,
+            normal: [[T::default(); L]; 3],
+            gamma: [[T::default(); L]; 3],
+            reach: [[T::default(); L]; 2],
+            offset: [T::default(); L],
+            friction: [T::default(); L],
+        }
+    }
+
+    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], _: bool) {
+        let (c, i) = (op.contacts, contacts.start);
+        let gamma = op.project(i, gamma[i], gamma);
+        let [arm_a, arm_b] = match &c.arms {
+            Arms::Along(reach) => reach[i],
+            Arms::Any(_) => unreachable!("spheres' arms lie along the normals"),
+        };
+        self.bodies[l] = c.bodies[i];
+        for k in 0..3 {
+            (self.normal[k][l], self.gamma[k][l]) = (T::of(c.normal[i][k]), T::of(gamma[k]));
+        }
+        (self.reach[0][l], self.reach[1][l]) = (T::of(arm_a), T::of(arm_b));
+        self.offset[l] = T::of(op.offset(i));
+        self.friction[l] = T::of(op.law(i).friction);
+    }
+
+    fn close(&mut self, op: &BodyOperator) {
+        self.moves = op.all_move(self.bodies.as_flattened());
+    }
+
+    fn gamma(&self, l: usize, _: usize) -> DVec3 {
+        DVec3::from_array(self.gamma.map(|x| x[l].wide()))
+    }
+
+    #[inline(always)]
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+        let (zero, one, third, omega) =
+            (V::splat(T::of(0.0)), V::splat(T::of(1.0)), V::splat(T::of(1.0 / 3.0)), V::splat(T::of(omega)));
+        let mut residual2 = zero;
+        for g in groups {
+            // SAFETY: the caller's promise, here and below.
+            let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
+            let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = a;
+            let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = b;
+            let (va, vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+            let (wa, wb) = (Lane3 { x: wax, y: way, z: waz }, Lane3 { x: wbx, y: wby, z: wbz });
+            let n = Lane3 { x: V::load(&g.normal[0]), y: V::load(&g.normal[1]), z: V::load(&g.normal[2]) };
+            let gamma = Lane3 { x: V::load(&g.gamma[0]), y: V::load(&g.gamma[1]), z: V::load(&g.gamma[2]) };
+            let (reach_a, reach_b) = (V::load(&g.reach[0]), V::load(&g.reach[1]));
+            let (lever_a, lever_b) = (reach_a * turn_a, reach_b * turn_b);
+            // N_ii = diag(a, b, b); both are 0 in a lane without a contact.
+            let a = mass_a + mass_b;
+            let b = a + reach_a * lever_a + reach_b * lever_b;
+            let along = a.select_le(zero, zero, one / a);
+            let across = a.select_le(zero, zero, one / b);
+            let d = if ACT == act::APPLY {
+                gamma
+            } else {
+                let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
+                let v = vb.minus(va).minus(rolling);
+                let v_n = v.dot(n);
+                let before_n = gamma.dot(n);
+                let normal = before_n - (v_n + V::load(&g.offset)) * along;
+                let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
+                let friction = V::load(&g.friction);
+                let z = if ACT == act::EXACT {
+                    // Coulomb's law itself splits into the two directions.
+                    let (kept, length) = (zero.select_le(normal, normal, zero), tangent.dot(tangent).sqrt());
+                    let limit = friction * kept;
+                    n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
+                } else {
+                    let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
+                    let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
+                    let z_n = n.times(z.dot(n));
+                    z_n.plus(z.minus(z_n).times(shrink))
+                };
+                let d = z.minus(gamma).times(omega);
+                let gamma = gamma.plus(d);
+                g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
+                // 1/η is a third of the trace of N_ii.
+                let trace = (a + b + b) * third;
+                residual2 = residual2 + d.dot(d) * trace * trace;
+                d
+            };
+            let spin = n.cross(d);
+            let (va, vb) = (va.minus(d.times(mass_a)), vb.plus(d.times(mass_b)));
+            let (wa, wb) = (wa.minus(spin.times(lever_a)), wb.minus(spin.times(lever_b)));
+            let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
+            let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
+            unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };
+        }
+        residual2.to_array().iter().map(|m| m.wide()).sum()
+    }
+}

@@ -1,0 +1,273 @@
+//! Gauss–Seidel sweeps on packed contacts, several blocks at a time: contacts between spheres (`sphere_group`), or manifolds, the contacts
+//! of a pair of any shapes (`manifold_group`). They know friction alone, by either law.
+//!
+//! The data of the blocks is packed once per solve, tile by tile and colour by colour (`schedule`), in groups of blocks that have no
+//! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight blocks and half the
+//! bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are then computed again from the
+//! impulses, so that the momentum has no rounding error of single precision.
+
+use super::bodies::BodyOperator;
+use super::cells::Cells;
+use super::group::{self, Group, Grouped, Motion, act};
+use super::manifold_group::ManifoldGroup;
+use super::operator::Operator;
+use super::response::Response;
+use super::schedule::{Blocks, Colored, Tiled};
+use super::sphere_group::SphereGroup;
+use crate::contacts::Arms;
+use crate::outcome::Outcome;
+use crate::rows::{add, cut, fill_rows, reduce_tasks};
+use crate::settings::{FrictionLaw, SolverSettings};
+use crate::twist::Twist;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Root mean square of the residual terms at which single precision ends, over the maximum speed of a body.
+const COARSE: f64 = 1e-5;
+
+/// The columns of the sweeps, which keep their memory from step to step.
+#[derive(Default)]
+pub struct Sweeps {
+    blocks: Blocks,
+    tiled: Tiled,
+    spheres: Precisions<SphereGroup<f32, 8>, SphereGroup<f64, 4>>,
+    manifolds: Precisions<ManifoldGroup<f32, 8>, ManifoldGroup<f64, 4>>,
+}
+
+impl Sweeps {
+    /// Release the memory of columns that the next solve lays out again.
+    pub fn release(&mut self) {
+        (self.spheres, self.manifolds) = Default::default();
+    }
+}
+
+/// Solve: γ comes in as the starting point and goes out as the solution, `response` as its response.
+pub fn run(
+    op: &mut BodyOperator,
+    settings: &SolverSettings,
+    gamma: &mut [DVec3],
+    response: &mut Response,
+    work: &mut Sweeps,
+) -> Outcome {
+    let Sweeps { blocks, tiled, spheres, manifolds } = work;
+    match op.contacts.arms {
+        Arms::Along(_) => blocks.be_contacts(),
+        Arms::Any(_) => blocks.be_manifolds(op.contacts),
+    }
+    tiled.fill(op.contacts, blocks, &op.masses.inv_mass);
+    let at = (&*blocks, &*tiled);
+    match op.contacts.arms {
+        Arms::Along(_) => spheres.run(op, at, settings, gamma, response),
+        Arms::Any(_) => manifolds.run(op, at, settings, gamma, response),
+    }
+}
+
+/// The packed blocks in single and in double precision.
+struct Precisions<C, F> {
+    coarse: Packed<f32, 8, C>,
+    fine: Packed<f64, 4, F>,
+}
+
+impl<C, F> Default for Precisions<C, F> {
+    fn default() -> Self {
+        Precisions { coarse: Packed::default(), fine: Packed::default() }
+    }
+}
+
+impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
+    fn run(
+        &mut self,
+        op: &mut BodyOperator,
+        at: (&Blocks, &Tiled),
+        settings: &SolverSettings,
+        gamma: &mut [DVec3],
+        response: &mut Response,
+    ) -> Outcome {
+        let Precisions { coarse, fine } = self;
+        let is_exact = settings.friction == FrictionLaw::Exact;
+        op.joints.reset(response);
+        let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
+        if op.joints.rows.is_empty() {
+            coarse.fill(op, at, gamma, is_exact);
+            let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
+            coarse.sweeps(settings, gamma.len(), settings.tolerance.max(tolerance), &mut outcome, |_| ());
+            coarse.unpack(at, gamma);
+        }
+        if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
+            fine.fill(op, at, gamma, is_exact);
+            let mut solve_joints = |fine: &mut Packed<f64, 4, F>| {
+                if !op.joints.rows.is_empty() {
+                    fine.store(response);
+                    op.solve_joints(response);
+                    fine.load(response);
+                }
+            };
+            solve_joints(fine);
+            fine.sweeps(settings, gamma.len(), settings.tolerance, &mut outcome, solve_joints);
+            fine.unpack(at, gamma);
+            fine.store(response);
+        } else {
+            op.response(gamma, response);
+        }
+        outcome
+    }
+}
+
+/// All blocks in groups, and the motions of the bodies.
+struct Packed<T, const L: usize, G> {
+    groups: Vec<G>,
+    /// Number of groups of each tile of both rounds, and of each colour of the blocks in no tile.
+    n_groups: [Vec<usize>; 3],
+    motion: Vec<Motion<T>>,
+}
+
+impl<T, const L: usize, G> Default for Packed<T, L, G> {
+    fn default() -> Self {
+        Packed { groups: vec![], n_groups: Default::default(), motion: vec![] }
+    }
+}
+
+/// Number of groups up to which one thread visits them.
+const SERIAL_LIMIT: usize = 512;
+
+impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
+    /// Pack the blocks with the impulses γ, projected onto their cones, and compute the motions of the bodies with them.
+    fn fill(&mut self, op: &BodyOperator, (blocks, tiled): (&Blocks, &Tiled), gamma: &[DVec3], is_exact: bool) {
+        let (masses, n_bodies) = (op.masses, op.masses.inv_mass.len());
+        let groups_of = |color: &[u32]| color.len().div_ceil(L);
+        let of_round = |tiles: &[Colored]| tiles.iter().map(|tile| tile.colors().map(groups_of).sum()).collect();
+        let [first, second] = &tiled.rounds;
+        self.n_groups = [of_round(first), of_round(second), tiled.shared.colors().map(groups_of).collect()];
+        let n_groups = self.n_groups.iter().flatten().sum();
+        self.groups.truncate(n_groups);
+        self.groups.reserve_exact(n_groups - self.groups.len());
+        self.groups.resize(n_groups, G::empty(n_bodies));
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(groups, tile)| pack(groups, tile.colors(), op, blocks, gamma, is_exact));
+        }
+        let colors = shared.into_iter().zip(tiled.shared.colors());
+        colors.for_each(|(groups, color)| pack(groups, [color].into_iter(), op, blocks, gamma, is_exact));
+        self.motion.resize(n_bodies + 1, Motion::default());
+        fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
+        self.visit::<{ act::APPLY }>(1.0);
+    }
+
+    /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
+    fn parts(&mut self) -> [Vec<&mut [G]>; 3] {
+        let mut rest = &mut self.groups[..];
+        self.n_groups.each_ref().map(|lengths| {
+            let (own, after) = std::mem::take(&mut rest).split_at_mut(lengths.iter().sum());
+            rest = after;
+            cut(own, lengths.iter().copied())
+        })
+    }
+
+    /// Load the motions of the bodies from a response.
+    fn load(&mut self, response: &Response) {
+        for (motion, twist) in self.motion.iter_mut().zip(&response.twist) {
+            *motion = Motion::of(twist, motion.row[3].wide(), motion.row[7].wide());
+        }
+    }
+
+    /// Store the motions of the bodies to a response.
+    fn store(&self, response: &mut Response) {
+        response.twist.resize(self.motion.len() - 1, Twist::default());
+        fill_rows(&mut response.twist, |b| self.motion[b].twist());
+    }
+
+    /// Maximum speed of a body, m/s.
+    fn max_speed(&self) -> f64 {
+        self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
+    }
+
+    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations; `solve_joints` follows every sweep.
+    fn sweeps(
+        &mut self,
+        settings: &SolverSettings,
+        n: usize,
+        tolerance: f64,
+        outcome: &mut Outcome,
+        mut solve_joints: impl FnMut(&mut Self),
+    ) {
+        let omega = settings.omega.unwrap_or(1.0);
+        while outcome.iterations < settings.max_iterations(n) {
+            // The residual terms of the blocks at the time of their visits, squared and summed.
+            let residual2 = match settings.friction {
+                FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),
+                FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega),
+            };
+            *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
+            solve_joints(self);
+            if outcome.residual <= tolerance {
+                break;
+            }
+        }
+    }
+
+    /// Visit all blocks once; returns the sum of `|Δγ/η|²`.
+    fn visit<const ACT: u8>(&mut self, omega: f64) -> f64 {
+        /// Number of groups of a shared colour that one task visits.
+        const TASK: usize = 128;
+        let mut motion = std::mem::take(&mut self.motion);
+        let cells = Cells::new(&mut motion);
+        // SAFETY: the tiles of a round, and the blocks of a shared colour, have no moving body in common.
+        let visit = |groups: &mut [G]| [unsafe { group::visit::<T, L, G, ACT>(groups, &cells, omega) }];
+        let mut residual2 = [0.0];
+        let [first, second, shared] = self.parts();
+        for tiles in [first, second] {
+            let is_serial = tiles.iter().map(|groups| groups.len()).sum::<usize>() < SERIAL_LIMIT;
+            residual2 = add(residual2, reduce_tasks(tiles.into_par_iter(), is_serial, visit));
+        }
+        for color in shared {
+            let is_serial = color.len() < SERIAL_LIMIT;
+            residual2 = add(residual2, reduce_tasks(color.par_chunks_mut(TASK), is_serial, visit));
+        }
+        self.motion = motion;
+        residual2[0]
+    }
+
+    /// Read the impulses back.
+    fn unpack(&mut self, (blocks, tiled): (&Blocks, &Tiled), gamma: &mut [DVec3]) {
+        let gamma = Cells::new(gamma);
+        let read = |groups: &[G], color: &[u32]| {
+            for (group, color) in groups.iter().zip(color.chunks(L)) {
+                for (l, block) in color.iter().enumerate() {
+                    // SAFETY: each contact is in one block, and each group is one task's.
+                    blocks.contacts(*block).enumerate().for_each(|(k, i)| unsafe { gamma.set(i, group.gamma(l, k)) });
+                }
+            }
+        };
+        let [first, second, shared] = self.parts();
+        for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
+            let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
+            tiles.for_each(|(mut groups, tile)| {
+                for color in tile.colors() {
+                    let (own, after) = std::mem::take(&mut groups).split_at_mut(color.len().div_ceil(L));
+                    groups = after;
+                    read(own, color);
+                }
+            });
+        }
+        shared.into_iter().zip(tiled.shared.colors()).for_each(|(groups, color)| read(groups, color));
+    }
+}
+
+/// Pack the blocks of some colours into groups.
+fn pack<'a, T: Grouped<L>, const L: usize, G: Group<T, L>>(
+    groups: &mut [G],
+    colors: impl Iterator<Item = &'a [u32]>,
+    op: &BodyOperator,
+    blocks: &Blocks,
+    gamma: &[DVec3],
+    is_exact: bool,
+) {
+    for (group, color) in groups.iter_mut().zip(colors.flat_map(|color| color.chunks(L))) {
+        *group = G::empty(op.masses.inv_mass.len());
+        for (l, block) in color.iter().enumerate() {
+            group.put(l, op, blocks.contacts(*block), gamma, is_exact);
+        }
+        group.close(op);
+    }
+}
