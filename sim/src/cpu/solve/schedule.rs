@@ -95,7 +95,8 @@ impl Blocks {
     /// Each pair's contacts are blocks.
     pub fn be_manifolds(&mut self, contacts: &Contacts) {
         let Blocks { first, start } = self;
-        (first.clear(), start.clear());
+        first.clear();
+        start.clear();
         for ends in contacts.tiles.start.windows(2) {
             start.push(first.len() as u32);
             let mut own = 0;
