@@ -141,7 +141,8 @@ pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
     moves: bool,
     columns: [[V; 8]; 2],
 ) {
-    let rows = columns.map(V::rows);
+    let [a, b] = columns;
+    let rows = [V::rows(a), V::rows(b)];
     for (l, of_lane) in bodies.iter().enumerate() {
         for k in 0..2 {
             // A body that is held in place may be in several groups that are visited concurrently: it is never written.

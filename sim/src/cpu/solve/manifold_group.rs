@@ -208,6 +208,8 @@ fn load3<T: Real, const L: usize, V: Lanes<T, L>>(v: &[[T; L]; 3]) -> Lane3<V> {
 /// Product of inverse inertia tensors and vectors.
 #[inline(always)]
 fn turned<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[T; L]; 6], v: Lane3<V>) -> Lane3<V> {
-    let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|k| V::load(&inv_inertia[k]));
+    let [xx, yy, zz, yz, xz, xy] = inv_inertia;
+    let (xx, yy, zz) = (V::load(xx), V::load(yy), V::load(zz));
+    let (yz, xz, xy) = (V::load(yz), V::load(xz), V::load(xy));
     Lane3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
 }
