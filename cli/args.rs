@@ -16,7 +16,7 @@ pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitA
 pub use bench::{BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs, Workload};
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
 pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};
-pub use simulate::{Backend, Friction, Method, RunArgs, SimulateArgs, SolveArgs};
+pub use simulate::{Backend, Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
 pub use value::{Assignment, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};

@@ -9,7 +9,7 @@ use crate::report::Outcome;
 /// Run `scree bench`.
 pub fn run(job: BenchJob) -> Outcome {
     match job {
-        BenchJob::Sim(job, json) => print(&sim::measure(&job), json),
+        BenchJob::Sim(job, json) => print(&sim::measure(*job), json),
         BenchJob::Render(job, json) => print(&render::measure(&job)?, json),
     }
     Ok(())

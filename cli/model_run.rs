@@ -16,7 +16,7 @@ use frame::{Fault, Frame};
 use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
 use sim::watch::Warning;
-use sim::{Simulation, checkpoint};
+use sim::{FrictionLaw, Simulation, checkpoint};
 use std::path::Path;
 
 /// Simulate a model, and show the progress.
@@ -24,6 +24,9 @@ pub fn simulate(job: ModelRun) -> Outcome {
     let ModelRun { file, resolved, folder, span } = job;
     for warning in &resolved.warnings {
         eprintln!("warning: {warning}");
+    }
+    if let Some(quality) = file.quality {
+        eprintln!("quality {}: {}", quality.name(), chosen(&file));
     }
     let (duration, until) = (resolved.model.duration, span.until);
     if let Some(until) = until.filter(|until| *until > duration) {
@@ -50,6 +53,18 @@ pub fn simulate(job: ModelRun) -> Outcome {
             format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),
         ),
     })
+}
+
+/// The step and the solver of a model, for a message.
+fn chosen(file: &ModelFile) -> String {
+    let solver = &file.solver;
+    let method = solver.method.map_or("the default method", |method| method.name());
+    let iterations = solver.iterations.map_or("the default number of".into(), |n| format!("{n}"));
+    let friction = if solver.friction == FrictionLaw::Exact { "exact" } else { "relaxed" };
+    let (step, tolerance) = (file.step * 1e3, solver.tolerance);
+    format!(
+        "steps of {step:.4} ms, {method}, {friction} friction, {iterations} iterations, tolerance {tolerance:e} m/s"
+    )
 }
 
 /// Note this command in a folder, behind those that it goes on from.

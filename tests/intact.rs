@@ -124,6 +124,12 @@ fn shards_that_lie_make_no_image() {
     scree(&["stitch", &home]).ok();
 }
 
+/// A manifold of two shapes with a number of points.
+fn manifold(end: u32, shapes: [u32; 2]) -> sim::manifolds::Kept {
+    let (position, orientation) = (glam::DVec3::X, glam::DQuat::IDENTITY);
+    sim::manifolds::Kept { pair: 0, end, shapes, position, orientation, reach: 0.1, slack: 0.0 }
+}
+
 #[test]
 fn checkpoints_that_lie_resume_nothing() {
     use sim::{State, checkpoint};
@@ -135,7 +141,7 @@ fn checkpoints_that_lie_resume_nothing() {
     let path = checkpoint::latest(&run).unwrap().unwrap();
     let (state, of) = checkpoint::read(&path).unwrap();
     assert!(!state.contacts.is_empty() && state.fat_aabb.is_some());
-    let lies: [(&str, fn(&mut State)); 8] = [
+    let lies: [(&str, fn(&mut State)); 10] = [
         ("bodies", |s| s.activity.clear()),
         ("nowhere", |s| s.position[1].z = 1e300),
         ("nowhere", |s| s.orientation[1] *= 2.0),
@@ -144,6 +150,8 @@ fn checkpoints_that_lie_resume_nothing() {
         ("a contact 0", |s| s.contacts.key[0][1] = 77),
         ("a contact 0", |s| s.contacts.law[0] = 77),
         ("different lengths", |s| s.contacts.gap.clear()),
+        ("manifolds of tile 0", |s| s.manifolds.tiles[0].kept.push(manifold(1, [0, 77]))),
+        ("manifolds of tile 0", |s| s.manifolds.tiles[0].kept.push(manifold(1, [0, 1]))),
     ];
     for (message, lie) in lies {
         let mut state = state.clone();

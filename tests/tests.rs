@@ -28,6 +28,7 @@ mod pipeline;
 mod plots;
 mod projects;
 mod properties;
+mod quality;
 mod rays;
 mod rendering;
 mod rest;

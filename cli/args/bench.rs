@@ -1,6 +1,6 @@
 //! Arguments of `scree bench`.
 
-use super::simulate::{Backend, Friction, Method};
+use super::simulate::{Backend, Friction, Method, Quality};
 use super::value::{Resolution, index, number, positive, resolution, whole};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ pub struct BenchArgs {
 /// The benchmarks.
 #[derive(Subcommand, Debug)]
 pub enum BenchCommand {
-    /// Simulate spheres that settle in a box.
+    /// Simulate spheres that settle in a box, convex bodies, or joints.
     Sim(BenchSimArgs),
     /// Render a bed of spheres with shadows, 16 samples per pixel.
     Render(BenchRenderArgs),
@@ -29,34 +29,42 @@ Example:
 #[derive(Args, Debug)]
 #[command(after_help = SIM_EXAMPLES)]
 pub struct BenchSimArgs {
-    /// Kind of spheres.
+    /// What is simulated.
     #[arg(long, default_value = "s", ignore_case = true)]
     pub workload: Workload,
-    /// Number of spheres.
-    #[arg(long, default_value_t = 8000, value_name = "N", value_parser = whole::<usize>(1..=u64::MAX))]
-    pub n: usize,
+    /// Number of spheres or boxes, of boxes in the lowest row of the pyramid, of
+    /// layers of the pile, of joints along an edge of the grid [default: 8000,
+    /// 5000, 100, 80, 100].
+    #[arg(long, value_name = "N", value_parser = whole::<usize>(1..=u64::MAX))]
+    pub n: Option<usize>,
+    /// Level of quality, which chooses the step and the solver where they are not
+    /// given [default: normal for other workloads than spheres].
+    #[arg(long)]
+    pub quality: Option<Quality>,
     /// Back end to compute with.
     #[arg(long, default_value = "cpu")]
     pub backend: Backend,
-    /// Number of steps [default: those of one simulated second].
+    /// Number of steps [default: those of one simulated second; of 5 s of the
+    /// pyramid, 1.5 s of the pile, 2 s of the boxes and the grid].
     #[arg(long, value_name = "N", value_parser = index::<u64>())]
     pub steps: Option<u64>,
-    /// Step size, s.
-    #[arg(long, default_value = "1.5e-3", value_name = "SECONDS", value_parser = positive)]
-    pub step: f64,
-    /// Solver iterations in each step.
-    #[arg(long, default_value_t = 24, value_name = "N", value_parser = index::<u32>())]
-    pub iterations: u32,
-    /// Solver.
-    #[arg(long, default_value = "gauss_seidel")]
-    pub method: Method,
+    /// Step size, s [default: 1.5e-3, or that of the quality].
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub step: Option<f64>,
+    /// Solver iterations in each step [default: 24, or those of the quality].
+    #[arg(long, value_name = "N", value_parser = index::<u32>())]
+    pub iterations: Option<u32>,
+    /// Solver [default: gauss_seidel, or that of the quality].
+    #[arg(long)]
+    pub method: Option<Method>,
     /// Law of friction [default: exact for gauss_seidel, which solves it
     /// contact by contact; relaxed for the other solvers].
     #[arg(long)]
     pub friction: Option<Friction>,
-    /// Maximum speed at which overlapping bodies are pushed apart, m/s.
-    #[arg(long, default_value = "0.03", value_name = "SPEED", value_parser = number::<f64>)]
-    pub recovery_speed: f64,
+    /// Maximum speed at which overlapping bodies are pushed apart, m/s [default:
+    /// 0.03, or that of the quality].
+    #[arg(long, value_name = "SPEED", value_parser = number::<f64>)]
+    pub recovery_speed: Option<f64>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -98,11 +106,19 @@ pub struct BenchRenderArgs {
     pub json: bool,
 }
 
-/// Workloads of spheres.
+/// Workloads.
 #[derive(ValueEnum, Clone, Copy, Debug)]
 pub enum Workload {
     /// Spheres of radius 0.075 m.
     S,
     /// Spheres of radius 0.025 to 0.036 m, as in the bed of the anchor model.
     A,
+    /// Boxes that stand on each other.
+    Pyramid,
+    /// Hulls of 32 points that fall upon each other.
+    Pile,
+    /// Boxes poured into a box.
+    Boxes,
+    /// A net of spherical joints.
+    Grid,
 }

@@ -58,6 +58,10 @@ pub struct SimulateArgs {
     /// Replace the run that the run directory holds, be it of another model.
     #[arg(long)]
     pub fresh: bool,
+    /// Level of quality, which chooses the step and the solver's settings that
+    /// the model does not give.
+    #[arg(long)]
+    pub quality: Option<Quality>,
     /// Replace a value of the model, as --set solver.iterations=80 or --set
     /// bodies.block.mass=3; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = assignment)]
@@ -127,6 +131,17 @@ pub enum Backend {
     Cpu,
     /// Graphics adapter (not built yet).
     Gpu,
+}
+
+/// Levels of quality of a simulation.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub enum Quality {
+    /// To see what happens.
+    Draft,
+    /// For films and most numbers.
+    Normal,
+    /// For forces.
+    Tight,
 }
 
 /// Laws of friction.

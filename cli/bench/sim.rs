@@ -1,27 +1,36 @@
-//! `scree bench sim`: spheres that settle in a box.
+//! `scree bench sim`: spheres that settle in a box, convex bodies, or joints.
 
 use crate::job::SimBench;
 use crate::machine::{cpu_seconds, peak_bytes};
 use serde_json::json;
+use sim::Simulation;
+use sim::joint::JointKind;
 use sim::stages::Stage;
-use sim::{Simulation, workload};
+use sim::workload::worst_penetration_over_inradius;
 use std::time::Instant;
 
 /// Simulate the workload and measure it.
-pub fn measure(job: &SimBench) -> serde_json::Value {
-    let SimBench { workload, n, steps, step, solver } = job;
-    let (workload, n, steps, step) = (*workload, *n, *steps, *step);
-    let (cpu, wall) = (cpu_seconds(), Instant::now());
-    let (model, state) = workload::build(workload, n, solver.clone(), step);
-    let mut sim = Simulation::new(model, state);
-    let (mut contact_iterations, mut contacts) = (0.0, 0);
+pub fn measure(job: SimBench) -> serde_json::Value {
+    let SimBench { workload, n, steps, quality, simulation: mut sim, cpu_before } = job;
+    let (start, step, solver) = (sim.state.position.clone(), sim.model.step, sim.model.solver.clone());
+    let wall = Instant::now();
+    let (mut contact_iterations, mut contacts, mut worst) = (0.0, 0, 0.0f64);
     let mut stage_ms = [0.0; Stage::ALL.len()];
-    for _ in 0..steps {
+    let (mut startup, mut cpu) = (0.0, cpu_seconds());
+    for k in 0..steps {
         let r = sim.step();
+        worst = worst.max(worst_penetration_over_inradius(&sim.model, &sim.state));
+        if k == 0 {
+            // The first step has what is done once, as the solve of bodies that stand on each other.
+            startup = cpu_seconds() - cpu_before;
+            cpu = cpu_seconds();
+            continue;
+        }
         contact_iterations += r.contacts as f64 * r.iterations as f64;
         stage_ms.iter_mut().zip(r.stage_ms).for_each(|(sum, ms)| *sum += ms);
         contacts = r.contacts;
     }
+    let timed = steps.saturating_sub(1).max(1) as f64;
     let ms_of = |stages: &[Stage]| {
         let counted = Stage::ALL.into_iter().zip(stage_ms).filter(|(stage, _)| stages.contains(stage));
         counted.map(|(_, ms)| ms).sum::<f64>()
@@ -32,23 +41,49 @@ pub fn measure(job: &SimBench) -> serde_json::Value {
         ms_of(&[Stage::Bounds, Stage::BinEmit, Stage::BinSort, Stage::BinStart, Stage::PairWrite, Stage::ContactWrite]);
     let cores = rayon::current_num_threads() as f64;
     let stages: serde_json::Map<String, serde_json::Value> =
-        Stage::ALL.iter().zip(stage_ms).map(|(s, ms)| (s.name().to_string(), json!(ms / steps as f64))).collect();
+        Stage::ALL.iter().zip(stage_ms).map(|(s, ms)| (s.name().to_string(), json!(ms / timed))).collect();
     let radius = sim.model.shape_size.iter().map(|s| s.x).fold(0.0, f64::max);
+    let [drift, drop] = drift_and_drop(&sim, &start);
     json!({
-        "workload": format!("{workload:?}"), "n": n, "backend": sim.backend(), "threads": rayon::current_num_threads(),
-        "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method, "friction": solver.friction,
-        "recovery_speed": solver.recovery_speed,
-        "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (steps as f64 * step),
+        "workload": workload, "n": n, "backend": sim.backend(), "threads": rayon::current_num_threads(),
+        "quality": quality, "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method,
+        "friction": solver.friction, "recovery_speed": solver.recovery_speed,
+        "startup_cpu_seconds": startup,
+        "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (timed * step),
         "wall_seconds": wall.elapsed().as_secs_f64(),
         "worst_penetration_over_r": sim.state.contacts.worst_penetration() / radius,
+        "worst_penetration_over_inradius": worst_penetration_over_inradius(&sim.model, &sim.state),
+        "worst_penetration_over_inradius_run": worst,
+        "drift_max_m": drift, "drop_max_m": drop, "joint_gap_max_m": joint_gap(&sim),
         "kinetic_energy_j": sim.state.kinetic_energy(&sim.model),
         "contacts": contacts,
         "contact_iterations_per_second_per_core": contact_iterations / (solver_ms * 1e-3 * cores),
-        "shapes_per_second_per_core": (n as u64 * steps) as f64 / (detection_ms * 1e-3 * cores),
+        "shapes_per_second_per_core": sim.model.n_shapes() as f64 * timed / (detection_ms * 1e-3 * cores),
         "other_share_of_step": 1.0 - (solver_ms + detection_ms) / all_ms,
         "stage_ms": stages,
         "solver_share_of_step": solver_ms / all_ms,
         "peak_bytes": peak_bytes(),
         "max_position_difference_m": serde_json::Value::Null,
     })
+}
+
+/// Greatest distances of a body from where it was at the start, m: across gravity, and along it.
+fn drift_and_drop(sim: &Simulation, start: &[glam::DVec3]) -> [f64; 2] {
+    let down = sim.model.gravity.normalize_or_zero();
+    let moved = sim.state.position.iter().zip(start).map(|(now, before)| *now - *before);
+    moved.fold([0.0f64; 2], |[drift, drop], moved| {
+        let fallen = moved.dot(down);
+        [drift.max((moved - down * fallen).length()), drop.max(fallen)]
+    })
+}
+
+/// Greatest distance of the two origins of a joint that holds them together, m; none without such joints.
+fn joint_gap(sim: &Simulation) -> Option<f64> {
+    let gap = |joint| {
+        let frames = sim.state.joint_frames(joint);
+        frames.a.position.distance(frames.b.position)
+    };
+    use JointKind::{Fixed, Revolute, Spherical, Universal};
+    let joined = sim.model.joints.iter().filter(|joint| matches!(joint.kind, Spherical | Revolute | Universal | Fixed));
+    joined.map(gap).reduce(f64::max)
 }

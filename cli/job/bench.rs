@@ -2,31 +2,34 @@
 
 use super::simulate::cpu_only;
 use crate::args::{self, BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs};
+use crate::machine;
 use crate::report::Outcome;
-use sim::workload::{self, Workload};
-use sim::{FrictionLaw, Method, SolverSettings};
+use sim::workload::{self, Convex, Workload};
+use sim::{FrictionLaw, Method, Quality, Simulation, SolverSettings};
 use std::path::PathBuf;
 
 /// A benchmark to run.
 pub enum BenchJob {
     /// A simulation, and whether its result is printed as JSON.
-    Sim(SimBench, bool),
+    Sim(Box<SimBench>, bool),
     /// A rendering, and whether its result is printed as JSON.
     Render(RenderBench, bool),
 }
 
 /// A benchmark of the simulation.
 pub struct SimBench {
-    /// Workload of spheres.
-    pub workload: Workload,
-    /// Number of spheres.
+    /// Name of the workload.
+    pub workload: String,
+    /// Number of what the workload counts.
     pub n: usize,
     /// Number of steps.
     pub steps: u64,
-    /// Step size, s.
-    pub step: f64,
-    /// Settings of the solver.
-    pub solver: SolverSettings,
+    /// Level of quality, if one chooses the settings.
+    pub quality: Option<Quality>,
+    /// The simulation, which holds the step and the settings of the solver.
+    pub simulation: Simulation,
+    /// CPU time of the process before the simulation was made, s.
+    pub cpu_before: f64,
 }
 
 /// A benchmark of the renderer: a bed of spheres.
@@ -49,7 +52,7 @@ impl BenchJob {
     /// Check the arguments.
     pub fn check(args: BenchArgs) -> Outcome<BenchJob> {
         match args.bench {
-            BenchCommand::Sim(args) => Ok(BenchJob::Sim(sim_bench(&args)?, args.json)),
+            BenchCommand::Sim(args) => Ok(BenchJob::Sim(Box::new(sim_bench(&args)?), args.json)),
             BenchCommand::Render(args) => {
                 let json = args.json;
                 Ok(BenchJob::Render(render_bench(args)?, json))
@@ -60,20 +63,63 @@ impl BenchJob {
 
 fn sim_bench(args: &BenchSimArgs) -> Outcome<SimBench> {
     cpu_only(args.backend)?;
-    let workload = match args.workload {
-        args::Workload::S => Workload::S,
-        args::Workload::A => Workload::A,
+    let cpu_before = machine::cpu_seconds();
+    let convex = match args.workload {
+        args::Workload::S => return spheres(args, Workload::S, cpu_before),
+        args::Workload::A => return spheres(args, Workload::A, cpu_before),
+        args::Workload::Pyramid => Convex::Pyramid,
+        args::Workload::Pile => Convex::Pile,
+        args::Workload::Boxes => Convex::Boxes,
+        args::Workload::Grid => Convex::Grid,
     };
-    let method = Method::from(args.method);
-    let friction = match args.friction {
-        Some(friction) => friction.into(),
-        None if method == Method::GaussSeidel => FrictionLaw::Exact,
-        None => FrictionLaw::Relaxed,
-    };
-    let solver =
-        SolverSettings { recovery_speed: args.recovery_speed, friction, ..workload::solver(method, args.iterations) };
-    let steps = args.steps.unwrap_or((1.0 / args.step).round() as u64);
-    Ok(SimBench { workload, n: args.n, steps, step: args.step, solver })
+    let (n, seconds) = convex.size();
+    let n = args.n.unwrap_or(n);
+    let quality = args.quality.map_or(Quality::Normal, Quality::from);
+    let mut model = workload::scene(convex, n);
+    model.file.quality = Some(quality);
+    let mut simulation = model.simulation()?;
+    settle(args, &mut simulation.model.solver);
+    simulation.model.step = args.step.unwrap_or(simulation.model.step);
+    let steps = args.steps.unwrap_or((seconds / simulation.model.step).round() as u64);
+    let workload = format!("{convex:?}").to_lowercase();
+    Ok(SimBench { workload, n, steps, quality: Some(quality), simulation, cpu_before })
+}
+
+/// A benchmark of spheres.
+fn spheres(args: &BenchSimArgs, workload: Workload, cpu_before: f64) -> Outcome<SimBench> {
+    let n = args.n.unwrap_or(8000);
+    let quality = args.quality.map(Quality::from);
+    let (mut solver, mut step) = (
+        SolverSettings { recovery_speed: 0.03, ..workload::solver(Method::GaussSeidel, args.iterations.unwrap_or(24)) },
+        1.5e-3,
+    );
+    if let Some(quality) = quality {
+        let (model, state) = workload::build(workload, n, solver.clone(), step);
+        (step, solver) = quality.settings(&model, &state);
+        solver.envelope = Some(2e-4);
+    }
+    step = args.step.unwrap_or(step);
+    settle(args, &mut solver);
+    if quality.is_none() && args.friction.is_none() && solver.method == Some(Method::GaussSeidel) {
+        solver.friction = FrictionLaw::Exact;
+    }
+    let (model, state) = workload::build(workload, n, solver, step);
+    let steps = args.steps.unwrap_or((1.0 / step).round() as u64);
+    let simulation = Simulation::new(model, state);
+    Ok(SimBench { workload: format!("{workload:?}"), n, steps, quality, simulation, cpu_before })
+}
+
+/// Take the settings of the command line.
+fn settle(args: &BenchSimArgs, solver: &mut SolverSettings) {
+    if let Some(method) = args.method {
+        solver.method = Some(method.into());
+        solver.omega = None;
+    }
+    if let Some(friction) = args.friction {
+        solver.friction = friction.into();
+    }
+    solver.iterations = args.iterations.or(solver.iterations);
+    solver.recovery_speed = args.recovery_speed.unwrap_or(solver.recovery_speed);
 }
 
 fn render_bench(args: BenchRenderArgs) -> Outcome<RenderBench> {

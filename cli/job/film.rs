@@ -169,6 +169,7 @@ impl From<SchedulerArg> for Scheduler {
 pub fn combination(simulation: &Simulation, home: &Path, index: usize) -> Outcome<SimulateJob> {
     let of_plan = |(path, value): &(String, String)| Assignment { path: path.clone(), value: value.clone() };
     SimulateJob::check(SimulateArgs {
+        quality: None,
         model: simulation.model.clone(),
         output: Some(home.into()),
         until: None,

@@ -39,7 +39,11 @@ impl SimulateJob {
     /// Check the arguments: read the model with its values replaced.
     pub fn check(args: SimulateArgs) -> Outcome<SimulateJob> {
         cpu_only(args.backend)?;
-        let set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
+        let mut set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
+        if let Some(quality) = args.quality {
+            let value = sim::Quality::from(quality).name().into();
+            set.insert(0, Replacement { path: "quality".into(), value, written: None });
+        }
         let (mut file, doc) = model_file::load(&args.model, &set)?;
         if args.csv {
             file.format = FrameFormat::Csv;

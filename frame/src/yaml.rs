@@ -95,6 +95,12 @@ impl Document {
         Fault::at(FaultKind::Input, &self.path, &self.text, line, column, message)
     }
 
+    /// Whether the file, or what replaces its values, gives the key of a dotted path.
+    pub fn has(&self, key: &str) -> bool {
+        let within = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        self.places.contains_key(key) || self.replaced.iter().any(|(path, _)| within(path))
+    }
+
     /// A fault of a value that takes the place of another.
     pub fn fault_in(&self, written: &Written, message: impl Into<String>) -> Fault {
         match written {

@@ -71,7 +71,7 @@ impl ModelBuilder {
         self.file.joints.last_mut().expect("just put in")
     }
 
-    /// Check the model and make it ready to run.
+    /// Check the model and make it ready to run; if it has a `quality`, this chooses the step and the solver.
     ///
     /// # Errors
     /// The faults that a model file with this content would have.
@@ -79,7 +79,9 @@ impl ModelBuilder {
     pub fn simulation(&self) -> Result<Simulation, Fault> {
         let mut doc = Document::default();
         doc.path = self.file.name.clone().into();
-        let resolved = self.file.resolve(&doc)?;
+        let mut file = self.file.clone();
+        file.choose(&doc)?;
+        let resolved = file.resolve(&doc)?;
         Ok(Simulation::new(resolved.model, resolved.state))
     }
 }

@@ -17,10 +17,12 @@ mod integrate;
 mod joint_write;
 pub(crate) mod masses;
 mod pair_write;
+mod recycle;
 pub(crate) mod solve;
 mod sphere_pairs;
 mod warm_start;
 
+use crate::aabb::Aabb;
 use crate::backend::Backend;
 use crate::joint::Row;
 use crate::model::Model;
@@ -42,6 +44,7 @@ use solve::response::Response;
 pub struct Cpu {
     masses: Masses,
     margin: Vec<f32>,
+    tight_aabb: Vec<Aabb>,
     spheres: Vec<Sphere>,
     /// Whether `pairs` are those of the state's fat AABBs.
     has_pairs: bool,
@@ -118,6 +121,7 @@ impl Backend for Cpu {
         let sphere = |s: &Sphere| [s.centre.x, s.centre.y, s.centre.z, s.reach, s.radius];
         match column {
             Column::Margin => View::of_f32(&self.margin),
+            Column::TightAabb => View::of_any(&self.tight_aabb),
             Column::Sphere => View::of_rows(&self.spheres, sphere),
             Column::BinLevel => View::of_any(&self.bins.grid.level),
             Column::BinLow => View::of_any(&self.bins.grid.low),
@@ -145,7 +149,8 @@ impl Backend for Cpu {
 impl Cpu {
     fn bounds(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut fat_aabb = state.fat_aabb.take();
-        let has_left = bounds::run(model, plan, state, &mut self.margin, &mut self.spheres, &mut fat_aabb);
+        let out = bounds::Output { margin: &mut self.margin, tight: &mut self.tight_aabb, spheres: &mut self.spheres };
+        let has_left = bounds::run(model, plan, state, out, &mut fat_aabb);
         state.fat_aabb = fat_aabb;
         self.pairs_hold = self.has_pairs && !has_left;
         if !self.pairs_hold {
@@ -156,9 +161,19 @@ impl Cpu {
     fn contact_write(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut contacts = std::mem::take(&mut state.contacts);
         self.last.take(&mut contacts, self.pairs_hold);
-        let at = contact_write::Input { model, plan, state, margin: &self.margin, spheres: &self.spheres };
+        let manifolds = std::mem::take(&mut state.manifolds);
+        let at = contact_write::Input {
+            model,
+            plan,
+            state,
+            margin: &self.margin,
+            tight: &self.tight_aabb,
+            spheres: &self.spheres,
+            last: recycle::Last::new(&manifolds, self.pairs_hold),
+        };
         contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);
         state.contacts = contacts;
+        state.manifolds = std::mem::replace(&mut self.touching.manifolds, manifolds);
     }
 
     fn contact_solve(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {

@@ -14,6 +14,8 @@ pub struct Hull {
     pub faces: Vec<Vec<u32>>,
     /// Outward unit normals of the faces (n_faces).
     pub normals: Vec<DVec3>,
+    /// Greatest distance of a vertex from the centroid, m.
+    pub radius: f64,
 }
 
 impl Hull {
@@ -23,6 +25,7 @@ impl Hull {
         let mut hull = merge_coplanar(points, &triangles);
         let centre = solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>()).centre;
         hull.vertices.iter_mut().for_each(|v| *v -= centre);
+        hull.radius = hull.vertices.iter().fold(0.0, |most, v| most.max(v.length()));
         Some((hull, centre))
     }
 
@@ -98,7 +101,7 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
         }
     }
     let mut index_of: HashMap<u32, u32> = HashMap::new();
-    let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![] };
+    let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![], radius: 0.0 };
     for (n, _, members) in groups {
         let edges: Vec<[u32; 2]> = members.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
         let rim: HashMap<u32, u32> =

@@ -55,6 +55,8 @@ pub struct Model {
     pub solver: SolverSettings,
     /// Envelope δ: maximum gap at which contacts are generated, m; the margin of a moving shape is δ + |v| h.
     pub envelope: f64,
+    /// Relative motion up to which the contact points of two convex shapes are carried along, m.
+    pub recycle: f64,
 
     /// Reciprocal mass, 1/kg; zero for a fixed body (n_bodies).
     pub inv_mass: Vec<f64>,

@@ -3,6 +3,7 @@
 //! Units of the file are SI (m, kg, s, N, rad) but for rotations, limits of angles, free angles of springs and phases of sines, which are
 //! in degrees. Most keys have a default; [`ModelFile::to_yaml`] writes the model with its defaults filled in.
 
+mod quality;
 mod resolve;
 mod shape;
 mod types;
@@ -35,7 +36,7 @@ pub struct Replacement {
     pub written: Option<String>,
 }
 
-/// Read a model file, with values replaced, without resolving it.
+/// Read a model file, with values replaced, without resolving it, and fill in what its `quality` chooses.
 ///
 /// # Errors
 /// The faults of [`read`] that are found without resolving; those of a replacement, where its value is written.
@@ -46,6 +47,7 @@ pub fn load(path: &Path, replacements: &[Replacement]) -> Result<(ModelFile, Doc
         return Variants { root: root(&doc)?, doc }.load(replacements);
     }
     name(&mut file, path);
+    file.choose(&doc)?;
     Ok((file, doc))
 }
 
@@ -75,6 +77,7 @@ impl Variants {
     pub fn load(&self, replacements: &[Replacement]) -> Result<(ModelFile, Document), Fault> {
         let (mut file, doc): (ModelFile, Document) = replace(self.doc.clone(), self.root.clone(), replacements)?;
         name(&mut file, &doc.path);
+        file.choose(&doc)?;
         Ok((file, doc))
     }
 }

@@ -49,6 +49,8 @@ pub struct StepPlan {
     pub has_free_column: bool,
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
+    /// The settings of a step with contacts none of which has an impulse to start from, where they differ.
+    pub start: Option<SolverSettings>,
     /// The settings that the plan was resolved from.
     settings: SolverSettings,
 }
@@ -80,6 +82,12 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
+            start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
+                method: Some(Method::Apgd),
+                iterations: Some(iterations),
+                omega: None,
+                ..settings.clone()
+            }),
             settings: settings.clone(),
         }
     }

@@ -12,6 +12,29 @@ pub enum FrictionLaw {
     Exact,
 }
 
+/// A level of quality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Quality {
+    /// To see what happens: overlaps of some hundredths of the bodies' sizes, piles that settle for long.
+    Draft,
+    /// For films and most numbers: overlaps of some thousandths, piles that rest.
+    Normal,
+    /// For forces: overlaps below a ten thousandth.
+    Tight,
+}
+
+impl Quality {
+    /// Name, as in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Normal => "normal",
+            Quality::Tight => "tight",
+        }
+    }
+}
+
 /// The method that solves the contact problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -66,6 +89,10 @@ pub struct SolverSettings {
     /// Maximum number of iterations per step; if not given, 50,000 divided by the number of contacts, and at least 50.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<u32>,
+    /// Maximum number of iterations, of `apgd`, of a step in which no contact has an impulse to start from, as the first one of a model
+    /// whose bodies stand on each other; if not given, `iterations`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_iterations: Option<u32>,
     /// Residual (as in `report.csv`) below which the iteration stops, m/s; with 0 all iterations are done.
     pub tolerance: f64,
     /// Relaxation factor ω of Jacobi and Gauss–Seidel; if not given, 0.3 for Jacobi and 1 for Gauss–Seidel.
@@ -77,9 +104,16 @@ pub struct SolverSettings {
     pub warm_start: bool,
     /// Maximum speed at which overlapping bodies are pushed apart, m/s.
     pub recovery_speed: f64,
+    /// Gap at which bodies other than spheres come to rest on each other, m: what a solve leaves of closing gaps this small would rock a
+    /// pile.
+    pub rest_gap: f64,
     /// Maximum gap at which contacts are generated, m, to which the motion of a body in a step is added; if not given, a fiftieth of the
     /// smallest half length of a moving shape.
     pub envelope: Option<f64>,
+    /// Relative motion of two shapes up to which their contact points are carried along with them rather than found again, m; if not
+    /// given, a thousandth of the envelope.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recycle: Option<f64>,
 }
 
 impl Default for SolverSettings {
@@ -89,12 +123,15 @@ impl Default for SolverSettings {
             friction: FrictionLaw::Relaxed,
             impacts: Impacts::Simultaneous,
             iterations: None,
+            start_iterations: None,
             tolerance: 1e-7,
             omega: None,
             lambda: 1.0,
             warm_start: true,
             recovery_speed: 1.0,
+            rest_gap: 0.0,
             envelope: None,
+            recycle: None,
         }
     }
 }

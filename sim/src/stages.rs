@@ -171,6 +171,8 @@ columns! {
         [Integrate] => [Bounds, Force, ContactSolve];
     /// Distance from a shape's surface within which contacts are generated.
     Margin "margin": f32, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
+    /// Tight AABBs, grown by the margin, where the plan has [`Narrow::Any`].
+    TightAabb "tight_aabb": crate::aabb::Aabb, Length::Shapes, Values::Any, "m", [Bounds] => [ContactWrite];
     /// Spheres (centre, world, and radius) with their bodies and materials, where the plan has [`Narrow::Spheres`].
     Sphere "sphere": crate::sphere::Sphere, Length::Shapes, Values::Finite, "m", [Bounds] => [ContactWrite];
     /// Fat AABBs, grown by a margin for motion; a plane's is unbounded.
@@ -255,7 +257,7 @@ impl Column {
     fn is_planned(self, plan: &StepPlan) -> bool {
         match self {
             Column::Sphere | Column::ContactReach => plan.narrow == Narrow::Spheres,
-            Column::ContactArms => plan.narrow == Narrow::Any,
+            Column::ContactArms | Column::TightAabb => plan.narrow == Narrow::Any,
             Column::RollingImpulse => plan.rolls,
             Column::Free => plan.has_free_column,
             _ => true,

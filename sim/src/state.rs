@@ -3,6 +3,7 @@
 use crate::aabb::Aabb;
 use crate::contacts::Contacts;
 use crate::joint::{Frames, Joint, JointState, Spring, SpringState};
+use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
 use crate::pose::Pose;
 use crate::shape::FARTHEST;
@@ -38,6 +39,8 @@ pub struct State {
     pub angular_velocity: Vec<DVec3>,
     /// The contacts of the last step, with their impulses.
     pub contacts: Contacts,
+    /// Manifolds of convex shapes that are kept from step to step.
+    pub manifolds: Manifolds,
     /// Activity of the bodies (n_bodies).
     pub activity: Vec<Activity>,
     /// Fat AABBs of the last run of the broad phase (n_shapes); none if the next step must run it.
@@ -84,6 +87,7 @@ impl State {
             return Err("has a time or a step length that is not finite".into());
         }
         self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
+        self.manifolds.fit(model.n_shapes())?;
         let Some(boxes) = &self.fat_aabb else { return Ok(()) };
         is(boxes.len(), model.n_shapes(), "shapes")?;
         let is_around = |s: usize| {

@@ -1,4 +1,8 @@
-//! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box.
+//! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box, convex bodies and joints.
+
+mod convex;
+
+pub use convex::{Convex, inradius, scene, worst_penetration_over_inradius};
 
 use crate::fill::SplitMix64;
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};

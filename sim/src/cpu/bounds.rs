@@ -4,6 +4,7 @@
 //! in    velocity          [n_bodies]  m/s
 //! in    angular_velocity  [n_bodies]  rad/s
 //! out   margin            [n_shapes]  m, distance within which contacts are generated: δ + |v| h
+//! out   tight_aabb        [n_shapes]  m, grown by the margin, where the plan has any shapes
 //! out   sphere            [n_shapes]  where the plan has spheres only
 //! out   fat_aabb          [n_shapes]  m, renewed when a tight box has left its fat one
 //! Source: paper §3, before stage 1; pair lists that hold for several steps are Verlet's (1967).
@@ -14,23 +15,33 @@
 use crate::aabb::Aabb;
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
-use crate::rows::{fill_rows, reduce_chunks, reduce_chunks_of_two};
+use crate::rows::{fill_rows, reduce_chunks_of_two};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
 use glam::{DMat3, DVec3, Vec3A};
+
+/// The columns of the stage that are not in the state.
+pub struct Output<'a> {
+    /// Margins, m.
+    pub margin: &'a mut Vec<f32>,
+    /// Tight AABBs, m, where the plan has any shapes.
+    pub tight: &'a mut Vec<Aabb>,
+    /// Spheres, where the plan has spheres only.
+    pub spheres: &'a mut Vec<Sphere>,
+}
 
 /// The stage. Returns whether the fat AABBs were renewed, so that the broad phase must run.
 pub fn run(
     model: &Model,
     plan: &StepPlan,
     state: &State,
-    margin: &mut Vec<f32>,
-    spheres: &mut Vec<Sphere>,
+    Output { margin, tight: tight_aabb, spheres }: Output,
     fat_aabb: &mut Option<Vec<Aabb>>,
 ) -> bool {
     let n = model.n_shapes();
     margin.resize(n, 0.0);
+    tight_aabb.resize(if plan.narrow == Narrow::Any { n } else { 0 }, Aabb::default());
     spheres.resize(if plan.narrow == Narrow::Spheres { n } else { 0 }, Sphere::default());
     let known = fat_aabb.as_deref().filter(|boxes| boxes.len() == n);
     let margin_of = |s: usize, spin: f64| {
@@ -39,12 +50,13 @@ pub fn run(
     };
     let has_left = |s: usize, tight: Aabb| known.is_some_and(|boxes| !boxes[s].contains(&tight));
     let [left] = if plan.narrow == Narrow::Any {
-        reduce_chunks(margin, |first, margin| {
+        reduce_chunks_of_two(margin, tight_aabb, |first, margin, boxes| {
             let mut left = 0;
-            for (k, margin) in margin.iter_mut().enumerate() {
+            for (k, (margin, own)) in margin.iter_mut().zip(boxes).enumerate() {
                 let s = first + k;
                 *margin = margin_of(s, surface_speed(model, state, s));
-                left += has_left(s, tight(model, state, s, *margin)) as u32;
+                *own = tight(model, state, s, *margin);
+                left += has_left(s, *own) as u32;
             }
             [left as f64]
         })

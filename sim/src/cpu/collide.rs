@@ -6,7 +6,7 @@
 
 mod boxes;
 mod convex;
-mod manifold;
+pub mod manifold;
 pub mod point;
 mod round;
 mod surface;

@@ -42,6 +42,7 @@ use crate::model::Model;
 use crate::outcome::Outcome;
 use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
+use crate::settings::Method;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
@@ -87,7 +88,11 @@ pub fn run(
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
-    let method = plan.method_with(n, limits.len());
+    let is_start = plan.start.is_some() && n > 0 && contacts.impulse.iter().all(|impulse| *impulse == DVec3::ZERO);
+    let (method, settings) = match (is_start, &plan.start) {
+        (true, Some(start)) => (ContactMethod::Blocks(Method::Apgd), start),
+        _ => (plan.method_with(n, limits.len()), &model.solver),
+    };
     joints.prepare(masses);
     let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);
     // Sweeps on packed contacts compute η themselves.
@@ -123,8 +128,8 @@ pub fn run(
         envelope: model.envelope,
     };
     let outcome = match method {
-        ContactMethod::Sweeps => sweeps::run(&mut op, &model.solver, &mut gamma, response, &mut work.sweeps),
-        ContactMethod::Blocks(_) => solve::solve(&mut op, &model.solver, &mut gamma, response, &mut work.iterates),
+        ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, &mut work.sweeps),
+        ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, &mut work.iterates),
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));

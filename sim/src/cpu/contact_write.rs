@@ -2,6 +2,7 @@
 //! in   position           [n_bodies]       m
 //! in   orientation        [n_bodies]
 //! in   margin             [n_shapes]       m
+//! in   tight_aabb         [n_shapes]       m, where the plan has any shapes
 //! in   sphere             [n_shapes]       where the plan has spheres only
 //! in   sphere_pair_start  [n_tiles + 2]
 //! in   sphere_pair        [n_sphere_pairs]
@@ -25,9 +26,12 @@ use super::collide::point::{MAX_POINTS, Placed, Point, Points};
 use super::collide::{collide, collide_triangle, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
+use super::recycle::{Last, collide_or_recycle, keeps};
 use super::{bounds, sphere_pairs};
+use crate::aabb::Aabb;
 use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR, Tiles};
 use crate::lanes::widest;
+use crate::manifolds::{Manifolds, TileManifolds};
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
 use crate::rows::{CHUNK, cut};
@@ -37,7 +41,6 @@ use crate::state::State;
 use rayon::prelude::*;
 
 /// The input of the stage.
-#[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// The model.
     pub model: &'a Model,
@@ -47,8 +50,12 @@ pub struct Input<'a> {
     pub state: &'a State,
     /// Distance from the shapes' surfaces within which contacts are generated, m (n_shapes).
     pub margin: &'a [f32],
+    /// Tight AABBs, m, where the plan has any shapes (n_shapes).
+    pub tight: &'a [Aabb],
     /// The spheres, where the plan has spheres only (n_shapes).
     pub spheres: &'a [Sphere],
+    /// The manifolds of the last step.
+    pub last: Last<'a>,
 }
 
 /// The pairs that touch: the stage's own columns, which keep their memory from step to step.
@@ -61,6 +68,8 @@ pub struct Touching {
     n: Vec<usize>,
     /// Other pairs that touch, by tile.
     others: Vec<Others>,
+    /// The manifolds that are kept for the next step.
+    pub manifolds: Manifolds,
 }
 
 /// The other pairs of a tile that touch.
@@ -129,15 +138,20 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_tiles = pairs.n_tiles();
     let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
     let min_len = if is_serial { n_tiles.max(1) } else { 1 };
-    let Touching { place, n, others } = touching;
+    let Touching { place, n, others, manifolds } = touching;
+    manifolds.tiles.resize_with(n_tiles, TileManifolds::default);
     others.resize_with(n_tiles, Others::default);
     n.resize(n_tiles, 0);
     place.resize(pairs.spheres.len(), 0);
     let slots = cut(place, (0..n_tiles).map(|tile| pairs.spheres_of(tile).len()));
-    let each = (slots, n, others).into_par_iter().with_min_len(min_len).with_max_len(min_len).enumerate();
-    each.for_each(|(tile, (slots, n, others))| {
+    let each = (slots, n, others, &mut manifolds.tiles)
+        .into_par_iter()
+        .with_min_len(min_len)
+        .with_max_len(min_len)
+        .enumerate();
+    each.for_each(|(tile, (slots, n, others, kept))| {
         *n = find(pairs.spheres_of(tile), slots);
-        others.find(at, pairs.others_of(tile));
+        others.find(at, tile, pairs.others_of(tile), kept);
     });
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
@@ -193,14 +207,21 @@ impl Touching {
 
 impl Others {
     /// Find which of the other pairs touch, and their points.
-    fn find(&mut self, at: &Input, pairs: &[[u32; 3]]) {
+    fn find(&mut self, at: &Input, tile: usize, pairs: &[[u32; 3]], kept: &mut TileManifolds) {
         self.touching.clear();
         self.point.clear();
-        let tight = |s: u32| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]);
+        kept.clear();
+        let mut found = 0;
+        let tight = |s: u32| {
+            at.tight
+                .get(s as usize)
+                .copied()
+                .unwrap_or_else(|| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]))
+        };
         let mut out = [Point::default(); MAX_POINTS];
         for (k, &[s, t, triangle]) in pairs.iter().enumerate() {
             if tight(s).overlaps(&tight(t)) {
-                let n = points(at, [s, t], triangle, &mut out);
+                let n = points(at, (tile, k), [s, t, triangle], (kept, &mut found), &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
                     self.touching.push([k as u32, self.point.len() as u32]);
@@ -228,9 +249,15 @@ impl Others {
     }
 }
 
-/// The contact points of a pair. Returns their count.
-fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usize {
-    let (model, s, t) = (at.model, s as usize, t as usize);
+/// The contact points of a pair of a tile, its manifold kept where it is one of convex shapes. Returns their count.
+fn points(
+    at: &Input,
+    (tile, pair): (usize, usize),
+    [s, t, triangle]: [u32; 3],
+    (kept, found): (&mut TileManifolds, &mut usize),
+    out: &mut Points,
+) -> usize {
+    let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
     let [a, b] = [s, t].map(|s| Placed::of(model, &at.state.shape_pose(model, s), s));
     if let Some(surface) = surface_of(model, t) {
@@ -241,6 +268,9 @@ fn points(at: &Input, [s, t]: [u32; 2], triangle: u32, out: &mut Points) -> usiz
         let n = collide_triangle(&b, corners, surface.sharp[triangle as usize], reach, out);
         out[..n].iter_mut().for_each(|p| p.normal = -p.normal);
         n
+    } else if keeps(a.kind) && keeps(b.kind) {
+        let last = at.last.find(tile, pair as u32, shapes, found);
+        collide_or_recycle([&a, &b], (pair as u32, shapes), (reach, at.model.recycle), last, (kept, out))
     } else {
         collide(&a, &b, reach, out)
     }

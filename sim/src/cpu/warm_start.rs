@@ -97,12 +97,31 @@ impl Last {
         });
     }
 
-    /// Match contacts by their keys, in the shorter list of the contacts of their two shapes.
+    /// Match contacts by their keys along both lists, which have most contacts in the same order; what is not found stays as it is.
+    fn find_along(&self, keys: impl Fn(usize) -> [u32; 3], same: &mut [u32]) {
+        /// How far contacts are looked for ahead.
+        const AHEAD: usize = 16;
+        let mut at = 0;
+        for (k, same) in same.iter_mut().enumerate() {
+            let key = keys(k);
+            let ahead = &self.key[at..self.key.len().min(at + AHEAD)];
+            if let Some(passed) = ahead.iter().position(|known| *known == key) {
+                *same = self.known[at + passed];
+                at += passed + 1;
+            }
+        }
+    }
+
+    /// Match the contacts that have no match yet by their keys, in the shorter list of the contacts of their two shapes.
     fn find(&self, n_shapes: usize, keys: impl Fn(usize) -> [u32; 3] + Sync, same: &mut [u32]) {
         let sides = || (0..2 * self.key.len()).map(|k| (self.key[k / 2][k % 2], k as u32 / 2));
         let (mut start, mut of_shape) = (vec![], vec![]);
         distribute_cpu(n_shapes, sides, &mut start, &mut of_shape);
+        let known = same.to_vec();
         fill_rows(same, |i| {
+            if known[i] != NEW {
+                return known[i];
+            }
             let key = keys(i);
             let of = |s: u32| &of_shape[start[s as usize] as usize..start[s as usize + 1] as usize];
             let (a, b) = (of(key[0]), of(key[1]));
@@ -121,7 +140,9 @@ impl Last {
         let shapes = |key: &[u32; 3]| [key[0], key[1]];
         let is_gone = |k: &usize| {
             let i = self.known[*k] as usize;
-            !goes_on[i] && self.pair[i] == NO_SPHERE_PAIR && self.impulse[i] != Vec3::ZERO
+            // A state that was read from a checkpoint has no pairs; contacts of spheres have no successors in any case.
+            let is_other = self.pair.get(i).is_none_or(|pair| *pair == NO_SPHERE_PAIR);
+            !goes_on[i] && is_other && self.impulse[i] != Vec3::ZERO
         };
         let mut gone: Vec<usize> = (0..self.arms.len()).filter(is_gone).collect();
         gone.sort_by_key(|k| (shapes(&self.key[*k]), *k));
@@ -164,7 +185,11 @@ pub fn run(plan: &StepPlan, n_shapes: usize, last: &mut Last, contacts: &mut Con
             last.find_spheres(contacts, &mut same);
             let by_key = others(&contacts.pair);
             let mut found = vec![NEW; by_key.len()];
-            last.find(n_shapes, |k| contacts.key[by_key[k] as usize], &mut found);
+            let key = |k: usize| contacts.key[by_key[k] as usize];
+            last.find_along(key, &mut found);
+            if found.contains(&NEW) {
+                last.find(n_shapes, key, &mut found);
+            }
             by_key.iter().zip(found).for_each(|(i, found)| same[*i as usize] = found);
         } else {
             last.find(n_shapes, |i| contacts.key[i], &mut same);

@@ -107,6 +107,7 @@ impl ModelFile {
             ("solver.omega", s.omega.unwrap_or(1.0)),
             ("solver.lambda", s.lambda),
             ("solver.iterations", s.iterations.unwrap_or(1) as f64),
+            ("solver.start_iterations", s.start_iterations.unwrap_or(1) as f64),
             ("solver.recovery_speed", s.recovery_speed),
             ("checkpoint_interval", self.checkpoint_interval.unwrap_or(1.0)),
             ("probes.interval", self.probes.interval.unwrap_or(1.0)),
@@ -130,9 +131,14 @@ impl ModelFile {
             return Err(doc.fault("frame_rate", message).hint("expected frames per second, as 25"));
         }
         finite(doc, "gravity", &self.gravity)?;
-        if !(s.tolerance >= 0.0) || s.envelope.is_some_and(|e| !(e >= 0.0)) {
-            let key = if s.tolerance >= 0.0 { "solver.envelope" } else { "solver.tolerance" };
-            return Err(doc.fault(key, "must not be negative"));
+        let lengths = [
+            ("tolerance", Some(s.tolerance)),
+            ("envelope", s.envelope),
+            ("recycle", s.recycle),
+            ("rest_gap", Some(s.rest_gap)),
+        ];
+        if let Some((key, _)) = lengths.into_iter().find(|(_, x)| x.is_some_and(|x| !(x >= 0.0))) {
+            return Err(doc.fault(&format!("solver.{key}"), "must not be negative"));
         }
         if self.step > 0.1 {
             return Err(doc.fault("step", format!("a step of {} s is too long, expected at most 0.1 s", self.step)));
@@ -376,7 +382,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Set the envelope: as given, or a fiftieth of the smallest half length of a moving shape.
+    /// Set the envelope: as given, or a fiftieth of the smallest half length of a moving shape; and how far contact points are carried.
     fn choose_envelope(&mut self) {
         let min = (0..self.model.n_shapes())
             .filter(|s| self.moves_ever(self.model.shape_body[*s]))
@@ -384,6 +390,7 @@ impl<'a> Builder<'a> {
             .fold(f64::INFINITY, f64::min);
         let default = if min.is_finite() { 0.02 * min } else { 1e-3 };
         self.model.envelope = self.file.solver.envelope.unwrap_or(default);
+        self.model.recycle = self.file.solver.recycle.unwrap_or(1e-3 * self.model.envelope);
     }
 }
 

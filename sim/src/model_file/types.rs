@@ -8,7 +8,7 @@ pub use bodies::*;
 pub use fills::*;
 pub use joints::*;
 
-use crate::SolverSettings;
+use crate::{Quality, SolverSettings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -91,6 +91,9 @@ with_content! {
         /// Gravity, m/s², world.
         #[serde(default = "default_gravity")]
         pub gravity: [f64; 3],
+        /// Level of quality: `draft`, `normal` or `tight`, which chooses the step and the solver's settings where these are not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub quality: Option<Quality>,
         /// Step size, s.
         #[serde(default = "default_step")]
         pub step: f64,

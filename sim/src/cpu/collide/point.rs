@@ -37,6 +37,19 @@ impl<'a> Placed<'a> {
             hull: (kind == ShapeKind::Hull).then(|| &model.hulls[model.shape_part[shape] as usize]),
         }
     }
+
+    /// The greatest distance of a point of the shape from its position, m; infinite for a surface.
+    pub fn extent(&self) -> f64 {
+        let DVec3 { x, z, .. } = self.size;
+        match self.kind {
+            ShapeKind::Sphere | ShapeKind::Ellipsoid => self.size.max_element(),
+            ShapeKind::Box => self.size.length(),
+            ShapeKind::Cylinder | ShapeKind::Cone => x.hypot(z),
+            ShapeKind::Capsule => x + z,
+            ShapeKind::Hull => self.hull.map_or(f64::INFINITY, |hull| hull.radius),
+            ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
+        }
+    }
 }
 
 /// A contact point.

@@ -78,6 +78,8 @@ pub struct Recovery {
     pub step: f64,
     /// Maximum speed of recovery, m/s.
     pub speed: f64,
+    /// Gap at which bodies other than spheres come to rest, m.
+    pub rest_gap: f64,
     /// Overlap that is left as it is, m: a tenth of what gravity moves a body in a step.
     pub least: f64,
 }
@@ -86,7 +88,12 @@ impl Recovery {
     /// The recovery of a model.
     pub fn of(model: &Model) -> Recovery {
         let h = model.step;
-        Recovery { step: h, speed: model.solver.recovery_speed, least: 0.1 * model.gravity.length() * h * h }
+        Recovery {
+            step: h,
+            speed: model.solver.recovery_speed,
+            rest_gap: model.solver.rest_gap,
+            least: 0.1 * model.gravity.length() * h * h,
+        }
     }
 
     /// Φ/h of an open gap, m/s; 0 for an overlap.
@@ -102,7 +109,7 @@ impl Recovery {
         const SHARE: f64 = 1.0 / 8.0;
         let of_rest = 10.0 * self.least;
         if gap > 0.0 {
-            return gap / self.step;
+            return (gap - self.rest_gap).max(0.0) / self.step;
         }
         self.limit_rate((SHARE * (gap + of_rest).min(0.0)).max(-10.0 * of_rest))
     }

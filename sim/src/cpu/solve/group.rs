@@ -32,7 +32,7 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
 
 /// The action of a visit on a contact.
 pub mod act {
-    /// Apply its impulse to its bodies.
+    /// Evaluate what the later visits need of it, and apply its impulse to its bodies; the first visit of a solve.
     pub const APPLY: u8 = 0;
     /// Solve its problem with relaxed friction.
     pub const RELAXED: u8 = 1;

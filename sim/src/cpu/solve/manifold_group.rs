@@ -11,7 +11,6 @@ use super::cells::Cells;
 use super::group::{Group, Grouped, Motion, act, gather, scatter};
 use super::operator::Operator;
 use super::schedule::Blocks;
-use crate::contacts::tangents;
 use crate::lanes::{Lane3, Lanes, Real, project};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -22,6 +21,8 @@ pub struct ManifoldGroup<T, const L: usize> {
     bodies: [[u32; 2]; L],
     /// Whether all bodies move.
     moves: bool,
+    /// Whether the law of friction is the exact one.
+    is_exact: bool,
     /// The most contacts of a manifold of the group.
     n_contacts: u32,
     /// Inverse inertia tensors of A and B: xx, yy, zz, yz, xz, xy.
@@ -63,37 +64,44 @@ impl<T: Real, const L: usize> Contact<T, L> {
         }
     }
 
-    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3, is_exact: bool) {
+    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3) {
         let c = op.contacts;
         let n = c.normal[i];
-        let bodies = c.bodies[i].map(|b| b as usize);
         let arms = c.arms(i);
-        let inv_mass = bodies.iter().map(|b| op.masses.inv_mass[*b]).sum::<f64>();
-        // Change of the contact's relative velocity by a unit impulse along `d`.
-        let response = |d: DVec3| {
-            let turn = |k: usize| op.masses.apply_inv_inertia(bodies[k], arms[k].cross(d)).cross(arms[k]);
-            d * inv_mass + turn(0) + turn(1)
-        };
-        let (u, w) = tangents(n);
-        let (of_n, of_u, of_w) = (response(n), response(u), response(w));
-        let a = of_n.dot(n);
-        let coupling = of_n - n * a;
-        let (uu, ww, uw) = (of_u.dot(u), of_w.dot(w), of_u.dot(w));
-        let b = 0.5 * (uu + ww) + (0.25 * (uu - ww) * (uu - ww) + uw * uw).sqrt();
-        let bound = if is_exact { 1.0 } else { 1.0 + coupling.length() / (a * b).sqrt() };
         for k in 0..3 {
             self.normal[k][l] = T::of(n[k]);
             self.gamma[k][l] = T::of(gamma[k]);
-            self.coupling[k][l] = T::of(coupling[k]);
             for side in 0..2 {
                 self.arms[side][k][l] = T::of(arms[side][k]);
             }
         }
         self.offset[l] = T::of(op.offset(i));
         self.friction[l] = T::of(op.law(i).friction);
-        self.along[l] = T::of(1.0 / (bound * a));
-        self.across[l] = T::of(1.0 / (bound * b));
-        self.inv_eta[l] = T::of((a + uu + ww) / 3.0);
+    }
+
+    /// Evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse inertia tensors of the bodies.
+    #[inline(always)]
+    fn prepare<V: Lanes<T, L>>(&mut self, is_exact: bool, mass: V, inv_inertia: &[[[T; L]; 6]; 2]) {
+        let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
+        let n: Lane3<V> = load3(&self.normal);
+        let (u, w) = tangents(n);
+        let arms: [Lane3<V>; 2] = [load3(&self.arms[0]), load3(&self.arms[1])];
+        let of_n = respond(n, arms, mass, inv_inertia);
+        let (of_u, of_w) = (respond(u, arms, mass, inv_inertia), respond(w, arms, mass, inv_inertia));
+        let half = V::splat(T::of(0.5));
+        let (uu, ww, uw) = (of_u.dot(u), of_w.dot(w), of_u.dot(w));
+        let spread = (uu - ww) * half;
+        // Lanes without a contact have no response.
+        let a = of_n.dot(n);
+        let a = a.select_le(zero, one, a);
+        let b = (uu + ww) * half + (spread * spread + uw * uw).sqrt();
+        let b = b.select_le(zero, one, b);
+        let coupling = of_n.minus(n.times(a));
+        let bound = if is_exact { one } else { one + (coupling.dot(coupling) / (a * b)).sqrt() };
+        self.coupling = [coupling.x.to_array(), coupling.y.to_array(), coupling.z.to_array()];
+        self.along = (one / (bound * a)).to_array();
+        self.across = (one / (bound * b)).to_array();
+        self.inv_eta = ((a + uu + ww) * V::splat(T::of(1.0 / 3.0))).to_array();
     }
 
     /// The change of the impulses of a visit, and the sum of the squared residual terms.
@@ -139,6 +147,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
         ManifoldGroup {
             bodies: [[n_bodies as u32; 2]; L],
             moves: false,
+            is_exact: false,
             n_contacts: 0,
             inv_inertia: [[[T::default(); L]; 6]; 2],
             contacts: [Contact::empty(); Blocks::MOST],
@@ -147,6 +156,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
 
     fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], is_exact: bool) {
         self.bodies[l] = op.contacts.bodies[contacts.start];
+        self.is_exact = is_exact;
         for (side, body) in self.bodies[l].into_iter().enumerate() {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = op.masses.inv_inertia(body as usize);
             for (k, entry) in [x.x, y.y, z.z, y.z, x.z, x.y].into_iter().enumerate() {
@@ -155,7 +165,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
         }
         self.n_contacts = self.n_contacts.max(contacts.len() as u32);
         for (contact, i) in self.contacts.iter_mut().zip(contacts) {
-            contact.put(l, op, i, op.project(i, gamma[i], gamma), is_exact);
+            contact.put(l, op, i, op.project(i, gamma[i], gamma));
         }
     }
 
@@ -182,6 +192,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
                 let n: Lane3<V> = load3(&contact.normal);
                 let (arm_a, arm_b): (Lane3<V>, Lane3<V>) = (load3(&contact.arms[0]), load3(&contact.arms[1]));
                 let d = if ACT == act::APPLY {
+                    contact.prepare::<V>(g.is_exact, mass_a + mass_b, &g.inv_inertia);
                     load3(&contact.gamma)
                 } else {
                     let v = vb.plus(wb.cross(arm_b)).minus(va).minus(wa.cross(arm_a));
@@ -205,6 +216,18 @@ fn load3<T: Real, const L: usize, V: Lanes<T, L>>(v: &[[T; L]; 3]) -> Lane3<V> {
     Lane3 { x: V::load(&v[0]), y: V::load(&v[1]), z: V::load(&v[2]) }
 }
 
+/// The products N_ii d of contacts with these arms: the change of their relative velocity by the impulses d.
+#[inline(always)]
+fn respond<T: Real, const L: usize, V: Lanes<T, L>>(
+    d: Lane3<V>,
+    arms: [Lane3<V>; 2],
+    mass: V,
+    inv_inertia: &[[[T; L]; 6]; 2],
+) -> Lane3<V> {
+    let turn_a = turned(&inv_inertia[0], arms[0].cross(d)).cross(arms[0]);
+    d.times(mass).plus(turn_a).plus(turned(&inv_inertia[1], arms[1].cross(d)).cross(arms[1]))
+}
+
 /// Product of inverse inertia tensors and vectors.
 #[inline(always)]
 fn turned<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[T; L]; 6], v: Lane3<V>) -> Lane3<V> {
@@ -212,4 +235,15 @@ fn turned<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[T; L]; 6], v:
     let (xx, yy, zz) = (V::load(xx), V::load(yy), V::load(zz));
     let (yz, xz, xy) = (V::load(yz), V::load(xz), V::load(xy));
     Lane3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
+}
+
+/// Tangents of unit normals (as [`crate::contacts::tangents`]).
+#[inline(always)]
+fn tangents<T: Real, const L: usize, V: Lanes<T, L>>(n: Lane3<V>) -> (Lane3<V>, Lane3<V>) {
+    let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
+    let sign = zero.select_le(n.z, one, zero - one);
+    let a = (zero - one) / (sign + n.z);
+    let b = n.x * n.y * a;
+    let u = Lane3 { x: one + sign * n.x * n.x * a, y: sign * b, z: zero - sign * n.x };
+    (u, Lane3 { x: b, y: sign + n.y * n.y * a, z: zero - n.y })
 }

@@ -1,0 +1,195 @@
+//! The contact points of two convex shapes, found again only once the shapes have moved against each other.
+//!
+//! A point is material: it is held in the frame of each shape, the normal in the frame of the shape whose feature is the reference. The gap
+//! along the normal is then exact for flat faces, and wrong by the square of the relative motion over the radius of curvature elsewhere.
+//! Relative motion is that since the points were found, so that errors do not add up. Points are looked for somewhat farther than needed,
+//! and pairs without any are kept as well: what falls side by side is not collided again in every step either.
+
+use super::collide::collide;
+use super::collide::manifold::OF_SECOND;
+use super::collide::point::{Placed, Point, Points};
+use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
+use crate::shape::ShapeKind;
+use glam::DVec3;
+
+/// Share of the least gap that relative motion may be: the normal between features that are apart turns by no more.
+const OF_GAP: f64 = 0.1;
+
+/// Share of the reach by which points are looked for farther: speeds grow for a while before they are looked for again.
+const FARTHER: f64 = 1.0;
+
+/// Whether manifolds of a shape are kept: of those whose narrow phase is cheaper than keeping them, none are.
+pub fn keeps(kind: ShapeKind) -> bool {
+    use ShapeKind::*;
+    !matches!(kind, Sphere | Plane | Mesh | HeightField)
+}
+
+/// The manifolds of the last step, by pairs.
+pub struct Last<'a> {
+    manifolds: &'a Manifolds,
+    /// Whether the candidate pairs are those of the last step.
+    pairs_hold: bool,
+    /// Shapes, tile and index of each manifold, sorted, where the pairs do not hold.
+    sorted: Vec<([u32; 2], u32, u32)>,
+}
+
+impl<'a> Last<'a> {
+    /// The manifolds of the last step; `pairs_hold` asserts that the candidate pairs are the same.
+    pub fn new(manifolds: &'a Manifolds, pairs_hold: bool) -> Last<'a> {
+        let mut sorted = vec![];
+        if !pairs_hold {
+            for (tile, of_tile) in manifolds.tiles.iter().enumerate() {
+                sorted.extend(of_tile.kept.iter().zip(0..).map(|(kept, k)| (kept.shapes, tile as u32, k)));
+            }
+            sorted.sort_unstable();
+        }
+        Last { manifolds, pairs_hold, sorted }
+    }
+
+    /// The manifold of the pair `pair` of a tile, of two shapes; `at` is where the tile's last manifold was found, for pairs that ascend.
+    pub fn find(&self, tile: usize, pair: u32, shapes: [u32; 2], at: &mut usize) -> Option<(&Kept, &[KeptPoint])> {
+        let (tile, k) = if self.pairs_hold {
+            let kept = &self.manifolds.tiles.get(tile)?.kept;
+            while kept.get(*at).is_some_and(|kept| kept.pair < pair) {
+                *at += 1;
+            }
+            (kept.get(*at)?.pair == pair).then_some((tile, *at))?
+        } else {
+            let row = self.sorted.partition_point(|(known, ..)| *known < shapes);
+            let (known, tile, k) = *self.sorted.get(row)?;
+            (known == shapes).then_some((tile as usize, k as usize))?
+        };
+        let of_tile = &self.manifolds.tiles[tile];
+        Some((&of_tile.kept[k], of_tile.points_of(k)))
+    }
+}
+
+/// Find the contact points of two convex shapes with a gap of at most `reach`, m, and keep their manifold: those of `last` carried along,
+/// or new ones once the shapes have moved against each other by more than `slack`, m. Returns their count.
+pub fn collide_or_recycle(
+    [a, b]: [&Placed; 2],
+    (pair, shapes): (u32, [u32; 2]),
+    (reach, slack): (f64, f64),
+    last: Option<(&Kept, &[KeptPoint])>,
+    (kept, out): (&mut TileManifolds, &mut Points),
+) -> usize {
+    let extents = [a, b].map(Placed::extent);
+    if a.position.distance(b.position) > extents[0] + extents[1] + reach {
+        return 0;
+    }
+    let into_a = a.orientation.inverse();
+    let position = into_a * (b.position - a.position);
+    let moved = |kept: &Kept| {
+        let turned = a.orientation * kept.orientation;
+        // Sine of half the angle.
+        let half = (turned.inverse() * b.orientation).xyz().length();
+        position.distance(kept.position) + 2.0 * half * extents[0].min(extents[1])
+    };
+    let holds = |kept: &Kept| {
+        let moved = moved(kept);
+        moved <= kept.slack && reach + moved <= kept.reach
+    };
+    if let Some((known, points)) = last.filter(|(known, _)| holds(known)) {
+        kept.points.extend_from_slice(points);
+        kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
+        return carry(a, b, points, reach, out);
+    }
+    let farther = reach * (1.0 + FARTHER);
+    let n = collide(a, b, farther, out);
+    let into_b = b.orientation.inverse();
+    let mut least = farther;
+    for p in &out[..n] {
+        least = least.min(p.gap);
+        let is_of_second = p.feature & OF_SECOND != 0;
+        let normal = if is_of_second { into_b * p.normal } else { into_a * p.normal };
+        let (on_first, on_second) = (into_a * (p.on_first - a.position), into_b * (p.on_second - b.position));
+        let feature = p.feature;
+        kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
+    }
+    let slack = if n == 0 { farther } else { slack + OF_GAP * least.max(0.0) };
+    let (end, orientation) = (kept.points.len() as u32, (into_a * b.orientation).normalize());
+    kept.kept.push(Kept { pair, end, shapes, position, orientation, reach: farther, slack });
+    let mut near = 0;
+    for k in 0..n {
+        out[near] = out[k];
+        near += (out[k].gap <= reach) as usize;
+    }
+    near
+}
+
+/// The points of a manifold where the shapes are now, those with a gap of at most `reach`, m. Returns their count.
+fn carry(a: &Placed, b: &Placed, points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
+    let mut n = 0;
+    for p in points {
+        let on_first = a.position + a.orientation * p.on_first;
+        let on_second = b.position + b.orientation * p.on_second;
+        let normal: DVec3 = if p.is_of_second { b.orientation * p.normal } else { a.orientation * p.normal };
+        let gap = (on_second - on_first).dot(normal);
+        out[n] = Point { normal, on_first, on_second, gap, feature: p.feature };
+        n += (gap <= reach) as usize;
+        if n == out.len() {
+            break;
+        }
+    }
+    n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fill::SplitMix64;
+    use crate::geometry::Hull;
+    use glam::DQuat;
+
+    /// Least gap of the points of a manifold.
+    fn least(points: &[Point]) -> f64 {
+        points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn carried_points_have_the_gaps_of_new_ones() {
+        let mut random = SplitMix64(5);
+        let corners: Vec<DVec3> = (0..20).map(|_| random.rotation() * DVec3::X).collect();
+        let (hull, _) = Hull::of_points(&corners).unwrap();
+        let mut carried = 0;
+        for i in 0..2_000 {
+            let kinds = [ShapeKind::Box, ShapeKind::Hull, ShapeKind::Cylinder];
+            let mut placed = |kind: ShapeKind, position: DVec3| {
+                let size = if kind == ShapeKind::Hull { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.8) };
+                let hull = (kind == ShapeKind::Hull).then_some(&hull);
+                Placed { kind, size, position, orientation: random.rotation(), hull }
+            };
+            let a = placed(kinds[i % 3], DVec3::ZERO);
+            let b = placed(kinds[i / 3 % 3], DVec3::new(0.0, 0.0, 1.9));
+            let slack = 1e-3;
+            let find = |b: &Placed, last: Option<(&Kept, &[KeptPoint])>, kept: &mut TileManifolds| {
+                let mut out = Points::default();
+                let n = collide_or_recycle([&a, b], (0, [0, 1]), (0.2, slack), last, (kept, &mut out));
+                out[..n].to_vec()
+            };
+            let mut first = TileManifolds::default();
+            find(&b, None, &mut first);
+            let mut little = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0))) * 1.5e-4;
+            let (shift, turn) = (little(), little());
+            let moved = Placed {
+                position: b.position + shift,
+                orientation: DQuat::from_scaled_axis(turn) * b.orientation,
+                ..b
+            };
+            let mut second = TileManifolds::default();
+            let last = first.kept.first().map(|kept| (kept, &first.points[..]));
+            let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut TileManifolds::default()));
+            let Some(kept) = second.kept.first() else { continue };
+            carried += (kept.position == first.kept[0].position) as usize;
+            if old.is_empty() || new.is_empty() {
+                // At the rim of the reach either may have it.
+                assert!(least(&old).min(least(&new)) > 0.199, "{i}: {old:?} {new:?}");
+                continue;
+            }
+            // By the square of the motion, or by the motion where another feature is nearer now.
+            let bound = if new.len() > 2 && old.len() == new.len() { 2e-5 } else { 4e-4 };
+            assert!((least(&old) - least(&new)).abs() < bound, "{i}: {} {}", least(&old), least(&new));
+        }
+        assert!(carried > 1_000, "{carried}");
+    }
+}

@@ -1,0 +1,187 @@
+//! Quality levels: a step and a solver for what a model file leaves open of them, from the sizes and the kind of what moves.
+//!
+//! What moves falls by its least half length r in the time √(r/g), which is the measure of the step. The numbers were measured on beds,
+//! piles, pyramids and machines (`benches/convex.rs`).
+
+use super::types::ModelFile;
+use crate::model::Model;
+use crate::plan::{ContactMethod, Narrow, StepPlan};
+use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
+use crate::state::State;
+use frame::Fault;
+use frame::yaml::Document;
+
+/// The kinds of models between which the choice differs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Spheres with friction and restitution alone, without joints.
+    Grains,
+    /// Bodies of any shapes with friction and restitution alone, without joints.
+    Bodies,
+    /// Anything with joints, cohesion, rolling or spinning friction.
+    Any,
+}
+
+/// The choice for a level and a kind.
+struct Choice {
+    /// Step over √(r/g).
+    step: f64,
+    /// Longest step, s.
+    longest: f64,
+    method: Method,
+    friction: FrictionLaw,
+    iterations: Option<u32>,
+    start_iterations: Option<u32>,
+    tolerance: f64,
+    omega: Option<f64>,
+    /// Greatest speed of recovery over √(g r).
+    recovery: Option<f64>,
+    /// Gap of rest and motion without a new collision, over r.
+    near: Option<[f64; 2]>,
+}
+
+impl Choice {
+    fn of(quality: Quality, kind: Kind) -> Choice {
+        use Quality::*;
+        let level = |draft: f64, normal: f64, tight: f64| match quality {
+            Draft => draft,
+            Normal => normal,
+            Tight => tight,
+        };
+        let count = |draft: u32, normal: u32, tight: u32| level(draft.into(), normal.into(), tight.into()) as u32;
+        match kind {
+            Kind::Grains => Choice {
+                step: level(0.034, 0.017, 0.0085),
+                longest: level(4e-3, 2e-3, 1e-3),
+                method: Method::GaussSeidel,
+                friction: FrictionLaw::Exact,
+                iterations: Some(count(16, 24, 60)),
+                start_iterations: None,
+                tolerance: level(1e-7, 1e-8, 1e-9),
+                omega: None,
+                recovery: Some(0.035),
+                near: None,
+            },
+            Kind::Bodies => Choice {
+                step: level(0.12, 0.06, 0.015),
+                longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0),
+                method: Method::GaussSeidel,
+                friction: FrictionLaw::Relaxed,
+                iterations: Some(count(15, 15, 20)),
+                start_iterations: Some(count(2000, 2000, 4000)),
+                tolerance: level(1e-7, 1e-8, 1e-9),
+                omega: Some(1.3),
+                recovery: None,
+                near: Some([level(2e-3, 1e-3, 1e-5), level(5e-3, 2e-3, 1e-4)]),
+            },
+            Kind::Any => Choice {
+                step: level(0.02, 0.01, 0.005),
+                longest: level(4e-3, 2e-3, 1e-3),
+                method: Method::Apgd,
+                friction: FrictionLaw::Relaxed,
+                iterations: None,
+                start_iterations: None,
+                tolerance: level(1e-6, 1e-7, 1e-8),
+                omega: None,
+                recovery: None,
+                near: None,
+            },
+        }
+    }
+}
+
+/// What the choice depends on besides the level.
+struct Scale {
+    kind: Kind,
+    /// Least half length of a shape that moves, m.
+    radius: f64,
+    /// Gravity, m/s².
+    gravity: f64,
+    /// Greatest speed at the start, m/s.
+    speed: f64,
+}
+
+impl Scale {
+    fn of(model: &Model, state: &State) -> Scale {
+        let mut awake = state.clone();
+        awake.wake(model);
+        let mut model_of_sweeps = model.clone();
+        model_of_sweeps.solver.method = Some(Method::GaussSeidel);
+        let plan = StepPlan::resolve(&model_of_sweeps, &awake);
+        let kind = match (plan.method, plan.narrow) {
+            _ if !(model.joints.is_empty() && model.springs.is_empty()) => Kind::Any,
+            (ContactMethod::Sweeps, Narrow::Spheres) => Kind::Grains,
+            (ContactMethod::Sweeps, Narrow::Any) => Kind::Bodies,
+            _ => Kind::Any,
+        };
+        let moves = |s: &usize| model.inv_mass[model.shape_body[*s] as usize] > 0.0;
+        let radius = (0..model.n_shapes())
+            .filter(moves)
+            .map(|s| model.shape_size[s].min_element())
+            .fold(f64::INFINITY, f64::min);
+        let speed = state.velocity.iter().fold(0.0f64, |most, v| most.max(v.length()));
+        let gravity = model.gravity.length();
+        Scale {
+            kind,
+            radius: if radius.is_finite() && radius > 0.0 { radius } else { 0.1 },
+            gravity: if gravity > 0.0 { gravity } else { 9.81 },
+            speed,
+        }
+    }
+}
+
+impl Quality {
+    /// The step, s, and the settings of the solver that the level chooses for a model and its initial state.
+    pub fn settings(self, model: &Model, state: &State) -> (f64, SolverSettings) {
+        let Scale { kind, radius, gravity, speed } = Scale::of(model, state);
+        let choice = Choice::of(self, kind);
+        let by_speed = if speed > 0.0 { radius / speed } else { f64::INFINITY };
+        let step = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
+        let open = SolverSettings::default();
+        let solver = SolverSettings {
+            method: Some(choice.method),
+            friction: choice.friction,
+            iterations: choice.iterations,
+            start_iterations: choice.start_iterations,
+            tolerance: choice.tolerance,
+            omega: choice.omega,
+            recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
+            rest_gap: choice.near.map_or(open.rest_gap, |[rest, _]| rest * radius),
+            recycle: choice.near.map(|[_, recycle]| recycle * radius),
+            ..open
+        };
+        // A whole number of steps a second.
+        (1.0 / (1.0 / step).ceil(), solver)
+    }
+}
+
+impl ModelFile {
+    /// Fill in what the file leaves open of its step and its solver, from its `quality`; nothing without one. `doc` tells what it gives.
+    ///
+    /// # Errors
+    /// Those of [`ModelFile::resolve`].
+    pub fn choose(&mut self, doc: &Document) -> Result<(), Fault> {
+        let Some(quality) = self.quality else { return Ok(()) };
+        let resolved = self.resolve(doc)?;
+        let (step, chosen) = quality.settings(&resolved.model, &resolved.state);
+        let is_open = |key: &str| !doc.has(key);
+        let own = &mut self.solver;
+        // What belongs to a method is that of the method that is given.
+        if is_open("solver.method") {
+            own.method = chosen.method;
+            let fill = |key: &str| is_open(&format!("solver.{key}"));
+            own.iterations = if fill("iterations") { chosen.iterations } else { own.iterations };
+            own.omega = if fill("omega") { chosen.omega } else { own.omega };
+        }
+        macro_rules! fill {
+            ($($key:ident),*) => {
+                $(if is_open(concat!("solver.", stringify!($key))) {
+                    own.$key = chosen.$key;
+                })*
+            };
+        }
+        fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, recycle);
+        self.step = if is_open("step") { step } else { self.step };
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! Levels of quality: what they choose, what a model keeps, and what rests by them.
+
+use crate::cli::{scratch, scree};
+use sim::workload::{self, Convex};
+use sim::{Method, Quality, Simulation, State, checkpoint};
+
+/// A workload of convex bodies at a level of quality.
+fn scene(convex: Convex, n: usize, quality: Quality) -> Simulation {
+    let mut model = workload::scene(convex, n);
+    model.file.quality = Some(quality);
+    model.simulation().unwrap()
+}
+
+/// Mean speed of the bodies that move, m/s.
+fn mean_speed(sim: &Simulation) -> f64 {
+    let n = sim.model.inv_mass.iter().filter(|inv_mass| **inv_mass > 0.0).count();
+    sim.state.velocity.iter().map(|v| v.length()).sum::<f64>() / n as f64
+}
+
+#[test]
+fn a_pyramid_rests_and_stays_where_it_is() {
+    for (quality, overlap) in [(Quality::Draft, 1e-3), (Quality::Normal, 1e-4), (Quality::Tight, 1e-6)] {
+        let mut sim = scene(Convex::Pyramid, 12, quality);
+        let start = sim.state.position.clone();
+        let mut worst = 0.0f64;
+        while sim.state.time < 2.0 {
+            worst = worst.max(sim.step().worst_penetration);
+        }
+        let moved = sim.state.position.iter().zip(&start).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(mean_speed(&sim) < 1e-4, "{quality:?}: {} m/s", mean_speed(&sim));
+        assert!(worst < overlap && moved < 1e-3, "{quality:?}: overlap {worst}, moved {moved}");
+    }
+}
+
+#[test]
+fn hulls_and_boxes_that_are_poured_hardly_overlap() {
+    // A tenth of what the peers' engines leave of the inradius.
+    for (convex, n, bound) in [(Convex::Boxes, 150, 0.1), (Convex::Pile, 2, 5e-3)] {
+        let mut sim = scene(convex, n, Quality::Normal);
+        while sim.state.time < 2.0 {
+            sim.step();
+        }
+        let overlap = workload::worst_penetration_over_inradius(&sim.model, &sim.state);
+        assert!(overlap < bound, "{convex:?}: {overlap}");
+    }
+}
+
+#[test]
+fn kept_manifolds_do_not_depend_on_threads_or_checkpoints() {
+    let work = scratch();
+    let path = |name: &str| work.path().join(name);
+    let first = scene(Convex::Boxes, 300, Quality::Normal);
+    let run = |threads: usize, state: State, steps: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut sim = Simulation::new(first.model.clone(), state);
+        pool.install(|| (0..steps).for_each(|_| drop(sim.step())));
+        sim.state
+    };
+    let whole = run(1, first.state.clone(), 300);
+    assert!(whole.manifolds.tiles.iter().map(|tile| tile.kept.len()).sum::<usize>() > 300);
+    checkpoint::write(&path("whole"), &whole, "").unwrap();
+    checkpoint::write(&path("half"), &run(2, first.state.clone(), 171), "").unwrap();
+    let half = checkpoint::read(&path("half")).unwrap().0;
+    checkpoint::write(&path("two"), &run(7, half, 129), "").unwrap();
+    assert!(std::fs::read(path("whole")).unwrap() == std::fs::read(path("two")).unwrap(), "the states differ");
+}
+
+#[test]
+fn what_a_model_gives_is_kept() {
+    let mut model = workload::scene(Convex::Pyramid, 3);
+    let plain = model.simulation().unwrap().model;
+    assert_eq!((plain.step, plain.solver.method), (1e-3, None));
+    model.file.quality = Some(Quality::Normal);
+    let chosen = model.simulation().unwrap().model;
+    assert_eq!((chosen.step, chosen.solver.method), (1.0 / 120.0, Some(Method::GaussSeidel)));
+
+    let work = scratch();
+    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let (file, run) = (place("m.yaml"), place("run"));
+    let body = "materials: {m: {density: 1000, friction: 0.5}}
+bodies:
+  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: m, box: {size: [0.2, 0.2, 0.2]}, position: [0, 0, 0.1]}
+duration: 0.05
+";
+    let resolved = |text: &str, args: &[&str]| {
+        std::fs::write(&file, text.to_string() + body).unwrap();
+        scree(&[&["simulate", &file, "-o", &run, "--fresh"], args].concat()).ok();
+        std::fs::read_to_string(work.path().join("run/model.yaml")).unwrap()
+    };
+    let normal = resolved("quality: normal\n", &[]);
+    assert!(normal.contains("quality: normal") && normal.contains("method: gauss_seidel"), "{normal}");
+    assert_eq!(normal, resolved("", &["--quality", "normal"]));
+    assert_ne!(normal, resolved("quality: normal\n", &["--quality", "tight"]));
+    let given = resolved("quality: tight\nstep: 0.002\nsolver: {method: apgd, tolerance: 1.0e-5}\n", &[]);
+    for line in ["step: 0.002", "method: apgd", "tolerance: 0.00001", "friction: relaxed"] {
+        assert!(given.contains(line), "{line}: {given}");
+    }
+    // The model that a run leaves gives all, and so is the same again.
+    let again = work.path().join("run/model.yaml");
+    std::fs::copy(&again, place("again.yaml")).unwrap();
+    scree(&["simulate", &place("again.yaml"), "-o", &place("other")]).ok();
+    assert_eq!(given, std::fs::read_to_string(work.path().join("other/model.yaml")).unwrap());
+
+    std::fs::write(&file, format!("quality: fine\n{body}")).unwrap();
+    let said = scree(&["simulate", &file, "-o", &run, "--fresh"]).fails(3);
+    assert!(said.contains("draft") && said.contains("normal") && said.contains("tight"), "{said}");
+}
+
+#[test]
+fn the_bench_of_convex_bodies_prints_its_keys() {
+    for (workload, n) in [("pyramid", "4"), ("pile", "1"), ("boxes", "40"), ("grid", "3")] {
+        let args = ["bench", "sim", "--workload", workload, "--n", n, "--steps", "5", "--quality", "draft", "--json"];
+        let text = scree(&args).ok();
+        let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+        for key in [
+            "startup_cpu_seconds",
+            "cpu_seconds_per_simulated_second",
+            "worst_penetration_over_inradius",
+            "worst_penetration_over_inradius_run",
+            "drift_max_m",
+            "drop_max_m",
+            "kinetic_energy_j",
+        ] {
+            assert!(found[key].is_number(), "{workload}: {key}: {text}");
+        }
+        assert_eq!(found["joint_gap_max_m"].is_number(), workload == "grid", "{text}");
+        assert_eq!(found["quality"], "draft");
+    }
+}
