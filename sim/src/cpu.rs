@@ -143,6 +143,11 @@ impl Backend for Cpu {
 }
 
 impl Cpu {
+    /// The rows of the joints and the masses of a step, after the stage that writes them.
+    pub fn into_joints(self) -> (Joints, Masses) {
+        (self.joints, self.masses)
+    }
+
     fn bounds(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut fat_aabb = state.fat_aabb.take();
         let has_left = bounds::run(model, plan, state, &mut self.margin, &mut self.spheres, &mut fat_aabb);
