@@ -147,6 +147,11 @@ impl Backend for Cpu {
 }
 
 impl Cpu {
+    /// The rows of the joints and the masses of a step, after the stage that writes them.
+    pub fn into_joints(self) -> (Joints, Masses) {
+        (self.joints, self.masses)
+    }
+
     fn bounds(&mut self, model: &Model, plan: &StepPlan, state: &mut State) {
         let mut fat_aabb = state.fat_aabb.take();
         let out = bounds::Output { margin: &mut self.margin, tight: &mut self.tight_aabb, spheres: &mut self.spheres };

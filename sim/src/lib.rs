@@ -25,6 +25,7 @@ mod fill;
 pub mod geometry;
 mod inertia;
 pub mod joint;
+pub mod joint_system;
 mod lanes;
 pub mod load;
 pub mod manifolds;

@@ -179,6 +179,14 @@ impl Masses {
         }
     }
 
+    /// Inertia tensor, kg m².
+    pub fn inertia(&self, body: usize) -> DMat3 {
+        match self.tensor(body) {
+            None => DMat3::from_diagonal(DVec3::splat(1.0 / self.inv_moment[body])),
+            Some([_, inertia]) => *inertia,
+        }
+    }
+
     /// trace([a]ᵀ J⁻¹ [a]) for an arm a, m; 1/kg.
     #[inline]
     pub fn rotational_trace(&self, body: usize, arm: DVec3) -> f64 {

@@ -21,7 +21,7 @@ use frame::Fault;
 use frame::sequence::matches;
 use frame::yaml::Document;
 use glam::{DMat3, DQuat, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 
 /// The most steps of a run: a million bodies, or one, take longer than anybody waits for.
@@ -181,6 +181,25 @@ struct Builder<'a> {
     probe_joints: Vec<u32>,
     probe_springs: Vec<u32>,
     warnings: Vec<String>,
+    joint_names: Names,
+    spring_names: Names,
+}
+
+/// The names of joints or springs so far, those of the first `n` of the model.
+#[derive(Default)]
+struct Names {
+    known: HashSet<String>,
+    n: usize,
+}
+
+impl Names {
+    /// Whether a name is among those of the model's joints or springs, which may have become more.
+    fn have<'a>(&mut self, all: impl ExactSizeIterator<Item = &'a String>, name: &str) -> bool {
+        let n = all.len();
+        self.known.extend(all.skip(self.n).cloned());
+        self.n = n;
+        self.known.contains(name)
+    }
 }
 
 /// A shape to be added to the columns.
@@ -236,6 +255,8 @@ impl<'a> Builder<'a> {
             probe_joints: vec![],
             probe_springs: vec![],
             warnings: vec![],
+            joint_names: Names::default(),
+            spring_names: Names::default(),
         }
     }
 

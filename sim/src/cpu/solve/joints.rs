@@ -5,13 +5,17 @@
 //! with light links and a heavy load costs it no iterations. (The paper iterates over joints and contacts alike, and names
 //! the slow convergence as its open problem, §6.)
 //!
+//! All rows of a body are coupled in S, those of a hub, a body with very many joints, too many: its velocities u stay unknowns, with the
+//! rows `Bᵀλ − M u = 0` of their own, which are eliminated last.
+//!
 //! C has the compliance of springs, and for rigid rows a small fraction of the diagonal, which regularises redundant rows.
 
-use super::ldl::Ldl;
 use super::response::Response;
+use super::sparse::{self, Factor, Front, Structure};
 use crate::cpu::masses::Masses;
 use crate::joint::Row;
 use crate::twist::Twist;
+use glam::DMat3;
 
 /// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
 /// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
@@ -24,18 +28,42 @@ pub struct Joints {
     pub rows: Vec<Row>,
     /// `Ψ/h + ∂Ψ/∂t` and the terms of springs, m/s or rad/s (n_rows).
     pub bias: Vec<f64>,
-    /// Bodies of the rows when the sparsity pattern was analysed (n_rows).
-    pattern: Vec<[u32; 2]>,
-    /// Rows of each moving body.
-    of_body: Vec<(u32, Vec<u32>)>,
     /// Whether a body has rows (n_bodies).
     is_held: Vec<bool>,
-    /// Slots of the pairs (k, l ≥ k) of each body's rows, in order.
-    slot: Vec<u32>,
-    ldl: Ldl,
-    rhs: Vec<f64>,
+    pattern: Pattern,
+    factor: Factor,
     softness: Vec<f64>,
 }
+
+/// The sparsity pattern: rows that act on the same moving bodies are a group.
+#[derive(Default)]
+struct Pattern {
+    /// Bodies of the rows when the pattern was analysed (n_rows).
+    bodies: Vec<[u32; 2]>,
+    /// Moving bodies of the groups, the lower first, and [`NONE`] in place of one (n_groups, ascending).
+    groups: Vec<[u32; 2]>,
+    /// The groups in the order of elimination, which follows from their bodies alone.
+    order: Vec<u32>,
+    /// Rows of each group: starts (n_groups + 1), rows.
+    row_start: Vec<u32>,
+    row: Vec<u32>,
+    /// The moving bodies that have rows, ascending.
+    held: Vec<u32>,
+    /// Hubs, whose velocities are groups too, after those of the rows.
+    hubs: Vec<u32>,
+    /// Parts of S: their bodies and groups.
+    parts: Vec<u32>,
+    groups_of: Vec<Vec<u32>>,
+    /// Place of each row among the rows of the factor (n_rows).
+    place: Vec<u32>,
+}
+
+/// In place of a second moving body.
+const NONE: u32 = u32::MAX;
+
+/// Groups above which a body may be a hub, and the most hubs that there are.
+const HUB: usize = 24;
+const MOST_HUBS: usize = 64;
 
 /// A row's Jacobian on one of its bodies.
 fn on_body(row: &Row, body: u32) -> Twist {
@@ -53,83 +81,34 @@ impl Joints {
         if n == 0 {
             return;
         }
-        if self.pattern.len() != n || self.rows.iter().zip(&self.pattern).any(|(r, p)| r.bodies != *p) {
+        let known = &self.pattern.bodies;
+        if known.len() != n || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p) {
             self.analyse(masses);
         }
-        self.ldl.clear();
-        let mut slot = self.slot.iter();
-        let mut next = || *slot.next().expect("as many slots as pairs");
-        self.softness.clear();
-        self.softness.extend(self.rows.iter().map(|r| r.softness));
-        let mut diagonal = vec![0.0; n];
-        for (body, rows) in &self.of_body {
-            for (i, &k) in rows.iter().enumerate() {
-                let own = on_body(&self.rows[k as usize], *body);
-                let b = *body as usize;
-                let m = Twist { v: own.v * masses.inv_mass[b], w: masses.apply_inv_inertia(b, own.w) };
-                for &l in &rows[i..] {
-                    let other = on_body(&self.rows[l as usize], *body);
-                    let value = other.v.dot(m.v) + other.w.dot(m.w);
-                    self.ldl.add(next(), value);
-                    if k == l {
-                        diagonal[k as usize] += value;
-                    }
-                }
-            }
+        let Joints { rows, pattern, factor, softness, .. } = self;
+        softness.clear();
+        let mut largest = f64::MIN_POSITIVE;
+        let on_diagonal = factor.diagonal();
+        for (row, place) in rows.iter().zip(&pattern.place) {
+            let diagonal = masses.response(row).max(f64::MIN_POSITIVE);
+            largest = diagonal.max(largest);
+            softness.push((REGULARIZATION * diagonal).max(row.softness));
+            on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
-        for k in 0..n {
-            let min = REGULARIZATION * diagonal[k].max(f64::MIN_POSITIVE);
-            self.softness[k] = self.softness[k].max(min);
-            self.ldl.add(next(), self.softness[k]);
-        }
-        let largest = diagonal.iter().fold(0f64, |m, d| m.max(*d)).max(f64::MIN_POSITIVE);
-        self.ldl.factorise(1e-14 * largest);
+        factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
     }
 
     fn analyse(&mut self, masses: &Masses) {
-        let n = self.rows.len();
-        self.pattern = self.rows.iter().map(|r| r.bodies).collect();
-        let mut of_body: std::collections::BTreeMap<u32, Vec<u32>> = Default::default();
-        for (k, row) in self.rows.iter().enumerate() {
-            for body in row.bodies {
-                if masses.inv_mass[body as usize] > 0.0 {
-                    of_body.entry(body).or_default().push(k as u32);
-                }
-            }
-        }
-        self.of_body = of_body.into_iter().collect();
+        let factor = self.pattern.analyse(&self.rows, |body| masses.inv_mass[body as usize] > 0.0);
+        self.factor = factor;
         self.is_held.clear();
         self.is_held.resize(masses.inv_mass.len(), false);
-        self.of_body.iter().for_each(|(body, _)| self.is_held[*body as usize] = true);
-        let mut entry_of: std::collections::HashMap<[u32; 2], u32> = Default::default();
-        let mut entries: Vec<[u32; 2]> = vec![];
-        let mut all: Vec<u32> = vec![];
-        let mut take = |pair: [u32; 2]| {
-            let next = entries.len() as u32;
-            all.push(*entry_of.entry(pair).or_insert_with(|| {
-                entries.push(pair);
-                next
-            }));
-        };
-        for (_, rows) in &self.of_body {
-            for (i, &k) in rows.iter().enumerate() {
-                rows[i..].iter().for_each(|&l| take([k, l]));
-            }
-        }
-        (0..n as u32).for_each(|k| take([k, k]));
-        // Rows between the same two bodies are eliminated together.
-        let mut groups: std::collections::BTreeMap<[u32; 2], u32> = Default::default();
-        let group: Vec<u32> = self
-            .rows
-            .iter()
-            .map(|r| {
-                let next = groups.len() as u32;
-                *groups.entry(r.bodies).or_insert(next)
-            })
-            .collect();
-        let (ldl, slots) = Ldl::analyse(n, &entries, &group);
-        self.ldl = ldl;
-        self.slot = all.iter().map(|e| slots[*e as usize]).collect();
+        self.pattern.held.iter().for_each(|body| self.is_held[*body as usize] = true);
+    }
+
+    /// Numbers of the factor, and multiplications that it takes.
+    pub fn size(&self) -> (usize, u64) {
+        (self.factor.n_numbers(), self.factor.work())
     }
 
     /// Whether a joint acts on a moving body.
@@ -140,7 +119,12 @@ impl Joints {
 
     /// Discard the sparsity pattern: other bodies move.
     pub fn invalidate(&mut self) {
-        self.pattern.clear();
+        self.pattern.bodies.clear();
+    }
+
+    /// Discard all that the analysis has found.
+    pub fn forget(&mut self) {
+        self.pattern = Pattern::default();
     }
 
     /// Reset the multipliers of a response to zero, for velocities without joints.
@@ -163,20 +147,168 @@ impl Joints {
         if self.rows.is_empty() {
             return;
         }
-        self.rhs.clear();
+        let rhs = self.factor.rows();
+        if !self.pattern.hubs.is_empty() {
+            rhs.fill(0.0);
+        }
         for (k, row) in self.rows.iter().enumerate() {
             let speed = row.speed_in(&response.twist);
-            self.rhs.push(-(speed + bias * self.bias[k] + self.softness[k] * response.lambda[k]));
+            rhs[self.pattern.place[k] as usize] =
+                -(speed + bias * self.bias[k] + self.softness[k] * response.lambda[k]);
         }
-        self.ldl.solve(&mut self.rhs);
-        response.lambda.iter_mut().zip(&self.rhs).for_each(|(l, more)| *l += more);
-        for (row, lambda) in self.rows.iter().zip(&self.rhs) {
-            masses.apply_row_impulse(&mut response.twist, row, *lambda);
+        self.factor.solve();
+        let more = self.factor.rows();
+        for ((row, place), lambda) in self.rows.iter().zip(&self.pattern.place).zip(&mut response.lambda) {
+            let more = more[*place as usize];
+            *lambda += more;
+            masses.apply_row_impulse(&mut response.twist, row, more);
         }
+    }
+
+    /// The greatest |dΨ/dt + Cλ| of a response, for rows that are where they shall be, m/s or rad/s.
+    pub fn residual_at_rest(&self, response: &Response) -> f64 {
+        let left = |(k, row): (usize, &Row)| row.speed_in(&response.twist) + self.softness[k] * response.lambda[k];
+        self.rows.iter().enumerate().map(left).fold(0.0, |max, r| r.abs().max(max))
     }
 
     /// λᵀCλ of a difference of multipliers.
     pub fn compliance(&self, a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).zip(&self.softness).map(|((p, q), c)| c * (p - q) * (p - q)).sum()
+    }
+}
+
+impl Pattern {
+    /// Analyse the pattern of some rows; `moves` tells which bodies move. Returns the factorisation that it asks for.
+    fn analyse(&mut self, rows: &[Row], moves: impl Fn(u32) -> bool) -> Factor {
+        self.bodies.clear();
+        self.bodies.extend(rows.iter().map(|r| r.bodies));
+        let key = |row: &Row| {
+            let [a, b] = row.bodies.map(|body| if moves(body) { body } else { NONE });
+            [a.min(b), a.max(b)]
+        };
+        let mut by_group: Vec<([u32; 2], u32)> = rows.iter().enumerate().map(|(k, r)| (key(r), k as u32)).collect();
+        by_group.sort_unstable();
+        self.row.clear();
+        self.row.extend(by_group.iter().map(|(_, k)| *k));
+        let mut groups: Vec<[u32; 2]> = vec![];
+        self.row_start.clear();
+        for (k, (key, _)) in by_group.iter().enumerate() {
+            if groups.last() != Some(key) {
+                groups.push(*key);
+                self.row_start.push(k as u32);
+            }
+        }
+        self.row_start.push(rows.len() as u32);
+        if self.groups != groups {
+            self.groups = groups;
+            self.connect();
+        }
+        let mut size: Vec<u32> = self.row_start.windows(2).map(|w| w[1] - w[0]).collect();
+        size.extend(self.hubs.iter().map(|_| 6));
+        let factor = Factor::new(Structure::analyse(&size, self.groups.len(), &self.order, &mut self.groups_of));
+        self.place.clear();
+        self.place.resize(rows.len(), 0);
+        for (group, first) in self.row_start.windows(2).zip(factor.first()) {
+            for (k, row) in self.row[group[0] as usize..group[1] as usize].iter().enumerate() {
+                self.place[*row as usize] = first + k as u32;
+            }
+        }
+        factor
+    }
+
+    /// Choose the hubs, list the parts of S, and order the groups.
+    fn connect(&mut self) {
+        let moving = |key: &[u32; 2]| key.iter().copied().filter(|b| *b != NONE).collect::<Vec<u32>>();
+        self.held = self.groups.iter().flat_map(moving).collect();
+        self.held.sort_unstable();
+        let runs = self.held.chunk_by(|a, b| a == b).map(|run| (std::cmp::Reverse(run.len()), run[0]));
+        let mut hubs: Vec<_> = runs.filter(|(n, _)| n.0 > HUB).collect();
+        hubs.sort_unstable();
+        self.hubs = hubs.iter().take(MOST_HUBS).map(|(_, body)| *body).collect();
+        self.held.dedup();
+        let n = self.groups.len() as u32;
+        let hub = |body: u32| self.hubs.iter().position(|h| *h == body).map(|h| n + h as u32);
+        let mut of_body: std::collections::BTreeMap<u32, Vec<u32>> = Default::default();
+        (self.parts, self.groups_of) = self.hubs.iter().map(|body| (*body, hub(*body).into_iter().collect())).unzip();
+        let mut ends = vec![[None; 2]; self.groups.len()];
+        for (g, key) in self.groups.iter().enumerate() {
+            for (end, body) in ends[g].iter_mut().zip(moving(key)) {
+                if let Some(hub) = hub(body) {
+                    self.parts.push(body);
+                    self.groups_of.push(vec![g as u32, hub]);
+                } else {
+                    of_body.entry(body).or_default().push(g as u32);
+                    *end = self.held.binary_search(&body).ok().map(|b| b as u32);
+                }
+            }
+        }
+        self.parts.extend(of_body.keys());
+        self.groups_of.extend(of_body.into_values());
+        // Rows between hubs alone have pivots once a hub has been eliminated.
+        let between_hubs = |g: &u32| ends.get(*g as usize) == Some(&[None; 2]);
+        let order = sparse::order(self.held.len(), &ends);
+        let (last, first): (Vec<u32>, Vec<u32>) = order.into_iter().partition(between_hubs);
+        self.order = [first, (n..n + self.hubs.len() as u32).collect(), last].concat();
+    }
+
+    fn rows_of(&self, group: u32) -> &[u32] {
+        let g = group as usize;
+        &self.row[self.row_start[g] as usize..self.row_start[g + 1] as usize]
+    }
+
+    /// Add a part of S to a front: what the rows of a body have by its mass, or the velocities of a hub. `first` are the first rows
+    /// there of the part's groups.
+    fn fill(&self, front: &mut Front, part: usize, first: &[u32], rows: &[Row], masses: &Masses) {
+        let (body, groups) = (self.parts[part], &self.groups_of[part]);
+        let b = body as usize;
+        if let Some(hub) = groups.iter().position(|g| *g as usize >= self.groups.len()) {
+            let first_of_hub = first[hub] as usize;
+            match groups.len() {
+                1 => add_mass(front, first_of_hub, 1.0 / masses.inv_mass[b], masses.inertia(b)),
+                _ => {
+                    let jacobian = |row: &u32| on_body(&rows[*row as usize], body);
+                    add_jacobians(
+                        front,
+                        first_of_hub,
+                        first[1 - hub] as usize,
+                        self.rows_of(groups[1 - hub]).iter().map(jacobian),
+                    );
+                }
+            }
+            return;
+        }
+        let (inv_mass, inv_inertia) = (masses.inv_mass[b], masses.inv_inertia(b));
+        let n = groups.iter().map(|g| self.rows_of(*g).len()).sum();
+        let mut own: Vec<(usize, Twist)> = Vec::with_capacity(n);
+        for (g, first) in groups.iter().zip(first) {
+            for (k, row) in self.rows_of(*g).iter().enumerate() {
+                let place = *first as usize + k;
+                let jacobian = on_body(&rows[*row as usize], body);
+                let response = Twist { v: jacobian.v * inv_mass, w: inv_inertia * jacobian.w };
+                own.push((place, jacobian));
+                let mut row = front.row(place);
+                for (other, jacobian) in &own {
+                    row.add(*other, response.v.dot(jacobian.v) + response.w.dot(jacobian.w));
+                }
+            }
+        }
+    }
+}
+
+/// Subtract a hub's mass matrix from the rows of its velocities.
+fn add_mass(front: &mut Front, first: usize, mass: f64, inertia: DMat3) {
+    for i in 0..3 {
+        front.row(first + i).add(first + i, -mass);
+        (0..=i).for_each(|j| front.row(first + 3 + i).add(first + 3 + j, -inertia.col(j)[i]));
+    }
+}
+
+/// Add the Jacobians of rows on a hub: of its velocities, whose rows begin at `hub`, and of the rows from `first` on.
+fn add_jacobians(front: &mut Front, hub: usize, first: usize, jacobians: impl Iterator<Item = Twist>) {
+    for (k, Twist { v, w }) in jacobians.enumerate() {
+        for (c, x) in v.to_array().into_iter().chain(w.to_array()).enumerate() {
+            let (i, j) = (hub + c, first + k);
+            front.row(i.max(j)).add(i.min(j), x);
+        }
     }
 }

@@ -68,7 +68,7 @@ impl Builder<'_> {
     pub(super) fn joint(&mut self, key: &str, file: &JointFile, begins: f64) -> Result<(), Fault> {
         let doc = self.doc;
         let at = |part: &str| format!("{key}.{part}");
-        if self.model.joints.iter().any(|j| j.name == file.name) {
+        if self.joint_names.have(self.model.joints.iter().map(|j| &j.name), &file.name) {
             return Err(doc.fault(&at("name"), format!("there is a joint `{}` already", file.name)));
         }
         let bodies = self.ends(key, &file.a, &file.b)?;
@@ -185,7 +185,7 @@ impl Builder<'_> {
     pub(super) fn spring(&mut self, key: &str, file: &SpringFile, begins: f64) -> Result<(), Fault> {
         let doc = self.doc;
         let at = |part: &str| format!("{key}.{part}");
-        if self.model.springs.iter().any(|s| s.name == file.name) {
+        if self.spring_names.have(self.model.springs.iter().map(|s| &s.name), &file.name) {
             return Err(doc.fault(&at("name"), format!("there is a spring `{}` already", file.name)));
         }
         let bodies = self.ends(key, &file.a, &file.b)?;
