@@ -75,8 +75,8 @@ impl Choice {
                 near: Some([level(2e-3, 1e-3, 1e-5), level(5e-3, 2e-3, 1e-4)]),
             },
             Kind::Any => Choice {
-                step: level(0.02, 0.01, 0.005),
-                longest: level(4e-3, 2e-3, 1e-3),
+                step: level(0.08, 0.04, 0.01),
+                longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 500.0),
                 method: Method::Apgd,
                 friction: FrictionLaw::Relaxed,
                 iterations: None,

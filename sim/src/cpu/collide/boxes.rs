@@ -1,7 +1,8 @@
 //! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
-//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch).
+//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch). Boxes that are apart and have no faces in front of
+//! each other have the nearest points of any two convex shapes.
 
-use super::manifold::{OF_SECOND, clip, feature};
+use super::manifold::{OF_SECOND, clip, convex_convex, feature};
 use super::point::{Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
@@ -49,13 +50,16 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     }
     let axis = if best_face.1 < 3 { ra.col(best_face.1) } else { rb.col(best_face.1 - 3) };
     let normal = if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis };
-    if best_face.1 < 3 {
-        return clip(&feature(a, normal), &feature(b, -normal), normal, reach, out);
-    }
-    let n = clip(&feature(b, -normal), &feature(a, normal), -normal, reach, out);
-    swap_shapes(out, n);
-    out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
-    n
+    let n = if best_face.1 < 3 {
+        clip(&feature(a, normal), &feature(b, -normal), normal, reach, out)
+    } else {
+        let n = clip(&feature(b, -normal), &feature(a, normal), -normal, reach, out);
+        swap_shapes(out, n);
+        out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
+        n
+    };
+    // Faces that are not in front of each other: the boxes are nearest at edges or corners, by which fast ones will meet.
+    if n == 0 && best_face.0 > 0.0 { convex_convex(a, b, reach, out) } else { n }
 }
 
 fn edge_edge(

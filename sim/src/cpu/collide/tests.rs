@@ -205,3 +205,17 @@ fn seams_of_a_flat_surface_are_not_felt() {
         }
     }
 }
+
+#[test]
+fn boxes_apart_without_facing_faces_have_their_nearest_points() {
+    let size = [0.5; 3];
+    let a = placed(ShapeKind::Box, size, DVec3::ZERO, UP);
+    for (offset, apart) in [
+        (DVec3::new(1.02, 1.03, 0.1), 0.02f64.hypot(0.03)),
+        (DVec3::new(-1.02, 1.02, -1.01), (2.0 * 0.02f64.powi(2) + 0.01f64.powi(2)).sqrt()),
+    ] {
+        let found = points(&a, &placed(ShapeKind::Box, size, offset, UP), 0.1);
+        let nearest = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+        assert!((nearest - apart).abs() < 1e-9, "{offset}: {nearest}, expected {apart}");
+    }
+}
