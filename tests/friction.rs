@@ -54,8 +54,7 @@ struct Body {
 fn pile(seed: u64) -> Problem {
     let mut random = SplitMix64(seed);
     let mut bodies: Vec<Body> = vec![];
-    // Contacts: bodies A (none is the ground) and B, point, normal from A to B.
-    let mut contacts: Vec<(Option<usize>, usize, DVec3, DVec3)> = vec![];
+    let mut contacts: Vec<Contact> = vec![];
     for i in 0..12 {
         let (column, layer) = (i % 4, i / 4);
         let at =
@@ -77,6 +76,48 @@ fn pile(seed: u64) -> Problem {
             contacts.push((Some(a), b, 0.5 * (bodies[a].at + bodies[b].at), away.normalize()));
         }
     }
+    friction_problem(&bodies, &contacts, || random.between(0.1, 0.9))
+}
+
+/// Heavy and light stones on each other: every pair touches at four points, with normals that differ a little, and friction is strong.
+fn stones(seed: u64) -> Problem {
+    let mut random = SplitMix64(seed);
+    let mut vector = |size: f64| DVec3::from([(); 3].map(|()| random.between(-size, size)));
+    let mut bodies: Vec<Body> = vec![];
+    let mut contacts: Vec<Contact> = vec![];
+    for i in 0..20 {
+        let (column, layer) = (i % 5, i / 5);
+        let place = DVec3::new(0.9 * column as f64 + 0.45 * (layer % 2) as f64, 0.0, 0.45 + 0.8 * layer as f64);
+        let at = place + vector(1.0) * DVec3::new(0.2, 0.3, 0.0);
+        let mass = 10f64.powf(0.5 + vector(1.0).x);
+        let velocity = vector(0.8) - DVec3::Z;
+        bodies.push(Body { at, inv_mass: 1.0 / mass, inv_inertia: 1.0 / (0.05 * mass), velocity });
+        if layer == 0 {
+            contacts.extend(around(DVec3::Z).map(|arm| (None, i, at + arm * 0.4 - DVec3::Z * 0.45, DVec3::Z)));
+        }
+        for a in 0..i {
+            let (away, middle) = (at - bodies[a].at, 0.5 * (at + bodies[a].at));
+            if away.length() < 1.15 {
+                let normal = away.normalize();
+                let point = |arm: DVec3| (Some(a), i, middle + arm * 0.3, (normal + vector(0.08)).normalize());
+                contacts.extend(around(normal).map(point));
+            }
+        }
+    }
+    friction_problem(&bodies, &contacts, || random.between(0.7, 1.1))
+}
+
+/// Four directions around a normal.
+fn around(normal: DVec3) -> [DVec3; 4] {
+    let (u, v) = normal.any_orthonormal_pair();
+    [u, v, -u, -v]
+}
+
+/// Bodies A (none is the ground) and B, point, normal from A to B.
+type Contact = (Option<usize>, usize, DVec3, DVec3);
+
+/// The friction problem of bodies in contact, without gravity.
+fn friction_problem(bodies: &[Body], contacts: &[Contact], mut friction: impl FnMut() -> f64) -> Problem {
     // Velocity of a point of a body by an impulse at another point: v + ω × arm with v = j/m and ω = (arm × j)/J.
     let response = |body: usize, to: DVec3, at: DVec3, impulse: DVec3| {
         let Body { at: centre, inv_mass, inv_inertia, .. } = bodies[body];
@@ -86,9 +127,9 @@ fn pile(seed: u64) -> Problem {
         let (u, v) = n.any_orthonormal_pair();
         DMat3::from_cols(n, u, v)
     };
-    let sides = |c: &(Option<usize>, usize, DVec3, DVec3)| [(c.0, -1.0), (Some(c.1), 1.0)];
+    let sides = |c: &Contact| [(c.0, -1.0), (Some(c.1), 1.0)];
     let mut problem = Problem { w: vec![], q: vec![], mu: vec![] };
-    for to in &contacts {
+    for to in contacts {
         let own = frame(to.3).transpose();
         let row = contacts.iter().map(|from| {
             let mut block = DMat3::ZERO;
@@ -106,7 +147,7 @@ fn pile(seed: u64) -> Problem {
         problem.w.push(row.collect());
         let velocity = bodies[to.1].velocity - to.0.map_or(DVec3::ZERO, |a| bodies[a].velocity);
         problem.q.push(own * velocity);
-        problem.mu.push(random.between(0.1, 0.9));
+        problem.mu.push(friction());
     }
     problem
 }
@@ -196,6 +237,31 @@ fn piles_of_our_own_are_solved_by_both_laws() {
         }
         if seed == 0 {
             paths.iter().for_each(|path| solved(path));
+        }
+    }
+}
+
+#[test]
+fn stiff_piles_of_stones_are_solved_to_the_end() {
+    let folder = scratch();
+    let path = folder.path().join("stones.dat");
+    for seed in 0..2 {
+        let problem = stones(seed);
+        std::fs::write(&path, problem.text(true)).unwrap();
+        let solve = || {
+            let mut read = problem::read(&path).unwrap();
+            problem::solve(&mut read, &law(FrictionLaw::Exact, None, 1e-8))
+        };
+        let solution = solve();
+        let error = problem.error(&solution.gamma, true);
+        assert!(error <= 1.001e-8, "stones {seed}: {error} after {} of {}", solution.iterations, solution.method);
+        if seed == 0 {
+            assert!(
+                ["newton", "central_path"].contains(&solution.method),
+                "the sweeps stall, but: {}",
+                solution.method
+            );
+            assert_eq!(solve().gamma, solution.gamma, "one input, one answer");
         }
     }
 }

@@ -3,9 +3,15 @@
 //! The unknowns are the multipliers r (`gamma` in code) and the contact velocities u, with the components normal, tangent, tangent per
 //! contact; W is symmetric, K is the product of the friction cones, and K* its dual. Values have the units of the problem's file.
 //!
-//! Solvers: the methods of the CPU back end, and Gauss–Seidel sweeps on the matrix.
+//! Solvers: the methods of the CPU back end, Gauss–Seidel sweeps on the matrix, and for small problems of exact friction on which these
+//! stall, [`direct`]: solves with factorised matrices.
 
+mod dense;
+mod direct;
+mod lorentz;
 mod matrix;
+mod newton;
+mod path;
 mod read;
 
 pub use matrix::MatrixOperator;
@@ -56,7 +62,9 @@ pub fn solve(op: &mut MatrixOperator, law: &Law) -> Solution {
 }
 
 /// Alternate Gauss–Seidel and APGD, each from the best multipliers so far: Gauss–Seidel converges faster on most problems of rigid bodies,
-/// APGD by far on some. The rounds become twice as long, those of APGD half as long when they find nothing better.
+/// APGD by far on some. The rounds become twice as long, those of APGD half as long when they find nothing better. Exact friction on which
+/// they stall is tried once by direct solves, for as long as twice the iterations so far take; if these do not converge, the rounds go on as
+/// if they had not been.
 fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
     /// Iterations of the first round of each: those of APGD cost a sixteenth of a sweep.
     const FIRST: [(Method, u32); 2] = [(Method::GaussSeidel, 32), (Method::Apgd, 512)];
@@ -65,6 +73,7 @@ fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
     let mut best =
         Solution { error: op.error(&start, exact), gamma: start, iterations: 0, method: Method::GaussSeidel.name() };
     let (mut done, mut rounds) = (0, FIRST);
+    let mut next_direct = if exact { direct::first(op) } else { u32::MAX };
     while best.error > law.tolerance && done < law.iterations {
         for ((method, length), (_, least)) in rounds.iter_mut().zip(FIRST) {
             let part = Law { iterations: (*length).min(law.iterations - done), ..*law };
@@ -83,6 +92,14 @@ fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
             }
             if ends || done >= law.iterations {
                 return best;
+            }
+        }
+        if done >= next_direct {
+            next_direct = u32::MAX;
+            let found = direct::solve(op, &best.gamma, law.tolerance, done.saturating_mul(2));
+            if found.error <= law.tolerance {
+                let (iterations, method) = (done + found.iterations, found.method);
+                return Solution { gamma: found.gamma, error: found.error, iterations, method };
             }
         }
     }
