@@ -118,6 +118,20 @@ impl Camera {
             .map(|(name, m)| (name, m * self.to_camera))
     }
 
+    /// The planes of a raster place and a depth that are those of camera space, for [`is_clipped`].
+    pub fn raster_planes(&self, planes: &[Vec4]) -> Vec<RasterPlane> {
+        let of = |plane: &Vec4| {
+            let (x, y) = (plane.x / self.scale.x, -plane.y / self.scale.y);
+            let constant = -x * self.center.x - y * self.center.y;
+            if self.perspective {
+                RasterPlane { by_depth: [x, y, constant + plane.z], by_place: [0.0, 0.0, plane.w] }
+            } else {
+                RasterPlane { by_depth: [0.0, 0.0, plane.z], by_place: [x, y, constant + plane.w] }
+            }
+        };
+        planes.iter().map(of).collect()
+    }
+
     /// Raster point of a camera-space point before the near plane.
     #[inline]
     pub fn project(&self, p: Vec3) -> Vec2 {
@@ -189,6 +203,19 @@ impl Camera {
     pub fn incident(&self, p: Vec3) -> Vec3 {
         if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
     }
+}
+
+/// A plane over raster places and depths: factors of x, y and 1, those that count times the depth and those that count alone.
+#[derive(Clone, Copy, Debug)]
+pub struct RasterPlane {
+    by_depth: [f32; 3],
+    by_place: [f32; 3],
+}
+
+/// Whether a place on the raster at a depth lies on the clipped side of any plane.
+pub fn is_clipped(planes: &[RasterPlane], [x, y]: [f32; 2], z: f32) -> bool {
+    let at = |f: &[f32; 3]| f[0] * x + f[1] * y + f[2];
+    planes.iter().any(|plane| at(&plane.by_depth) * z + at(&plane.by_place) > 0.0)
 }
 
 /// The radius of a lens's circle of confusion at a depth, as [`Camera::confusion`] has it.
