@@ -92,7 +92,7 @@ impl Ri for Context {
     fn clipping(&mut self, near: f32, far: f32) -> RiResult {
         positive(near, "the near plane")?;
         positive(far - near, "the depth from near to far")?;
-        self.options.clipping = [near, far];
+        (self.options.clipping, self.options.sees_near) = ([near, far], false);
         Ok(())
     }
     fn clipping_plane(&mut self, point: [f32; 3], normal: [f32; 3]) -> RiResult {

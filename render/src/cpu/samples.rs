@@ -247,14 +247,23 @@ impl Samples {
         cell * LANES + row % CELL[1] * CELL[0] + column % CELL[0]
     }
 
-    /// A number from 0 to 1 of a sample's own, by its place.
+    /// A number from 0 to 1 of a sample's own: the samples of a pixel have numbers that are evenly spread, in an order of its own.
     fn part(&self, k: usize) -> f32 {
-        let step = |x: f32, first: i64| ((x + first as f32) * 1024.0).round() as i64 as u32;
-        let mut hash =
-            step(self.x[k], self.x0).wrapping_mul(0x9e37_79b1) ^ step(self.y[k], self.y0).wrapping_mul(0x85eb_ca77);
-        hash = (hash ^ hash >> 15).wrapping_mul(0xc2b2_ae3d);
-        hash = (hash ^ hash >> 13).wrapping_mul(0x27d4_eb2f);
-        (hash >> 8) as f32 / (1 << 24) as f32
+        let ([sx, sy], x, y) = (self.strata, self.x[k], self.y[k]);
+        let n = sx * sy;
+        let stratum = |x: f32, strata: usize| ((x.fract() * strata as f32) as usize).min(strata - 1);
+        let [px, py] = [(x, self.x0), (y, self.y0)].map(|(x, first)| (x.floor() as i64 + first) as u32);
+        let hash = (px.wrapping_mul(0x9e37_79b1) ^ py.wrapping_mul(0x85eb_ca77)).wrapping_mul(0xc2b2_ae3d) >> 12;
+        let common = |mut a: usize, mut b: usize| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        // A step that visits all of them, near the golden section.
+        let step = (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1);
+        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step + hash as usize) % n;
+        (rank as f32 + 0.5) / n as f32
     }
 
     /// Record that a sample meets a micropolygon, nearer than what is opaque there; `area` has the sign of its area on the raster.

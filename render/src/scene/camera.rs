@@ -31,9 +31,14 @@ pub struct Camera {
     view: [Vec2; 2],
     /// Nearest depth.
     pub near: f32,
+    /// The depth that is 0 in spaces of the image.
+    depth_from: f32,
     /// Farthest depth.
     pub far: f32,
 }
+
+/// Nearest depth if no plane says.
+const NEAREST: f32 = 1e-6;
 
 /// A rectangle of the raster and the least depth of what is in it.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +95,8 @@ impl Camera {
             scale,
             center,
             window: Vec2::new(right - left, top - bottom),
-            near: options.clipping[0],
+            near: if options.sees_near { NEAREST } else { options.clipping[0] },
+            depth_from: options.clipping[0],
             far: options.clipping[1],
         }
     }
@@ -98,17 +104,22 @@ impl Camera {
     /// The matrices from world to the spaces of the image: `screen`, `raster` in pixels and `NDC` from 0 to 1, both from the
     /// upper left corner. Depth goes from 0 at the near plane to 1 at the far one (RISpec 4.1).
     pub fn image_spaces(&self, options: &Options) -> [(&'static str, Mat4); 3] {
-        let depth = 1.0 / (1.0 - self.near / self.far);
+        let depth = 1.0 / (1.0 - self.depth_from / self.far);
         let screen_scale = self.scale * self.window / Vec2::new(options.width as f32, options.height as f32);
         // From camera space, before the division by what is the depth in perspective.
         let projection = |scale: Vec2, center: Vec2| {
             let (s, c) = (scale, center);
             let (x, y) = (Vec4::new(s.x, 0.0, 0.0, 0.0), Vec4::new(0.0, s.y, 0.0, 0.0));
             if self.perspective {
-                Mat4::from_cols(x, y, Vec4::new(c.x, c.y, depth, 1.0), Vec4::new(0.0, 0.0, -self.near * depth, 0.0))
+                Mat4::from_cols(
+                    x,
+                    y,
+                    Vec4::new(c.x, c.y, depth, 1.0),
+                    Vec4::new(0.0, 0.0, -self.depth_from * depth, 0.0),
+                )
             } else {
                 let step = depth / self.far;
-                Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, step, 0.0), Vec4::new(c.x, c.y, -self.near * step, 1.0))
+                Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, step, 0.0), Vec4::new(c.x, c.y, -self.depth_from * step, 1.0))
             }
         };
         let raster = projection(self.scale * Vec2::new(1.0, -1.0), self.center);

@@ -36,6 +36,8 @@ pub struct Options {
     pub fov: Option<f32>,
     /// Distances of the near and far clipping planes, camera space.
     pub clipping: [f32; 2],
+    /// No planes were given: what is nearer than the near one is seen all the same, which then is that of depths and spaces alone.
+    pub sees_near: bool,
     /// User clipping planes, camera space: a normal and a number; what has a product below −that number is kept (RISpec 4.1.1).
     pub clipping_planes: Vec<Vec4>,
     /// Times at which the shutter opens and closes, in the unit of motion blocks' times.
@@ -89,7 +91,8 @@ impl Default for Options {
             pixel_aspect: 1.0,
             screen_window: None,
             fov: None,
-            clipping: [1e-6, 1e30],
+            clipping: [1e-3, 1e30],
+            sees_near: true,
             clipping_planes: vec![],
             shutter: [0.0, 0.0],
             lens: None,

@@ -352,7 +352,7 @@ impl Parser<'_> {
                 return error(at, "expected a variable or an element of an array before `=`");
             }
             self.take();
-            return self.deeper(|p| p.assigned(at, target, op));
+            return self.assigned(at, target, op);
         }
         match target.kind {
             // What a cast call gives is dropped.
