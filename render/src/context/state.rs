@@ -195,7 +195,7 @@ impl Context {
             self.scene.warn("a primitive goes behind the eye of a `Perspective` and is not drawn".into());
             return Ok(());
         };
-        let before = std::mem::replace(&mut self.moves, vec![]);
+        let before = std::mem::take(&mut self.moves);
         self.transform = Mat4::IDENTITY;
         let done = self.add_patches(there.concat(), names);
         (self.transform, self.moves) = (m, before);
