@@ -35,7 +35,7 @@ pub fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> 
         }
         if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
-            result.options.displays.push(render::Display { name, kind, mode, half: false });
+            result.options.displays.push(render::Display { name, kind, mode, half: false, quantize: None });
         }
         for (name, displays) in display::files(&result.options.displays) {
             let path = match &image {

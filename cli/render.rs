@@ -44,8 +44,13 @@ fn scene(job: &RenderScene) -> Outcome {
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
     reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, _| Ok(()))?;
+    let is_open = context.is_world_open();
     let results = write(context, &job.folder)?;
     progress.finish();
+    if is_open {
+        let message = "the WorldBegin of the scene has no WorldEnd: what it holds is not drawn";
+        return Err(Failure::new(Exit::Input, format!("{}: {message}", job.path.display())));
+    }
     if results.is_empty() {
         let message = "the scene has no WorldBegin and WorldEnd: there is no image";
         return Err(Failure::new(Exit::Input, format!("{}: {message}", job.path.display())));

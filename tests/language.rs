@@ -120,9 +120,25 @@ fn jobs_of_chrono_render() {
         let said = scree(&["render", at("bad.yaml").to_str().unwrap(), "-o", at("x").to_str().unwrap()]).fails(3);
         assert!(said.contains(part), "{said}");
     };
-    fault("radius: 0.5", "raduis: 0.5", "radius");
     fault("type: sphere", "type: shpere", "sphere");
-    fault("{filename: light.rib}", "{script: {file: a.py}}", "Python");
+    // What the original takes and nobody knows is warned of; the rest is drawn.
+    let warned = |from: &str, to: &str, part: &str| {
+        std::fs::write(at("odd.yaml"), JOB.replace(from, to)).unwrap();
+        let answer = scree(&["render", at("odd.yaml").to_str().unwrap(), "-o", at("odd").to_str().unwrap()]);
+        assert!(answer.errors().contains(part), "{}", answer.errors());
+        answer.ok();
+        image::open(at("odd/000003.png")).unwrap().to_rgb8().get_pixel(20, 20).0
+    };
+    assert_eq!(warned("radius: 0.5", "raduis: 0.5", "radius"), [255, 0, 0]);
+    assert_eq!(warned("{filename: light.rib}", "{script: {file: a.py}}", "Python"), [255, 0, 0]);
+    assert_eq!(warned("name: main,", "name: main, wobble: 3,", "wobble"), [255, 0, 0]);
+    // Attributes of an object: it is there, and not seen.
+    let hidden = "shader: {name: constant.sl}, attribute: [{name: visibility, int camera: 0}]}\n      - {name: bar";
+    let job = JOB.replace("shader: {name: constant.sl}}\n      - {name: bar", hidden);
+    assert_ne!(job, JOB);
+    std::fs::write(at("hidden.yaml"), job).unwrap();
+    scree(&["render", at("hidden.yaml").to_str().unwrap(), "-o", at("hidden").to_str().unwrap()]).ok();
+    assert_eq!(image::open(at("hidden/000003.png")).unwrap().to_rgb8().get_pixel(20, 20).0, [0, 0, 0]);
 }
 
 /// How many pixels of an image are of each of three colours, by what channel is brightest; the filter makes edges of both.

@@ -46,7 +46,8 @@ fn find(path: &Path) -> Outcome<ShaderFile> {
     }
     let folders = ["surface", "displacement", "light", "volume", "imager"].map(|k| format!("shaders/{k}"));
     let folders: Vec<&str> = folders.iter().map(String::as_str).collect();
-    let (path, text) = files.read(&name, &folders).map_err(|m| Failure::new(Exit::Input, format!("shader {m}")))?;
+    let (path, text) =
+        files.read_source(&name, &folders).map_err(|m| Failure::new(Exit::Input, format!("shader {m}")))?;
     Ok(ShaderFile { path, text, files })
 }
 

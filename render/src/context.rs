@@ -2,13 +2,17 @@
 
 pub mod attributes;
 pub mod calls;
+pub mod geometry;
 pub mod motion_block;
 pub mod moving;
 pub mod new;
+pub mod objects;
+pub mod open_object;
 pub mod options;
 pub mod primitives;
 pub mod result;
 pub mod shaders;
+pub mod solids;
 pub mod state;
 pub mod transforms;
 pub mod world;

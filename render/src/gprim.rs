@@ -9,6 +9,7 @@ pub mod grid;
 pub mod nurbs;
 pub mod patch;
 pub mod patch_mesh;
+pub mod perspective;
 pub mod polygon;
 pub mod quadric;
 pub mod sphere;

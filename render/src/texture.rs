@@ -68,6 +68,8 @@ pub struct Textures {
     loaded: Mutex<HashMap<String, Option<Arc<Map>>>>,
     /// Bytes that textures may take in memory.
     memory: usize,
+    /// Whether colours of whole numbers are encoded for screens, if an option says.
+    encoded: Option<bool>,
     cache: Arc<Cache>,
 }
 
@@ -102,11 +104,11 @@ fn find(path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
 
 impl Textures {
     /// Textures of files in folders.
-    pub fn new(folders: Vec<PathBuf>, made: Made, memory: usize) -> Textures {
+    pub fn new(folders: Vec<PathBuf>, made: Made, memory: usize, encoded: Option<bool>) -> Textures {
         let cache = Arc::new(Cache::default());
         // A quarter is for the tiles of those that find no room.
         cache.limit(memory / 4);
-        Textures { folders, made, loaded: Mutex::default(), memory, cache }
+        Textures { folders, made, loaded: Mutex::default(), memory, encoded, cache }
     }
 
     /// A texture by its name; the first failure is a warning.
@@ -119,7 +121,9 @@ impl Textures {
         let room = std::cell::Cell::new((self.memory / 4 * 3).saturating_sub(taken));
         let read = |path: &PathBuf, wrap| {
             let found = find(path, &self.folders);
-            let texture = Texture::read(found.as_ref().unwrap_or(path), wrap, room.get(), &self.cache)
+            let path = found.as_ref().unwrap_or(path);
+            let encoded = self.encoded.unwrap_or_else(|| is_for_screens(path));
+            let texture = Texture::read(path, wrap, encoded, room.get(), &self.cache)
                 .map_err(|e| format!("`{}`: {e}", path.display()))?;
             room.set(room.get().saturating_sub(texture.levels.bytes()));
             Ok(texture)
@@ -185,15 +189,61 @@ impl Textures {
             }
             (Map::Image(texture), _) => (texture, [q.at[0], q.at[1]], q.change.map(|c| [c[0], c[1]])),
         };
-        let spread = |axis: usize| {
-            let d = change[0][axis].abs().max(change[1][axis].abs());
-            (d * q.width + 2.0 * q.blur).min(1.0)
-        };
-        let mut value = texture.filtered(at, [spread(0), spread(1)]);
+        let mut value = texture.filtered(at, change.map(|c| c.map(|d| d * q.width)), q.blur);
         if q.channel > 0 {
             value = [0, 1, 2, 3].map(|k| value.get(k + q.channel).copied().unwrap_or(0.0));
         }
         value
+    }
+}
+
+/// Whether an image says that its colours are encoded for screens: a PNG file by a chunk `sRGB`, or `gAMA` of 1/2.2.
+fn is_for_screens(path: &Path) -> bool {
+    use std::io::Read;
+    /// Bytes in which the chunks before the image stand.
+    const HEAD: u64 = 1 << 16;
+    let mut head = vec![];
+    let Ok(file) = guard::open(path) else { return false };
+    if file.take(HEAD).read_to_end(&mut head).is_err() || !head.starts_with(b"\x89PNG") {
+        return false;
+    }
+    let mut rest = &head[8.min(head.len())..];
+    while let [a, b, c, d, kind @ ..] = rest {
+        let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize;
+        let data = kind.get(4..).unwrap_or(&[]);
+        match kind.get(..4) {
+            Some(b"sRGB") => return true,
+            Some(b"gAMA") if data.len() >= 4 => {
+                return u32::from_be_bytes([data[0], data[1], data[2], data[3]]).abs_diff(45_455) < 500;
+            }
+            Some(b"IDAT") | None => return false,
+            _ => rest = data.get(length + 4..).unwrap_or(&[]),
+        }
+    }
+    false
+}
+
+/// The most places along the longer axis of a filter.
+const MAX_TAPS: f32 = 32.0;
+
+/// An ellipse: the direction of its longer axis, and the lengths of both.
+struct Ellipse {
+    axis: [f32; 2],
+    long: f32,
+    short: f32,
+}
+
+impl Ellipse {
+    /// The one that two vectors span: the square roots of the eigenvalues of the sum of their dyads.
+    fn of([[ax, ay], [bx, by]]: [[f32; 2]; 2]) -> Ellipse {
+        let (xx, yy, xy) = (ax * ax + bx * bx, ay * ay + by * by, ax * ay + bx * by);
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let off = (half * half + xy * xy).sqrt();
+        let long = (mean + off).sqrt();
+        // What the vectors span keeps its area.
+        let short = if long > 0.0 { (ax * by - ay * bx).abs() / long } else { 0.0 };
+        let angle = 0.5 * xy.atan2(half);
+        Ellipse { axis: if off > 0.0 { [angle.cos(), angle.sin()] } else { [1.0, 0.0] }, long, short }
     }
 }
 
@@ -222,19 +272,24 @@ fn on_face(face: usize, [x, y, z]: [f32; 3], tangent: f32) -> [f32; 2] {
 
 impl Texture {
     /// Read an image.
-    fn read(path: &std::path::Path, wrap: [Wrap; 2], room: usize, cache: &Arc<Cache>) -> Result<Texture, String> {
+    fn read(
+        path: &std::path::Path,
+        wrap: [Wrap; 2],
+        encoded: bool,
+        room: usize,
+        cache: &Arc<Cache>,
+    ) -> Result<Texture, String> {
         let image = guard::read_image(path)?;
         let (w, h) = (image.width() as usize, image.height() as usize);
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
         let linear = matches!(image, ImageRgb32F(_) | ImageRgba32F(_));
         let texels = match image {
             ImageLuma8(_) | ImageLumaA8(_) | ImageRgb8(_) | ImageRgba8(_) => {
-                Texels::Bytes(image.into_rgba8().pixels().map(|p| p.0).collect())
+                Texels::Bytes(image.into_rgba8().pixels().map(|p| p.0).collect(), encoded)
             }
             _ => {
                 let own = |[r, g, b, a]: [f32; 4]| {
-                    // Images of whole numbers are encoded for screens.
-                    if linear { [r, g, b, a] } else { [decoded(r), decoded(g), decoded(b), a] }
+                    if linear || !encoded { [r, g, b, a] } else { [decoded(r), decoded(g), decoded(b), a] }
                 };
                 Texels::Floats(image.into_rgba32f().pixels().map(|p| own(p.0)).collect())
             }
@@ -243,21 +298,23 @@ impl Texture {
         Ok(Texture { levels, wrap })
     }
 
-    /// The mean about a place over a width, parts of the image: between two levels, bilinear in each; a few along the longer side.
-    fn filtered(&self, at: [f32; 2], width: [f32; 2]) -> [f32; 4] {
+    /// The mean about a place over the ellipse that the change to the next points spans, wider by a blur, all as parts of the image:
+    /// between two levels that resolve its shorter axis, bilinear in each, and several along its longer one.
+    fn filtered(&self, at: [f32; 2], change: [[f32; 2]; 2], blur: f32) -> [f32; 4] {
         let (w, h) = self.levels.size(0);
         let (w, h) = (w as f32, h as f32);
-        let texels = [(width[0] * w).max(1.0), (width[1] * h).max(1.0)];
-        let long = if texels[0] > texels[1] { 0 } else { 1 };
-        let ratio = (texels[long] / texels[1 - long]).min(8.0);
+        let Ellipse { axis, long, short } = Ellipse::of(change.map(|[s, t]| [s * w, t * h]));
+        let blurred = |length: f32| (length + 2.0 * blur * (w * h).sqrt()).clamp(1.0, w.max(h).max(1.0));
+        let (long, short) = (blurred(long), blurred(short));
+        let ratio = (long / short).min(MAX_TAPS);
         let taps = ratio.ceil() as usize;
-        let level = (texels[long] / ratio).log2().clamp(0.0, (self.levels.len() - 1) as f32);
+        let level = (long / ratio).log2().clamp(0.0, (self.levels.len() - 1) as f32);
         let (lower, t) = (level.floor() as usize, level.fract());
         let upper = (lower + 1).min(self.levels.len() - 1);
         let mut sum = [0.0; 4];
         for k in 0..taps {
-            let mut place = at;
-            place[long] += width[long] * ((k as f32 + 0.5) / taps as f32 - 0.5);
+            let along = long * ((k as f32 + 0.5) / taps as f32 - 0.5);
+            let place = [at[0] + axis[0] * along / w, at[1] + axis[1] * along / h];
             let (a, b) = (self.bilinear(lower, place), self.bilinear(upper, place));
             (0..4).for_each(|c| sum[c] += (a[c] * (1.0 - t) + b[c] * t) / taps as f32);
         }
@@ -291,6 +348,25 @@ impl Texture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_filter_follows_the_ellipse_that_it_looks_through() {
+        // Stripes along the diagonal, 8 texels from one to the next: a long way along one stays in it, one across sees their mean.
+        let n = 64;
+        let stripe = |k: usize| if (k % n + n - k / n) % 8 < 4 { [1.0; 4] } else { [0.0, 0.0, 0.0, 1.0] };
+        let texels = Texels::Floats((0..n * n).map(stripe).collect());
+        let levels = Levels::new(n, n, texels, usize::MAX, &Arc::new(Cache::default())).unwrap();
+        let texture = Texture { levels, wrap: [Wrap::Periodic; 2] };
+        let (long, short) = (12.0 / n as f32, 0.2 / n as f32);
+        let (along, across) = ([long, long], [short, -short]);
+        let at = [34.0 / n as f32, 32.5 / n as f32];
+        let inside = texture.filtered(at, [along, across], 0.0)[0];
+        assert!(inside > 0.9, "{inside}");
+        let mean = texture.filtered(at, [[long, -long], [short, short]], 0.0)[0];
+        assert!((mean - 0.5).abs() < 0.15, "{mean}");
+        let ellipse = Ellipse::of([[3.0, 0.0], [0.0, 7.0]]);
+        assert!((ellipse.long - 7.0).abs() < 1e-5 && (ellipse.short - 3.0).abs() < 1e-5 && ellipse.axis[1] > 0.999);
+    }
 
     #[test]
     fn faces_of_a_cube_meet_at_their_edges() {

@@ -1,8 +1,11 @@
 // A floor of fine sand with a faint metre grid, for scale. spacing: m between lines; line: their width, m, 0 for none.
+#include "grain.h"
 surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.008; float contrast = 0.22;) {
     point Q = transform("world", P);
-    float fine = noise(Q * 55) - 0.5;
-    float broad = noise(Q * 2.3) - 0.5;
+    // What is too fine to be seen fades to its mean.
+    float wide = apart(Q);
+    float fine = fade(wide, 1 / 55) * (noise(Q * 55) - 0.5);
+    float broad = fade(wide, 1 / 2.3) * (noise(Q * 2.3) - 0.5);
     color sand = Cs * (1 + 0.16 * fine + 0.12 * broad);
     if (line > 0) {
         float x = abs(mod(xcomp(Q) / spacing + 0.5, 1) - 0.5) * spacing;

@@ -4,7 +4,9 @@ surface regolith(float Ka = 1; float Kd = 1.6; float grain = 0.01; color tint = 
     normal Nf = faceforward(normalize(N), I);
     vector V = -normalize(I);
     point q = transform("object", P);
-    float shade = 0.85 + 0.5 * octaves(q / (20 * grain), 5) + 0.15 * (cellnoise(q / grain) - 0.5);
+    float wide = apart(q);
+    float shade = 0.85 + 0.5 * fading_octaves(q / (20 * grain), 5, wide / (20 * grain));
+    shade += 0.15 * fade(wide, grain) * (cellnoise(q / grain) - 0.5);
     color sum = Ka * ambient();
     illuminance(P, Nf, PI / 2) {
         float mu0 = max(0, Nf . normalize(L));

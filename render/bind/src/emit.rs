@@ -228,6 +228,9 @@ fn inject_objects(
         if let Some(o) = p.object.opacity {
             ri.opacity([o; 3])?;
         }
+        for (name, params) in &p.object.attributes {
+            ri.attribute(name, params.clone())?;
+        }
         match &p.object.surface {
             Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
             None => ri.surface("matte", vec![])?,

@@ -93,10 +93,10 @@ impl<'a> Arguments<'a> {
         self.known.warned.contains(key)
     }
 
-    /// Note the request under way, which is warned of where it is misplaced.
-    pub(crate) fn note(&mut self, request: Request) {
+    /// Note the request under way, which is warned of where it is misplaced. Whether it is to be made.
+    pub(crate) fn note(&mut self, request: Request) -> bool {
         let place = || format!("{}:{}:{}", self.path.display(), self.request.0, self.request.1);
-        self.known.standing.note(request, place, &mut self.warnings);
+        self.known.standing.note(request, place, &mut self.warnings)
     }
 
     /// The token that was looked at and left in place.

@@ -3,6 +3,11 @@
 pub use crate::programs::{Permission, resolve};
 use std::path::{Path, PathBuf};
 
+/// The text of a shader: UTF-8, or else Latin-1.
+fn source_of(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect())
+}
+
 /// A search path: folders, then files built into the program.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
@@ -28,6 +33,13 @@ impl Files {
         let (path, bytes) = self.read_bytes(name, rooms)?;
         let text = String::from_utf8(bytes).map_err(|_| format!("{} is not UTF-8 text", path.display()))?;
         Ok((path, text))
+    }
+
+    /// Find and read the source of a shader, as [`Files::read`] does; what is not UTF-8 is taken for Latin-1, in which old shaders
+    /// have their comments.
+    pub fn read_source(&self, name: &str, rooms: &[&str]) -> Result<(PathBuf, String), String> {
+        let (path, bytes) = self.read_bytes(name, rooms)?;
+        Ok((path, source_of(bytes)))
     }
 
     /// Find and read the file `name`, as [`Files::read`] does: its path and bytes.
@@ -69,11 +81,10 @@ impl Files {
         beside.iter().for_each(|path| guard::look_for(path));
         match beside.filter(|path| path.is_file()) {
             Some(path) => {
-                let text =
-                    guard::read_to_string(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
-                Ok((path, text))
+                let bytes = guard::read(&path).map_err(|e| format!("{} cannot be read: {e}", path.display()))?;
+                Ok((path, source_of(bytes)))
             }
-            None => self.read(name, &["shaders/include", "shaders"]),
+            None => self.read_source(name, &["shaders/include", "shaders"]),
         }
     }
 

@@ -56,6 +56,8 @@ pub enum Type {
     HPoint,
     /// A 4×4 matrix, 16 numbers.
     Matrix,
+    /// A position of blobbies: at each leaf the matrix from the leaf's own space, 16 numbers.
+    MatrixPoint,
 }
 
 impl Type {
@@ -71,6 +73,7 @@ impl Type {
             Type::Normal => "normal",
             Type::HPoint => "hpoint",
             Type::Matrix => "matrix",
+            Type::MatrixPoint => "mpoint",
         }
     }
 
@@ -80,7 +83,7 @@ impl Type {
             Type::Float | Type::Integer | Type::String => 1,
             Type::Color | Type::Point | Type::Vector | Type::Normal => 3,
             Type::HPoint => 4,
-            Type::Matrix => 16,
+            Type::Matrix | Type::MatrixPoint => 16,
         }
     }
 }
@@ -198,6 +201,7 @@ impl Default for Declarations {
             }
         }
         known.declare("st", "varying float[2]").expect("a sound declaration");
+        known.declare("quantize", "uniform float[4]").expect("a sound declaration");
         known
     }
 }
@@ -250,9 +254,10 @@ fn parse_inline(text: &str) -> Result<Declaration, String> {
         Some("normal") => Type::Normal,
         Some("hpoint") => Type::HPoint,
         Some("matrix") => Type::Matrix,
+        Some("mpoint") => Type::MatrixPoint,
         other => {
             return Err(format!(
-                "`{}` is not a type, expected float, integer, string, color, point, vector, normal, hpoint or matrix",
+                "`{}` is not a type, expected float, integer, string, color, point, vector, normal, hpoint, matrix or mpoint",
                 other.unwrap_or("")
             ));
         }

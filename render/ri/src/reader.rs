@@ -208,10 +208,9 @@ impl<'a> Reader<'a> {
         guard::memory::check().map_err(|full| self.error(place, format!("the scene is too large: {full}")))?;
         self.arguments.request = place;
         let start = self.arguments.lexer.mark();
-        if let Ok(request) = request {
-            self.arguments.note(request);
-        }
+        let is_made = request.map_or(true, |request| self.arguments.note(request));
         let done = match request {
+            _ if !is_made => self.arguments.pass_over().map_err(|f| self.error(place, f.message)),
             Ok(Request::ReadArchive) => self.read_archive(ri, on_directive, place),
             Ok(Request::ArchiveBegin) => self.inline_archive(place),
             Ok(Request::Procedural) => self.procedural(ri, on_directive, place),

@@ -1,6 +1,7 @@
 //! Where a stream's requests stand, held against where the table says that they may (RISpec 3.2, sections 4 and 5).
 //!
-//! What stands elsewhere is warned of, once for each request, and made all the same. A stream may be the inside of a scene alone,
+//! What stands elsewhere is warned of, once for each request, and made all the same; options within the world are not, which
+//! belong to the image that is under way. A stream may be the inside of a scene alone,
 //! which is read within another's world; so what may stand in a world alone is misplaced only if the stream has a world of its own.
 
 use crate::requests::{Bracket, Request, Stands};
@@ -28,11 +29,13 @@ pub(crate) struct Standing {
 
 impl Standing {
     /// Note a request; `place` is its file, line and column. What is wrong with where it stands is added to the warnings.
+    /// Answers whether it is to be made: an option within the world is not.
     #[inline]
-    pub(crate) fn note(&mut self, request: Request, place: impl Fn() -> String, warnings: &mut Vec<String>) {
+    pub(crate) fn note(&mut self, request: Request, place: impl Fn() -> String, warnings: &mut Vec<String>) -> bool {
         let row = request.row();
         if row.bracket != Bracket::Alone {
-            return self.bracket(request, warnings);
+            self.bracket(request, warnings);
+            return true;
         }
         let [stands, expected] = match (row.stands, self.world) {
             (Stands::BeforeWorld, World::Within) => ["between WorldBegin and WorldEnd", "before WorldBegin"],
@@ -42,13 +45,16 @@ impl Standing {
             (Stands::InWorld, World::After) if self.objects == 0 => {
                 ["after WorldEnd", "between WorldBegin and WorldEnd"]
             }
-            _ => return,
+            _ => return true,
         };
+        let is_made = row.stands != Stands::BeforeWorld;
         if !self.misplaced.contains(&request) {
             self.misplaced.push(request);
-            let message = format!("{}: `{}` stands {stands}, expected {expected}", place(), row.name);
+            let refused = if is_made { "" } else { "; it is passed over" };
+            let message = format!("{}: `{}` stands {stands}, expected {expected}{refused}", place(), row.name);
             if self.world == World::Before { self.early.push(message) } else { warnings.push(message) }
         }
+        is_made
     }
 
     /// Note a request that begins or ends a block. Whether blocks match is not asked here.
@@ -117,11 +123,11 @@ mod tests {
     fn a_misplaced_request_is_said_once_and_made() {
         let Heard(said, made) = heard("WorldBegin\n Format 1 1 1 Format 2 2 1\nWorldEnd Points Points");
         let expected = [
-            "t.rib:2:2: `Format` stands between WorldBegin and WorldEnd, expected before WorldBegin",
+            "t.rib:2:2: `Format` stands between WorldBegin and WorldEnd, expected before WorldBegin; it is passed over",
             "t.rib:3:10: `Points` stands after WorldEnd, expected between WorldBegin and WorldEnd",
         ];
         assert_eq!(said, expected);
-        assert_eq!(made, ["Format", "Format", "Points", "Points"]);
+        assert_eq!(made, ["Points", "Points"]);
         let Heard(said, _) = heard("Color 1 1 1 Points Points WorldBegin Points WorldEnd");
         assert_eq!(said, ["t.rib:1:13: `Points` stands before WorldBegin, expected between WorldBegin and WorldEnd"]);
     }

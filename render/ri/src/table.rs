@@ -73,6 +73,8 @@ macro_rules! requests {
             Projection [options] => projection(text (name: &str) params (params: Params));
             /// distances of the near and far clipping planes, camera space.
             Clipping [options] => clipping(numbers "near and far" (near: f32, far: f32));
+            /// clip what lies on the side of a plane that its normal points to: a point of it and its normal, current space.
+            ClippingPlane [any] => clipping_plane(numbers "a point and a normal" (point: [f32; 3], normal: [f32; 3]));
             /// f-stop, focal length and focal distance of the lens; without arguments a pinhole.
             DepthOfField [options] => depth_of_field(lens (f_stop: f32, focal_length: f32, focal_distance: f32));
             /// times at which the shutter opens and closes.

@@ -2,6 +2,7 @@
 
 use crate::context::state::Context;
 use crate::scene::area::{Area, AreaLight};
+use crate::scene::attributes::Attribute;
 use crate::scene::camera::Camera;
 use glam::Vec3;
 use ri::{Fail, Params, RiResult, Values};
@@ -11,12 +12,12 @@ use std::sync::Arc;
 impl Context {
     /// Back to the attributes of the last `AttributeBegin`.
     pub(super) fn pop_attributes(&mut self) -> RiResult {
-        let floor = self.to_camera.is_some() as usize;
+        let floor = self.open_object.as_ref().map_or(self.to_camera.is_some() as usize, |object| object.depth());
         if self.attribute_stack.len() <= floor {
             return Err(Fail::new("AttributeEnd without AttributeBegin"));
         }
-        if let Some((attributes, place)) = self.attribute_stack.pop() {
-            self.attributes = attributes;
+        if let Some((attributes, place, geometry)) = self.attribute_stack.pop() {
+            (self.attributes, self.geometry) = (attributes, geometry);
             (self.transform, self.moves) = place;
         }
         Ok(())
@@ -33,20 +34,30 @@ impl Context {
             let user = Arc::make_mut(&mut self.attributes.user);
             user.retain(|(n, _)| *n != key);
             user.push((key, answer));
+            self.sets(Attribute::User);
             let number = param.numbers().first().copied();
             match (name, param.decl.name.as_str(), number) {
                 ("displacementbound", "sphere", Some(bound)) => {
+                    self.sets(Attribute::DisplacementBound);
                     self.attributes.displacement_bound = Some(bound.max(0.0))
                 }
                 ("light", "nsamples", Some(n)) => {
                     if !(1.0..=4096.0).contains(&n) {
                         return Err(Fail::new(format!("an area light of {n} samples, expected 1 to 4096")));
                     }
+                    self.sets(Attribute::LightSamples);
                     self.attributes.light_samples = n as usize;
                 }
-                ("visibility", "camera", Some(on)) => self.attributes.visible = on != 0.0,
-                ("visibility", "transmission", Some(on)) => self.attributes.casts_shadows = on != 0.0,
+                ("visibility", "camera", Some(on)) => {
+                    self.sets(Attribute::Visibility);
+                    self.attributes.visible = on != 0.0;
+                }
+                ("visibility", "transmission", Some(on)) => {
+                    self.sets(Attribute::Shadows);
+                    self.attributes.casts_shadows = on != 0.0;
+                }
                 ("visibility", "transmission", None) => {
+                    self.sets(Attribute::Shadows);
                     self.attributes.casts_shadows = param.text() != Some("transparent");
                     self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
@@ -59,7 +70,7 @@ impl Context {
     /// A light, which is on.
     pub(super) fn add_light(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
         let light = self.shader(name, "light", params)?;
-        self.attributes.lights.retain(|(h, _)| h != handle);
+        // A handle that is used again names the new light from now on; the other shines as before.
         self.attributes.lights.push((handle.into(), light.clone()));
         self.known_lights.retain(|(h, _)| h != handle);
         self.known_lights.push((handle.into(), light));
@@ -72,7 +83,7 @@ impl Context {
         let known = |lights: &[(String, Arc<BoundShader>)]| lights.iter().find(|(h, _)| h == handle).cloned();
         let light = known(&self.known_lights);
         let Some(light) = light else { return Err(Fail::new(format!("there is no light `{handle}`"))) };
-        self.attributes.lights.retain(|(h, _)| h != handle);
+        self.attributes.lights.retain(|(_, l)| !Arc::ptr_eq(l, &light.1));
         if on {
             self.attributes.lights.push(light);
         }
@@ -84,6 +95,7 @@ impl Context {
     pub(super) fn add_area_light(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
         self.in_world("`AreaLightSource`")?;
         self.add_light(name, handle, params)?;
+        self.sets(Attribute::AreaLight);
         if let Some((_, shader)) = self.known_lights.iter().find(|(h, _)| h == handle) {
             let samples = self.attributes.light_samples;
             self.attributes.area_light = Some(self.scene.area_lights.len());
@@ -107,6 +119,7 @@ impl Context {
 
     /// Interpolation of colours over a micropolygon.
     pub(super) fn set_interpolation(&mut self, kind: &str) -> RiResult {
+        self.sets(Attribute::Interpolation);
         self.attributes.smooth = match kind {
             "smooth" => true,
             "constant" => false,
@@ -117,6 +130,7 @@ impl Context {
 
     /// Which side is outside.
     pub(super) fn set_orientation(&mut self, kind: &str) -> RiResult {
+        self.sets(Attribute::Orientation);
         self.attributes.reversed = match kind {
             "outside" | "lh" => false,
             "inside" | "rh" => true,
@@ -127,19 +141,21 @@ impl Context {
         Ok(())
     }
 
-    /// How much of the current level of detail is seen: 0 out of its range, 1 in its middle, in between in a transition (RISpec
-    /// 5.6).
+    /// The part of the samples that see the current level of detail: none out of its range, all in its middle; in a transition
+    /// levels share the samples, so that together they are whole (RISpec 5.6).
     pub(super) fn level_changed(&mut self) {
+        self.sets(Attribute::Detail);
         let ([least, lower, upper, most], detail) = (self.attributes.detail_range, self.attributes.detail);
-        self.attributes.level = match detail {
-            d if d < least || d > most => 0.0,
-            d if d < lower => (d - least) / (lower - least),
-            d if d > upper => (most - d) / (most - upper),
-            _ => 1.0,
+        self.attributes.seen = match detail {
+            d if d < least || d > most => [0.0; 2],
+            d if d < lower => [0.0, (d - least) / (lower - least)],
+            d if d > upper => [(d - upper) / (most - upper), 1.0],
+            _ => [0.0, 1.0],
         };
     }
 
     pub(super) fn lights_changed(&mut self) {
+        self.sets(Attribute::Lights);
         self.attributes.light_list = Arc::new(self.attributes.lights.iter().map(|(_, l)| l.clone()).collect());
     }
 }

@@ -1,8 +1,9 @@
 //! The calls of the interface, each passed on to what it sets or makes.
 
 use crate::context::state::{Context, positive};
-use crate::gprim::quadric;
+use crate::gprim::quadric::Outline;
 use crate::gprim::trim::trim;
+use crate::scene::attributes::Attribute;
 use crate::texture::{self, Wrap};
 use glam::{Mat4, Vec3};
 use ri::{Fail, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves};
@@ -21,12 +22,15 @@ impl Ri for Context {
     }
     fn frame_begin(&mut self, number: i32) -> RiResult {
         self.frame = number;
-        self.saved_options = Some(self.options.clone());
+        let attributes = (self.attributes.clone(), self.geometry.clone());
+        self.saved = Some((self.options.clone(), attributes, self.known_lights.clone()));
         Ok(())
     }
     fn frame_end(&mut self) -> RiResult {
-        if let Some(options) = self.saved_options.take() {
+        if let Some((options, attributes, lights)) = self.saved.take() {
             self.options = options;
+            (self.attributes, self.geometry) = attributes;
+            self.known_lights = lights;
             (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
             return Ok(());
         }
@@ -39,7 +43,7 @@ impl Ri for Context {
         self.end_world()
     }
     fn attribute_begin(&mut self) -> RiResult {
-        self.attribute_stack.push((self.attributes.clone(), self.place()));
+        self.attribute_stack.push((self.attributes.clone(), self.place(), self.geometry.clone()));
         Ok(())
     }
     fn attribute_end(&mut self) -> RiResult {
@@ -50,22 +54,19 @@ impl Ri for Context {
         Ok(())
     }
     fn transform_end(&mut self) -> RiResult {
-        (self.transform, self.moves) =
-            self.transform_stack.pop().ok_or(Fail::new("TransformEnd without TransformBegin"))?;
+        if self.transform_stack.len() <= self.open_object.as_ref().map_or(0, |object| object.transforms()) {
+            return Err(Fail::new("TransformEnd without TransformBegin"));
+        }
+        if let Some(place) = self.transform_stack.pop() {
+            (self.transform, self.moves) = place;
+        }
         Ok(())
     }
     fn object_begin(&mut self, handle: &str) -> RiResult {
-        if self.open_object.is_some() {
-            return Err(Fail::new("ObjectBegin within ObjectBegin"));
-        }
-        self.open_object = Some((handle.into(), vec![], self.transform));
-        Ok(())
+        self.open_object(handle)
     }
     fn object_end(&mut self) -> RiResult {
-        let (handle, parts, base) = self.open_object.take().ok_or(Fail::new("ObjectEnd without ObjectBegin"))?;
-        self.objects.insert(handle, Arc::new(parts));
-        self.transform = base;
-        Ok(())
+        self.close_object()
     }
     fn object_instance(&mut self, handle: &str) -> RiResult {
         self.draw_object(handle)
@@ -91,8 +92,11 @@ impl Ri for Context {
     fn clipping(&mut self, near: f32, far: f32) -> RiResult {
         positive(near, "the near plane")?;
         positive(far - near, "the depth from near to far")?;
-        self.options.clipping = [near, far];
+        (self.options.clipping, self.options.sees_near) = ([near, far], false);
         Ok(())
+    }
+    fn clipping_plane(&mut self, point: [f32; 3], normal: [f32; 3]) -> RiResult {
+        self.add_clipping_plane(point.into(), normal.into())
     }
     fn shutter(&mut self, open: f32, close: f32) -> RiResult {
         if !(close >= open && open.is_finite() && close.is_finite()) {
@@ -136,10 +140,12 @@ impl Ri for Context {
         self.set_attribute(name, params)
     }
     fn color(&mut self, color: [f32; 3]) -> RiResult {
+        self.sets(Attribute::Color);
         self.attributes.color = color;
         Ok(())
     }
     fn opacity(&mut self, opacity: [f32; 3]) -> RiResult {
+        self.sets(Attribute::Opacity);
         self.attributes.opacity = opacity;
         Ok(())
     }
@@ -150,11 +156,13 @@ impl Ri for Context {
         self.switch_light(handle, on)
     }
     fn surface(&mut self, name: &str, params: Params) -> RiResult {
+        self.sets(Attribute::Surface);
         self.attributes.surface = self.shader(name, "surface", params)?;
         self.attributes.surface_space = self.transform;
         Ok(())
     }
     fn displacement(&mut self, name: &str, params: Params) -> RiResult {
+        self.sets(Attribute::Displacement);
         self.attributes.displacement =
             if name == "null" { None } else { Some(self.shader(name, "displacement", params)?) };
         self.attributes.displacement_space = self.transform;
@@ -164,24 +172,24 @@ impl Ri for Context {
         self.add_area_light(name, handle, params)
     }
     fn atmosphere(&mut self, name: &str, params: Params) -> RiResult {
+        self.sets(Attribute::Atmosphere);
         self.attributes.atmosphere =
             if name == "null" || name.is_empty() { None } else { Some(self.shader(name, "volume", params)?) };
         self.attributes.atmosphere_space = self.transform;
         Ok(())
     }
-    fn interior(&mut self, name: &str, _: Params) -> RiResult {
-        self.scene.warn(format!("interior shader `{name}` is passed over: no ray goes through surfaces yet"));
+    fn interior(&mut self, name: &str, params: Params) -> RiResult {
+        self.sets(Attribute::Interior);
+        self.attributes.interior = self.volume(name, params)?;
         Ok(())
     }
-    fn exterior(&mut self, name: &str, _: Params) -> RiResult {
-        self.scene.warn(format!("exterior shader `{name}` is passed over: no ray goes through surfaces yet"));
+    fn exterior(&mut self, name: &str, params: Params) -> RiResult {
+        self.sets(Attribute::Exterior);
+        self.attributes.exterior = self.volume(name, params)?;
         Ok(())
     }
     fn solid_begin(&mut self, operation: &str) -> RiResult {
-        if !matches!(operation, "primitive" | "union") {
-            self.scene.warn(format!("solid `{operation}` is drawn as a union"));
-        }
-        self.attribute_begin()
+        self.open_solid(operation)
     }
     fn solid_end(&mut self) -> RiResult {
         self.attribute_end()
@@ -268,6 +276,7 @@ impl Ri for Context {
     }
     fn shading_rate(&mut self, size: f32) -> RiResult {
         positive(size, "the shading rate")?;
+        self.sets(Attribute::ShadingRate);
         self.attributes.shading_rate = size.max(1e-3);
         Ok(())
     }
@@ -275,6 +284,7 @@ impl Ri for Context {
         self.set_interpolation(kind)
     }
     fn matte(&mut self, on: bool) -> RiResult {
+        self.sets(Attribute::Matte);
         self.attributes.matte = on;
         Ok(())
     }
@@ -285,6 +295,7 @@ impl Ri for Context {
         self.set_orientation(kind)
     }
     fn reverse_orientation(&mut self) -> RiResult {
+        self.sets(Attribute::Orientation);
         self.attributes.reversed = !self.attributes.reversed;
         Ok(())
     }
@@ -292,6 +303,7 @@ impl Ri for Context {
         if !matches!(sides, 1 | 2) {
             return Err(Fail::new(format!("sides is {sides}, expected 1 or 2")));
         }
+        self.sets(Attribute::Sides);
         self.attributes.two_sided = sides == 2;
         Ok(())
     }
@@ -303,7 +315,7 @@ impl Ri for Context {
         if m.is_finite() { self.set_transform(m) } else { Err(Fail::new("the transformation is not finite")) }
     }
     fn concat_transform(&mut self, matrix: [f32; 16]) -> RiResult {
-        self.concat(Mat4::from_cols_array(&matrix))
+        self.concat(Mat4::from_cols_array(&matrix), "the matrix of `ConcatTransform`")
     }
     fn perspective(&mut self, fov: f32) -> RiResult {
         self.concat_perspective(fov)
@@ -312,14 +324,14 @@ impl Ri for Context {
         self.concat_skew(angle, from, to)
     }
     fn translate(&mut self, by: [f32; 3]) -> RiResult {
-        self.concat(Mat4::from_translation(by.into()))
+        self.concat(Mat4::from_translation(by.into()), "`Translate`")
     }
     fn rotate(&mut self, angle: f32, axis: [f32; 3]) -> RiResult {
         let axis = Vec3::from(axis).try_normalize().ok_or(Fail::new("the axis of a rotation is zero"))?;
-        self.concat(Mat4::from_axis_angle(axis, angle.to_radians()))
+        self.concat(Mat4::from_axis_angle(axis, angle.to_radians()), "`Rotate`")
     }
     fn scale(&mut self, by: [f32; 3]) -> RiResult {
-        self.concat(Mat4::from_scale(by.into()))
+        self.concat(Mat4::from_scale(by.into()), &format!("`Scale {} {} {}`", by[0], by[1], by[2]))
     }
     fn coordinate_system(&mut self, name: &str) -> RiResult {
         self.scene.spaces.insert(name.into(), self.to_world());
@@ -351,8 +363,8 @@ impl Ri for Context {
         if !(1..=4).contains(&u_step) || !(1..=4).contains(&v_step) {
             return Err(Fail::new(format!("steps {u_step} and {v_step} of a basis, expected 1 to 4")));
         }
-        self.bases = (u, v);
-        self.steps = [u_step as usize, v_step as usize];
+        self.geometry.bases = (u, v);
+        self.geometry.steps = [u_step as usize, v_step as usize];
         Ok(())
     }
     fn patch(&mut self, kind: &str, params: Params) -> RiResult {
@@ -365,27 +377,27 @@ impl Ri for Context {
         self.draw_nu_patch(u, v, params)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
-        self.trim = trim(&curves)?.map(Arc::new);
+        self.geometry.trim = trim(&curves)?.map(Arc::new);
         Ok(())
     }
     fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
-        self.quadric(quadric::line(Vec3::new(radius, 0.0, 0.0), Vec3::new(0.0, 0.0, height)), sweep, params)
+        self.quadric(Outline::Line(Vec3::new(radius, 0.0, 0.0), Vec3::new(0.0, 0.0, height)), sweep, params)
     }
     fn cylinder(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        self.quadric(quadric::line(Vec3::new(radius, 0.0, z_min), Vec3::new(radius, 0.0, z_max)), sweep, params)
+        self.quadric(Outline::Line(Vec3::new(radius, 0.0, z_min), Vec3::new(radius, 0.0, z_max)), sweep, params)
     }
     fn hyperboloid(&mut self, from: [f32; 3], to: [f32; 3], sweep: f32, params: Params) -> RiResult {
-        self.quadric(quadric::line(from.into(), to.into()), sweep, params)
+        self.quadric(Outline::Line(from.into(), to.into()), sweep, params)
     }
     fn paraboloid(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        self.quadric(quadric::parabola(radius, z_min, z_max), sweep, params)
+        self.quadric(Outline::Parabola(radius, [z_min, z_max]), sweep, params)
     }
     fn disk(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
-        self.quadric(quadric::line(Vec3::new(radius, 0.0, height), Vec3::new(0.0, 0.0, height)), sweep, params)
+        self.quadric(Outline::Line(Vec3::new(radius, 0.0, height), Vec3::new(0.0, 0.0, height)), sweep, params)
     }
     fn torus(&mut self, major: f32, minor: f32, phi_min: f32, phi_max: f32, sweep: f32, params: Params) -> RiResult {
-        let profile = quadric::circle([major, 0.0], minor, phi_min.to_radians(), phi_max.to_radians());
-        self.quadric(profile, sweep, params)
+        let angles = [phi_min, phi_max].map(f32::to_radians);
+        self.quadric(Outline::Circle([major, 0.0], minor, angles), sweep, params)
     }
     fn points(&mut self, params: Params) -> RiResult {
         self.draw_points(params)

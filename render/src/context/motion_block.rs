@@ -1,9 +1,10 @@
 //! Open motion blocks: what their calls are kept as until `MotionEnd` (RISpec 6.3).
 
+use crate::gprim::quadric::Quadric;
 use crate::scene::patch::Patch;
-use crate::scene::variables::VariableNames;
+use crate::scene::variables::{VariableName, VariableNames};
 use glam::Mat4;
-use ri::Instances;
+use ri::{Instances, Params};
 
 /// A transformation at rising times.
 pub type Keys = Vec<(f32, Mat4)>;
@@ -15,6 +16,14 @@ pub type Place = (Mat4, Keys);
 pub struct MotionBlock {
     pub times: Vec<f32>,
     pub calls: Vec<Moving>,
+    /// How the first call cut its polygons, which the others do alike.
+    pub cuts: Vec<PolygonCut>,
+}
+
+/// How a polygon is cut: vertices of its loops, and corners of its patches among them.
+pub struct PolygonCut {
+    pub loops: Vec<usize>,
+    pub quads: Vec<[usize; 4]>,
 }
 
 /// A call within a motion block.
@@ -24,5 +33,6 @@ pub enum Moving {
     /// One in its place.
     Set(Mat4),
     Patches(Vec<Patch>, VariableNames),
-    Spheres(Instances, Vec<(String, Vec<f32>)>),
+    Quadric(Quadric, Params),
+    Spheres(Instances, Vec<(VariableName, Vec<f32>)>),
 }

@@ -1,12 +1,16 @@
 //! Motion blocks: what their calls come to at `MotionEnd` (RISpec 6.3).
 
 use crate::context::motion_block::{MotionBlock, Moving};
+use crate::context::primitives::{one_sphere, quadric_patches};
 use crate::context::state::Context;
+use crate::gprim::quadric::Quadric;
+use crate::gprim::variables::{attach_variables, uniform_numbers};
+use crate::scene::attributes::TEXTURE_CORNERS;
 use crate::scene::motion;
 use crate::scene::patch::Patch;
-use crate::scene::variables::VariableNames;
+use crate::scene::variables::{VariableName, VariableNames};
 use glam::Mat4;
-use ri::{Fail, Instances, RiResult};
+use ri::{Fail, Instances, Params, RiResult};
 
 /// What is said where a block's primitives cannot be matched.
 const CUT_DIFFERENTLY: &str = "the primitives of a motion block are cut differently: the first alone is drawn";
@@ -14,7 +18,7 @@ const CUT_DIFFERENTLY: &str = "the primitives of a motion block are cut differen
 impl Context {
     /// The end of a motion block.
     pub(super) fn close(&mut self, block: MotionBlock) -> RiResult {
-        let MotionBlock { times, calls } = block;
+        let MotionBlock { times, calls, .. } = block;
         if calls.len() != times.len() {
             return Err(Fail::new(format!(
                 "a motion block of {} times has {} calls that can move",
@@ -33,13 +37,20 @@ impl Context {
         if transforms > 0 {
             return Err(Fail::new("a motion block has transformations and primitives"));
         }
+        if calls.iter().all(|call| matches!(call, Moving::Quadric(..))) {
+            let quadrics = calls.into_iter().filter_map(|call| match call {
+                Moving::Quadric(quadric, params) => Some((quadric, params)),
+                _ => None,
+            });
+            return self.moving_quadrics(&times, quadrics.collect());
+        }
         let first_is_spheres = matches!(calls[0], Moving::Spheres(..));
         let (mut patches, mut spheres) = (vec![], vec![]);
         for call in calls {
             match call {
                 Moving::Patches(p, names) => patches.push((p, names)),
                 Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
-                Moving::Concat(_) | Moving::Set(_) => {}
+                Moving::Quadric(..) | Moving::Concat(_) | Moving::Set(_) => {}
             }
         }
         if !patches.is_empty() && !spheres.is_empty() {
@@ -60,6 +71,28 @@ impl Context {
         });
         self.moves = keys.collect();
         self.transform = motion::at(&self.moves, self.options.shutter[0]);
+    }
+
+    /// The quadrics of a motion block, cut alike however far they go round.
+    fn moving_quadrics(&mut self, times: &[f32], quadrics: Vec<(Quadric, Params)>) -> RiResult {
+        let varies = quadrics.iter().any(|(_, params)| params.iter().any(|p| !p.decl.class.is_whole()));
+        let radii: Option<Vec<f32>> = quadrics.iter().map(|(quadric, _)| quadric.whole_sphere()).collect();
+        if let Some(radii) = radii.filter(|_| !varies && self.attributes.texture_corners == TEXTURE_CORNERS) {
+            let spheres =
+                radii.into_iter().zip(quadrics).map(|(r, (_, params))| Ok((one_sphere(r), uniform_numbers(params)?)));
+            return self.moving_spheres(times, spheres.collect::<Result<_, Fail>>()?);
+        }
+        if quadrics.iter().all(|(quadric, _)| quadric.sweep == 0.0) {
+            return Err(Fail::new("the quadric's numbers make no surface"));
+        }
+        let pieces = quadrics.iter().map(|(quadric, _)| quadric.pieces());
+        let pieces = pieces.fold([1, 1], |[a, b], [c, d]| [a.max(c), b.max(d)]);
+        let cut = quadrics.iter().map(|(quadric, params)| {
+            let mut patches = quadric_patches(quadric, pieces)?;
+            let names = attach_variables(&mut patches, params)?;
+            Ok((patches, names))
+        });
+        self.moving_patches(times, cut.collect::<Result<_, Fail>>()?)
     }
 
     /// The patches of a motion block: the same primitive at its times.
@@ -85,7 +118,7 @@ impl Context {
     }
 
     /// The spheres of a motion block, with the variables of each call: those of the first hold.
-    fn moving_spheres(&mut self, times: &[f32], calls: Vec<(Instances, Vec<(String, Vec<f32>)>)>) -> RiResult {
+    fn moving_spheres(&mut self, times: &[f32], calls: Vec<(Instances, Vec<(VariableName, Vec<f32>)>)>) -> RiResult {
         let later: Vec<Instances> = calls[1..].iter().map(|(spheres, _)| spheres.clone()).collect();
         let Some((mut first, uniform)) = calls.into_iter().next() else { return Ok(()) };
         let Some(last) = later.last() else { return self.add_spheres(first, uniform) };
@@ -122,7 +155,7 @@ impl Context {
         if times.windows(2).any(|t| !(t[0] < t[1])) {
             return Err(Fail::new("the times of a motion block must rise"));
         }
-        self.motion = Some(MotionBlock { times, calls: vec![] });
+        self.motion = Some(MotionBlock { times, calls: vec![], cuts: vec![] });
         Ok(())
     }
 }

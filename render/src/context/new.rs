@@ -1,9 +1,10 @@
 //! A context before its first call.
 
+use crate::context::geometry::Geometry;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
 use crate::scene::area;
-use crate::scene::attributes::Attributes;
+use crate::scene::attributes::{Attributes, SetAttributes, TEXTURE_CORNERS};
 use crate::scene::options::Options;
 use crate::scene::world::Scene;
 use glam::Mat4;
@@ -26,6 +27,7 @@ impl Context {
             vec![],
         ));
         let attributes = Attributes {
+            set: SetAttributes::default(),
             color: [1.0; 3],
             opacity: [1.0; 3],
             surface: nothing,
@@ -35,8 +37,10 @@ impl Context {
             displacement_bound: None,
             atmosphere: None,
             atmosphere_space: Mat4::IDENTITY,
+            interior: None,
+            exterior: None,
             user: Arc::default(),
-            texture_corners: [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+            texture_corners: TEXTURE_CORNERS,
             lights: vec![],
             light_list: Arc::default(),
             emitters: Arc::default(),
@@ -52,13 +56,14 @@ impl Context {
             whole_shadows: false,
             detail: f32::INFINITY,
             detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
-            level: 1.0,
+            seen: [0.0, 1.0],
+            solid: None,
         };
         let mut context = Context {
             files,
             programs: HashMap::new(),
             options: Options::default(),
-            saved_options: None,
+            saved: None,
             frame: 0,
             attributes,
             attribute_stack: vec![],
@@ -67,11 +72,10 @@ impl Context {
             transform_stack: vec![],
             to_camera: None,
             camera_moves: vec![],
-            bases: (BEZIER, BEZIER),
+            geometry: Geometry { bases: (BEZIER, BEZIER), steps: [3, 3], trim: None },
+            changes: 0,
             known_lights: vec![],
             declared: HashMap::new(),
-            steps: [3, 3],
-            trim: None,
             motion: None,
             made: HashMap::new(),
             scene: Scene::default(),

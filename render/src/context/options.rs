@@ -6,10 +6,15 @@ use crate::film::filter::FilterKind;
 use crate::film::image::LONGEST_SIDE;
 use crate::scene::options::Hider;
 use crate::texture;
-use glam::Mat4;
+use glam::{Mat3, Mat4, Vec3};
 use ri::{Fail, Params, RiResult, Values};
 use sl::machine::Answer;
 use std::path::{Component, Path};
+
+/// Whether a type of display is a window.
+fn is_window(kind: &str) -> bool {
+    matches!(kind, "framebuffer" | "it" | "x11" | "windows")
+}
 
 /// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
 const MAX_PIXELS: i64 = 1 << 28;
@@ -32,6 +37,17 @@ impl Context {
         self.options.width = width as usize;
         self.options.height = height as usize;
         self.options.pixel_aspect = if aspect > 0.0 { aspect } else { 1.0 };
+        Ok(())
+    }
+
+    /// Another clipping plane, through a point; what its normal points to is clipped.
+    pub(super) fn add_clipping_plane(&mut self, point: Vec3, normal: Vec3) -> RiResult {
+        let m = self.to_camera.unwrap_or(Mat4::IDENTITY) * self.transform;
+        let turned = Mat3::from_mat4(m).inverse().transpose() * normal;
+        let Some(turned) = turned.try_normalize().filter(|n| n.is_finite() && point.is_finite()) else {
+            return Err(Fail::new("the normal of a clipping plane is zero or cannot be transformed"));
+        };
+        self.options.clipping_planes.push(turned.extend(-turned.dot(m.transform_point3(point))));
         Ok(())
     }
 
@@ -72,7 +88,7 @@ impl Context {
     /// The pixel filter.
     pub(super) fn set_pixel_filter(&mut self, name: &str, x_width: f32, y_width: f32) -> RiResult {
         self.options.filter = FilterKind::of_name(name).ok_or(Fail::new(format!(
-            "unknown filter `{name}`, expected box, triangle, gaussian, catmull-rom, sinc or mitchell"
+            "unknown filter `{name}`, expected box, triangle, gaussian, catmull-rom, sinc, mitchell, disk or bessel"
         )))?;
         for width in [x_width, y_width] {
             if !(1.0..=16.0).contains(&width) {
@@ -95,9 +111,7 @@ impl Context {
             "zfile" | "shadow" | "deepshad" => {
                 Some(format!("the shadow map `{name}` is not made: shadows are traced, whatever map a light names"))
             }
-            "framebuffer" | "it" | "x11" | "windows" if further => {
-                Some(format!("`{name}` is not shown: there is no window"))
-            }
+            kind if further && is_window(kind) => Some(format!("`{name}` is not shown: there is no window")),
             _ => None,
         };
         if let Some(message) = message {
@@ -125,10 +139,16 @@ impl Context {
             _ => return Err(Fail::new("the display's numbers: expected \"string type\" \"half\" or \"float\"")),
         };
         let mode = Display::with_type(mode, &self.declared).map_err(Fail::new)?;
-        let display = Display { name: name.into(), kind: kind.into(), mode, half };
+        let quantize = params.iter().find(|p| p.decl.name == "quantize").map(|p| match *p.numbers() {
+            [zero, one, min, max] => Ok([zero, one, min, max].map(|x| x as i32)),
+            _ => Err(Fail::new("the display's quantize: expected the values of 0 and 1, the least and the greatest")),
+        });
+        let display = Display { name: name.into(), kind: kind.into(), mode, half, quantize: quantize.transpose()? };
         if display.format() != "exr" && self.options.displays.iter().any(|d| d.name == name) {
             return Err(Fail::new(format!("two displays are named `{name}`: only EXR files have layers")));
         }
+        // A window that is not there gives way to a file beside it.
+        self.options.displays.retain(|other| !is_window(&other.kind));
         self.options.displays.push(display);
         Ok(())
     }
@@ -159,6 +179,15 @@ impl Context {
         {
             positive(*kib, "the texture memory")?;
             self.options.texture_memory = (*kib as usize).saturating_mul(1024);
+        }
+        if name == "texture"
+            && let Some(space) = params.iter().find(|p| p.decl.name == "colorspace").and_then(|p| p.text())
+        {
+            self.options.texture_encoded = match space {
+                "linear" => Some(false),
+                "srgb" | "sRGB" => Some(true),
+                other => return Err(Fail::new(format!("unknown colour space `{other}`, expected linear or srgb"))),
+            };
         }
         if name == "searchpath" {
             // Folders, separated by colons; `&` and `@` stand for what is searched anyway.

@@ -1,26 +1,29 @@
 //! Primitives: the calls of RISpec section 5 as patches, spheres and instances.
 
+use crate::context::motion_block::{Moving, PolygonCut};
 use crate::context::state::Context;
+use crate::gprim::basis::BEZIER;
 use crate::gprim::basis::to_bezier;
-use crate::gprim::blobby::Field;
-use crate::gprim::curves::{curve, ribbon};
+use crate::gprim::blobby::{Field, LeafVariable};
+use crate::gprim::curves::{self, Segment, curve, ribbon};
 use crate::gprim::nurbs::{nurbs, nurbs_variable};
 use crate::gprim::patch_mesh::patch_mesh;
-use crate::gprim::polygon::polygon_patches;
-use crate::gprim::quadric::{self, Profile};
+use crate::gprim::perspective::is_projective;
+use crate::gprim::polygon::{polygon_cut, polygon_patches};
+use crate::gprim::quadric::{Outline, Quadric};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
-    attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
-    set_varying, uniform_numbers,
+    Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
+    set_varying, too_few, uniform_numbers,
 };
 use crate::scene::attached::Attached;
+use crate::scene::attributes::TEXTURE_CORNERS;
 use crate::scene::patch::Patch;
-use crate::scene::shape::Shape;
 use crate::scene::source::{SourceShape, instance_variables};
-use crate::scene::variables::VariableNames;
-use glam::{Mat4, Vec3, Vec4};
-use ri::{Fail, InstanceShape, Instances, Knots, Param, Params, RiResult, Tags, Values};
+use crate::scene::variables::{VariableName, VariableNames, Varying};
+use glam::{Vec3, Vec4};
+use ri::{Class, Fail, InstanceShape, Instances, Knots, Param, Params, RiResult, Tags, Type, Values};
 use std::sync::Arc;
 
 impl Context {
@@ -29,7 +32,7 @@ impl Context {
         if n < 3 {
             return Err(Fail::new(format!("a polygon has {n} vertices in \"P\", expected at least 3")));
         }
-        let patches = polygon_patches(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
+        let patches = self.polygon(&[(0..n).collect::<Vec<_>>()], &params, 0, 0)?;
         self.add_patches(patches, names_of(&params))
     }
 
@@ -67,7 +70,7 @@ impl Context {
                 loops.push(own.ok_or(Fail::new(format!("face {face} has a negative vertex")))?);
                 (at_loop, at) = (at_loop + 1, at + n);
             }
-            patches.extend(polygon_patches(&loops, &params, face, first)?);
+            patches.extend(self.polygon(&loops, &params, face, first)?);
         }
         self.add_patches(patches, names_of(&params))
     }
@@ -93,24 +96,49 @@ impl Context {
             rest = after;
             let corners: Option<Vec<usize>> = own.iter().map(|i| usize::try_from(*i).ok()).collect();
             let corners = corners.ok_or(Fail::new(format!("face {face} has a negative vertex")))?;
-            patches.extend(polygon_patches(&[corners], &params, face, first)?);
+            patches.extend(self.polygon(&[corners], &params, face, first)?);
             first += n;
         }
         self.add_patches(patches, names_of(&params))
     }
 
+    /// The patches of a polygon; within a motion block it is cut as the same one was at the first time.
+    fn polygon(
+        &mut self,
+        loops: &[Vec<usize>],
+        params: &Params,
+        face: usize,
+        first: usize,
+    ) -> Result<Vec<Patch>, Fail> {
+        let sizes = || loops.iter().map(Vec::len);
+        let known = self.motion.as_ref().filter(|block| !block.calls.is_empty());
+        let known = known.and_then(|block| block.cuts.get(face)).filter(|cut| sizes().eq(cut.loops.iter().copied()));
+        if let Some(cut) = known {
+            return polygon_patches(loops, params, [face, first], &cut.quads);
+        }
+        let quads = polygon_cut(loops, params)?;
+        let patches = polygon_patches(loops, params, [face, first], &quads)?;
+        if let Some(block) = self.motion.as_mut().filter(|block| block.calls.is_empty()) {
+            block.cuts.push(PolygonCut { loops: sizes().collect(), quads });
+        }
+        Ok(patches)
+    }
+
     pub(super) fn draw_patch(&mut self, kind: &str, params: Params) -> RiResult {
         let points = positions(&params)?;
         let wrong = |n: usize| Fail::new(format!("a {kind} patch has {} points, expected {n}", points.len()));
+        let is_cubic = kind == "bicubic";
         let mut patch = match kind {
             "bilinear" => Patch::bilinear(points.clone().try_into().map_err(|_| wrong(4))?),
             "bicubic" => {
                 let points: [Vec3; 16] = points.clone().try_into().map_err(|_| wrong(16))?;
-                Patch::smooth(to_bezier(points, &self.bases), [0.0, 1.0], [0.0, 1.0])
+                Patch::smooth(to_bezier(points, &self.geometry.bases), [0.0, 1.0], [0.0, 1.0])
             }
             other => return Err(Fail::new(format!("unknown patch type `{other}`, expected bilinear or bicubic"))),
         };
-        patch_variables(&mut patch, &params, [0, 1, 2, 3], [0, 1, 2, 3], 0)?;
+        let vertex = is_cubic.then(|| (std::array::from_fn(|k| k), &self.geometry.bases));
+        let places = Places { varying: [0, 1, 2, 3], corner: [0, 1, 2, 3], face: 0, vertex };
+        patch_variables(&mut patch, &params, &places)?;
         self.add_patches(vec![patch], names_of(&params))
     }
 
@@ -134,10 +162,12 @@ impl Context {
         let sizes = [nu.max(0) as usize, nv.max(0) as usize];
         let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
         let points = positions(&params)?;
-        let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.bases, self.steps)?;
+        let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.geometry.bases, self.geometry.steps)?;
         let mut patches = Vec::new();
-        for (face, (mut patch, corners)) in mesh.into_iter().enumerate() {
-            patch_variables(&mut patch, &params, corners, [4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3], face)?;
+        for (face, (mut patch, varying, controls)) in mesh.into_iter().enumerate() {
+            let vertex = controls.map(|controls| (controls, &self.geometry.bases));
+            let corner = [0, 1, 2, 3].map(|k| 4 * face + k);
+            patch_variables(&mut patch, &params, &Places { varying, corner, face, vertex })?;
             patches.push(patch);
         }
         self.add_patches(patches, names_of(&params))
@@ -158,25 +188,20 @@ impl Context {
         for param in params {
             let (width, values) = (param.decl.width(), param.numbers());
             let own = !param.decl.class.is_whole()
-                && values.len() > 4 * width
+                && (values.len() > 4 * width || param.decl.class == Class::Vertex)
                 && !matches!(param.decl.name.as_str(), "P" | "Pw");
             if !own {
                 others.push(param);
                 continue;
             }
             for patch in &mut patches {
-                let corners = patch.uv.map(|[s, t]| nurbs_variable(values, width, &points, &u, &v, s, t));
-                let Some(all) = corners.into_iter().collect::<Option<Vec<_>>>() else {
-                    let message = format!(
-                        "`{}` has {} values, one for no point of the patch",
-                        param.decl.name,
-                        values.len() / width
-                    );
-                    return Err(Fail::new(message));
+                let Some(values) = nurbs_variable(&param, &points, &u, &v, patch) else {
+                    let (name, n) = (&param.decl.name, values.len() / width);
+                    return Err(Fail::new(format!("`{name}` has {n} values, one for no point of the patch")));
                 };
-                set_varying(patch, &param.decl.name, all.concat());
+                set_varying(patch, &param.decl.name, values);
             }
-            note_varying(&mut names, &param.decl.name);
+            note_varying(&mut names, &param.decl);
         }
         let VariableNames { uniform, varying } = attach_variables(&mut patches, &others)?;
         names.uniform = uniform;
@@ -233,10 +258,8 @@ impl Context {
             }
         };
         let points = positions(&params)?;
-        let widths = params.iter().find(|p| p.decl.name == "width").map(|p| p.numbers().to_vec());
-        let constant =
-            params.iter().find(|p| p.decl.name == "constantwidth").and_then(|p| p.numbers().first().copied());
-        let normals = params.iter().find(|p| p.decl.name == "N").map(|p| p.numbers().to_vec());
+        let given = |name: &str| params.iter().find(|p| p.decl.name == name).filter(|p| !p.numbers().is_empty());
+        let (widths, constant, normals) = (given("width"), given("constantwidth"), given("N"));
         let to_eye = self.transform.inverse()
             * self
                 .to_camera
@@ -252,29 +275,46 @@ impl Context {
         for (face, n) in n_vertices.iter().enumerate() {
             let vertices = points.get(at..at + (*n).max(0) as usize);
             let vertices = vertices.ok_or(Fail::new(format!("curve {face} has more vertices than \"P\"")))?;
+            let first = at;
             at += vertices.len();
-            let curve = curve(vertices, cubic, periodic, &self.bases.1, self.steps[1])?;
+            let curve = curve(vertices, cubic, periodic, &self.geometry.bases.1, self.geometry.steps[1])?;
             let count = curve.segments.len() as f32;
-            for (k, (control, ends)) in curve.segments.iter().enumerate() {
-                let width = ends.map(|e| match &widths {
-                    Some(w) if w.len() == 1 => w[0],
-                    Some(w) => w.get(value + e).copied().unwrap_or(1.0),
-                    None => constant.unwrap_or(1.0),
-                });
-                let facing = |p: Vec3| match &normals {
-                    // A ribbon lies across its normals; others face the eye.
-                    Some(n) if n.len() >= 3 => {
-                        let of =
-                            |e: usize| n.get(3 * (value + e)..3 * (value + e) + 3).map_or(Vec3::Z, Vec3::from_slice);
-                        0.5 * (of(ends[0]) + of(ends[1]))
+            for (k, Segment { control, ends, vertices }) in curve.segments.iter().enumerate() {
+                let ends = ends.map(|e| value + e);
+                let vertices = vertices.map(|i| first + i);
+                // Values of a parameter at the control points of the segment.
+                let values = |param: &Param, c: usize| -> Result<[f32; 4], Fail> {
+                    let (v, w) = (param.numbers(), param.decl.width());
+                    let at = |i: usize| v.get(i * w + c).copied().ok_or(too_few(param));
+                    if param.decl.class.is_whole() || v.len() == w {
+                        let own = if v.len() > w { face } else { 0 };
+                        return Ok([at(own)?; 4]);
                     }
+                    if cubic && param.decl.class == Class::Vertex {
+                        let [p, q, r, s] = vertices.map(at);
+                        return Ok(curves::along([p?, q?, r?, s?], &self.geometry.bases.1));
+                    }
+                    let (a, b) = (at(ends[0])?, at(ends[1])?);
+                    Ok([0.0, 1.0, 2.0, 3.0].map(|k| a + (b - a) * k / 3.0))
+                };
+                let width = match widths.or(constant) {
+                    Some(param) => values(param, 0)?,
+                    None => [1.0; 4],
+                };
+                let normals = normals.map(|n| Ok([values(n, 0)?, values(n, 1)?, values(n, 2)?])).transpose()?;
+                let facing = |p: Vec3, part: f32| match &normals {
+                    // A ribbon lies across its normals; others face the eye.
+                    Some(n) => Vec3::from_array([0, 1, 2].map(|c| n[c][(3.0 * part) as usize])),
                     _ if perspective => eye - p,
                     _ => -along,
                 };
                 let range = [k as f32 / count, (k + 1) as f32 / count];
                 let mut patch = ribbon(control, width, range, facing);
-                let [a, b] = ends.map(|e| value + e);
-                patch_variables(&mut patch, &own, [a, a, b, b], [a, a, b, b], face)?;
+                let varying = [ends[0], ends[0], ends[1], ends[1]];
+                // Along the curve its own basis holds, across it what is the same there stays so.
+                let bases = (BEZIER, self.geometry.bases.1);
+                let vertex = cubic.then(|| (std::array::from_fn(|k| vertices[k / 4]), &bases));
+                patch_variables(&mut patch, &own, &Places { varying, corner: varying, face, vertex })?;
                 patches.push(patch);
             }
             value += curve.n_varying;
@@ -295,7 +335,12 @@ impl Context {
         }
         let points = positions(&params)?;
         let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
-        let (columns, values, width) = corner_columns(&params, &vertices, corners)?;
+        // What is of class vertex is subdivided as the points are (RISpec 5.6).
+        let is_smooth = |p: &Param| p.decl.class == Class::Vertex && !matches!(p.decl.name.as_str(), "P" | "N");
+        let (smooth, others): (Params, Params) =
+            params.iter().filter(|p| !p.numbers().is_empty()).cloned().partition(is_smooth);
+        let (columns, values, width) = corner_columns(&others, &vertices, corners)?;
+        let n_points = points.len();
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
         // Fewer steps where there are many faces already.
         let levels = match n_vertices.len() {
@@ -306,13 +351,33 @@ impl Context {
         };
         let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
         let mut names = names_of(&whole);
-        columns.iter().for_each(|(name, _)| note_varying(&mut names, name));
+        columns.iter().chain(smooth.iter().map(|p| &p.decl)).for_each(|declared| note_varying(&mut names, declared));
         let mut patches = Vec::new();
         for part in mesh.patches(levels) {
             let mut patch = part.patch;
             corner_variables(&mut patch, &columns, &part.values, width);
-            patch_variables(&mut patch, &whole, [0; 4], [0; 4], part.face)?;
+            patch_variables(&mut patch, &whole, &Places { face: part.face, ..Places::default() })?;
             patches.push(patch);
+        }
+        for param in smooth {
+            let width = param.decl.width();
+            if param.numbers().len() != n_points * width {
+                return Err(too_few(&param));
+            }
+            let mut all = vec![vec![0.0; 16 * width]; patches.len()];
+            // Three numbers at a time are points of a mesh of their own.
+            for first in (0..width).step_by(3) {
+                let number =
+                    |v: usize, c: usize| if first + c < width { param.numbers()[v * width + first + c] } else { 0.0 };
+                let values = (0..n_points).map(|v| Vec3::new(number(v, 0), number(v, 1), number(v, 2))).collect();
+                let mesh = subdivision::Mesh::new(values, &n_vertices, &vertices, &tags, &[], 0)?;
+                for (all, part) in all.iter_mut().zip(mesh.patches(levels)) {
+                    for (k, value) in part.patch.p.iter().enumerate() {
+                        (first..width.min(first + 3)).for_each(|c| all[k * width + c] = value[c - first]);
+                    }
+                }
+            }
+            patches.iter_mut().zip(all).for_each(|(p, all)| set_varying(p, &param.decl.name, Varying::new(width, all)));
         }
         self.add_patches(patches, names)
     }
@@ -336,30 +401,27 @@ impl Context {
         }
         let r = radius.abs();
         let varies = params.iter().any(|p| !p.decl.class.is_whole());
-        if z_min <= -r && z_max >= r && sweep.abs() >= 360.0 && !varies {
+        let is_whole = z_min <= -r && z_max >= r && sweep.abs() >= 360.0;
+        let own_corners = self.attributes.texture_corners == TEXTURE_CORNERS;
+        if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
             let uniform = uniform_numbers(params)?;
-            // As an instance array of one, so that object space keeps its unit.
-            let one = Instances {
-                shape: InstanceShape::Sphere,
-                position: vec![[0.0; 3]],
-                orientation: vec![],
-                scale: vec![[r; 3]],
-                params: vec![],
-                moved: None,
-            };
-            return self.add_spheres(one, uniform);
+            return self.add_spheres(one_sphere(r), uniform);
         }
         let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
-        self.quadric(quadric::circle([0.0; 2], r, angle(z_min), angle(z_max)), sweep, params)
+        self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)
     }
 
     /// A quadric: a profile, swept.
-    pub(super) fn quadric(&mut self, profile: Vec<Profile>, sweep: f32, params: Params) -> RiResult {
-        let sound = |p: &Profile| p.0.iter().all(|q| q.is_finite());
-        if !(sweep.is_finite() && sweep != 0.0 && profile.iter().all(sound)) {
+    pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
+        let quadric = Quadric { outline, sweep };
+        if let Some(block) = &mut self.motion {
+            block.calls.push(Moving::Quadric(quadric, params));
+            return Ok(());
+        }
+        if sweep == 0.0 {
             return Err(Fail::new("the quadric's numbers make no surface"));
         }
-        let mut patches = quadric::revolve(&profile, sweep.clamp(-360.0, 360.0));
+        let mut patches = quadric_patches(&quadric, quadric.pieces())?;
         let names = attach_variables(&mut patches, &params)?;
         self.add_patches(patches, names)
     }
@@ -388,8 +450,10 @@ impl Context {
             }
             // The field gives the normals.
             if param.decl.name != "N" {
-                varying.push((width, param.numbers().to_vec()));
-                names.push(param.decl.name.clone());
+                let is_place = param.decl.ty == Type::MatrixPoint;
+                varying.push(LeafVariable { numbers: width, values: param.numbers().to_vec(), is_place });
+                let ty = if is_place { Type::Point } else { param.decl.ty };
+                names.push(VariableName { name: param.decl.name.clone(), ty });
             }
         }
         let mut patches = field.patches(&varying);
@@ -400,38 +464,38 @@ impl Context {
 
     /// Instances by columns.
     pub(super) fn draw_instances(&mut self, instances: Instances) -> RiResult {
-        let own: Vec<String> = instance_variables(&instances).map(|p| p.decl.name.clone()).collect();
+        let own: Vec<VariableName> = instance_variables(&instances).map(|p| VariableName::of(&p.decl)).collect();
         match &instances.shape {
             InstanceShape::Sphere => {
-                let attached = vec![Arc::new(Attached::new(&self.attributes, own, &VariableNames::default()))];
+                let attached = vec![Arc::new(Attached::new(&self.attributes, &own, &VariableNames::default()))];
                 self.push(SourceShape::Spheres(instances), vec![], attached)
             }
             InstanceShape::Object(handle) => {
-                let parts =
-                    self.objects.get(handle).cloned().ok_or(Fail::new(format!("there is no object `{handle}`")))?;
-                let attached = self.attach_parts(&own, &parts);
-                self.push(SourceShape::Objects(instances, parts), vec![], attached)
+                let handle = handle.clone();
+                self.draw_object_instances(instances, &handle)
             }
         }
     }
+}
 
-    /// The variables of the parts of an object, attached to the current shaders; the patches of one primitive share theirs.
-    fn attach_parts(&self, own: &[String], parts: &[(Shape, Mat4)]) -> Vec<Arc<Attached>> {
-        let none = Arc::new(VariableNames::default());
-        let mut last: Option<(&Arc<VariableNames>, Arc<Attached>)> = None;
-        let mut all = Vec::with_capacity(parts.len());
-        for (shape, _) in parts {
-            let names = match shape {
-                Shape::Sphere => &none,
-                Shape::Patches(_, names) => names,
-            };
-            let attached = match last.take() {
-                Some((before, attached)) if Arc::ptr_eq(before, names) => attached,
-                _ => Arc::new(Attached::new(&self.attributes, own.to_vec(), names)),
-            };
-            all.push(attached.clone());
-            last = Some((names, attached));
-        }
-        all
+/// The patches of a quadric, of so many pieces; an error if its numbers are none.
+pub(super) fn quadric_patches(quadric: &Quadric, pieces: [usize; 2]) -> Result<Vec<Patch>, Fail> {
+    let patches = if quadric.sweep.is_finite() { quadric.patches(pieces) } else { vec![] };
+    let sound = |patch: &Patch| patch.p.iter().all(|p| p.is_finite());
+    if !patches.is_empty() && patches.iter().all(sound) {
+        return Ok(patches);
+    }
+    Err(Fail::new("the quadric's numbers make no surface"))
+}
+
+/// A sphere about the origin, as an instance array of one, so that object space keeps its unit.
+pub(super) fn one_sphere(radius: f32) -> Instances {
+    Instances {
+        shape: InstanceShape::Sphere,
+        position: vec![[0.0; 3]],
+        orientation: vec![],
+        scale: vec![[radius; 3]],
+        params: vec![],
+        moved: None,
     }
 }

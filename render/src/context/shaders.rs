@@ -8,6 +8,12 @@ use sl::ir::Kind;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
+/// The shader of a kind that does nothing (RISpec A.1): of a surface, that its light leaves as it is.
+fn null(kind: &str) -> String {
+    let body = if kind == "surface" { "Oi = Os; Ci = Os * Cs;" } else { "" };
+    format!("{kind} null() {{ {body} }}")
+}
+
 /// Evaluates parameter defaults: knows the spaces of the current point of the stream, and has no lights.
 struct BindScene<'a> {
     context: &'a Context,
@@ -45,8 +51,11 @@ impl Context {
             None => {
                 let rooms = [format!("shaders/{kind}"), "shaders".into()];
                 let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
-                let (path, source) =
-                    self.files.read(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?;
+                let (path, source) = if name == "null" {
+                    ("null.sl".into(), null(kind))
+                } else {
+                    self.files.read_source(&file, &rooms).map_err(|m| Fail::new(format!("{kind} shader {m}")))?
+                };
                 let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
                     .map_err(|d| Fail::new(format!("in shader {d}")))?;
                 self.programs.entry(key).or_insert(Arc::new(program)).clone()
@@ -56,7 +65,7 @@ impl Context {
             return Err(Fail::new(format!("`{name}` is a {} shader, expected a {kind} shader", program.kind.name())));
         }
         let (mut numbers, mut texts) = (Vec::new(), Vec::new());
-        for param in params {
+        for param in params.into_iter().filter(|_| name != "null") {
             let Some(i) = program.params.iter().position(|p| p.name == param.decl.name) else {
                 self.scene.warn(format!("{kind} shader `{name}` has no parameter `{}`", param.decl.name));
                 continue;
@@ -82,6 +91,14 @@ impl Context {
             names.for_each(|name| texture::note(&name, &self.made, &self.files.folders));
         }
         Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
+    }
+
+    /// A volume shader and its space; none of the name `null` or without one.
+    pub(super) fn volume(&mut self, name: &str, params: Params) -> Result<Option<(Arc<BoundShader>, Mat4)>, Fail> {
+        if name.is_empty() || name == "null" {
+            return Ok(None);
+        }
+        Ok(Some((self.shader(name, "volume", params)?, self.transform)))
     }
 
     /// A parameter's numbers in world space; points and directions are given in the current one.

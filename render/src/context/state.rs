@@ -1,17 +1,19 @@
 //! The state between calls, and what all calls change it by: transformations, and primitives that are added to the scene.
 
+use crate::context::geometry::Geometry;
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
+use crate::context::open_object::{Group, OpenObject};
 use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
+use crate::gprim::perspective::{is_projective, projected};
 use crate::scene::attached::Attached;
-use crate::scene::attributes::Attributes;
+use crate::scene::attributes::{Attribute, Attributes, TEXTURE_CORNERS};
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
 use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
-use crate::scene::source::{Source, SourceShape, instance_variables};
-use crate::scene::trim::Trim;
-use crate::scene::variables::VariableNames;
+use crate::scene::source::{Source, SourceShape, duplicates, instance_variables};
+use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
 use glam::Mat4;
@@ -25,16 +27,20 @@ use std::sync::Arc;
 /// A function that is called with the buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
 
+/// Options, attributes and lights before a frame.
+type Saved = (Options, (Attributes, Geometry), Vec<(String, Arc<BoundShader>)>);
+
 /// The renderer: takes the calls of the RenderMan Interface ([`ri::Ri`]), holds options, attributes and the scene between them, and
 /// renders an image at each `WorldEnd`.
 pub struct Context {
     pub(super) files: Files,
     pub(super) programs: HashMap<String, Arc<Program>>,
     pub(super) options: Options,
-    pub(super) saved_options: Option<Options>,
+    /// What holds again after a frame: options, attributes and lights.
+    pub(super) saved: Option<Saved>,
     pub(super) frame: i32,
     pub(super) attributes: Attributes,
-    pub(super) attribute_stack: Vec<(Attributes, Place)>,
+    pub(super) attribute_stack: Vec<(Attributes, Place, Geometry)>,
     /// The current transformation, as the shutter opens.
     pub(super) transform: Mat4,
     /// Its keys over time, by the time of motion blocks; none if it stands still.
@@ -42,18 +48,19 @@ pub struct Context {
     pub(super) transform_stack: Vec<Place>,
     pub(super) to_camera: Option<Mat4>,
     pub(super) camera_moves: Keys,
-    pub(super) bases: ([f32; 16], [f32; 16]),
+    /// Attributes that primitives are made by.
+    pub(super) geometry: Geometry,
+    /// Count of the changes of attributes.
+    pub(super) changes: u64,
     /// Lights that were made, on or off, by their handles.
     pub(super) known_lights: Vec<(String, Arc<BoundShader>)>,
     /// Types of variables that `Declare` gave.
     pub(super) declared: HashMap<String, Kind>,
-    pub(super) steps: [usize; 2],
-    pub(super) trim: Option<Arc<Trim>>,
     pub(super) motion: Option<MotionBlock>,
     pub(super) made: texture::Made,
     pub(super) scene: Scene,
-    pub(super) objects: HashMap<String, Arc<Vec<(Shape, Mat4)>>>,
-    pub(super) open_object: Option<(String, Vec<(Shape, Mat4)>, Mat4)>,
+    pub(super) objects: HashMap<String, Arc<Vec<Group>>>,
+    pub(super) open_object: Option<OpenObject>,
     pub(super) progress: Progress,
     /// The shard of each image to render; the whole image if not given.
     pub shard: Option<Shard>,
@@ -76,6 +83,11 @@ impl Context {
         self.progress = Box::new(progress);
     }
 
+    /// Whether a `WorldBegin` waits for its `WorldEnd`.
+    pub fn is_world_open(&self) -> bool {
+        self.to_camera.is_some()
+    }
+
     /// The warnings about the scene so far.
     pub fn warnings(&self) -> Vec<String> {
         self.scene.warnings.list()
@@ -84,6 +96,12 @@ impl Context {
     /// Object to world: the current transformation after `WorldBegin`.
     pub(super) fn to_world(&self) -> Mat4 {
         self.transform
+    }
+
+    /// Note that an attribute is set.
+    pub(super) fn sets(&mut self, attribute: Attribute) {
+        self.changes += 1;
+        self.attributes.set.note(attribute, self.changes);
     }
 
     /// When the shutter opens and closes; what blurs nothing opens it for no time.
@@ -115,9 +133,13 @@ impl Context {
     }
 
     /// Another transformation after the current one.
-    pub(super) fn concat(&mut self, m: Mat4) -> RiResult {
+    pub(super) fn concat(&mut self, m: Mat4, what: &str) -> RiResult {
         if !m.is_finite() {
             return Err(Fail::new("the transformation is not finite"));
+        }
+        if m.determinant() == 0.0 {
+            // A scale of 0 makes all that follows flat or a point.
+            self.scene.warn(format!("{what} cannot be inverted: what it holds for has no volume and may not be seen"));
         }
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Concat(m));
@@ -142,12 +164,15 @@ impl Context {
         if patches.iter().any(|p| p.p.iter().any(|p| !p.is_finite())) {
             return Err(Fail::new("the primitive has a point that is not a finite number"));
         }
-        let attached = Arc::new(Attached::new(&self.attributes, vec![], &names));
-        let names = Arc::new(names);
+        if is_projective(&self.transform) {
+            return self.add_projected(patches, names);
+        }
+        let attached = Arc::new(Attached::new(&self.attributes, &[], &names));
+        let (names, solid) = (Arc::new(names), self.enter_part());
         let corners = self.attributes.texture_corners;
         for mut patch in patches {
-            patch.trim.clone_from(&self.trim);
-            if patch.st == patch.uv && corners != [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0] {
+            patch.trim.clone_from(&self.geometry.trim);
+            if patch.st == patch.uv && corners != TEXTURE_CORNERS {
                 let at = |axis: usize, [u, v]: [f32; 2]| {
                     let c = |k: usize| corners[2 * k + axis];
                     (c(0) * (1.0 - u) + c(1) * u) * (1.0 - v) + (c(2) * (1.0 - u) + c(3) * u) * v
@@ -156,35 +181,55 @@ impl Context {
             }
             self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())?;
         }
+        self.attributes.solid = solid;
         Ok(())
     }
 
+    /// Add patches under a transformation with a perspective: in the world, where that leads them.
+    fn add_projected(&mut self, patches: Vec<Patch>, names: VariableNames) -> RiResult {
+        let m = self.transform;
+        if patches.iter().any(|p| !p.moves.is_empty()) || !self.moves.is_empty() {
+            self.scene.warn("what moves under a `Perspective` is drawn as it is when the shutter opens".into());
+        }
+        let Some(there) = patches.iter().map(|patch| projected(patch, &m)).collect::<Option<Vec<_>>>() else {
+            self.scene.warn("a primitive goes behind the eye of a `Perspective` and is not drawn".into());
+            return Ok(());
+        };
+        let before = std::mem::take(&mut self.moves);
+        self.transform = Mat4::IDENTITY;
+        let done = self.add_patches(there.concat(), names);
+        (self.transform, self.moves) = (m, before);
+        done
+    }
+
     /// Spheres by columns, or as parts of the object that is open.
-    pub(super) fn add_spheres(&mut self, instances: Instances, uniform: Vec<(String, Vec<f32>)>) -> RiResult {
+    pub(super) fn add_spheres(&mut self, instances: Instances, uniform: Vec<(VariableName, Vec<f32>)>) -> RiResult {
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Spheres(instances, uniform));
             return Ok(());
         }
-        let of_instances = instance_variables(&instances).map(|p| &p.decl.name);
-        let own = uniform.iter().map(|(name, _)| name).chain(of_instances).cloned().collect();
-        let attached = Arc::new(Attached::new(&self.attributes, own, &VariableNames::default()));
-        if self.open_object.is_none() {
-            return self.push(SourceShape::Spheres(instances), uniform, vec![attached]);
+        let of_instances = instance_variables(&instances).map(|p| VariableName::of(&p.decl));
+        let own: Vec<_> = uniform.iter().map(|(name, _)| name.clone()).chain(of_instances).collect();
+        let attached = Arc::new(Attached::new(&self.attributes, &own, &VariableNames::default()));
+        if is_projective(&self.transform) {
+            self.scene.warn("points and instances under a `Perspective` are not drawn".into());
+            return Ok(());
         }
-        let outer = self.transform;
-        for i in 0..instances.len() {
-            self.transform = outer * instances.matrix(i);
-            self.add(Shape::Sphere, uniform.clone(), attached.clone())?;
-        }
-        self.transform = outer;
-        Ok(())
+        let solid = self.enter_part();
+        let done = if self.open_object.is_none() {
+            self.push(SourceShape::Spheres(instances), uniform, vec![attached])
+        } else {
+            self.add_sphere_parts(&instances, &uniform)
+        };
+        self.attributes.solid = solid;
+        done
     }
 
     /// Add a primitive, to the scene or to the object that is open.
-    fn add(&mut self, shape: Shape, uniform: Vec<(String, Vec<f32>)>, attached: Arc<Attached>) -> RiResult {
-        if let Some((_, parts, base)) = &mut self.open_object {
-            parts.push((shape, base.inverse() * self.transform));
-            return Ok(());
+    fn add(&mut self, shape: Shape, uniform: Vec<(VariableName, Vec<f32>)>, attached: Arc<Attached>) -> RiResult {
+        if self.open_object.is_some() {
+            let (place, moves) = self.place_in_object();
+            return self.add_part(shape, place, moves, uniform);
         }
         self.push(SourceShape::One(shape), uniform, vec![attached])
     }
@@ -193,15 +238,15 @@ impl Context {
     pub(super) fn push(
         &mut self,
         shape: SourceShape,
-        uniform: Vec<(String, Vec<f32>)>,
+        uniform: Vec<(VariableName, Vec<f32>)>,
         attached: Vec<Arc<Attached>>,
     ) -> RiResult {
         self.in_world("a primitive")?;
-        if self.attributes.level <= 0.0 {
+        let [from, until] = self.attributes.seen;
+        if from >= until {
             return Ok(());
         }
         let mut attributes = self.attributes.clone();
-        attributes.opacity = attributes.opacity.map(|o| o * attributes.level);
         if let Some(light) = attributes.area_light {
             // What shines does not stand in its own way.
             attributes.casts_shadows = false;
@@ -231,7 +276,16 @@ impl Context {
             let closing = later.into_iter().filter_map(|keys| keys.last().map(|(_, p)| *p)).collect::<Vec<_>>();
             columns.moved = (closing.len() == columns.position.len()).then_some(([0.0, 1.0], closing));
         }
-        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform, attached });
+        let hides = attributes.stays_opaque() && attributes.displacement.is_none() && attributes.solid.is_none();
+        let duplicates = match &shape {
+            SourceShape::Spheres(columns) | SourceShape::Objects(columns, _)
+                if columns.len() > 1 && hides && attached.iter().all(|a| a.opacity.is_none()) =>
+            {
+                duplicates(columns)
+            }
+            _ => vec![],
+        };
+        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform, duplicates, attached });
         Ok(())
     }
 }

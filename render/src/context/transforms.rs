@@ -10,10 +10,20 @@ impl Context {
         if !(fov > 0.0 && fov < 179.9) {
             return Err(Fail::new(format!("the angle of Perspective is {fov}, expected 0 to 179.9 degrees")));
         }
+        if self.to_camera.is_none() && self.transform == Mat4::IDENTITY && self.options.fov.is_none() {
+            // Of a camera it is what a projection is.
+            self.options.fov = Some(fov);
+            return Ok(());
+        }
+        if self.to_camera.is_none() && self.open_object.is_none() {
+            let message =
+                "`Perspective` after other transformations of the camera, expected `Projection \"perspective\"`";
+            return Err(Fail::new(message));
+        }
         let f = 1.0 / (0.5 * fov.to_radians()).tan();
         // x and y over z; z between 0 and 1 of the near and far plane 1 and infinity (RISpec 4.3).
         let m = [f, 0.0, 0.0, 0.0, 0.0, f, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, -1.0, 0.0];
-        self.concat(Mat4::from_cols_array(&m))
+        self.concat(Mat4::from_cols_array(&m), "`Perspective`")
     }
 
     /// Concatenate a skew.
@@ -37,6 +47,6 @@ impl Context {
             (Vec3::Z + shift * a.z).extend(0.0),
             glam::Vec4::W,
         );
-        self.concat(m)
+        self.concat(m, "`Skew`")
     }
 }

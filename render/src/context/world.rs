@@ -14,6 +14,7 @@ use crate::stats::Stats;
 use crate::texture::Textures;
 use glam::Mat4;
 use ri::{Fail, RiResult};
+use sl::machine::Answer;
 use std::path::Path;
 
 impl Context {
@@ -31,20 +32,48 @@ impl Context {
             camera_to_world: to_camera.inverse(),
             warnings: std::mem::take(&mut self.scene.warnings),
             spaces: std::mem::take(&mut self.scene.spaces),
+            solids: std::mem::take(&mut self.scene.solids),
             options: std::mem::take(&mut self.scene.options),
             clipping: self.options.clipping,
-            textures: Textures::new(self.files.folders.clone(), self.made.clone(), self.options.texture_memory),
+            textures: Textures::new(
+                self.files.folders.clone(),
+                self.made.clone(),
+                self.options.texture_memory,
+                self.options.texture_encoded,
+            ),
             ..Scene::default()
         };
+        self.tell_options();
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         let camera = Camera::new(&self.options, to_camera, vec![]);
         let spaces = camera.image_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
         self.scene.spaces.extend(spaces);
-        self.attribute_stack.push((self.attributes.clone(), self.place()));
+        self.attribute_stack.push((self.attributes.clone(), self.place(), self.geometry.clone()));
         self.camera_moves = std::mem::take(&mut self.moves);
         self.transform = Mat4::IDENTITY;
         Ok(())
+    }
+
+    /// Options of the image for shaders that ask (RISpec 15.8).
+    fn tell_options(&mut self) {
+        let o = &self.options;
+        let format = [o.width as f32, o.height as f32, o.pixel_aspect];
+        let own_aspect = format[0] * format[2] / format[1];
+        let aspect = o.screen_window.map_or(own_aspect, |[left, right, bottom, top]| (right - left) / (top - bottom));
+        let lens = o.lens.unwrap_or([f32::INFINITY; 3]);
+        let all: [(&str, &[f32]); 7] = [
+            ("Format", &format),
+            ("DeviceResolution", &format),
+            ("FrameAspectRatio", &[aspect]),
+            ("CropWindow", &o.crop),
+            ("Shutter", &o.shutter),
+            ("DepthOfField", &lens),
+            ("PixelSamples", &o.samples.map(|n| n as f32)),
+        ];
+        let all: Vec<_> = all.into_iter().map(|(name, v)| (name.to_string(), Answer::Numbers(v.to_vec()))).collect();
+        self.scene.options.retain(|(name, _)| all.iter().all(|(n, _)| n != name));
+        self.scene.options.extend(all);
     }
 
     /// `WorldEnd`: the scene is rendered, and forgotten.
@@ -81,8 +110,8 @@ impl Context {
         self.options.shard = self.shard;
         self.options.about.clone_from(&self.about);
         let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
-        if let Some(shader) = self.scene.stopped() {
-            return Err(Fail::new(format!("the loops of the shader `{shader}` do not end")));
+        if let Some(message) = self.scene.stopped() {
+            return Err(Fail::new(message));
         }
         image.expose(self.options.gain, self.options.gamma);
         let warnings = self.scene.take_warnings();
@@ -98,8 +127,8 @@ impl Context {
             ..Scene::default()
         };
         self.objects.clear();
-        if let Some((attributes, place)) = self.attribute_stack.pop() {
-            self.attributes = attributes;
+        if let Some((attributes, place, geometry)) = self.attribute_stack.pop() {
+            (self.attributes, self.geometry) = (attributes, geometry);
             (self.transform, self.moves) = place;
         }
         Ok(())

@@ -15,7 +15,7 @@ use crate::cpu::samples::{SampledGrid, Samples, Tally};
 impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point.
-        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, grid: &SampledGrid) -> Tally
+        pub fn blurred = blurred_lanes(nu: usize, micropolygons: &[u32], track: &Track<'_>, grid: &SampledGrid<'_>) -> Tally
     }
 
     #[inline(always)]
@@ -24,7 +24,7 @@ impl Samples {
         nu: usize,
         micropolygons: &[u32],
         track: &Track<'_>,
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
     ) -> Tally {
         let mut tally = Tally::default();
         let Some(strata) = &track.jitter.moments else { return tally };

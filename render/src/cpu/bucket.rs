@@ -16,6 +16,7 @@ use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
 use crate::scene::camera::RasterBound;
 use crate::scene::motion::{self, instants};
+use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::stats::Stats;
 use sl::machine::Points;
@@ -68,8 +69,8 @@ pub fn render_bucket(
     stats.splits = std::mem::take(&mut dicer.queue.splits);
     deferred.flush(frame, samples, shading, &mut stats);
     let drawn = begun.elapsed().as_secs_f64();
-    samples.resolve(&frame.aovs);
-    let mut pixels = samples.filter(&frame.filter[0], &frame.filter[1], margin, &frame.aovs);
+    samples.resolve(&frame.aovs, &frame.scene.solids);
+    let mut pixels = samples.filter(&frame.filter, margin, &frame.aovs);
     if let Some(imager) = &frame.options.imager {
         let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
         imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
@@ -117,7 +118,12 @@ impl Sink for Grids<'_> {
         if !later {
             shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
         }
-        let opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
+        // All surfaces of a solid are sampled, and shaded before it is known which are of the whole.
+        let is_opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
+        let opaque = is_opaque
+            && view.attributes.solid.is_none()
+            && view.attributes.seen == [0.0, 1.0]
+            && self.frame.planes.is_empty();
         if !self.sample(grid, opaque) {
             return;
         }
@@ -130,6 +136,17 @@ impl Sink for Grids<'_> {
 }
 
 impl Grids<'_> {
+    /// Whether triangles of a grid of positive area on the raster are where its primitive is entered.
+    fn is_entered(&self, points: &Points) -> bool {
+        let Subject { item, view, camera, .. } = self.subject;
+        let outward = match view.shape {
+            Shape::Sphere => (points.orientation > 0.0) != view.attributes.reversed,
+            Shape::Patches(..) => self.frame.rays.is_outward(item),
+        };
+        let mirrored = (camera.to_camera.determinant() < 0.0) != (camera.scale.x * camera.scale.y < 0.0);
+        outward != mirrored
+    }
+
     /// Sample a projected grid; whether any sample takes something of it.
     fn sample(&mut self, grid: &Grid, opaque: bool) -> bool {
         let begun = Instant::now();
@@ -138,7 +155,16 @@ impl Grids<'_> {
         let Raster { at, micropolygons } = &*self.raster;
         let nu = grid.points.nu;
         let primitive = (item.source as u64) << 32 | item.index as u64;
-        let sampled = SampledGrid { index: self.deferred.next(), opaque, smooth: view.attributes.smooth, primitive };
+        let solid = view.attributes.solid.map(|leaf| (leaf, self.is_entered(&grid.points)));
+        let sampled = SampledGrid {
+            index: self.deferred.next(),
+            opaque,
+            smooth: view.attributes.smooth,
+            primitive,
+            seen: view.attributes.seen,
+            planes: &self.frame.planes,
+            solid,
+        };
         let jitter = &self.frame.jitter;
         // Without a lens, what stands still in an image of motion is sampled as if it moved.
         let tally = if jitter.moments.is_some() {

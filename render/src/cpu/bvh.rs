@@ -3,6 +3,7 @@
 //! Spheres and ellipsoids are met directly, patches as triangles. A sphere does not shadow itself: it is convex, and where it
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
+use crate::scene::attributes::Attributes;
 use crate::scene::facets::{facets_of, meet_triangle};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
@@ -27,6 +28,18 @@ enum Occluder {
         ac: Vec3,
         flat: bool,
     },
+}
+
+/// Where a ray meets something.
+pub struct Crossing {
+    /// How far along it.
+    pub t: f32,
+    /// What.
+    pub item: Item,
+    /// Of a sphere, whether the ray enters it.
+    pub enters: Option<bool>,
+    /// The direction's part along the cross product of those along u and v.
+    pub along: f32,
 }
 
 /// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it. Both
@@ -72,12 +85,12 @@ pub struct Bvh {
 const LEAF: usize = 4;
 
 impl Bvh {
-    /// Build it over all items of a scene that cast shadows.
-    pub fn build(scene: &Scene) -> Bvh {
+    /// Build it over the items of a scene whose attributes are such.
+    pub fn build(scene: &Scene, of: impl Fn(&Attributes) -> bool) -> Bvh {
         let translucent = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
         let mut bvh = Bvh { translucent, ..Bvh::default() };
         for item in scene.items() {
-            if scene.sources[item.source as usize].attributes.casts_shadows {
+            if of(&scene.sources[item.source as usize].attributes) {
                 let (shape, to_world) = scene.place(item);
                 bvh.add(item, shape, to_world);
             }
@@ -134,6 +147,42 @@ impl Bvh {
     /// Whether light gets through some of what casts shadows, in part.
     pub fn any_translucent(&self) -> bool {
         self.translucent.contains(&true)
+    }
+
+    /// Whether light gets through an item, in part.
+    pub fn is_translucent(&self, item: Item) -> bool {
+        self.translucent[item.source as usize]
+    }
+
+    /// Add all places where a ray of unit direction meets something, in no order. `own` and `bias` as for [`Bvh::nearest`].
+    pub fn crossings(&self, own: Option<Item>, from: Vec3, dir: Vec3, bias: [f32; 2], met: &mut Vec<Crossing>) {
+        if self.nodes.is_empty() || !from.is_finite() || !dir.is_finite() {
+            return;
+        }
+        self.leaves(from, dir, f32::INFINITY, |leaf, length| {
+            for (item, occluder) in leaf {
+                let is_own = own == Some(*item);
+                let mut push =
+                    |t: Option<f32>, enters, along| met.extend(t.map(|t| Crossing { t, item: *item, enters, along }));
+                if let Occluder::Triangle { a, ab, ac, flat } = *occluder {
+                    let size = ab.length().max(ac.length());
+                    let near = if flat {
+                        bias[0].min(1e-4 * size)
+                    } else {
+                        bias[is_own as usize].max(facet_room(size, is_own))
+                    };
+                    let t = meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > near);
+                    push(t, None, dir.dot(ab.cross(ac)));
+                    continue;
+                }
+                let first = self.distance(is_own, occluder, from, dir, 0.0, bias);
+                let other = first.and_then(|t| self.distance(is_own, occluder, from, dir, t * (1.0 + 1e-6), bias));
+                // Of two crossings of a sphere the first enters; a lone one leaves it.
+                push(first, Some(other.is_some()), 0.0);
+                push(other, Some(false), 0.0);
+            }
+            Some(length)
+        });
     }
 
     /// Whether anything that lets no light through stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`

@@ -14,7 +14,7 @@ use crate::scene::source::Item;
 use crate::stats::Stats;
 use glam::Vec3A;
 use sl::Global;
-use sl::machine::Points;
+use sl::machine::{Message, Points};
 
 /// The maximum of points that are deferred.
 const MAX_POINTS: usize = 1 << 19;
@@ -198,6 +198,15 @@ fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
         }
     }
     out.clear_variables();
+    for told in &points.messages {
+        let mut few_values = vec![];
+        if told.values.len() >= n && told.values.len() % n == 0 {
+            of(&told.values, &mut few_values);
+        } else {
+            few_values.clone_from(&told.values);
+        }
+        out.messages.push(Message { from: told.from, name: told.name.clone(), values: few_values });
+    }
     for (slot, values) in points.variables().iter().enumerate() {
         let goal = out.next_variable();
         if slot < n_uniform { goal.extend_from_slice(values) } else { of(values, goal) }

@@ -5,6 +5,7 @@ use crate::cpu::globals::{fill_incident, spread};
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
 use sl::Global;
+use sl::ir::Ask;
 use sl::machine::{Machine, Points};
 
 /// Displace a grid, drop its apron and put its edges where those of its neighbours are.
@@ -12,23 +13,30 @@ pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machi
     let Subject { item, view, camera, .. } = *subject;
     let points = &mut grid.points;
     if let Some(displacement) = &view.attributes.displacement {
-        let mut scene = View::new(frame.scene, &frame.bvh, item, view, [0.0; 2]);
+        let mut scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
         scene.shader_to_world = view.attributes.displacement_space;
         fill_incident(points, camera);
         let before = points.get(Global::P).unwrap_or(&[]).to_vec();
         machine.run_with(displacement, &view.attached.displacement, points, &scene);
+        machine.tell(Ask::Displacement, displacement, points);
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
         let n = points.n();
         let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
         let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
+        if !after.iter().all(|x| x.is_finite()) {
+            let name = &displacement.program.name;
+            frame
+                .scene
+                .warn(format!("displacement `{name}` moves points to places that are not finite: these are not drawn"));
+        }
         if farthest > grid.reach * 1.001 && farthest.is_finite() {
             let scale = view.object_to_world.x_axis.truncate().length();
             frame.scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
         }
     }
     if grid.apron {
-        strip_apron(points);
+        strip_apron(points, view.attached.n_uniform);
     }
     if grid.keep != [u32::MAX; 4] {
         let (nu, nv) = (points.nu, points.nv);
@@ -37,21 +45,27 @@ pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machi
     }
 }
 
-/// Drop the ring of points around the grid.
-fn strip_apron(points: &mut Points) {
+/// Drop the ring of points around the grid; the first `n_uniform` of its primitive variables are the same all over.
+fn strip_apron(points: &mut Points, n_uniform: usize) {
     let (nu, nv, n) = (points.nu, points.nv, points.n());
-    for v in points.globals_mut() {
-        if v.len() >= n && v.len() % n == 0 {
-            let mut kept = Vec::with_capacity(v.len());
-            for c in 0..v.len() / n {
-                for j in 1..nv - 1 {
-                    let row = c * n + j * nu;
-                    kept.extend_from_slice(&v[row + 1..row + nu - 1]);
-                }
+    let inner = |v: &mut Vec<f32>| {
+        let mut kept = Vec::with_capacity(v.len());
+        for c in 0..v.len() / n {
+            for j in 1..nv - 1 {
+                let row = c * n + j * nu;
+                kept.extend_from_slice(&v[row + 1..row + nu - 1]);
             }
-            *v = kept;
         }
-    }
+        *v = kept;
+    };
+    points
+        .messages
+        .iter_mut()
+        .map(|told| &mut told.values)
+        .filter(|v| v.len() >= n && v.len() % n == 0)
+        .for_each(inner);
+    points.globals_mut().filter(|v| v.len() >= n && v.len() % n == 0).for_each(inner);
+    (n_uniform..points.variables().len()).for_each(|slot| points.variable_mut(slot).map_or((), inner));
     points.nu -= 2;
     points.nv -= 2;
 }

@@ -1,10 +1,10 @@
 //! What all buckets of an image read.
 
-use crate::cpu::bvh::Bvh;
+use crate::cpu::rays::Rays;
 use crate::film::display::{self, Aov, aovs};
-use crate::film::filter::Filter;
+use crate::film::filter::PixelFilter;
 use crate::film::jitter::Jitter;
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Camera, RasterPlane};
 use crate::scene::options::Options;
 use crate::scene::world::Scene;
 
@@ -12,16 +12,18 @@ use crate::scene::world::Scene;
 pub struct Frame<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The hierarchy over its primitives, for rays.
-    pub bvh: Bvh,
+    /// What rays meet.
+    pub rays: Rays,
     /// The options.
     pub options: &'a Options,
     /// The camera.
     pub camera: Camera,
+    /// User clipping planes.
+    pub planes: Vec<RasterPlane>,
     /// Where samples lie.
     pub jitter: Jitter,
-    /// Filters along x and y.
-    pub filter: [Filter; 2],
+    /// The pixel filter.
+    pub filter: PixelFilter,
     /// What displays take besides colour.
     pub aovs: Vec<Aov>,
     /// Count of the numbers of a sample that these are.
@@ -33,17 +35,18 @@ pub struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// The frame of a scene, whose hierarchy is built.
     pub fn new(scene: &'a Scene, options: &'a Options, camera: Camera) -> Frame<'a> {
-        let filter = options.filter_width.map(|width| Filter::new(options.filter, width));
+        let filter = PixelFilter::new(options.filter, options.filter_width);
         let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
         let aovs = aovs(&options.displays);
         let depth = display::depth(&aovs);
-        let (bvh, first_ids) = (Bvh::build(scene), scene.first_ids());
-        Frame { scene, bvh, options, camera, jitter, filter, aovs, depth, first_ids }
+        let (rays, first_ids) = (Rays::new(scene), scene.first_ids());
+        let planes = camera.raster_planes(&options.clipping_planes);
+        Frame { planes, scene, rays, options, camera, jitter, filter, aovs, depth, first_ids }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.
     pub fn margin(&self) -> [usize; 2] {
-        [self.filter[0].margin(), self.filter[1].margin()]
+        self.filter.margin()
     }
 
     /// Whether a display takes u, v, s or t.

@@ -25,8 +25,12 @@ impl sl::machine::Scene for ImagerScene<'_> {
     fn print(&self, text: &str) {
         self.0.print(text);
     }
-    fn stop(&self, shader: &str) {
-        self.0.stop(shader);
+    fn stop(&self, message: &str) {
+        self.0.stop(message);
+    }
+
+    fn warn(&self, message: String) {
+        self.0.warn(message);
     }
     fn is_stopped(&self) -> bool {
         self.0.stopped().is_some()

@@ -75,7 +75,7 @@ impl Raster {
                 let k = j * nu + i;
                 if grid.trimmed.get(j * (nu - 1) + i) == Some(&true)
                     || (any_behind && [k, k + 1, k + nu + 1, k + nu].into_iter().any(behind))
-                    || (!view.attributes.two_sided && away(k))
+                    || (!view.attributes.two_sided && view.attributes.solid.is_none() && away(k))
                 {
                     continue;
                 }

@@ -13,6 +13,7 @@ use crate::cpu::lanes::LANES;
 use crate::cpu::micropolygon::Micropolygon;
 use crate::film::display::{self, Aov};
 use crate::film::jitter::{Jitter, PERIOD};
+use crate::scene::camera::{RasterPlane, is_clipped};
 
 /// A micropolygon's edge is taken this much wider, pixels, so that rounding opens no crack between neighbours.
 pub(crate) const EDGE: f32 = 1.5e-3;
@@ -30,13 +31,15 @@ struct Layer {
     opacity: [f32; 3],
     primitive: u64,
     next: u32,
+    /// Of a solid, the primitive that is met, and whether the sample's line enters it.
+    solid: Option<(u32, bool)>,
 }
 
 const NONE: u32 = u32::MAX;
 
 /// A grid, as far as sampling depends on it.
 #[derive(Clone, Copy)]
-pub struct SampledGrid {
+pub struct SampledGrid<'a> {
     /// Its index among the deferred grids of the bucket.
     pub index: usize,
     /// All opaque.
@@ -45,6 +48,12 @@ pub struct SampledGrid {
     pub smooth: bool,
     /// Names the primitive, so that a sample on an edge that two of its micropolygons share counts once.
     pub primitive: u64,
+    /// The part of the samples, from 0 to 1, that see it.
+    pub seen: [f32; 2],
+    /// Planes beyond which it is clipped; what is opaque has none.
+    pub planes: &'a [RasterPlane],
+    /// Of a solid, the primitive that it is a part of, and whether triangles of positive area on the raster are entered.
+    pub solid: Option<(u32, bool)>,
 }
 
 /// A tally of sampling.
@@ -238,7 +247,26 @@ impl Samples {
         cell * LANES + row % CELL[1] * CELL[0] + column % CELL[0]
     }
 
-    /// Record that a sample meets a micropolygon, nearer than what is opaque there.
+    /// A number from 0 to 1 of a sample's own: the samples of a pixel have numbers that are evenly spread, in an order of its own.
+    fn part(&self, k: usize) -> f32 {
+        let ([sx, sy], x, y) = (self.strata, self.x[k], self.y[k]);
+        let n = sx * sy;
+        let stratum = |x: f32, strata: usize| ((x.fract() * strata as f32) as usize).min(strata - 1);
+        let [px, py] = [(x, self.x0), (y, self.y0)].map(|(x, first)| (x.floor() as i64 + first) as u32);
+        let hash = (px.wrapping_mul(0x9e37_79b1) ^ py.wrapping_mul(0x85eb_ca77)).wrapping_mul(0xc2b2_ae3d) >> 12;
+        let common = |mut a: usize, mut b: usize| {
+            while b > 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        // A step that visits all of them, near the golden section.
+        let step = (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1);
+        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step + hash as usize) % n;
+        (rank as f32 + 0.5) / n as f32
+    }
+
+    /// Record that a sample meets a micropolygon, nearer than what is opaque there; `area` has the sign of its area on the raster.
     #[inline]
     pub(crate) fn record(
         &mut self,
@@ -246,7 +274,8 @@ impl Samples {
         z: f32,
         micropolygon: Micropolygon,
         weights: [f32; 2],
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
+        area: f32,
     ) {
         if grid.opaque {
             self.z[k] = z;
@@ -254,7 +283,18 @@ impl Samples {
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
             return;
         }
-        let mut at = self.list[k];
+        if grid.seen != [0.0, 1.0] {
+            let part = self.part(k);
+            if part < grid.seen[0] || part >= grid.seen[1] {
+                return;
+            }
+        }
+        if is_clipped(grid.planes, [self.x[k] + self.x0 as f32, self.y[k] + self.y0 as f32], z) {
+            return;
+        }
+        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
+        // Every surface of a solid counts.
+        let mut at = if solid.is_some() { NONE } else { self.list[k] };
         while at != NONE {
             let other = &self.layers[at as usize];
             if other.primitive == grid.primitive && (other.z - z).abs() <= 1e-4 * z {
@@ -264,7 +304,7 @@ impl Samples {
         }
         let (primitive, next) = (grid.primitive, self.list[k]);
         let (color, opacity) = ([0.0; 3], [0.0; 3]);
-        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next });
+        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next, solid });
         self.list[k] = self.layers.len() as u32 - 1;
     }
 }

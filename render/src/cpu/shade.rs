@@ -7,6 +7,7 @@ use crate::film::display::placed;
 use crate::scene::source::{Item, ItemView};
 use crate::stats::Stats;
 use sl::Global;
+use sl::ir::Ask;
 use sl::machine::{Machine, Points};
 
 /// What is shaded: points of an item.
@@ -38,12 +39,13 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     let begun = std::time::Instant::now();
     // A displaced surface does not shadow itself with what it was before.
     let bias = 2.0 / frame.camera.pixels_at(z);
-    let mut scene = View::new(frame.scene, &frame.bvh, item, view, [bias, bias + 2.0 * reach]);
+    let mut scene = View::new(frame.scene, &frame.rays, item, view, [bias, bias + 2.0 * reach]);
     fill_incident(points, &frame.camera);
     surface_globals(points, view, frame.camera.eye);
     shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     note_outputs(frame, item, view, points, shading);
     if let Some(atmosphere) = &a.atmosphere {
+        shading.machine.tell(Ask::Surface, &a.surface, points);
         scene.shader_to_world = a.atmosphere_space;
         shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
     }

@@ -53,7 +53,7 @@ impl Samples {
     with_lanes! {
         /// Sample micropolygons of a grid in rows of `nu` points, each named by its first point; `raster` has x, y and depth of
         /// every point.
-        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], grid: &SampledGrid) -> Tally
+        pub fn still = still_lanes(raster: &[[f32; 3]], nu: usize, micropolygons: &[u32], grid: &SampledGrid<'_>) -> Tally
     }
 
     #[inline(always)]
@@ -62,7 +62,7 @@ impl Samples {
         raster: &[[f32; 3]],
         nu: usize,
         micropolygons: &[u32],
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
     ) -> Tally {
         let mut tally = Tally::default();
         for point in micropolygons {
@@ -82,7 +82,7 @@ impl Samples {
         &mut self,
         corners: [[f32; 3]; 4],
         point: usize,
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
@@ -105,6 +105,7 @@ impl Samples {
             [cell(lo.max(0.0)), cell(hi).min(n - 1)]
         };
         let ([c0, c1], [r0, r1]) = (cells(min_x, max_x, 0, self.columns), cells(min_y, max_y, 1, self.rows));
+        let areas = [b[0] * c[1] - c[0] * b[1], c[0] * d[1] - d[0] * c[1]];
         let names = [false, true].map(|second| Micropolygon::new(grid.index, point, second).id());
         let mut hit = false;
         for r in r0..=r1 {
@@ -135,8 +136,9 @@ impl Samples {
                     while taken != 0 {
                         let i = taken.trailing_zeros() as usize;
                         taken &= taken - 1;
-                        let name = Micropolygon::from_id(names[(later.bits() >> i & 1) as usize]);
-                        self.record(k + i, z[i], name, [w1[i], w2[i]], grid);
+                        let half = (later.bits() >> i & 1) as usize;
+                        let name = Micropolygon::from_id(names[half]);
+                        self.record(k + i, z[i], name, [w1[i], w2[i]], grid, areas[half]);
                     }
                 }
             }

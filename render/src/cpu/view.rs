@@ -5,11 +5,13 @@
 //! neighbouring points, which rays have not, each is a run of its own. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
-use crate::cpu::bvh::Bvh;
 use crate::cpu::globals::surface_globals;
+use crate::cpu::rays::{BEFORE_END, Rays};
+use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
 use crate::scene::facets::place_on;
-use crate::scene::patch::{Patch, bilinear};
+use crate::scene::interpolation::bilinear;
+use crate::scene::patch::Patch;
 use crate::scene::shape::{Shape, sphere_uv};
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
@@ -33,8 +35,8 @@ const MAX_NESTED: u32 = 2;
 pub struct View<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The hierarchy over its primitives.
-    pub bvh: &'a Bvh,
+    /// What rays meet.
+    pub rays: &'a Rays,
     /// The primitive that is shaded.
     pub item: Item,
     /// Object space to world.
@@ -62,11 +64,11 @@ thread_local! {
 
 impl<'a> View<'a> {
     /// The view from an item, as its surface shader has it.
-    pub fn new(scene: &'a Scene, bvh: &'a Bvh, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
+    pub fn new(scene: &'a Scene, rays: &'a Rays, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
         let attributes = view.attributes;
         View {
             scene,
-            bvh,
+            rays,
             item,
             object_to_world: view.object_to_world,
             shader_to_world: attributes.surface_space,
@@ -117,6 +119,7 @@ impl<'a> View<'a> {
         points.orientation = if a.reversed != (view.to_world.determinant() < 0.0) { -1.0 } else { 1.0 };
         view.fill_variables(points);
         fill_patch_variables(points, met);
+        view.to_current(points);
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));
         fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
@@ -130,7 +133,7 @@ impl<'a> View<'a> {
         if a.surface.program.global(Global::E).is_some() {
             fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));
         }
-        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.bvh, item, view, self.bias) };
+        let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.rays, item, view, self.bias) };
         machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     }
 
@@ -143,17 +146,35 @@ impl<'a> View<'a> {
 
     /// How much light gets from one point to another.
     fn light_along(&self, from: Vec3, to: Vec3) -> [f32; 3] {
-        if self.bvh.blocked(self.item, from, to, self.bias) {
+        if self.rays.blocked(self.item, from, to, self.bias) {
             return [0.0; 3];
         }
-        if self.bvh.any_translucent() { self.light_through(from, to) } else { [1.0; 3] }
+        if self.rays.any_translucent() { self.light_through(from, to) } else { [1.0; 3] }
+    }
+
+    /// How much light gets to a place from a light, whose `blur` is the radius of its disc by its distance.
+    fn light_from(&self, query: &MapQuery, from: Vec3) -> f32 {
+        let at = Vec3::from(query.at);
+        if !(query.blur > 0.0) {
+            return self.light_along(at, from)[0];
+        }
+        let way = from - at;
+        let (across, up) = way.normalize_or(Vec3::Z).any_orthonormal_pair();
+        let radius = query.blur * way.length();
+        let n = query.samples.clamp(1.0, 256.0) as usize;
+        let ray = |k: usize| {
+            let [r, turn] = sl::spread(k, query.at);
+            let (s, c) = (turn * std::f32::consts::TAU).sin_cos();
+            self.light_along(at, from + (across * c + up * s) * (radius * r.sqrt()))[0]
+        };
+        (0..n).map(ray).sum::<f32>() / n as f32
     }
 
     /// Four channels of a map at a place.
     fn look_up(&self, query: &MapQuery) -> [f32; 4] {
         match (query.how, query.light) {
             // Whatever map is named, shadows are traced: along the light's ray, which ends at the place asked for.
-            (Lookup::Shadow, Some(from)) => [1.0 - self.light_along(query.at.into(), from.into())[0]; 4],
+            (Lookup::Shadow, Some(from)) => [1.0 - self.light_from(query, from.into()); 4],
             (Lookup::Shadow, None) => {
                 self.scene.warn("shadow() is answered in light shaders alone; elsewhere nothing is in shadow".into());
                 [0.0; 4]
@@ -167,7 +188,8 @@ impl<'a> View<'a> {
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
         let dir = (to - from) / length;
-        let open = self.through(from, dir, length, |item, distance| self.opacity_at(item, from, dir, distance));
+        let open =
+            self.through(from, dir, length * BEFORE_END, |item, distance| self.opacity_at(item, from, dir, distance));
         if nearly_none(open) { [0.0; 3] } else { open }
     }
 
@@ -176,7 +198,7 @@ impl<'a> View<'a> {
     fn through(&self, from: Vec3, dir: Vec3, length: f32, mut meet: impl FnMut(Item, f32) -> [f32; 3]) -> [f32; 3] {
         let (mut open, mut least) = ([1.0f32; 3], 0.0);
         for _ in 0..MAX_LAYERS {
-            let found = self.bvh.nearest(self.item, from, dir, least, self.bias);
+            let found = self.rays.nearest(self.item, from, dir, least, self.bias);
             let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
             if !self.pass(&mut open, &mut least, distance, meet(item, distance)) {
                 break;
@@ -190,6 +212,23 @@ impl<'a> View<'a> {
         (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
         *least = distance + self.bias[0].max(1e-5 * distance);
         !nearly_none(*open)
+    }
+
+    /// What comes along a ray from where it meets an item, through the volume before that.
+    fn through_volume(&self, path: &Path<'_>, item: Item, hit: &Hit, light: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+        let attributes = self.scene.attributes(item);
+        if attributes.interior.is_none() && path.passed.exterior.is_none() {
+            return light;
+        }
+        let met = meet(&self.scene.view(item), hit);
+        let side = if attributes.reversed { -1.0 } else { 1.0 };
+        let leg = Leg {
+            from: path.from + path.dir * path.at,
+            to: met.place,
+            within: met.normal.dot(hit.dir) * side > 0.0,
+            attributes: [path.passed, attributes],
+        };
+        leg.pass(light, |space| View { shader_to_world: space, ..*self })
     }
 
     /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
@@ -236,13 +275,16 @@ struct Hit {
 }
 
 /// A ray on its way through what it meets.
-struct Path {
+struct Path<'a> {
     from: Vec3,
     dir: Vec3,
     /// What is left of it.
     open: [f32; 3],
     /// How far it has come.
     least: f32,
+    /// Attributes of the surface that it started from or passed last, and how far along it that is.
+    passed: &'a Attributes,
+    at: f32,
 }
 
 /// A surface where a ray meets it, world space.
@@ -277,15 +319,11 @@ fn fill_patch_variables(points: &mut Points, met: &[Met]) {
     for values in &first.uniform {
         points.next_variable().extend_from_slice(values);
     }
-    for (slot, values) in first.varying.iter().enumerate() {
-        let width = values.len() / 4;
+    for (slot, variable) in first.varying.iter().enumerate() {
         let buffer = points.next_variable();
-        for c in 0..width {
-            buffer.extend(
-                met.iter()
-                    .filter_map(|m| m.on)
-                    .map(|(patch, [u, v])| bilinear([0, 1, 2, 3].map(|k| patch.varying[slot][k * width + c]), u, v)),
-            );
+        for c in 0..variable.width() {
+            let on = met.iter().filter_map(|m| m.on);
+            buffer.extend(on.map(|(patch, [u, v])| patch.varying[slot].at(c, u, v)));
         }
     }
 }
@@ -314,7 +352,7 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
                 place,
                 normal,
                 uv: [of(patch.uv, 0), of(patch.uv, 1)],
-                st: [of(patch.st, 0), of(patch.st, 1)],
+                st: [patch.st_at(0, u, v), patch.st_at(1, u, v)],
                 on: Some((patch, [u, v])),
             }
         }
@@ -342,8 +380,12 @@ impl sl::machine::Scene for View<'_> {
         self.scene.print(text);
     }
 
-    fn stop(&self, shader: &str) {
-        self.scene.stop(shader);
+    fn stop(&self, message: &str) {
+        self.scene.stop(message);
+    }
+
+    fn warn(&self, message: String) {
+        self.scene.warn(message);
     }
 
     fn is_stopped(&self) -> bool {
@@ -353,7 +395,7 @@ impl sl::machine::Scene for View<'_> {
     fn hit(&self, rays: &[Ray], distances: &mut [Option<f32>]) {
         for (ray, distance) in rays.iter().zip(distances) {
             let dir = Vec3::from(ray.direction);
-            let found = self.bvh.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
+            let found = self.rays.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
             *distance = found.map(|(t, _)| t);
         }
     }
@@ -383,14 +425,21 @@ impl sl::machine::Scene for View<'_> {
         colors.fill([0.0; 3]);
         let start = |ray: &Ray| {
             let dir = Vec3::from(ray.direction);
-            Path { from: self.start(ray.from.into(), dir), dir, open: [1.0; 3], least: 0.0 }
+            Path {
+                from: self.start(ray.from.into(), dir),
+                dir,
+                open: [1.0; 3],
+                least: 0.0,
+                passed: self.attributes,
+                at: 0.0,
+            }
         };
-        let mut paths: Vec<Path> = rays.iter().map(start).collect();
+        let mut paths: Vec<Path<'_>> = rays.iter().map(start).collect();
         let mut alive: Vec<usize> = (0..rays.len()).collect();
         for _ in 0..MAX_LAYERS {
             let nearest = |ray: &usize| {
                 let Path { from, dir, least, .. } = paths[*ray];
-                let (distance, item) = self.bvh.nearest(self.item, from, dir, least, self.bias)?;
+                let (distance, item) = self.rays.nearest(self.item, from, dir, least, self.bias)?;
                 (distance < f32::INFINITY).then_some((item, *ray, Hit { from, dir, distance }))
             };
             let mut layer: Vec<(Item, usize, Hit)> = alive.iter().filter_map(nearest).collect();
@@ -399,8 +448,10 @@ impl sl::machine::Scene for View<'_> {
             for of_item in layer.chunk_by(|a, b| a.0 == b.0) {
                 let hits: Vec<Hit> = of_item.iter().map(|(_, _, hit)| *hit).collect();
                 let shaded = self.shade(of_item[0].0, &hits, many);
-                for ((_, ray, hit), [ci, oi]) in of_item.iter().zip(shaded) {
+                for ((item, ray, hit), light) in of_item.iter().zip(shaded) {
                     let path = &mut paths[*ray];
+                    let [ci, oi] = self.through_volume(path, *item, hit, light);
+                    (path.passed, path.at) = (self.scene.attributes(*item), hit.distance);
                     (0..3).for_each(|c| colors[*ray][c] += path.open[c] * ci[c]);
                     if self.pass(&mut path.open, &mut path.least, hit.distance, oi) {
                         alive.push(*ray);
@@ -424,6 +475,8 @@ impl sl::machine::Scene for View<'_> {
             (Ask::Surface, [name]) => a.surface.parameter(name),
             (Ask::Displacement, [name]) => a.displacement.as_ref()?.parameter(name),
             (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
+            (Ask::Incident, [name]) => a.exterior.as_ref()?.0.parameter(name),
+            (Ask::Opposite, [name]) => a.interior.as_ref()?.0.parameter(name),
             (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
             (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
             (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),

@@ -90,6 +90,9 @@ pub struct Display {
     pub mode: String,
     /// Whether colour and coverage of an EXR file are 16-bit floats, otherwise 32-bit.
     pub half: bool,
+    /// Quantization of this display alone, if it is given: the values that 0 and 1 map to, and the least and the greatest.
+    #[serde(default)]
+    pub quantize: Option<[i32; 4]>,
 }
 
 impl Display {

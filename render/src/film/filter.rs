@@ -15,10 +15,14 @@ pub enum FilterKind {
     Sinc,
     /// Mitchell and Netravali's cubic, B = C = 1/3.
     Mitchell,
+    /// Constant over the ellipse of the widths.
+    Disk,
+    /// Of a round aperture, 2 J₁(x)/x up to its first zero at the ellipse of the widths, times a cosine.
+    Bessel,
 }
 
 impl FilterKind {
-    /// The filter of a name: `box`, `triangle`, `gaussian`, `catmull-rom`, `sinc` or `mitchell`; `None` for others.
+    /// The filter of a name: `box`, `triangle`, `gaussian`, `catmull-rom`, `sinc`, `mitchell`, `disk` or `bessel`; `None` for others.
     pub fn of_name(name: &str) -> Option<FilterKind> {
         Some(match name {
             "box" => FilterKind::Box,
@@ -27,8 +31,15 @@ impl FilterKind {
             "catmull-rom" => FilterKind::CatmullRom,
             "sinc" => FilterKind::Sinc,
             "mitchell" => FilterKind::Mitchell,
+            "disk" => FilterKind::Disk,
+            "bessel" => FilterKind::Bessel,
             _ => return None,
         })
+    }
+
+    /// Whether it depends on the distance from the centre, and is not a product of filters along x and y.
+    pub fn is_round(self) -> bool {
+        matches!(self, FilterKind::Disk | FilterKind::Bessel)
     }
 
     /// The filter's value at `x` pixels from its centre, for a full width of `width` pixels; 0 from half the width on.
@@ -39,7 +50,11 @@ impl FilterKind {
             return 0.0;
         }
         match self {
-            FilterKind::Box => 1.0,
+            FilterKind::Box | FilterKind::Disk => 1.0,
+            FilterKind::Bessel => {
+                let d = x / half;
+                2.0 * j1_over(FIRST_ZERO * d) * (0.5 * std::f32::consts::PI * d).cos()
+            }
             FilterKind::Triangle => 1.0 - x / half,
             // As the specification has it: e^(−2 (2x/width)²).
             FilterKind::Gaussian => (-2.0 * (x / half) * (x / half)).exp(),
@@ -74,6 +89,54 @@ impl FilterKind {
                 }
             }
         }
+    }
+}
+
+/// The first zero of J₁ above 0.
+const FIRST_ZERO: f32 = 3.831_706;
+
+/// J₁(x)/x of Bessel's function, by its series, up to the first zero.
+fn j1_over(x: f32) -> f32 {
+    let q = -0.25 * x * x;
+    let (mut term, mut sum) = (0.5f32, 0.5f32);
+    for k in 1..14 {
+        term *= q / (k * (k + 1)) as f32;
+        sum += term;
+    }
+    sum
+}
+
+/// The pixel filter of an image.
+#[derive(Clone, Debug)]
+pub struct PixelFilter {
+    /// Along x and y; of a round one, along any radius of the ellipse of its widths.
+    axes: [Filter; 2],
+}
+
+impl PixelFilter {
+    /// A filter of widths along x and y, pixels.
+    pub fn new(kind: FilterKind, widths: [f32; 2]) -> PixelFilter {
+        PixelFilter { axes: widths.map(|width| Filter::new(kind, width)) }
+    }
+
+    /// Its value at a place from its centre, pixels.
+    #[inline]
+    pub fn at(&self, dx: f32, dy: f32) -> f32 {
+        let [x, y] = &self.axes;
+        if !x.kind.is_round() {
+            return x.at(dx) * y.at(dy);
+        }
+        x.at((dx * dx + dy * dy * (x.half / y.half).powi(2)).sqrt())
+    }
+
+    /// Whether it is a box of one pixel.
+    pub fn is_pixel(&self) -> bool {
+        self.axes.iter().all(Filter::is_pixel)
+    }
+
+    /// Its reach beyond the pixel along x and y, pixels, rounded up.
+    pub fn margin(&self) -> [usize; 2] {
+        [self.axes[0].margin(), self.axes[1].margin()]
     }
 }
 
@@ -123,12 +186,17 @@ mod tests {
 
     #[test]
     fn filters_are_even_bells_that_end_at_their_width() {
-        for name in ["box", "triangle", "gaussian", "catmull-rom", "sinc", "mitchell"] {
+        for name in ["box", "triangle", "gaussian", "catmull-rom", "sinc", "mitchell", "bessel"] {
             let kind = FilterKind::of_name(name).unwrap();
             assert_eq!(kind.value(2.0, 4.0), 0.0, "{name}");
             assert!(kind.value(0.0, 4.0) > 0.5 && kind.value(0.3, 4.0) == kind.value(-0.3, 4.0), "{name}");
             assert!((Filter::new(kind, 4.0).at(0.7) - kind.value(0.7, 4.0)).abs() < 0.01, "{name}");
         }
+        // Round filters end at an ellipse; J₁(1.915853) = 0.5815 of the half way to its first zero (Abramowitz and Stegun, 9.1).
+        let disk = PixelFilter::new(FilterKind::Disk, [4.0, 2.0]);
+        assert_eq!([disk.at(1.9, 0.0), disk.at(0.0, 0.9), disk.at(1.5, 0.7)], [1.0, 1.0, 0.0]);
+        let half = 2.0 * 0.581_52 / 1.915_853 * std::f32::consts::FRAC_PI_4.cos();
+        assert!((FilterKind::Bessel.value(1.0, 4.0) - half).abs() < 1e-3, "{}", FilterKind::Bessel.value(1.0, 4.0));
         assert_eq!(Filter::new(FilterKind::Box, 1.0).margin(), 0);
         assert_eq!(Filter::new(FilterKind::Gaussian, 2.0).margin(), 1);
     }

@@ -49,13 +49,13 @@ impl Image {
         display::depth(&self.aovs)
     }
 
-    /// Expose the colours (`Exposure`): (gain · c)^(1/gamma).
+    /// Expose the colours (`Exposure`): (gain · c)^(1/gamma), of negative ones with their sign.
     pub fn expose(&mut self, gain: f32, gamma: f32) {
         for p in &mut self.pixels {
             for c in &mut p[..3] {
-                *c = (*c * gain).max(0.0);
+                *c *= gain;
                 if gamma != 1.0 {
-                    *c = c.powf(1.0 / gamma);
+                    *c = c.abs().powf(1.0 / gamma).copysign(*c);
                 }
             }
         }
@@ -73,7 +73,11 @@ impl Image {
         let size = [x1 - x0, y1 - y0];
         match display.format() {
             "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
-            kind => self.plain(kind, &channels, &pixels, size, encoding),
+            kind => {
+                let one = encoding.quantize_one;
+                let levels = display.quantize.unwrap_or([0, one, 0, one]);
+                self.plain(kind, &channels, &pixels, size, (levels, encoding))
+            }
         }
     }
 
@@ -136,7 +140,7 @@ impl Image {
         channels: &[Channel],
         pixels: &[usize],
         size: [usize; 2],
-        encoding: &Encoding<'_>,
+        ([zero, one, min, max], encoding): ([i32; 4], &Encoding<'_>),
     ) -> Result<Vec<u8>, String> {
         let n = channels.len();
         let [w, h] = size.map(|n| n as u32);
@@ -146,7 +150,7 @@ impl Image {
             let goal = std::io::Cursor::new(&mut bytes);
             TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
         };
-        if kind == "tiff" && encoding.quantize_one == 0 {
+        if kind == "tiff" && one == 0 && max == 0 {
             let color = match n {
                 3 => ExtendedColorType::Rgb32F,
                 4 => ExtendedColorType::Rgba32F,
@@ -155,15 +159,19 @@ impl Image {
             tiff(&numbers.flat_map(|(.., x)| x.to_ne_bytes()).collect::<Vec<u8>>(), color)?;
             return Ok(bytes);
         }
-        let deep = encoding.quantize_one > 255;
-        let one = if deep { 65535.0 } else { 255.0 };
+        let deep = one.max(max) > 255;
+        let most = if deep { 65535 } else { 255 };
+        // Without levels of its own an image has those of its depth.
+        let own = [zero, min] != [0; 2] || one != max;
+        let [zero, one, min, max] = if own { [zero, one, min, max] } else { [0, most, 0, most] };
+        let [zero, one, min, max] = [zero, one, min.max(0), max.min(most)].map(|x| x as f32);
         let quantize = |(i, c, x): (usize, usize, f32)| {
             // Dither is noise of the pixel's own, the same in every run.
             let noise = sl::noise::cell_noise(
                 [(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5],
                 9,
             );
-            (x * one + encoding.dither * (2.0 * noise - 1.0)).round().clamp(0.0, one)
+            (zero + x * (one - zero) + encoding.dither * (2.0 * noise - 1.0)).round().clamp(min, max.max(min))
         };
         let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
         let data: Vec<u8> = if deep {

@@ -4,6 +4,7 @@
 //! every grid edge that it crosses; the points are then drawn to the surface along the field's slope, which gives the normals too.
 
 use crate::scene::patch::Patch;
+use crate::scene::variables::Varying;
 use glam::{Mat4, Vec3};
 use ri::Fail;
 
@@ -11,6 +12,29 @@ use ri::Fail;
 const LEVEL: f32 = 0.421_875;
 /// Cells along the longest side of the bound.
 const CELLS: f32 = 72.0;
+
+/// A variable of the leaves of a blobby.
+pub struct LeafVariable {
+    /// Numbers of a leaf.
+    pub numbers: usize,
+    /// Those of all leaves.
+    pub values: Vec<f32>,
+    /// They are matrices, which lead points from the leaf's own space to where they are when the leaves are at rest.
+    pub is_place: bool,
+}
+
+impl LeafVariable {
+    /// Numbers of a value.
+    fn width(&self) -> usize {
+        if self.is_place { 3 } else { self.numbers }
+    }
+
+    /// The value of a leaf at a point of its space.
+    fn at(&self, leaf: usize, p: Vec3) -> Vec<f32> {
+        let own = &self.values[leaf * self.numbers..(leaf + 1) * self.numbers];
+        if self.is_place { Mat4::from_cols_slice(own).transform_point3(p).to_array().to_vec() } else { own.to_vec() }
+    }
+}
 
 /// A leaf or an operator on those before it.
 enum Node {
@@ -156,6 +180,14 @@ impl Field {
         }
     }
 
+    /// A point in the space of a leaf.
+    fn in_leaf(&self, leaf: usize, p: Vec3) -> Vec3 {
+        match &self.nodes[self.leaves[leaf]] {
+            Node::Ellipsoid(into) | Node::Segment { into, .. } => into.transform_point3(p),
+            _ => p,
+        }
+    }
+
     /// The field at a point; `values` is scratch.
     fn at(&self, p: Vec3, values: &mut Vec<f32>) -> f32 {
         values.clear();
@@ -177,8 +209,8 @@ impl Field {
         *values.last().expect("a field has nodes")
     }
 
-    /// The surface as patches; `varying` are widths and values of the leaves, which blend as their fields do.
-    pub fn patches(&self, varying: &[(usize, Vec<f32>)]) -> Vec<Patch> {
+    /// The surface as patches; `varying` are the variables of the leaves, which blend as their fields do.
+    pub fn patches(&self, varying: &[LeafVariable]) -> Vec<Patch> {
         let mut scratch = Vec::new();
         let lattice = Lattice::over(self);
         let [nx, ny, nz] = lattice.n;
@@ -243,22 +275,26 @@ impl Field {
     }
 
     /// A quadrilateral of the net, curved by its normals.
-    fn patch(&self, quad: [usize; 4], points: &[Vec3], normals: &[Vec3], varying: &[(usize, Vec<f32>)]) -> Patch {
+    fn patch(&self, quad: [usize; 4], points: &[Vec3], normals: &[Vec3], varying: &[LeafVariable]) -> Patch {
         let mut patch = Patch::bilinear(quad.map(|i| points[i]));
         patch.flat = false;
-        patch.normals = Some(Box::new(quad.map(|i| normals[i])));
-        for (width, values) in varying {
+        let given = quad.iter().flat_map(|i| normals[*i].to_array()).collect();
+        patch.normals = Some(Box::new(Varying::new(3, given)));
+        for variable in varying {
+            let width = variable.width();
             let mut corners = Vec::with_capacity(4 * width);
             for i in quad {
                 let weights: Vec<f32> =
                     self.leaves.iter().map(|l| self.leaf(&self.nodes[*l], points[i]).max(0.0)).collect();
                 let whole: f32 = weights.iter().sum();
-                for c in 0..*width {
-                    let sum: f32 = weights.iter().enumerate().map(|(l, s)| s * values[l * width + c]).sum();
-                    corners.push(if whole > 0.0 { sum / whole } else { values[c] });
-                }
+                let own = |l: usize| variable.at(l, self.in_leaf(l, points[i]));
+                let sum = (0..weights.len()).filter(|l| weights[*l] > 0.0).fold(vec![0.0; width], |mut sum, l| {
+                    sum.iter_mut().zip(own(l)).for_each(|(sum, x)| *sum += weights[l] * x);
+                    sum
+                });
+                corners.extend(if whole > 0.0 { sum.into_iter().map(|x| x / whole).collect() } else { own(0) });
             }
-            patch.varying.push(corners);
+            patch.varying.push(Varying::new(width, corners));
         }
         patch
     }

@@ -48,8 +48,7 @@ pub trait Sink {
 /// A grid: points in rows, in world space, as a dicer leaves it.
 #[derive(Default)]
 pub struct Grid {
-    /// P, N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view, varying ones without the
-    /// apron.
+    /// P, N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view.
     pub points: Points,
     /// How far each point is from where it was first, world space, at each moment of the item but the first: x of all, y of all,
     /// z of all. Empty if it keeps its form.

@@ -1,8 +1,10 @@
 //! NURBS patches as bicubic patches, their variables, and NURBS curves.
 
 use crate::scene::patch::Patch;
+use crate::scene::variables::Varying;
 use glam::{Vec3, Vec4};
-use ri::{Fail, Knots};
+use ri::{Class, Fail, Knots, Param};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Basis functions of order k at t that are not zero: the first one's index and their values (Cox and de Boor).
 fn basis(knots: &[f32], n: usize, order: usize, t: f32) -> (usize, Vec<f32>) {
@@ -52,7 +54,7 @@ pub fn nurbs(points: &[Vec4], u: &Knots, v: &Knots) -> Result<Vec<Patch>, Fail> 
     if points.len() != nu * nv {
         return Err(Fail::new(format!("a NURBS patch of {nu} × {nv} points has {}", points.len())));
     }
-    let at = |s: f32, t: f32| nurbs_point(points, u, v, s, t);
+    let at = |s: f32, t: f32| project(nurbs_point(points, u, v, s, t));
     let even = points.iter().all(|p| (p.w - points[0].w).abs() < 1e-6 * points[0].w.abs());
     let exact = even && u.order <= 4 && v.order <= 4;
     let cuts = |k: &Knots| -> Vec<[f32; 2]> {
@@ -71,16 +73,19 @@ pub fn nurbs(points: &[Vec4], u: &Knots, v: &Knots) -> Result<Vec<Patch>, Fail> 
     let mut patches = Vec::new();
     for tv in cuts(v) {
         for su in cuts(u) {
-            // Just inside the span's end, so that the next span's polynomial is not taken.
-            let inside = |x: f32, r: [f32; 2]| if x >= r[1] { r[1] - (r[1] - r[0]) * 1e-6 } else { x };
-            patches.push(patch_through(|s, t| at(inside(s, su), inside(t, tv)), su, tv));
+            patches.push(Patch::smooth(control_points(at, su, tv), su, tv));
         }
     }
     Ok(patches)
 }
 
-/// A point of a NURBS patch.
-fn nurbs_point(points: &[Vec4], u: &Knots, v: &Knots, s: f32, t: f32) -> Vec3 {
+/// A homogeneous point in space.
+fn project(p: Vec4) -> Vec3 {
+    if p.w != 0.0 { p.truncate() / p.w } else { p.truncate() }
+}
+
+/// A homogeneous point of a NURBS patch.
+fn nurbs_point(points: &[Vec4], u: &Knots, v: &Knots, s: f32, t: f32) -> Vec4 {
     let nu = u.n as usize;
     let (i0, bu) = basis(&u.knots, nu, u.order as usize, s);
     let (j0, bv) = basis(&v.knots, v.n as usize, v.order as usize, t);
@@ -90,33 +95,19 @@ fn nurbs_point(points: &[Vec4], u: &Knots, v: &Knots, s: f32, t: f32) -> Vec3 {
             sum += points[(j0 + j) * nu + i0 + i] * (x * y);
         }
     }
-    if sum.w != 0.0 { sum.truncate() / sum.w } else { sum.truncate() }
+    sum
 }
 
-/// The values of a NURBS patch's variable, `width` numbers each, at (s, t), if it has as many as the patch has control points
-/// (then it follows the surface) or corners of spans (then it is bilinear in each). RISpec 5.3.
-pub fn nurbs_variable(
-    values: &[f32],
-    width: usize,
-    points: &[Vec4],
-    u: &Knots,
-    v: &Knots,
-    s: f32,
-    t: f32,
-) -> Option<Vec<f32>> {
-    let (nu, nv) = (u.n as usize, v.n as usize);
-    if values.len() == nu * nv * width {
-        let component = |c: usize| {
-            let own: Vec<Vec4> =
-                points.iter().enumerate().map(|(k, p)| Vec4::new(values[k * width + c] * p.w, 0.0, 0.0, p.w)).collect();
-            nurbs_point(&own, u, v, s, t).x
-        };
-        return Some((0..width).map(component).collect());
-    }
+/// The values of a NURBS patch's variable over one of its patches, `width` numbers each. It has as many as the patch has control
+/// points, and then follows the surface, or one at each corner of its spans, and is bilinear in each (RISpec 5.3); none if it has
+/// another number. A varying one that could be either is the latter.
+pub fn nurbs_variable(param: &Param, points: &[Vec4], u: &Knots, v: &Knots, patch: &Patch) -> Option<Varying> {
+    let (values, width) = (param.numbers(), param.decl.width());
     let spans = |k: &Knots| (k.n - k.order + 1) as usize;
     let columns = spans(u) + 1;
-    if values.len() != columns * (spans(v) + 1) * width {
-        return None;
+    let is_at_corners = values.len() == columns * (spans(v) + 1) * width;
+    if param.decl.class == Class::Vertex || !is_at_corners {
+        return (values.len() == points.len() * width).then(|| following(values, width, points, u, v, patch));
     }
     // Which span a parameter is in, and how far along it.
     let place = |k: &Knots, x: f32| {
@@ -125,12 +116,28 @@ pub fn nurbs_variable(
         let (a, b) = (k.knots[first + at], k.knots[first + at + 1]);
         (at, if b > a { ((x - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 })
     };
-    let ((i, x), (j, y)) = (place(u, s), place(v, t));
-    let component = |c: usize| {
-        let at = |di: usize, dj: usize| values[((j + dj) * columns + i + di) * width + c];
-        (at(0, 0) * (1.0 - x) + at(1, 0) * x) * (1.0 - y) + (at(0, 1) * (1.0 - x) + at(1, 1) * x) * y
+    let at_corner = |[s, t]: [f32; 2]| {
+        let ((i, x), (j, y)) = (place(u, s), place(v, t));
+        (0..width).map(move |c| {
+            let at = |di: usize, dj: usize| values[((j + dj) * columns + i + di) * width + c];
+            (at(0, 0) * (1.0 - x) + at(1, 0) * x) * (1.0 - y) + (at(0, 1) * (1.0 - x) + at(1, 1) * x) * y
+        })
     };
-    Some((0..width).map(component).collect())
+    Some(Varying::new(width, patch.uv.into_iter().flat_map(at_corner).collect()))
+}
+
+/// The values over a patch of a variable that follows the surface.
+fn following(values: &[f32], width: usize, points: &[Vec4], u: &Knots, v: &Knots, patch: &Patch) -> Varying {
+    let [[u0, v0], .., [u1, v1]] = patch.uv;
+    let mut all = vec![0.0; 16 * width];
+    for c in 0..width {
+        let own = |(k, p): (usize, &Vec4)| Vec4::new(values[k * width + c] * p.w, 0.0, 0.0, p.w);
+        let own: Vec<Vec4> = points.iter().enumerate().map(own).collect();
+        let at = |s: f32, t: f32| project(nurbs_point(&own, u, v, s, t)).x;
+        let net = control_points(at, [u0, u1], [v0, v1]);
+        net.into_iter().enumerate().for_each(|(k, x)| all[k * width + c] = x);
+    }
+    Varying::new(width, all)
 }
 
 /// A point of a NURBS curve in u, v, w.
@@ -140,16 +147,19 @@ pub fn nurbs_curve(points: &[Vec3], knots: &[f32], order: usize, t: f32) -> [f32
     if sum.z != 0.0 { [sum.x / sum.z, sum.y / sum.z] } else { [sum.x, sum.y] }
 }
 
-/// The patch through points of a surface, given over unit parameters: exact for what is bicubic.
-fn patch_through(at: impl Fn(f32, f32) -> Vec3, u: [f32; 2], v: [f32; 2]) -> Patch {
+/// The control points of a patch through points of a surface, or through values on it, over a range of its parameters: exact for
+/// what is bicubic.
+pub fn control_points<T>(at: impl Fn(f32, f32) -> T, u: [f32; 2], v: [f32; 2]) -> [T; 16]
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T> + Div<f32, Output = T>,
+{
     let place = |r: [f32; 2], k: usize| r[0] + (r[1] - r[0]) * k as f32 / 3.0;
-    let mut p = [Vec3::ZERO; 16];
-    for (k, q) in p.iter_mut().enumerate() {
-        *q = at(place(u, k % 4), place(v, k / 4));
-    }
+    // Just inside the span's end, so that the next span's polynomial is not taken.
+    let inside = |x: f32, r: [f32; 2]| if x >= r[1] { r[1] - (r[1] - r[0]) * 1e-6 } else { x };
+    let mut p: [T; 16] = std::array::from_fn(|k| at(inside(place(u, k % 4), u), inside(place(v, k / 4), v)));
     // From points at thirds to control points, along rows and then along columns.
-    let control = |p: [Vec3; 4]| {
-        let inner = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 6.0;
+    let control = |p: [T; 4]| {
+        let inner = |a: T, b: T, c: T, d: T| (a * -5.0 + b * 18.0 - c * 9.0 + d * 2.0) / 6.0;
         [p[0], inner(p[0], p[1], p[2], p[3]), inner(p[3], p[2], p[1], p[0]), p[3]]
     };
     for j in 0..4 {
@@ -160,5 +170,5 @@ fn patch_through(at: impl Fn(f32, f32) -> Vec3, u: [f32; 2], v: [f32; 2]) -> Pat
         let column = control([p[i], p[4 + i], p[8 + i], p[12 + i]]);
         (0..4).for_each(|j| p[4 * j + i] = column[j]);
     }
-    Patch::smooth(p, u, v)
+    p
 }

@@ -1,11 +1,12 @@
 //! Dicing of bicubic patches: the points of a grid, their normals and variables.
 
 use crate::gprim::grid::{Grid, Subject};
+use crate::scene::interpolation::{bernstein, bernstein_slope, bilinear};
 use crate::scene::motion::later;
-use crate::scene::patch::{Patch, bernstein, bernstein_slope, bilinear, point_of};
+use crate::scene::patch::{Patch, point_of};
+use crate::scene::variables::Varying;
 use glam::Vec3;
 use sl::Global;
-use sl::machine::Points;
 
 /// A piece of a patch, in its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,13 +67,14 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
     deform(subject, patch, [&us, &vs], ring as usize, &mut grid.deformed);
     if subject.needs_parameters() {
         let points = &mut grid.points;
-        for (global, corner) in [
-            (Global::U, patch.uv.map(|c| c[0])),
-            (Global::V, patch.uv.map(|c| c[1])),
-            (Global::S, patch.st.map(|c| c[0])),
-            (Global::T, patch.st.map(|c| c[1])),
+        for (global, corner, curved) in [
+            (Global::U, patch.uv.map(|c| c[0]), None),
+            (Global::V, patch.uv.map(|c| c[1]), None),
+            (Global::S, patch.st.map(|c| c[0]), patch.curved_st.as_deref().and_then(|st| st[0].as_ref())),
+            (Global::T, patch.st.map(|c| c[1]), patch.curved_st.as_deref().and_then(|st| st[1].as_ref())),
         ] {
-            let values = vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corner, *u, *v)));
+            let at = |u: f32, v: f32| curved.map_or_else(|| bilinear(corner, u, v), |curved| curved.at(0, u, v));
+            let values = vs.iter().flat_map(|v| us.iter().map(move |u| at(*u, *v)));
             points.refill(global).extend(values);
         }
     }
@@ -81,7 +83,8 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
     for values in &patch.uniform {
         grid.points.next_variable().extend_from_slice(values);
     }
-    vary(patch, [&us, &vs], ring as usize, &mut grid.points);
+    patch.varying.iter().for_each(|variable| vary(variable, [&us, &vs], grid.points.next_variable()));
+    view.to_current(&mut grid.points);
 }
 
 /// Find the micropolygons of a grid that are cut away.
@@ -100,17 +103,10 @@ fn trim(patch: &Patch, piece: Piece, [nu, nv]: [usize; 2], trimmed: &mut Vec<boo
     }
 }
 
-/// Give the points of a grid, without the apron, the patch's varying variables.
-fn vary(patch: &Patch, [us, vs]: [&[f32]; 2], ring: usize, points: &mut Points) {
-    // The apron is dropped from globals alone: variables are made without it.
-    let (us, vs) = (&us[ring..us.len() - ring], &vs[ring..vs.len() - ring]);
-    for values in &patch.varying {
-        let width = values.len() / 4;
-        let out = points.next_variable();
-        for c in 0..width {
-            let corners = [0, 1, 2, 3].map(|k| values[k * width + c]);
-            out.extend(vs.iter().flat_map(|v| us.iter().map(move |u| bilinear(corners, *u, *v))));
-        }
+/// Fill the values of a variable at the points of a grid.
+fn vary(variable: &Varying, [us, vs]: [&[f32]; 2], out: &mut Vec<f32>) {
+    for c in 0..variable.width() {
+        out.extend(vs.iter().flat_map(|v| us.iter().map(move |u| variable.at(c, *u, *v))));
     }
 }
 

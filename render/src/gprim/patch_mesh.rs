@@ -5,7 +5,11 @@ use crate::scene::patch::Patch;
 use glam::Vec3;
 use ri::Fail;
 
-/// A patch mesh (RISpec 5.3): patches, each with the places of its corners (0,0), (1,0), (0,1), (1,1) in varying values.
+/// A patch of a mesh, with the places of its corners (0,0), (1,0), (0,1), (1,1) in varying values and, if it is bicubic, of its
+/// control points in vertex ones.
+pub type MeshPatch = (Patch, [usize; 4], Option<[usize; 16]>);
+
+/// A patch mesh (RISpec 5.3).
 pub fn patch_mesh(
     bicubic: bool,
     points: &[Vec3],
@@ -13,7 +17,7 @@ pub fn patch_mesh(
     periodic: [bool; 2],
     bases: &([f32; 16], [f32; 16]),
     steps: [usize; 2],
-) -> Result<Vec<(Patch, [usize; 4])>, Fail> {
+) -> Result<Vec<MeshPatch>, Fail> {
     if nu.checked_mul(nv) != Some(points.len()) {
         return Err(Fail::new(format!("a mesh of {nu} × {nv} points has {} in \"P\"", points.len())));
     }
@@ -33,7 +37,8 @@ pub fn patch_mesh(
         Ok(room / step[axis])
     };
     let (pu, pv) = (count(nu, 0)?, count(nv, 1)?);
-    let point = |i: usize, j: usize| points[(j % nv) * nu + i % nu];
+    let place = |i: usize, j: usize| (j % nv) * nu + i % nu;
+    let point = |i: usize, j: usize| points[place(i, j)];
     let at = |k: usize, n: usize| k as f32 / n as f32;
     // Corners of patches: one more than patches along an open axis.
     let (cu, cv) = (if periodic[0] { pu } else { pu + 1 }, if periodic[1] { pv } else { pv + 1 });
@@ -41,12 +46,10 @@ pub fn patch_mesh(
     for j in 0..pv {
         for i in 0..pu {
             let (u, v) = ([at(i, pu), at(i + 1, pu)], [at(j, pv), at(j + 1, pv)]);
-            let patch = if bicubic {
-                let mut p = [Vec3::ZERO; 16];
-                for (k, q) in p.iter_mut().enumerate() {
-                    *q = point(i * step[0] + k % 4, j * step[1] + k / 4);
-                }
-                Patch::smooth(to_bezier(p, bases), u, v)
+            let controls: Option<[usize; 16]> =
+                bicubic.then(|| std::array::from_fn(|k| place(i * step[0] + k % 4, j * step[1] + k / 4)));
+            let patch = if let Some(controls) = controls {
+                Patch::smooth(to_bezier(controls.map(|k| points[k]), bases), u, v)
             } else {
                 let mut patch = Patch::bilinear([point(i, j), point(i + 1, j), point(i, j + 1), point(i + 1, j + 1)]);
                 let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
@@ -54,7 +57,8 @@ pub fn patch_mesh(
                 patch
             };
             let corner = |a: usize, b: usize| (b % cv) * cu + a % cu;
-            patches.push((patch, [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)]));
+            let corners = [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)];
+            patches.push((patch, corners, controls));
         }
     }
     Ok(patches)

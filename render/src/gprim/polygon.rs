@@ -1,13 +1,12 @@
 //! Polygons as patches, concave ones and those with holes by triangles.
 
-use crate::gprim::variables::patch_variables;
+use crate::gprim::variables::{Places, patch_variables};
 use crate::scene::patch::Patch;
 use glam::Vec3;
 use ri::{Fail, Params};
 
-/// A polygon as patches: its outline, then its holes, as indices into "P". `face` is its uniform index, `first` that of its first
-/// corner in facevarying values. Four corners that make a convex face become one bilinear patch, others triangles.
-pub fn polygon_patches(loops: &[Vec<usize>], params: &Params, face: usize, first: usize) -> Result<Vec<Patch>, Fail> {
+/// The vertices of a polygon: those of its outline, then of its holes, as indices into "P".
+fn vertices(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[f32; 3]>, Fail> {
     let p = params.iter().find(|p| p.decl.name == "P").ok_or(Fail::new("a polygon needs \"P\""))?.numbers();
     let all: Vec<usize> = loops.concat();
     let mut points = Vec::with_capacity(all.len());
@@ -18,6 +17,13 @@ pub fn polygon_patches(loops: &[Vec<usize>], params: &Params, face: usize, first
     if points.as_flattened().iter().any(|x| !x.is_finite()) {
         return Err(Fail::new("a polygon has a vertex that is not a finite number"));
     }
+    Ok(points)
+}
+
+/// How a polygon is cut: corners of patches among its vertices. Four corners that make a convex face become one bilinear patch,
+/// others triangles.
+pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[usize; 4]>, Fail> {
+    let points = vertices(loops, params)?;
     let n_outer = loops.first().map_or(0, Vec::len);
     let at = |i: usize| Vec3::from(points[i]);
     // Corners of a patch: (0,0), (1,0), (0,1), (1,1); a triangle has its last corner twice.
@@ -54,14 +60,28 @@ pub fn polygon_patches(loops: &[Vec<usize>], params: &Params, face: usize, first
             if normal(a, b, c).dot(whole) < 0.0 { quads.push([a, c, b, b]) } else { quads.push([a, b, c, c]) }
         }
     }
+    Ok(quads)
+}
+
+/// A polygon as patches, cut so: its outline, then its holes, as indices into "P". `face` is its uniform index, `first` that of its
+/// first corner in facevarying values.
+pub fn polygon_patches(
+    loops: &[Vec<usize>],
+    params: &Params,
+    [face, first]: [usize; 2],
+    quads: &[[usize; 4]],
+) -> Result<Vec<Patch>, Fail> {
+    let points = vertices(loops, params)?;
+    let all: Vec<usize> = loops.concat();
     let mut patches = Vec::new();
     for quad in quads {
-        let c = quad.map(at);
+        let c = quad.map(|i| Vec3::from(points[i]));
         let mut patch = Patch::bilinear(c);
         // A polygon's parameters are its x and y in object space (RISpec 5.2).
         patch.uv = c.map(|c| [c.x, c.y]);
         patch.st = patch.uv;
-        patch_variables(&mut patch, params, quad.map(|k| all[k]), quad.map(|k| first + k), face)?;
+        let (varying, corner) = (quad.map(|k| all[k]), quad.map(|k| first + k));
+        patch_variables(&mut patch, params, &Places { varying, corner, face, vertex: None })?;
         patches.push(patch);
     }
     Ok(patches)

@@ -2,14 +2,81 @@
 
 use crate::scene::patch::Patch;
 use glam::Vec3;
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::OnceLock;
 
 /// The greatest arc of a patch: it misses the circle by less than 1e-6 of its radius.
 const ARC: f32 = 30.0;
 
+/// Pieces of a parabola.
+const PARABOLA_PIECES: usize = 8;
+
+/// Pieces around a whole circle.
+pub const AROUND: usize = (360.0 / ARC) as usize;
+
 /// A piece of a profile: a cubic curve in space, and its range of v.
 pub type Profile = ([Vec3; 4], [f32; 2]);
+
+/// A quadric: a profile, swept about the z axis by an angle in degrees.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadric {
+    /// The profile.
+    pub outline: Outline,
+    /// The angle.
+    pub sweep: f32,
+}
+
+/// The profile of a quadric.
+#[derive(Clone, Copy, Debug)]
+pub enum Outline {
+    /// From one point to another.
+    Line(Vec3, Vec3),
+    /// About a centre (r, z), of a radius, from one angle to another, radians.
+    Circle([f32; 2], f32, [f32; 2]),
+    /// Of a radius, from one z to another.
+    Parabola(f32, [f32; 2]),
+}
+
+impl Quadric {
+    /// Pieces of its profile, and pieces around.
+    pub fn pieces(&self) -> [usize; 2] {
+        let along = match self.outline {
+            Outline::Line(..) => 1,
+            Outline::Circle(_, _, [from, to]) => pieces(to - from),
+            Outline::Parabola(..) => PARABOLA_PIECES,
+        };
+        [along, pieces(self.sweep.to_radians())]
+    }
+
+    /// Its radius, if it is a whole sphere.
+    pub fn whole_sphere(&self) -> Option<f32> {
+        match self.outline {
+            Outline::Circle([0.0, 0.0], radius, [from, to])
+                if from <= -FRAC_PI_2 && to >= FRAC_PI_2 && self.sweep.abs() >= 360.0 =>
+            {
+                Some(radius)
+            }
+            _ => None,
+        }
+    }
+
+    /// Its patches, of so many pieces.
+    pub fn patches(&self, [along, around]: [usize; 2]) -> Vec<Patch> {
+        let profile = match self.outline {
+            Outline::Line(a, b) => evenly(a, b, along),
+            Outline::Circle(center, radius, [from, to]) => circle(center, radius, from, to, along),
+            Outline::Parabola(radius, [z_min, z_max]) => parabola(radius, z_min, z_max, along),
+        };
+        revolve(&profile, self.sweep.clamp(-360.0, 360.0), around)
+    }
+}
+
+/// A straight profile in pieces.
+fn evenly(a: Vec3, b: Vec3, n: usize) -> Vec<Profile> {
+    let at = |k: usize| k as f32 / n as f32;
+    let piece = |k: usize| (line(a.lerp(b, at(k)), a.lerp(b, at(k + 1)))[0].0, [at(k), at(k + 1)]);
+    if n == 1 { line(a, b) } else { (0..n).map(piece).collect() }
+}
 
 /// A straight profile.
 pub fn line(a: Vec3, b: Vec3) -> Vec<Profile> {
@@ -17,10 +84,9 @@ pub fn line(a: Vec3, b: Vec3) -> Vec<Profile> {
 }
 
 /// A circular profile about a centre (r, z) in the xz plane, from one angle to another, radians.
-pub fn circle(center: [f32; 2], radius: f32, from: f32, to: f32) -> Vec<Profile> {
+fn circle(center: [f32; 2], radius: f32, from: f32, to: f32, n: usize) -> Vec<Profile> {
     // Once around is all there is.
     let to = from + (to - from).clamp(-TAU, TAU);
-    let n = pieces(to - from);
     let at = |k: usize| k as f32 / n as f32;
     (0..n)
         .map(|k| {
@@ -32,15 +98,14 @@ pub fn circle(center: [f32; 2], radius: f32, from: f32, to: f32) -> Vec<Profile>
 }
 
 /// A parabola from the tip: r = R √(z/z_max), from z_min to z_max.
-pub fn parabola(radius: f32, z_min: f32, z_max: f32) -> Vec<Profile> {
-    const PIECES: usize = 8;
+fn parabola(radius: f32, z_min: f32, z_max: f32, n: usize) -> Vec<Profile> {
     // In r the profile is of second degree; v goes with z, so that short pieces follow it.
     let r_of = |z: f32| radius * (z / z_max).max(0.0).sqrt();
     let (r0, r1) = (r_of(z_min), r_of(z_max));
     let z_of = |r: f32| z_max * (r / radius) * (r / radius);
-    let r_at = |k: usize| r0 + (r1 - r0) * k as f32 / PIECES as f32;
+    let r_at = |k: usize| r0 + (r1 - r0) * k as f32 / n as f32;
     let v_of = |r: f32| if z_max != z_min { (z_of(r) - z_min) / (z_max - z_min) } else { 0.0 };
-    (0..PIECES)
+    (0..n)
         .map(|k| {
             let (a, b) = (r_at(k), r_at(k + 1));
             let (pa, pb) = (Vec3::new(a, 0.0, z_of(a)), Vec3::new(b, 0.0, z_of(b)));
@@ -50,6 +115,7 @@ pub fn parabola(radius: f32, z_min: f32, z_max: f32) -> Vec<Profile> {
         .collect()
 }
 
+/// Pieces of an arc.
 fn pieces(angle: f32) -> usize {
     (angle.abs().min(TAU).to_degrees() / ARC).ceil().max(1.0) as usize
 }
@@ -61,10 +127,9 @@ fn arc(a: f32, b: f32) -> [[f32; 2]; 4] {
     [[ca, sa], [ca - k * sa, sa + k * ca], [cb + k * sb, sb - k * cb], [cb, sb]]
 }
 
-/// Sweep a profile about the z axis by an angle in degrees; u goes around, v along the profile.
-pub fn revolve(profile: &[Profile], sweep: f32) -> Vec<Patch> {
+/// Sweep a profile about the z axis by an angle in degrees, in `n` pieces; u goes around, v along the profile.
+pub fn revolve(profile: &[Profile], sweep: f32, n: usize) -> Vec<Patch> {
     let turn = sweep.to_radians();
-    let n = pieces(turn);
     let at = |k: usize| k as f32 / n as f32;
     let mut patches = Vec::new();
     for (curve, v) in profile {
@@ -86,6 +151,7 @@ pub fn whole_sphere() -> &'static [Patch] {
     static PATCHES: OnceLock<Vec<Patch>> = OnceLock::new();
     PATCHES.get_or_init(|| {
         let quarter = 0.5 * std::f32::consts::PI;
-        revolve(&circle([0.0; 2], 1.0, -quarter, quarter), 360.0)
+        let sphere = Quadric { outline: Outline::Circle([0.0; 2], 1.0, [-quarter, quarter]), sweep: 360.0 };
+        sphere.patches(sphere.pieces())
     })
 }

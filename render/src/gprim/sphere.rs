@@ -96,7 +96,7 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         n,
     };
     let a = view.attributes;
-    let translucent = !a.stays_opaque();
+    let translucent = !a.stays_opaque() || a.solid.is_some();
     let even_on_raster = !translucent && a.displacement.is_none() && !a.reads_neighbours();
     if even_on_raster && (a.two_sided || !a.reversed) {
         let pixels = radius * camera.pixels_at(depth) / step;

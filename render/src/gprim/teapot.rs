@@ -1,6 +1,6 @@
 //! The teapot.
 
-use crate::gprim::quadric::{Profile, revolve};
+use crate::gprim::quadric::{AROUND, Profile, revolve};
 use crate::scene::patch::Patch;
 use glam::Vec3;
 
@@ -42,8 +42,8 @@ pub fn teapot() -> Vec<Patch> {
         [[-2.5, 0.0, 1.125], [-2.5, 0.3, 1.125], [-2.65, 0.3, 0.9375], [-2.65, 0.0, 0.9375]],
         [[-2.0, 0.0, 0.9], [-2.0, 0.3, 0.9], [-1.9, 0.3, 0.6], [-1.9, 0.0, 0.6]],
     ];
-    let mut patches = revolve(&profile(&body), 360.0);
-    patches.extend(revolve(&profile(&lid), 360.0));
+    let mut patches = revolve(&profile(&body), 360.0, AROUND);
+    patches.extend(revolve(&profile(&lid), 360.0, AROUND));
     // Seen from outside, u × v points outwards on each half.
     for (rows, outward) in [(spout, true), (handle, false)] {
         for k in [0, 3] {

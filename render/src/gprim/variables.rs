@@ -1,9 +1,10 @@
 //! Primitive variables: read from parameter lists and attached to patches.
 
+use crate::gprim::basis::to_bezier;
 use crate::scene::patch::Patch;
-use crate::scene::variables::VariableNames;
+use crate::scene::variables::{VariableName, VariableNames, Varying};
 use glam::Vec3;
-use ri::{Class, Fail, Param, Params, RiResult, Values};
+use ri::{Class, Declaration, Fail, Param, Params, RiResult, Values};
 
 /// The points of "P".
 pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
@@ -31,70 +32,102 @@ pub fn names_of<'a>(params: impl IntoIterator<Item = &'a Param>) -> VariableName
     let mut names = VariableNames::default();
     for param in attachable(params) {
         if param.decl.class.is_whole() {
-            names.uniform.push(param.decl.name.clone());
+            names.uniform.push(VariableName::of(&param.decl));
         } else {
-            note_varying(&mut names, &param.decl.name);
+            note_varying(&mut names, &param.decl);
         }
     }
     names
 }
 
 /// Add the name of a variable that [`set_varying`] attaches.
-pub fn note_varying(names: &mut VariableNames, name: &str) {
-    if !is_of_patch(name) {
-        names.varying.push(name.into());
+pub fn note_varying(names: &mut VariableNames, declared: &Declaration) {
+    if !is_of_patch(&declared.name) {
+        names.varying.push(VariableName::of(declared));
     }
 }
 
-/// Give a patch its primitive variables: `vertex` are the indices of its corners in varying values, `corner` in facevarying ones,
-/// `face` its uniform index.
-pub fn patch_variables(
-    patch: &mut Patch,
-    params: &Params,
-    vertex: [usize; 4],
-    corner: [usize; 4],
-    face: usize,
-) -> RiResult {
+/// Where a patch has its values in parameter lists.
+#[derive(Clone, Copy, Default)]
+pub struct Places<'a> {
+    /// The indices of its corners in varying values.
+    pub varying: [usize; 4],
+    /// In facevarying ones.
+    pub corner: [usize; 4],
+    /// Its index in uniform ones.
+    pub face: usize,
+    /// The indices of its control points in vertex values, and the bases of these along u and v; as the varying ones if not given.
+    pub vertex: Option<([usize; 16], &'a ([f32; 16], [f32; 16]))>,
+}
+
+/// What is said of a parameter that does not reach.
+pub fn too_few(param: &Param) -> Fail {
+    let n = param.numbers().len() / param.decl.width();
+    Fail::new(format!("`{}` has too few values: {n} of class {}", param.decl.name, param.decl.class.name()))
+}
+
+/// Give a patch its primitive variables.
+pub fn patch_variables(patch: &mut Patch, params: &Params, places: &Places<'_>) -> RiResult {
     for param in attachable(params) {
         let width = param.decl.width();
         let v = param.numbers();
-        let value = |i: usize| {
-            v.get(i * width..(i + 1) * width).ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))
-        };
-        let corners = match param.decl.class {
-            Class::Constant => {
+        let value = |i: usize| v.get(i * width..(i + 1) * width).ok_or_else(|| too_few(param));
+        let corners = match (param.decl.class, &places.vertex) {
+            (Class::Constant, _) => {
                 patch.uniform.push(value(0)?.to_vec());
                 continue;
             }
-            Class::Uniform => {
-                let own = value(if v.len() > width { face } else { 0 })?;
+            (Class::Uniform, _) => {
+                let own = value(if v.len() > width { places.face } else { 0 })?;
                 patch.uniform.push(own.to_vec());
                 continue;
             }
-            Class::FaceVarying => corner,
-            Class::Varying | Class::Vertex => vertex,
+            (Class::Vertex, Some((controls, bases))) => {
+                let mut all = vec![0.0; 16 * width];
+                for c in 0..width {
+                    let mut net = [0.0; 16];
+                    for (net, i) in net.iter_mut().zip(controls) {
+                        *net = value(*i)?[c];
+                    }
+                    to_bezier(net, bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
+                }
+                set_varying(patch, &param.decl.name, Varying::new(width, all));
+                continue;
+            }
+            (Class::FaceVarying, _) => places.corner,
+            (Class::Varying | Class::Vertex, _) => places.varying,
         };
         let mut all = Vec::with_capacity(4 * width);
         for i in corners {
             all.extend_from_slice(value(i)?);
         }
-        set_varying(patch, &param.decl.name, all);
+        set_varying(patch, &param.decl.name, Varying::new(width, all));
     }
     Ok(())
 }
 
-/// Set values at the corners of a patch; of two normals the first counts, and those that are no triples are dropped.
-pub fn set_varying(patch: &mut Patch, name: &str, all: Vec<f32>) {
+/// Set a variable of a patch; of two normals the first counts, and those that are no triples are dropped.
+pub fn set_varying(patch: &mut Patch, name: &str, values: Varying) {
     match name {
-        "s" => (0..4).for_each(|k| patch.st[k][0] = all[k]),
-        "t" => (0..4).for_each(|k| patch.st[k][1] = all[k]),
-        "st" => (0..4).for_each(|k| patch.st[k] = [all[2 * k], all[2 * k + 1]]),
-        "N" => {
-            if let ([a, b, c, d], []) = all.as_chunks::<3>() {
-                patch.normals.get_or_insert_with(|| Box::new([*a, *b, *c, *d].map(Vec3::from)));
-            }
+        "s" => set_coordinate(patch, 0, values),
+        "t" => set_coordinate(patch, 1, values),
+        "st" if values.width() == 2 => {
+            [0, 1].into_iter().for_each(|axis| set_coordinate(patch, axis, values.component(axis)))
         }
-        _ => patch.varying.push(all),
+        "N" if values.width() == 3 => {
+            patch.normals.get_or_insert_with(|| Box::new(values));
+        }
+        "st" | "N" => {}
+        _ => patch.varying.push(values),
+    }
+}
+
+/// Set s (axis 0) or t (axis 1) of a patch.
+fn set_coordinate(patch: &mut Patch, axis: usize, values: Varying) {
+    values.corners(0).into_iter().enumerate().for_each(|(k, x)| patch.st[k][axis] = x);
+    let is_curved = values.is_curved();
+    if is_curved || patch.curved_st.is_some() {
+        patch.curved_st.get_or_insert_default()[axis] = is_curved.then_some(values);
     }
 }
 
@@ -106,7 +139,7 @@ pub fn attach_variables(patches: &mut [Patch], params: &Params) -> Result<Variab
         });
     let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
     for patch in patches.iter_mut() {
-        patch_variables(patch, &whole, [0; 4], [0; 4], 0)?;
+        patch_variables(patch, &whole, &Places::default())?;
     }
     let mut names = names_of(&whole);
     let four = params.iter().filter(|p| !p.decl.class.is_whole() && !matches!(p.decl.name.as_str(), "P" | "Pw"));
@@ -127,15 +160,15 @@ pub fn attach_variables(patches: &mut [Patch], params: &Params) -> Result<Variab
                     all.push((at(0) * (1.0 - s) + at(1) * s) * (1.0 - t) + (at(2) * (1.0 - s) + at(3) * s) * t);
                 }
             }
-            set_varying(patch, &param.decl.name, all);
+            set_varying(patch, &param.decl.name, Varying::new(width, all));
         }
-        note_varying(&mut names, &param.decl.name);
+        note_varying(&mut names, &param.decl);
     }
     Ok(names)
 }
 
-/// Values at the corners of the faces of a mesh, all variables in a row: names and widths, the values, numbers a corner.
-pub type CornerColumns = (Vec<(String, usize)>, Vec<f32>, usize);
+/// Values at the corners of the faces of a mesh, all variables in a row: their declarations, the values, numbers a corner.
+pub type CornerColumns = (Vec<Declaration>, Vec<f32>, usize);
 
 /// Collect the variables of a mesh that vary over its faces.
 pub fn corner_columns(params: &Params, vertices: &[i32], corners: usize) -> Result<CornerColumns, Fail> {
@@ -151,28 +184,31 @@ pub fn corner_columns(params: &Params, vertices: &[i32], corners: usize) -> Resu
                 _ => vertices.get(k).map_or(0, |v| (*v).max(0) as usize),
             };
             let own = param.numbers().get(i * w..(i + 1) * w);
-            values.extend(own.ok_or(Fail::new(format!("`{}` has too few values", param.decl.name)))?);
+            values.extend(own.ok_or_else(|| too_few(param))?);
         }
     }
-    Ok((varying.iter().map(|p| (p.decl.name.clone(), p.decl.width())).collect(), values, width))
+    Ok((varying.iter().map(|p| p.decl.clone()).collect(), values, width))
 }
 
 /// Give a patch such values, `width` numbers at each of its four corners.
-pub fn corner_variables(patch: &mut Patch, columns: &[(String, usize)], values: &[f32], width: usize) {
+pub fn corner_variables(patch: &mut Patch, columns: &[Declaration], values: &[f32], width: usize) {
     let mut first = 0;
-    for (name, w) in columns {
+    for declared in columns {
+        let w = declared.width();
         let all = (0..4).flat_map(|k| values[k * width + first..k * width + first + w].iter().copied()).collect();
-        set_varying(patch, name, all);
+        set_varying(patch, &declared.name, Varying::new(w, all));
         first += w;
     }
 }
 
 /// Uniform numbers of a quadric's parameter list.
-pub fn uniform_numbers(params: Params) -> Result<Vec<(String, Vec<f32>)>, Fail> {
+pub fn uniform_numbers(params: Params) -> Result<Vec<(VariableName, Vec<f32>)>, Fail> {
     let mut out = Vec::new();
     for param in params {
         match (&param.values, param.decl.class) {
-            (Values::Floats(v), Class::Constant | Class::Uniform) => out.push((param.decl.name, v.clone())),
+            (Values::Floats(v), Class::Constant | Class::Uniform) => {
+                out.push((VariableName::of(&param.decl), v.clone()))
+            }
             (Values::Strings(_), _) => {}
             _ => {
                 return Err(Fail::new(format!(

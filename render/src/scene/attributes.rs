@@ -6,9 +6,70 @@ use sl::Global;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
+/// s and t of the corners of primitives if nothing else is said.
+pub const TEXTURE_CORNERS: [f32; 8] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+
+/// An attribute, or those that belong together, for [`SetAttributes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attribute {
+    Color,
+    Opacity,
+    Surface,
+    Displacement,
+    DisplacementBound,
+    Atmosphere,
+    Interior,
+    Exterior,
+    User,
+    Lights,
+    AreaLight,
+    LightSamples,
+    ShadingRate,
+    Interpolation,
+    Sides,
+    Orientation,
+    Matte,
+    Visibility,
+    Shadows,
+    Detail,
+    Solid,
+}
+
+/// Which attributes were set within an object, and the count of times that any was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SetAttributes {
+    which: u32,
+    times: u64,
+}
+
+impl SetAttributes {
+    /// Note that one is set; `time` is another one each time.
+    pub fn note(&mut self, attribute: Attribute, time: u64) {
+        self.which |= 1 << attribute as u32;
+        self.times = time;
+    }
+
+    /// Whether any is.
+    pub fn any(&self) -> bool {
+        self.which != 0
+    }
+
+    /// Whether none was set between this state and another.
+    pub fn same(&self, other: &SetAttributes) -> bool {
+        self == other
+    }
+
+    /// Whether one is.
+    pub fn has(&self, attribute: Attribute) -> bool {
+        self.which >> attribute as u32 & 1 == 1
+    }
+}
+
 /// Attributes of a primitive.
 #[derive(Clone)]
 pub struct Attributes {
+    /// Those that were set within the object that is open.
+    pub set: SetAttributes,
     /// Colour.
     pub color: [f32; 3],
     /// Opacity.
@@ -27,6 +88,10 @@ pub struct Attributes {
     pub atmosphere: Option<Arc<BoundShader>>,
     /// The atmosphere shader's space.
     pub atmosphere_space: Mat4,
+    /// Volume shaders of what is within and outside of the primitive, with their spaces, for rays that are traced.
+    pub interior: Option<(Arc<BoundShader>, Mat4)>,
+    /// The same outside.
+    pub exterior: Option<(Arc<BoundShader>, Mat4)>,
     /// What `Attribute` set, by `group:name`, for shaders that ask.
     pub user: Arc<Vec<(String, sl::machine::Answer)>>,
     /// s and t of the corners of primitives that have no others (RISpec 5.1).
@@ -61,11 +126,55 @@ pub struct Attributes {
     pub detail: f32,
     /// From none to all, and from all to none.
     pub detail_range: [f32; 4],
-    /// How much of the level of detail is seen.
-    pub level: f32,
+    /// The part of the samples, from 0 to 1, that see the level of detail: what fades in has the parts that what fades out leaves.
+    pub seen: [f32; 2],
+    /// The solid that primitives are a part of.
+    pub solid: Option<u32>,
 }
 
 impl Attributes {
+    /// Those that were set within an object over those that hold where it is instanced; `to_instance` brings spaces from where
+    /// the object was made.
+    pub fn over(&self, at: &Attributes, to_instance: Mat4) -> Attributes {
+        let mut all = at.clone();
+        let set = &self.set;
+        macro_rules! take {
+            ($($attribute:ident: $($field:ident)+;)*) => {
+                $(if set.has(Attribute::$attribute) { $(all.$field.clone_from(&self.$field);)+ })*
+            };
+        }
+        take! {
+            Color: color;
+            Opacity: opacity;
+            Surface: surface surface_space;
+            Displacement: displacement displacement_space;
+            DisplacementBound: displacement_bound;
+            Atmosphere: atmosphere atmosphere_space;
+            Interior: interior;
+            Exterior: exterior;
+            User: user;
+            Lights: lights light_list;
+            AreaLight: area_light;
+            LightSamples: light_samples;
+            ShadingRate: shading_rate;
+            Interpolation: smooth;
+            Sides: two_sided;
+            Orientation: reversed;
+            Matte: matte;
+            Visibility: visible;
+            Shadows: casts_shadows whole_shadows;
+            Detail: detail detail_range seen;
+            Solid: solid;
+        }
+        let spaces = [
+            (Attribute::Surface, &mut all.surface_space),
+            (Attribute::Displacement, &mut all.displacement_space),
+            (Attribute::Atmosphere, &mut all.atmosphere_space),
+        ];
+        spaces.into_iter().filter(|(which, _)| set.has(*which)).for_each(|(_, space)| *space = to_instance * *space);
+        all
+    }
+
     /// Whether it is opaque and no shader makes it less.
     pub fn stays_opaque(&self) -> bool {
         let kept = |shader: &BoundShader| shader.program.keeps_opacity;

@@ -31,9 +31,14 @@ pub struct Camera {
     view: [Vec2; 2],
     /// Nearest depth.
     pub near: f32,
+    /// The depth that is 0 in spaces of the image.
+    depth_from: f32,
     /// Farthest depth.
     pub far: f32,
 }
+
+/// Nearest depth if no plane says.
+const NEAREST: f32 = 1e-6;
 
 /// A rectangle of the raster and the least depth of what is in it.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +95,8 @@ impl Camera {
             scale,
             center,
             window: Vec2::new(right - left, top - bottom),
-            near: options.clipping[0],
+            near: if options.sees_near { NEAREST } else { options.clipping[0] },
+            depth_from: options.clipping[0],
             far: options.clipping[1],
         }
     }
@@ -98,17 +104,22 @@ impl Camera {
     /// The matrices from world to the spaces of the image: `screen`, `raster` in pixels and `NDC` from 0 to 1, both from the
     /// upper left corner. Depth goes from 0 at the near plane to 1 at the far one (RISpec 4.1).
     pub fn image_spaces(&self, options: &Options) -> [(&'static str, Mat4); 3] {
-        let depth = 1.0 / (1.0 - self.near / self.far);
+        let depth = 1.0 / (1.0 - self.depth_from / self.far);
         let screen_scale = self.scale * self.window / Vec2::new(options.width as f32, options.height as f32);
         // From camera space, before the division by what is the depth in perspective.
         let projection = |scale: Vec2, center: Vec2| {
             let (s, c) = (scale, center);
             let (x, y) = (Vec4::new(s.x, 0.0, 0.0, 0.0), Vec4::new(0.0, s.y, 0.0, 0.0));
             if self.perspective {
-                Mat4::from_cols(x, y, Vec4::new(c.x, c.y, depth, 1.0), Vec4::new(0.0, 0.0, -self.near * depth, 0.0))
+                Mat4::from_cols(
+                    x,
+                    y,
+                    Vec4::new(c.x, c.y, depth, 1.0),
+                    Vec4::new(0.0, 0.0, -self.depth_from * depth, 0.0),
+                )
             } else {
                 let step = depth / self.far;
-                Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, step, 0.0), Vec4::new(c.x, c.y, -self.near * step, 1.0))
+                Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, step, 0.0), Vec4::new(c.x, c.y, -self.depth_from * step, 1.0))
             }
         };
         let raster = projection(self.scale * Vec2::new(1.0, -1.0), self.center);
@@ -116,6 +127,20 @@ impl Camera {
         let screen = projection(screen_scale, Vec2::ZERO);
         [("screen", screen), ("raster", raster), ("NDC", Mat4::from_scale(size) * raster)]
             .map(|(name, m)| (name, m * self.to_camera))
+    }
+
+    /// The planes of a raster place and a depth that are those of camera space, for [`is_clipped`].
+    pub fn raster_planes(&self, planes: &[Vec4]) -> Vec<RasterPlane> {
+        let of = |plane: &Vec4| {
+            let (x, y) = (plane.x / self.scale.x, -plane.y / self.scale.y);
+            let constant = -x * self.center.x - y * self.center.y;
+            if self.perspective {
+                RasterPlane { by_depth: [x, y, constant + plane.z], by_place: [0.0, 0.0, plane.w] }
+            } else {
+                RasterPlane { by_depth: [0.0, 0.0, plane.z], by_place: [x, y, constant + plane.w] }
+            }
+        };
+        planes.iter().map(of).collect()
     }
 
     /// Raster point of a camera-space point before the near plane.
@@ -189,6 +214,19 @@ impl Camera {
     pub fn incident(&self, p: Vec3) -> Vec3 {
         if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
     }
+}
+
+/// A plane over raster places and depths: factors of x, y and 1, those that count times the depth and those that count alone.
+#[derive(Clone, Copy, Debug)]
+pub struct RasterPlane {
+    by_depth: [f32; 3],
+    by_place: [f32; 3],
+}
+
+/// Whether a place on the raster at a depth lies on the clipped side of any plane.
+pub fn is_clipped(planes: &[RasterPlane], [x, y]: [f32; 2], z: f32) -> bool {
+    let at = |f: &[f32; 3]| f[0] * x + f[1] * y + f[2];
+    planes.iter().any(|plane| at(&plane.by_depth) * z + at(&plane.by_place) > 0.0)
 }
 
 /// The radius of a lens's circle of confusion at a depth, as [`Camera::confusion`] has it.

@@ -1,6 +1,7 @@
 //! Patches as triangles: for rays, and for the surfaces of area lights.
 
-use crate::scene::patch::{Patch, lerp4};
+use crate::scene::interpolation::lerp4;
+use crate::scene::patch::Patch;
 use glam::{Mat4, Vec3};
 
 /// The most segments along a curved patch's edge.

@@ -5,6 +5,7 @@ use crate::film::display::Display;
 use crate::film::filter::FilterKind;
 use crate::film::image::Encoding;
 use crate::texture::texels;
+use glam::Vec4;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
@@ -35,6 +36,10 @@ pub struct Options {
     pub fov: Option<f32>,
     /// Distances of the near and far clipping planes, camera space.
     pub clipping: [f32; 2],
+    /// No planes were given: what is nearer than the near one is seen all the same, which then is that of depths and spaces alone.
+    pub sees_near: bool,
+    /// User clipping planes, camera space: a normal and a number; what has a product below −that number is kept (RISpec 4.1.1).
+    pub clipping_planes: Vec<Vec4>,
     /// Times at which the shutter opens and closes, in the unit of motion blocks' times.
     pub shutter: [f32; 2],
     /// f-stop, focal length and focal distance (`DepthOfField`), lengths in camera space; `None` is a pinhole.
@@ -66,6 +71,8 @@ pub struct Options {
     pub shard: Option<Shard>,
     /// Memory limit of textures, bytes; tiles beyond it are read from files as they are needed.
     pub texture_memory: usize,
+    /// Whether textures of whole numbers are encoded for screens; if not given, as they say themselves, and else they are linear.
+    pub texture_encoded: Option<bool>,
     /// Factor on all levels of detail (`RelativeDetail`).
     pub relative_detail: f32,
     /// Hider: the hidden-surface algorithm (RISpec 4.1.3).
@@ -85,6 +92,8 @@ impl Default for Options {
             screen_window: None,
             fov: None,
             clipping: [1e-3, 1e30],
+            sees_near: true,
+            clipping_planes: vec![],
             shutter: [0.0, 0.0],
             lens: None,
             samples: [2, 2],
@@ -100,6 +109,7 @@ impl Default for Options {
             crop: [0.0, 1.0, 0.0, 1.0],
             shard: None,
             texture_memory: texels::MEMORY,
+            texture_encoded: None,
             relative_detail: 1.0,
             hider: Hider::Hidden,
             about: vec![],

@@ -1,6 +1,8 @@
 //! Bicubic Bézier patches with the values at their corners: what every primitive but a whole sphere becomes.
 
+use crate::scene::interpolation::{bernstein, bernstein_slope, bilinear, lerp4};
 use crate::scene::trim::Trim;
+use crate::scene::variables::Varying;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -13,12 +15,14 @@ pub struct Patch {
     pub uv: [[f32; 2]; 4],
     /// s and t at the corners.
     pub st: [[f32; 2]; 4],
-    /// Varying variables: values at the four corners, `width` each. Names are the shape's.
-    pub varying: Vec<Vec<f32>>,
+    /// s and t where they follow control points and not the corners alone.
+    pub curved_st: Option<Box<[Option<Varying>; 2]>>,
+    /// Varying variables. Names are the shape's.
+    pub varying: Vec<Varying>,
     /// Variables that are the same all over.
     pub uniform: Vec<Vec<f32>>,
-    /// Normals that the scene gives at the corners, which go before the patch's own.
-    pub normals: Option<Box<[Vec3; 4]>>,
+    /// Normals that the scene gives, which go before the patch's own.
+    pub normals: Option<Box<Varying>>,
     /// Flat, so that it cannot shadow itself.
     pub flat: bool,
     /// What of it is cut away.
@@ -53,6 +57,7 @@ impl Patch {
             p,
             uv: corners,
             st: corners,
+            curved_st: None,
             varying: vec![],
             uniform: vec![],
             normals: None,
@@ -76,10 +81,18 @@ impl Patch {
         (sum(du, bv), sum(bu, dv))
     }
 
-    /// The normal that the scene gives at (u, v), between those of the corners.
+    /// The normal that the scene gives at (u, v).
     pub fn given_normal(&self, u: f32, v: f32) -> Option<Vec3> {
-        let corners = self.normals.as_deref()?;
-        Some(Vec3::from_array([0, 1, 2].map(|c| bilinear(corners.map(|n| n[c]), u, v))))
+        let normals = self.normals.as_deref()?;
+        Some(Vec3::from_array([0, 1, 2].map(|c| normals.at(c, u, v))))
+    }
+
+    /// s (axis 0) or t (axis 1) at (u, v).
+    pub fn st_at(&self, axis: usize, u: f32, v: f32) -> f32 {
+        match self.curved_st.as_deref().and_then(|both| both[axis].as_ref()) {
+            Some(curved) => curved.at(0, u, v),
+            None => bilinear(self.st.map(|c| c[axis]), u, v),
+        }
     }
 
     /// The normal at (u, v): where the derivatives vanish, as at the tip of a triangle, that of a point nearby.
@@ -106,26 +119,4 @@ impl Patch {
 pub(crate) fn point_of(p: &[Vec3; 16], u: f32, v: f32) -> Vec3 {
     let (bu, bv) = (bernstein(u), bernstein(v));
     (0..4).map(|j| (0..4).map(|i| p[4 * j + i] * bu[i]).sum::<Vec3>() * bv[j]).sum()
-}
-
-/// A number between those of four corners.
-pub(crate) fn bilinear(c: [f32; 4], u: f32, v: f32) -> f32 {
-    (c[0] * (1.0 - u) + c[1] * u) * (1.0 - v) + (c[2] * (1.0 - u) + c[3] * u) * v
-}
-
-/// Bilinear interpolation between corners.
-pub(crate) fn lerp4(c: [Vec3; 4], u: f32, v: f32) -> Vec3 {
-    c[0].lerp(c[1], u).lerp(c[2].lerp(c[3], u), v)
-}
-
-/// Bernstein's polynomials of the third degree.
-pub(crate) fn bernstein(t: f32) -> [f32; 4] {
-    let s = 1.0 - t;
-    [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
-}
-
-/// Their derivatives.
-pub(crate) fn bernstein_slope(t: f32) -> [f32; 4] {
-    let s = 1.0 - t;
-    [-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t]
 }

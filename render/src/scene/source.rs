@@ -3,9 +3,12 @@
 use crate::scene::attached::Attached;
 use crate::scene::attributes::Attributes;
 use crate::scene::shape::Shape;
-use glam::{Mat4, Quat, Vec3};
-use ri::{Instances, Param, Values};
+use crate::scene::variables::VariableName;
+use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
+use ri::{Instances, Param, Type, Values};
 use sl::machine::Points;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 /// What a source repeats.
@@ -29,7 +32,9 @@ pub struct Source {
     /// Attributes.
     pub attributes: Arc<Attributes>,
     /// Uniform primitive variables.
-    pub uniform: Vec<(String, Vec<f32>)>,
+    pub uniform: Vec<(VariableName, Vec<f32>)>,
+    /// Which instances stand where another before them does and hide behind it; empty if none does.
+    pub duplicates: Vec<bool>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
     pub attached: Vec<Arc<Attached>>,
 }
@@ -76,6 +81,52 @@ impl Source {
     }
 }
 
+/// Which of some opaque instances are as one before them; empty if none is.
+pub(crate) fn duplicates(columns: &Instances) -> Vec<bool> {
+    let n = columns.len();
+    let mut first: HashMap<u64, u32, BuildHasherDefault<Mixed>> =
+        HashMap::with_capacity_and_hasher(n, Default::default());
+    let mut duplicate = Vec::new();
+    for i in 0..n {
+        let (scale, turn) = (columns.scale.get(i), columns.orientation.get(i));
+        let numbers = columns.position[i].iter().chain(scale.into_iter().flatten()).chain(turn.into_iter().flatten());
+        let key = numbers.fold(0u64, |key, x| mixed(key ^ x.to_bits() as u64));
+        let before = *first.entry(key).or_insert(i as u32) as usize;
+        let same = before != i
+            && columns.position[i] == columns.position[before]
+            && scale == columns.scale.get(before)
+            && turn == columns.orientation.get(before)
+            && columns.moved.as_ref().is_none_or(|(_, to)| to[i] == to[before]);
+        if same {
+            duplicate.resize(n, false);
+            duplicate[i] = true;
+        }
+    }
+    duplicate
+}
+
+/// Mix the bits of a number.
+fn mixed(x: u64) -> u64 {
+    let x = x.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x ^ x >> 29
+}
+
+/// The hash of a number that is one already.
+#[derive(Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.write_u64(*byte as u64));
+    }
+    fn write_u64(&mut self, x: u64) {
+        self.0 = mixed(self.0 ^ x);
+    }
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
 /// The object space of a sphere: the radius of a sphere is no part of it, the half axes of an ellipsoid are.
 pub(crate) fn unscaled(columns: &Instances, i: usize) -> Mat4 {
     if columns.scale.get(i).is_some_and(|s| s[0] != s[1] || s[1] != s[2]) {
@@ -107,6 +158,42 @@ impl ItemView<'_> {
                 let width = param.decl.width();
                 points.next_variable().extend_from_slice(&param.numbers()[i * width..(i + 1) * width]);
             }
+        }
+    }
+
+    /// Bring the variables that are places or directions from their object space to world space, which shaders call current
+    /// (RISpec 5).
+    pub fn to_current(&self, points: &mut Points) {
+        let n = points.n();
+        for spatial in &self.attached.spatial {
+            // What an object or a sphere has is of its own space, what instances have is of the space that they are placed in.
+            let m = match spatial.of_source {
+                true if spatial.slot < self.source.uniform.len() => self.object_to_world,
+                true => self.source.to_world,
+                false => self.to_world,
+            };
+            if let Some(values) = points.variable_mut(spatial.slot) {
+                let n = if spatial.slot < self.attached.n_uniform { 1 } else { n };
+                transform(values, n, spatial.ty, &m);
+            }
+        }
+    }
+}
+
+/// Transform values at `n` points, each of whose numbers is a run of its own; arrays are of several values.
+pub(crate) fn transform(values: &mut [f32], n: usize, ty: Type, m: &Mat4) {
+    let normals = Mat3::from_mat4(*m).inverse().transpose();
+    let width = ty.width();
+    for element in values.chunks_exact_mut(width * n) {
+        for k in 0..n {
+            let v = Vec3::new(element[k], element[n + k], element[2 * n + k]);
+            let out = match ty {
+                Type::Point => m.transform_point3(v).extend(0.0),
+                Type::Vector => m.transform_vector3(v).extend(0.0),
+                Type::Normal => (normals * v).extend(0.0),
+                _ => *m * Vec4::new(v.x, v.y, v.z, element[3 * n + k]),
+            };
+            (0..width).for_each(|c| element[c * n + k] = out[c]);
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::scene::area::AreaLight;
 use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
 use crate::scene::shape::Shape;
+use crate::scene::solid::Solids;
 use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, unscaled};
 use crate::texture::Textures;
 use crate::warnings::Warnings;
@@ -20,6 +21,8 @@ use std::sync::{Mutex, OnceLock};
 pub struct Scene {
     /// Primitives.
     pub sources: Vec<Source>,
+    /// What solids are made of.
+    pub solids: Solids,
     /// Named coordinate systems, to world.
     pub spaces: HashMap<String, Mat4>,
     /// Camera to world.
@@ -36,7 +39,7 @@ pub struct Scene {
     pub warnings: Warnings,
     /// Bytes that shaders have printed.
     pub printed: AtomicUsize,
-    /// A shader whose loops did not end.
+    /// What is wrong with a shader whose loops did not end.
     pub stopped: OnceLock<String>,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
@@ -58,21 +61,22 @@ impl Scene {
     }
 
     /// Take that the loops of a shader do not end: nothing more is rendered.
-    pub fn stop(&self, shader: &str) {
-        let _ = self.stopped.set(shader.into());
+    pub fn stop(&self, message: &str) {
+        let _ = self.stopped.set(message.into());
     }
 
-    /// The shader whose loops did not end, if there is one.
+    /// What is said of the shader whose loops did not end, if there is one.
     pub fn stopped(&self) -> Option<&str> {
         self.stopped.get().map(String::as_str)
     }
 
-    /// All items, in order.
+    /// All items, in order, but for those that are as others before them.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
-        self.sources
-            .iter()
-            .enumerate()
-            .flat_map(|(s, source)| (0..source.len()).map(move |i| Item { source: s as u32, index: i as u32 }))
+        self.sources.iter().enumerate().flat_map(|(s, source)| {
+            let parts = if source.duplicates.is_empty() { 1 } else { source.len() / source.duplicates.len() };
+            let is_seen = move |i: &usize| source.duplicates.get(*i / parts) != Some(&true);
+            (0..source.len()).filter(is_seen).map(move |i| Item { source: s as u32, index: i as u32 })
+        })
     }
 
     /// Whether anything moves while the shutter is open.

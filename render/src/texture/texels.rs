@@ -14,10 +14,10 @@ pub const MEMORY: usize = 1 << 30;
 /// The minimum that is kept of textures in files, bytes.
 const MIN_BYTES: usize = 1 << 20;
 
-/// Texels in rows: those of images of whole bytes stay such, encoded for screens (IEC 61966-2-1) but for the coverage.
+/// Texels in rows: those of images of whole bytes stay such.
 pub enum Texels {
-    /// Red, green, blue, coverage.
-    Bytes(Vec<[u8; 4]>),
+    /// Red, green, blue, coverage; and whether the colours are encoded for screens (IEC 61966-2-1), else linear.
+    Bytes(Vec<[u8; 4]>, bool),
     /// The same, linear light.
     Floats(Vec<[f32; 4]>),
 }
@@ -40,7 +40,7 @@ fn encoded(x: f32) -> f32 {
 impl Texels {
     fn len(&self) -> usize {
         match self {
-            Texels::Bytes(v) => v.len(),
+            Texels::Bytes(v, _) => v.len(),
             Texels::Floats(v) => v.len(),
         }
     }
@@ -53,7 +53,7 @@ impl Texels {
     /// Bytes of one.
     fn texel(&self) -> usize {
         match self {
-            Texels::Bytes(_) => 4,
+            Texels::Bytes(..) => 4,
             Texels::Floats(_) => 16,
         }
     }
@@ -62,7 +62,8 @@ impl Texels {
     #[inline]
     pub fn at(&self, i: usize) -> [f32; 4] {
         match self {
-            Texels::Bytes(v) => {
+            Texels::Bytes(v, false) => v[i].map(|x| x as f32 / 255.0),
+            Texels::Bytes(v, true) => {
                 let ([r, g, b, a], table) = (v[i], linear());
                 [table[r as usize], table[g as usize], table[b as usize], a as f32 / 255.0]
             }
@@ -74,8 +75,10 @@ impl Texels {
     fn of(&self, values: impl Iterator<Item = [f32; 4]>) -> Texels {
         let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
         match self {
-            Texels::Bytes(_) => Texels::Bytes(
+            Texels::Bytes(_, false) => Texels::Bytes(values.map(|v| v.map(byte)).collect(), false),
+            Texels::Bytes(_, true) => Texels::Bytes(
                 values.map(|[r, g, b, a]| [byte(encoded(r)), byte(encoded(g)), byte(encoded(b)), byte(a)]).collect(),
+                true,
             ),
             Texels::Floats(_) => Texels::Floats(values.collect()),
         }
@@ -101,19 +104,19 @@ impl Texels {
         for (y, x) in (y0..y0 + TILE).flat_map(|y| (x0..x0 + TILE).map(move |x| (y, x))) {
             let i = (x < w && y < h).then_some(y * w + x);
             match self {
-                Texels::Bytes(v) => out.extend(i.map_or([0; 4], |i| v[i])),
+                Texels::Bytes(v, _) => out.extend(i.map_or([0; 4], |i| v[i])),
                 Texels::Floats(v) => out.extend(i.map_or([0.0; 4], |i| v[i]).iter().flat_map(|x| x.to_ne_bytes())),
             }
         }
     }
 
     /// A tile of bytes as they came from [`Texels::tile_bytes`].
-    fn of_bytes(bytes: &[u8], floats: bool) -> Texels {
+    fn of_bytes(bytes: &[u8], floats: bool, encoded: bool) -> Texels {
         let float = |b: &[u8]| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]);
         if floats {
             Texels::Floats(bytes.chunks_exact(16).map(|b| [0, 4, 8, 12].map(|i| float(&b[i..i + 4]))).collect())
         } else {
-            Texels::Bytes(bytes.chunks_exact(4).map(|b| [b[0], b[1], b[2], b[3]]).collect())
+            Texels::Bytes(bytes.chunks_exact(4).map(|b| [b[0], b[1], b[2], b[3]]).collect(), encoded)
         }
     }
 }
@@ -130,7 +133,7 @@ impl Levels {
     /// All reductions of an image; they go to a file if `room` is less than they take.
     pub fn new(w: usize, h: usize, first: Texels, room: usize, cache: &Arc<Cache>) -> std::io::Result<Levels> {
         let resident = first.bytes() / 3 * 4 <= room;
-        let mut pages = if resident { None } else { Some(Pages::new(matches!(first, Texels::Floats(_)), cache)?) };
+        let mut pages = if resident { None } else { Some(Pages::new(&first, cache)?) };
         let mut levels = vec![];
         let (mut w, mut h, mut texels) = (w, h, first);
         loop {
@@ -187,16 +190,22 @@ pub struct Pages {
     levels: Vec<(usize, usize, usize)>,
     tiles: usize,
     floats: bool,
+    /// Bytes are encoded for screens.
+    encoded: bool,
     number: u64,
     cache: Arc<Cache>,
 }
 
 impl Pages {
-    fn new(floats: bool, cache: &Arc<Cache>) -> std::io::Result<Pages> {
+    fn new(texels: &Texels, cache: &Arc<Cache>) -> std::io::Result<Pages> {
         static NUMBER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
         let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let file = Mutex::new(tempfile::tempfile()?);
-        Ok(Pages { file, levels: vec![], tiles: 0, floats, number, cache: cache.clone() })
+        let (floats, encoded) = match texels {
+            Texels::Floats(_) => (true, false),
+            Texels::Bytes(_, encoded) => (false, *encoded),
+        };
+        Ok(Pages { file, levels: vec![], tiles: 0, floats, encoded, number, cache: cache.clone() })
     }
 
     fn tile_bytes(&self) -> usize {
@@ -234,7 +243,7 @@ impl Pages {
         if file.seek(place).and_then(|_| file.read_exact(&mut bytes)).is_err() {
             bytes.fill(0);
         }
-        Texels::of_bytes(&bytes, self.floats)
+        Texels::of_bytes(&bytes, self.floats, self.encoded)
     }
 }
 
@@ -325,9 +334,10 @@ mod tests {
     fn texels_in_files_are_those_in_memory_and_take_no_more_than_they_may() {
         let (w, h) = (333, 201);
         let noise = |k: usize| (k as u32).wrapping_mul(0x9e37_79b9) >> 8;
-        let bytes = || Texels::Bytes((0..w * h).map(|k| [0, 7, 11, 17].map(|s| (noise(k) >> s) as u8)).collect());
+        let all = || (0..w * h).map(|k| [0, 7, 11, 17].map(|s| (noise(k) >> s) as u8)).collect();
+        let (bytes, linear) = (|| Texels::Bytes(all(), true), || Texels::Bytes(all(), false));
         let floats = || Texels::Floats((0..w * h).map(|k| [0, 1, 2, 3].map(|s| noise(4 * k + s) as f32)).collect());
-        for make in [&bytes as &dyn Fn() -> Texels, &floats] {
+        for make in [&bytes as &dyn Fn() -> Texels, &linear, &floats] {
             let cache = Arc::new(Cache::default());
             cache.limit(0);
             let resident = Levels::new(w, h, make(), usize::MAX, &cache).unwrap();

@@ -41,6 +41,8 @@ pub struct Object<F = Formula, M = Map> {
     pub color: Color<F, M>,
     /// Opacity, 0 to 1.
     pub opacity: Option<f32>,
+    /// Attributes by their groups, as `visibility`.
+    pub attributes: Vec<(String, Params)>,
     /// Whether the object is the ground, which is left out in scenes with a ground of their own (`#scree ground`).
     pub is_ground: bool,
 }
@@ -163,6 +165,7 @@ impl Object<String, String> {
             surface: self.surface,
             displacement: self.displacement,
             opacity: self.opacity,
+            attributes: self.attributes,
             is_ground: self.is_ground,
         })
     }

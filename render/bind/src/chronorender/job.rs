@@ -17,7 +17,7 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// A map with none but known keys; a list of one counts.
+    /// A map; a list of one counts. A key that nobody knows is warned of: the original took any.
     pub(super) fn map(&self, key: &str, value: &Value, known: &[&str]) -> Result<Map, Fault> {
         let value = match value {
             Value::Sequence(list) if list.len() == 1 => &list[0],
@@ -28,7 +28,8 @@ impl Job<'_> {
         for (name, value) in map {
             let name = text(name);
             if !known.is_empty() && !known.contains(&name.as_str()) {
-                return Err(self.doc.unknown(&format!("{key}.{name}"), "key", &name, known));
+                let at = format!("{key}.{name}");
+                self.warn(&at, &self.doc.unknown(&at, "key", &name, known).message);
             }
             out.insert(name, value.clone());
         }
@@ -58,9 +59,15 @@ impl Job<'_> {
         }
     }
 
-    /// A fault where the job calls Python, and what to do instead.
-    pub(super) fn no_python(&self, key: &str, instead: &str) -> Fault {
-        self.doc.fault(key, "calls Python, which is not run").hint(instead)
+    /// Warn at the place of a key.
+    pub(super) fn warn(&self, key: &str, message: &str) {
+        let (line, column) = self.doc.place(key);
+        eprintln!("warning: {}:{line}:{column}: {message}", self.doc.path.display());
+    }
+
+    /// Warn where the job calls Python, and say what to do instead.
+    pub(super) fn no_python(&self, key: &str, instead: &str) {
+        self.warn(key, &format!("calls Python, which is not run: {instead}"));
     }
 }
 

@@ -3,7 +3,7 @@
 use super::data::Table;
 use super::job::{Job, Map, list_of, text};
 use super::places::Places;
-use super::shaders::shader;
+use super::shaders::{settings, shader};
 use crate::binding::{Archive, Color, Object, Shape};
 use frame::Fault;
 use serde_yaml::Value;
@@ -51,9 +51,7 @@ impl Source<'_> {
         let known = ["name", "condition", "color", "geometry", "shader", "instanced", "attribute", "script", "range"];
         let map = job.map(key, value, &known)?;
         if map.contains_key("script") {
-            return Err(
-                job.no_python(&format!("{key}.script"), "describe the shape as `geometry`, or make a RIB archive")
-            );
+            job.no_python(&format!("{key}.script"), "describe the shape as `geometry`, or make a RIB archive");
         }
         let name = map.get("name").map(text).unwrap_or(format!("object{index}"));
         let select = map.get("condition").map(text).filter(|c| !c.trim().is_empty());
@@ -70,13 +68,22 @@ impl Source<'_> {
             let kind = value.get("type").map(text).unwrap_or_default();
             if kind == "displacement" { displacement = Some(shader) } else { surface = Some(shader) }
         }
+        let attributes = settings(job, &format!("{key}.attribute"), map.get("attribute"))?;
         let mut shapes = Vec::new();
         for (at, shape) in list_of(&format!("{key}.geometry"), map.get("geometry")) {
+            if shape.get("script").is_some() && shape.get("type").is_none() {
+                job.no_python(&format!("{at}.script"), "make a RIB archive and use `type: archive`");
+                continue;
+            }
             shapes.push((None, self.geometry(&at, &shape)?));
         }
         if shapes.is_empty() && table.is_exported() {
             // Every row says itself what it is.
             shapes = self.exported_shapes(key)?;
+        }
+        if shapes.is_empty() && (map.contains_key("script") || map.contains_key("geometry")) {
+            job.warn(key, "has nothing but scripts to draw it by, and is left out");
+            return Ok(vec![]);
         }
         if shapes.is_empty() {
             return Err(job.doc.fault(key, "has no `geometry`"));
@@ -99,6 +106,7 @@ impl Source<'_> {
                 displacement: displacement.clone(),
                 color: Color::Rgb(color),
                 opacity: None,
+                attributes: attributes.clone(),
                 is_ground: false,
             });
         }
@@ -166,7 +174,7 @@ impl Source<'_> {
         ];
         let map = job.map(key, value, &known)?;
         if map.contains_key("script") {
-            return Err(job.no_python(&format!("{key}.script"), "make a RIB archive and use `type: archive`"));
+            job.no_python(&format!("{key}.script"), "make a RIB archive and use `type: archive`");
         }
         let kind = map.get("type").map(text).unwrap_or_default();
         // With `changingparams` the columns ep1, ep2 … have the sizes, in the order of the names here.

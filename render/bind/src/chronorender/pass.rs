@@ -5,7 +5,7 @@ use super::job::{Job, Map, ROOT, elements_of, list_of, text};
 use super::objects::{Drawn, Source};
 use super::places::Places;
 use super::scene::{Parts, scene};
-use super::shaders::shader;
+use super::shaders::{self, shader};
 use crate::binding::{Binding, Camera, Data, ImageFormat, Output, Place, Shader, delimiter, some_objects};
 use frame::Fault;
 use frame::yaml::Document;
@@ -14,7 +14,22 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Keys of a render pass.
-const PASS: [&str; 8] = ["name", "type", "settings", "shader", "camera", "scene", "lighting", "renderobject"];
+const PASS: [&str; 14] = [
+    "name",
+    "type",
+    "settings",
+    "shader",
+    "camera",
+    "scene",
+    "lighting",
+    "renderobject",
+    "resolution",
+    "shadingrate",
+    "pixelsamples",
+    "display",
+    "attribute",
+    "option",
+];
 
 /// Make the binding of a job: that of its first render pass, with the other passes in [`Binding::passes`]. An error is at the place
 /// of the first unknown key or bad value.
@@ -152,7 +167,17 @@ fn image(job: &Job<'_>, top: &Map, pass: Option<&(String, Map)>) -> Result<Image
         None => job.list(top, name),
     };
     let (camera, lighting) = (part("camera")?, part("lighting")?);
-    let parts = Parts { camera, lighting, scene: part("scene")?, surface };
+    // Options and attributes may stand in the pass or in its settings.
+    let requests = |request: &str, name: &str| -> Result<String, Fault> {
+        let Some((key, map)) = pass else { return Ok(String::new()) };
+        let inner = map.get("settings").and_then(|settings| settings.get(name));
+        let places = [(format!("{key}.{name}"), map.get(name)), (format!("{key}.settings.{name}"), inner)];
+        let all =
+            places.iter().map(|(key, value)| Ok(shaders::requests(request, &shaders::settings(job, key, *value)?)));
+        all.collect()
+    };
+    let requests = [requests("Option", "option")?, requests("Attribute", "attribute")?];
+    let parts = Parts { camera, lighting, scene: part("scene")?, surface, requests };
     let (scene, camera) = scene(job, &parts, &places)?;
     let scene_file = match pass {
         Some((key, _)) => format!("{}.rib", key.replace('.', "_")),
@@ -186,10 +211,12 @@ fn image(job: &Job<'_>, top: &Map, pass: Option<&(String, Map)>) -> Result<Image
 
 /// Settings of a pass; the surface that it puts on everything, if it does.
 fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<Option<Shader>, Fault> {
-    if let Some(settings) = map.get("settings") {
-        let at = format!("{key}.settings");
-        let known = ["resolution", "shadingrate", "pixelsamples", "display", "searchpath", "bucket", "option"];
-        let map = job.map(&at, settings, &known)?;
+    let known = ["resolution", "shadingrate", "pixelsamples", "display", "searchpath", "bucket", "option", "attribute"];
+    let inner =
+        map.get("settings").map(|settings| job.map(&format!("{key}.settings"), settings, &known)).transpose()?;
+    // What stands in the pass itself counts as if it stood in its settings.
+    for (at, map) in [(key.to_string(), Some(map)), (format!("{key}.settings"), inner.as_ref())] {
+        let Some(map) = map else { continue };
         if let Some(v) = map.get("resolution") {
             output.resolution = pair(&job.numbers(&format!("{at}.resolution"), v, 2)?);
         }
@@ -216,12 +243,15 @@ fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<
             Ok(Some(shader))
         }
         "" | "raytrace" | "shadow" | "beauty" | "default" => Ok(own),
-        other => Err(job.doc.unknown(
-            &format!("{key}.type"),
-            "type of a render pass",
-            other,
-            &["raytrace", "occlusion", "ao", "envlight", "shadow"],
-        )),
+        other => {
+            let at = format!("{key}.type");
+            let known = ["raytrace", "occlusion", "ao", "envlight", "photon_gi", "shadow"];
+            if other != "photon_gi" {
+                job.warn(&at, &job.doc.unknown(&at, "type of a render pass", other, &known).message);
+            }
+            job.warn(&at, &format!("a pass of type `{other}` is drawn as `raytrace`"));
+            Ok(own)
+        }
     }
 }
 

@@ -18,6 +18,8 @@ impl Places {
             inner.sort();
             out.extend(inner);
         }
+        // Ours: where the command is called.
+        out.push(PathBuf::from("."));
         out
     }
 

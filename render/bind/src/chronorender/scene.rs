@@ -18,12 +18,15 @@ pub(super) struct Parts {
     pub(super) scene: Elements,
     /// A surface that is put on everything.
     pub(super) surface: Option<Shader>,
+    /// Options and attributes of the pass, as requests of RIB.
+    pub(super) requests: [String; 2],
 }
 
 /// The RIB of a scene, and the file of its camera if that moves.
 pub(super) fn scene(job: &Job<'_>, parts: &Parts, places: &Places) -> Result<(String, Option<String>), Fault> {
     let mut scene =
         String::from("##RenderMan RIB-Structure 1.1\n#scree override PixelSamples\n#scree override PixelFilter\n");
+    scene += &parts.requests[0];
     let mut camera = None;
     for (key, value) in &parts.camera {
         let element = element(job, key, value)?;
@@ -38,6 +41,7 @@ pub(super) fn scene(job: &Job<'_>, parts: &Parts, places: &Places) -> Result<(St
         }
     }
     scene += "#scree override Format\n#scree override Display\nWorldBegin\n#scree override ShadingRate\n";
+    scene += &parts.requests[1];
     for (key, value) in &parts.lighting {
         scene += &archives(job, key, &element(job, key, value)?, places)?;
     }
@@ -58,7 +62,7 @@ fn element(job: &Job<'_>, key: &str, value: &Value) -> Result<Map, Fault> {
     }
     let map = job.map(key, value, &["name", "filename", "script", "shader", "moving_camera"])?;
     if map.contains_key("script") {
-        return Err(job.no_python(&format!("{key}.script"), "write a RIB file and name it as `filename`"));
+        job.no_python(&format!("{key}.script"), "write a RIB file and name it as `filename`");
     }
     Ok(map)
 }

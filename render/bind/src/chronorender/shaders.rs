@@ -1,9 +1,9 @@
 //! Shaders of a job: their names and parameters, as values and as RIB.
 
-use super::job::{Job, text};
+use super::job::{Job, list_of, text};
 use crate::binding::Shader;
 use frame::Fault;
-use ri::{Class, Param, Type, Values};
+use ri::{Class, Param, Params, Type, Values};
 use serde_yaml::Value;
 use std::collections::BTreeMap;
 
@@ -38,8 +38,53 @@ pub(super) fn shader(job: &Job<'_>, key: &str, value: &Value) -> Result<Shader, 
     })
 }
 
+/// Attributes or options of a job by their groups: each has a `name`, and values under their types and names, as `int diffuse: 1`.
+pub(super) fn settings(job: &Job<'_>, key: &str, value: Option<&Value>) -> Result<Vec<(String, Params)>, Fault> {
+    let mut all = Vec::new();
+    for (at, value) in list_of(key, value) {
+        let map = job.map(&at, &value, &[])?;
+        let Some(group) = map.get("name").map(text) else {
+            job.warn(&at, "has no `name` and is left out: expected the group that it belongs to, as `visibility`");
+            continue;
+        };
+        let params = map.iter().filter(|(name, _)| *name != "name").filter_map(|(name, value)| typed(name, value));
+        all.push((group, params.collect()));
+    }
+    Ok(all)
+}
+
+/// A value under its type and name; without a type it is a number or a text.
+fn typed(name: &str, value: &Value) -> Option<Param> {
+    let (ty, name) = name.rsplit_once(' ').unwrap_or(("", name));
+    let words = text(value);
+    let numbers: Option<Vec<f32>> = words.split_whitespace().map(|word| word.parse().ok()).collect();
+    let ty = match (ty.split_whitespace().last(), &numbers) {
+        (Some("int" | "integer"), _) => Type::Integer,
+        (Some("color"), _) => Type::Color,
+        (Some("point"), _) => Type::Point,
+        (Some("string"), _) | (None, None) => Type::String,
+        _ => Type::Float,
+    };
+    match numbers {
+        _ if ty == Type::String => Some(Param::string(name, &words)),
+        Some(numbers) if numbers.len() == ty.width() => Some(Param::floats(name, Class::Uniform, ty, numbers)),
+        _ => None,
+    }
+}
+
+/// Settings as requests of RIB.
+pub(super) fn requests(request: &str, settings: &[(String, Params)]) -> String {
+    let line = |(group, params): &(String, Params)| format!("{request} \"{group}\"{}\n", in_rib(params));
+    settings.iter().map(line).collect()
+}
+
 /// A shader's parameters in RIB.
 pub(super) fn arguments(shader: &Shader) -> String {
+    in_rib(&shader.params)
+}
+
+/// Parameters in RIB.
+fn in_rib(params: &Params) -> String {
     let one = |param: &Param| {
         let values = match &param.values {
             Values::Floats(v) => v.iter().map(f32::to_string).collect::<Vec<_>>().join(" "),
@@ -47,5 +92,5 @@ pub(super) fn arguments(shader: &Shader) -> String {
         };
         format!(" \"{}\" [{values}]", param.decl.inline())
     };
-    shader.params.iter().map(one).collect()
+    params.iter().map(one).collect()
 }

@@ -161,6 +161,7 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
             types::Color::Column(by) => Color::By { value: text(by.column), map: by.map, range: by.range },
         },
         opacity: object.opacity,
+        attributes: vec![],
         is_ground: object.ground,
     })
 }

@@ -16,7 +16,7 @@ mod state;
 mod text;
 
 pub use super::bound::{Answer, BoundShader};
-pub use super::points::Points;
+pub use super::points::{Message, Points};
 pub use super::scene::{Emitter, Lights, MapQuery, Ray, Scene, Segment};
 pub use super::slots::VariableSlots;
 pub use state::Machine;

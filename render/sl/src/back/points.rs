@@ -1,6 +1,17 @@
 //! The points that are shaded.
 
-use crate::ir::Global;
+use crate::ir::{Ask, Global};
+
+/// What a shader that ran over points before tells others: an output parameter of it.
+#[derive(Clone, Debug)]
+pub struct Message {
+    /// Which shader: as its displacement or its surface is asked.
+    pub from: Ask,
+    /// Name of the parameter.
+    pub name: String,
+    /// Values, one or one a point, a triple as three runs.
+    pub values: Vec<f32>,
+}
 
 /// The points of a grid to shade, with their global and primitive variables: n = `nu` · `nv` points, row by row. A variable holds
 /// one value (uniform) or n values (varying); a varying triple is stored as three runs, all x, all y, all z.
@@ -20,6 +31,8 @@ pub struct Points {
     /// values and keep their memory.
     variables: Vec<Vec<f32>>,
     n_variables: usize,
+    /// What shaders that ran before tell.
+    pub messages: Vec<Message>,
 }
 
 impl Points {
@@ -64,6 +77,7 @@ impl Points {
     /// Remove all primitive variables; their buffers keep their memory.
     pub fn clear_variables(&mut self) {
         self.n_variables = 0;
+        self.messages.clear();
     }
 
     /// Add a primitive variable in the next slot, and return its cleared buffer.
@@ -80,6 +94,11 @@ impl Points {
     /// The values of the primitive variable in a slot.
     pub fn variable(&self, slot: usize) -> Option<&[f32]> {
         self.variables[..self.n_variables].get(slot).map(Vec::as_slice)
+    }
+
+    /// The buffer of the primitive variable in a slot.
+    pub fn variable_mut(&mut self, slot: usize) -> Option<&mut Vec<f32>> {
+        self.variables[..self.n_variables].get_mut(slot)
     }
 
     /// The values of all primitive variables, by slot.

@@ -41,12 +41,14 @@ pub trait Scene {
     fn trace(&self, _rays: &[Ray], _many: bool, colors: &mut [[f32; 3]]) {
         colors.fill([0.0; 3]);
     }
-    /// Take that the loops of a shader do not end ([`is_stopped`](Scene::is_stopped)).
-    fn stop(&self, _shader: &str) {}
+    /// Take that the loops of a shader do not end, as a message ([`is_stopped`](Scene::is_stopped)).
+    fn stop(&self, _message: &str) {}
     /// Whether a shader's loops did not end, so that no loop is to go on.
     fn is_stopped(&self) -> bool {
         false
     }
+    /// Take a warning about a shader; by default it is dropped.
+    fn warn(&self, _message: String) {}
     /// Take the text that `printf` prints; by default it is dropped.
     fn print(&self, _text: &str) {}
 }

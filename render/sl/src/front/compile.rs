@@ -19,7 +19,8 @@ pub fn compile(path: &Path, source: &str) -> Result<Program, Diagnostic> {
 /// Compile the shader in the text `source`, read from `path`; `include` finds the files that `#include` names.
 pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<Program, Diagnostic> {
     let mut sources = Sources::default();
-    let program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
+    let mut program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
+    program.file = path.display().to_string();
     ir::validate(&program).map_err(|m| sources.place(Error::new(0, format!("internal: {m}"))))?;
     Ok(program)
 }

@@ -39,11 +39,14 @@ pub fn lex(source: &str) -> Result<Vec<(Tok, usize)>, Error> {
             i += n;
         } else if b.is_ascii_digit() || (b == b'.' && bytes.get(i + 1).is_some_and(u8::is_ascii_digit)) {
             let n = number_length(rest.as_bytes());
+            // As in C, an `f` may stand behind a number.
+            let marked = matches!(bytes.get(i + n), Some(b'f' | b'F'))
+                && !bytes.get(i + n + 1).is_some_and(|c| c.is_ascii_alphanumeric() || *c == b'_');
             match rest[..n].parse() {
                 Ok(x) => tokens.push((Tok::Number(x), i)),
                 Err(_) => return error(i, format!("`{}` is not a number", &rest[..n])),
             }
-            i += n;
+            i += n + marked as usize;
         } else if b == b'"' {
             let (text, n) = quoted(rest).ok_or(Error::new(i, "a string is not closed before the file ends"))?;
             tokens.push((Tok::Text(text), i));

@@ -352,7 +352,7 @@ impl Parser<'_> {
                 return error(at, "expected a variable or an element of an array before `=`");
             }
             self.take();
-            return Ok(Stmt { at, kind: StmtKind::Assign(target, op, self.initial()?) });
+            return self.assigned(at, target, op);
         }
         match target.kind {
             // What a cast call gives is dropped.
@@ -362,6 +362,22 @@ impl Parser<'_> {
             ExprKind::Call(..) => Ok(Stmt { at, kind: StmtKind::Call(target) }),
             _ => error(at, "expected a statement: an assignment or a call"),
         }
+    }
+
+    /// What is assigned to a variable: a value, or what another variable is assigned first, as in `a = b = c`.
+    fn assigned(&mut self, at: usize, target: Expr, op: &'static str) -> Result<Stmt, Error> {
+        let named = |e: &Expr| matches!(e.kind, ExprKind::Name(_) | ExprKind::Index(..));
+        let place = self.place();
+        let value = self.initial()?;
+        if let Tok::Op(next @ ("=" | "+=" | "-=" | "*=" | "/=")) = *self.peek()
+            && named(&value)
+        {
+            self.take();
+            let first = self.deeper(|p| p.assigned(place, value.clone(), next))?;
+            let then = Stmt { at, kind: StmtKind::Assign(target, op, value) };
+            return Ok(Stmt { at, kind: StmtKind::Block(vec![first, then]) });
+        }
+        Ok(Stmt { at, kind: StmtKind::Assign(target, op, value) })
     }
 
     /// The number of loops after `break` or `continue`.

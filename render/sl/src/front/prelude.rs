@@ -59,7 +59,7 @@ void fresnel5_(vector i; normal n; float eta; output float kr; output float kt) 
         float b = (c * (g + c) - 1) / (c * (g - c) + 1);
         kr = min(1, 0.5 * a * a * (1 + b * b));
     }
-    kt = (1 - kr) * (1 / eta) * (1 / eta);
+    kt = 1 - kr;
 }
 void fresnel7_(vector i; normal n; float eta; output float kr; output float kt; output vector r; output vector t) {
     fresnel5_(i, n, eta, kr, kt);

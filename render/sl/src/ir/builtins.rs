@@ -418,6 +418,7 @@ pub const TABLE: &[Row] = &[
     // Light and rays.
     scene("ambient", &[], Is(Color), SceneCall::Ambient),
     scene("transmission", &[T, T], Is(Color), SceneCall::Transmission),
+    scene("visibility", &[T, T], Is(Color), SceneCall::Transmission),
     scene("trace", &[T, T], FloatOrColor, SceneCall::Trace),
     scene("occlusion", &[T, T, F], Is(Float), SceneCall::Occlusion),
     scene("indirectdiffuse", &[T, T, F], Is(Color), SceneCall::IndirectDiffuse),

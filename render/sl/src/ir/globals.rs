@@ -40,6 +40,8 @@ pub enum Global {
     Ol,
     /// Position of the point that is lit, in light shaders.
     Ps,
+    /// Shading normal at the point that is lit, in light shaders.
+    Ns,
     /// Shutter time.
     Time,
     /// Duration for which the shutter is open.
@@ -71,6 +73,7 @@ const TABLE: [(Global, &str, Kind); Global::COUNT] = [
     (Global::Cl, "Cl", Kind::Color),
     (Global::Ol, "Ol", Kind::Color),
     (Global::Ps, "Ps", Kind::Point),
+    (Global::Ns, "Ns", Kind::Normal),
     (Global::Time, "time", Kind::Float),
     (Global::Dtime, "dtime", Kind::Float),
     (Global::DPdtime, "dPdtime", Kind::Vector),
@@ -80,7 +83,7 @@ const TABLE: [(Global, &str, Kind); Global::COUNT] = [
 
 impl Global {
     /// Count of global variables.
-    pub const COUNT: usize = 22;
+    pub const COUNT: usize = 23;
 
     /// The variable's slot, from 0.
     #[inline(always)]

@@ -32,6 +32,8 @@ pub struct Program {
     pub kind: ShaderKind,
     /// Name of the shader.
     pub name: String,
+    /// The file that it is from.
+    pub file: String,
     /// Width (1, 3 or 16) of each register of numbers.
     pub widths: Vec<u8>,
     /// Count of string registers.

@@ -31,6 +31,8 @@ pub struct Call<'a> {
     pub mask: Option<&'a [bool]>,
     /// P of the grid, if the shader reads it.
     pub place: Option<&'a [f32]>,
+    /// Tells the turns of the loops around the call apart; 0 outside of loops.
+    pub turn: u32,
     /// Arguments.
     pub args: &'a [Values<'a>],
     /// Components of a value of the result.

@@ -67,12 +67,15 @@ pub fn periodic_noise(call: &Call<'_>, out: &mut Vec<f32>) {
     });
 }
 
-/// A number in [0, 1) that depends on the place; without one, the grid's first point stands for all.
+/// A number in [0, 1) that depends on the place, on which call of the source it is, and on the turns of the loops around it; without a
+/// place, the grid's first point stands for all.
 pub fn random(call: &Call<'_>, out: &mut Vec<f32>) {
     let first = call.place.map_or([0.0; 3], |p| triple(p, 0, call.n));
     call.pointwise(out, |v| {
         let at = v.get(1).map_or(first, |v| [v[0], v[1], v[2]]);
-        let cell = at.map(|x| x.to_bits() as f32 * 0.618_034 + v[0][0]);
-        triple16([0, 1, 2].map(|c| lattice::cell_noise(cell, c + at[c as usize].to_bits())))
+        let cell = at.map(|x| x.to_bits() as f32 * 0.618_034);
+        let seed = (v[0][0] as u32).wrapping_mul(0x9e37_79b9).wrapping_add(call.turn);
+        let own = |c: u32| (c + 1).wrapping_mul(0x85eb_ca6b).wrapping_add(at[c as usize].to_bits()).wrapping_add(seed);
+        triple16([0, 1, 2].map(|c| lattice::cell_noise(cell, own(c))))
     });
 }

@@ -17,7 +17,7 @@ impl Samples {
         strata: &[[[f32; 2]; 3]],
         samples: &LensSamples,
         point: usize,
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
         tally: &mut Tally,
     ) {
         for (stratum, bounds) in strata.iter().enumerate() {
@@ -61,7 +61,8 @@ impl Samples {
                         if z < self.z[sample] {
                             tally.hit = true;
                             let micropolygon = Micropolygon::new(grid.index, point, second);
-                            self.record(sample, z, micropolygon, [w[1], w[2]], grid);
+                            let area = parts[0][l] + parts[1][l] + parts[2][l];
+                            self.record(sample, z, micropolygon, [w[1], w[2]], grid, area);
                             self.mark(px + l, px + l, py, py);
                         }
                     }

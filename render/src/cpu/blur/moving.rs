@@ -17,7 +17,7 @@ impl Samples {
         [from, until]: [f32; 2],
         strata: &[[[f32; 2]; 3]],
         point: usize,
-        grid: &SampledGrid,
+        grid: &SampledGrid<'_>,
         tally: &mut Tally,
     ) {
         let (ox, oy) = (self.x0 as f32, self.y0 as f32);
@@ -80,7 +80,7 @@ impl Samples {
                             let l = taken.trailing_zeros() as usize;
                             taken &= taken - 1;
                             let name = Micropolygon::from_id(names[(firsts >> l & 1 == 0) as usize]);
-                            self.record(k + l, z[l], name, [w1[l], w2[l]], grid);
+                            self.record(k + l, z[l], name, [w1[l], w2[l]], grid, whole.to_array()[l]);
                         }
                     }
                 }

@@ -2,12 +2,14 @@
 
 use crate::cpu::samples::{Layer, NONE, Samples};
 use crate::film::display::{Aov, placed};
+use crate::scene::solid::{Solids, Walk};
 use sl::ir::Kind;
 
 impl Samples {
-    /// Composite the lists: each sample's colour, premultiplied, and its coverage.
-    pub fn resolve(&mut self, aovs: &[Aov]) {
+    /// Composite the lists: each sample's colour, premultiplied, and its coverage. Of solids, the surfaces of the wholes count.
+    pub fn resolve(&mut self, aovs: &[Aov], solids: &Solids) {
         let mut stack: Vec<(u32, Layer)> = Vec::new();
+        let mut walk = Walk::default();
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -23,6 +25,12 @@ impl Samples {
             }
             // Farthest first; what is equally far keeps the order in which it came.
             stack.sort_by(|a, b| b.1.z.total_cmp(&a.1.z));
+            if stack.iter().any(|(_, v)| v.solid.is_some()) {
+                walk.start(stack.iter().rev().filter_map(|(_, v)| v.solid));
+                stack.reverse();
+                stack.retain(|(_, v)| v.solid.is_none_or(|(leaf, enters)| walk.cross(solids, leaf, enters)));
+                stack.reverse();
+            }
             for (layer, v) in &stack {
                 for c in 0..3 {
                     self.color[k][c] = v.color[c] + self.color[k][c] * (1.0 - v.opacity[c]);

@@ -2,7 +2,7 @@
 
 use crate::cpu::samples::Samples;
 use crate::film::display::{Aov, placed};
-use crate::film::filter::Filter;
+use crate::film::filter::PixelFilter;
 use sl::ir::Kind;
 
 /// The pixels of a bucket, row by row.
@@ -16,12 +16,12 @@ pub struct Pixels {
 
 impl Samples {
     /// Filter the pixels of the bucket proper, `margin` pixels in from each side.
-    pub fn filter(&self, fx: &Filter, fy: &Filter, margin: [usize; 2], aovs: &[Aov]) -> Pixels {
+    pub fn filter(&self, filter: &PixelFilter, margin: [usize; 2], aovs: &[Aov]) -> Pixels {
         let [sx, sy] = self.strata;
         let mut out = Pixels::default();
         let mut sums = vec![0.0; self.depth];
         // A box of a pixel takes its own samples and no others.
-        let alone = fx.is_pixel() && fy.is_pixel();
+        let alone = filter.is_pixel();
         for py in margin[1]..self.height - margin[1] {
             for px in margin[0]..self.width - margin[0] {
                 let (cx, cy) = (px as f32 + 0.5, py as f32 + 0.5);
@@ -34,7 +34,7 @@ impl Samples {
                     for row in 0..sy {
                         for column in 0..sx {
                             let k = self.index([qx, qy], [column, row]);
-                            let w = if alone { 1.0 } else { fx.at(self.x[k] - cx) * fy.at(self.y[k] - cy) };
+                            let w = if alone { 1.0 } else { filter.at(self.x[k] - cx, self.y[k] - cy) };
                             if w != 0.0 {
                                 for c in 0..3 {
                                     sum[c] += w * self.color[k][c];

@@ -72,6 +72,7 @@ pub fn fill(
     grid.deformed.clear();
     grid.trimmed.clear();
     view.fill_variables(points);
+    view.to_current(points);
     if subject.needs_parameters() {
         let of = |(d, _): &(Vec3, Vec3)| sphere_uv(sphere.to_object * *d);
         for (axis, globals) in [[Global::U, Global::S], [Global::V, Global::T]].into_iter().enumerate() {

@@ -40,6 +40,7 @@ impl Machine {
             orientation: self.orientation,
             mask: self.mask.as_deref(),
             place: self.place.map(|p| &self.regs[p.index()][..]),
+            turn: self.loop_turn,
             args: values,
             width: dst.width(),
         };

@@ -5,6 +5,11 @@ use super::state::LoopFrame;
 use super::state::Machine;
 use crate::ir::*;
 
+/// Tells the turn of a loop, and that of those around it, apart from others.
+pub(super) fn turn_of(outer: u32, turn: u32) -> u32 {
+    (outer ^ turn).wrapping_mul(0xc2b2_ae35).rotate_left(13).wrapping_add(turn)
+}
+
 impl Machine {
     pub(super) fn branch(&mut self, c: FloatReg, then: &[Op], otherwise: &[Op], scene: &dyn Scene) {
         if self.regs[c.index()].len() == 1 {
@@ -44,7 +49,11 @@ impl Machine {
         }
         let outer = self.mask.clone();
         self.loops.push(LoopFrame { left: vec![false; n], skipped: vec![false; n], inline: false });
+        let outer_turn = self.loop_turn;
+        let mut turns = 0u32;
         loop {
+            turns = turns.wrapping_add(1);
+            self.loop_turn = turn_of(outer_turn, turns);
             self.turns_left = self.turns_left.saturating_sub(n.max(LEAST));
             if self.turns_left == 0 {
                 break;
@@ -71,6 +80,7 @@ impl Machine {
             self.drop_left();
             self.block(step, scene);
         }
+        self.loop_turn = outer_turn;
         self.loops.pop();
         self.mask = outer;
         // Who left a loop further out, or the function, within this one.

@@ -4,6 +4,7 @@ use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
 use super::super::scene::Scene;
 use super::super::slots::VariableSlots;
+use super::control::turn_of;
 use super::state::{Lit, Machine, Receiver};
 use crate::ir::*;
 use crate::shadeop::runs::{at, dot, run_of, triple};
@@ -58,6 +59,8 @@ impl Machine {
                 continue;
             }
             let k = self.light(i, light, &position, &axis, angle, scene);
+            let outer_turn = self.loop_turn;
+            self.loop_turn = turn_of(outer_turn, i as u32 + 1);
             let outer = self.mask.take();
             let on = &self.lit[k].on;
             self.mask = Some(on.iter().enumerate().map(|(p, on)| *on && outer.as_ref().is_none_or(|m| m[p])).collect());
@@ -80,6 +83,7 @@ impl Machine {
                 self.block(body, scene);
                 self.turn = before;
             }
+            self.loop_turn = outer_turn;
             self.mask = outer;
             self.drop_left();
         }
@@ -108,6 +112,9 @@ impl Machine {
         let mut machine = self.light_machine.take().unwrap_or_default();
         let mut points = Points::new(self.nu, self.n / self.nu.max(1), self.orientation);
         points.set(Global::Ps, position.to_vec());
+        if light.program.global(Global::Ns).is_some() {
+            points.set(Global::Ns, if self.normals.is_empty() { axis.to_vec() } else { self.normals.clone() });
+        }
         points.set(Global::L, vec![0.0; 3]);
         points.set(Global::Cl, vec![0.0; 3]);
         let emitter = scene.emitter(i, self.n, &|k| triple(position, k, self.n));

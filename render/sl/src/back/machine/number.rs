@@ -69,12 +69,20 @@ impl Machine {
         if let [i] = index[..] {
             match element(i, len) {
                 Some(k) => out.extend_from_slice(&self.regs[first.index() + k]),
-                None => out.resize(w, 0.0),
+                None => {
+                    self.beyond.get_or_insert((i, len));
+                    out.resize(w, 0.0);
+                }
             }
         } else {
             out.resize(w * n, 0.0);
             for (k, i) in index.iter().enumerate() {
-                let Some(e) = element(*i, len) else { continue };
+                let Some(e) = element(*i, len) else {
+                    if self.mask.as_ref().is_none_or(|mask| mask[k]) {
+                        self.beyond.get_or_insert((*i, len));
+                    }
+                    continue;
+                };
                 let value = &self.regs[first.index() + e];
                 (0..w).for_each(|c| out[c * n + k] = at(run_of(value, w, c, n), k));
             }
@@ -86,12 +94,17 @@ impl Machine {
         let index = self.regs[index.index()].clone();
         let value = self.regs[value.index()].clone();
         if let [i] = index[..] {
-            if let Some(k) = element(i, len) {
-                self.assign_value(first.element(k as u16), &value);
+            match element(i, len) {
+                Some(k) => self.assign_value(first.element(k as u16), &value),
+                None => _ = self.beyond.get_or_insert((i, len)),
             }
             return;
         }
         let outer = self.mask.take();
+        let is_on = |p: usize| outer.as_ref().is_none_or(|m| m[p]);
+        if let Some(p) = (0..self.n).find(|p| is_on(*p) && element(index[*p], len).is_none()) {
+            self.beyond.get_or_insert((index[p], len));
+        }
         for k in 0..len as usize {
             let here = |p: usize| outer.as_ref().is_none_or(|m| m[p]) && element(index[p], len) == Some(k);
             let mask: Vec<bool> = (0..self.n).map(here).collect();

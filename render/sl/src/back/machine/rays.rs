@@ -1,6 +1,7 @@
 //! Rays: `gather`, and the functions that send some.
 
 use super::super::scene::{Ray, Scene, Segment};
+use super::control::turn_of;
 use super::state::Machine;
 use crate::ir::builtins::SceneCall;
 use crate::ir::*;
@@ -9,6 +10,9 @@ use crate::shadeop::runs::{at, dot, put, triple};
 
 /// Rays that are asked about at once, but for those of one point.
 const MAX_RAYS: usize = 1 << 14;
+
+/// Rays over a hemisphere if a shader asks for none.
+const SAMPLES: usize = 64;
 
 impl Machine {
     /// A function that asks the scene.
@@ -68,7 +72,10 @@ impl Machine {
     fn hemisphere(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, hidden: bool, scene: &dyn Scene) {
         let n = self.n;
         let [p, way, samples] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);
-        let samples = at(samples, 0).clamp(1.0, 4096.0) as usize;
+        let samples = match at(samples, 0) {
+            given if given >= 1.0 => given.min(4096.0) as usize,
+            _ => SAMPLES,
+        };
         out.resize(width * n, 0.0);
         if !hidden && !scene.traces(true) {
             return;
@@ -105,7 +112,9 @@ impl Machine {
         let [angle, samples] = [angle, samples].map(|r| self.regs[r.index()].clone());
         let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
         let outer = self.mask.clone();
+        let outer_turn = self.loop_turn;
         for i in 0..samples {
+            self.loop_turn = turn_of(outer_turn, i as u32 + 1);
             let mut ways = vec![0.0; 3 * n];
             let mut lengths = vec![0.0; n];
             let (mut hits, mut misses) = (vec![false; n], vec![false; n]);
@@ -156,6 +165,7 @@ impl Machine {
                 break;
             }
         }
+        self.loop_turn = outer_turn;
     }
 }
 

@@ -1,7 +1,7 @@
 //! A shader run over points: globals and parameters in, operations in turn, globals out.
 
 use super::super::bound::{Answer, BoundShader};
-use super::super::points::Points;
+use super::super::points::{Message, Points};
 use super::super::scene::Scene;
 use super::super::slots::VariableSlots;
 use super::state::{LoopFrame, Machine};
@@ -44,12 +44,24 @@ impl Machine {
                 None => reg.resize(width, 0.0),
             }
         }
+        self.messages.clone_from(&points.messages);
+        self.normals.clear();
+        if scene.lights().iter().any(|light| light.program.global(Global::Ns).is_some()) {
+            self.normals.extend_from_slice(points.get(Global::N).unwrap_or(&[]));
+        }
         self.defaults(shader, slots, points, scene);
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
         if self.turns_left == 0 {
-            scene.stop(&program.name);
+            scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.file));
+        }
+        if let Some((index, len)) = self.beyond.take() {
+            let most = len - 1;
+            scene.warn(format!(
+                "{}: the shader `{}` uses element {index} of an array, expected 0 to {most}: it is read as 0 and not written",
+                program.file, program.name
+            ));
         }
         for (global, reg) in &program.globals {
             if let Some(values) = points.get_mut(*global) {
@@ -67,6 +79,17 @@ impl Machine {
         }
     }
 
+    /// Add the output parameters of `shader`, which must be the one that ran last, to what is told to those that run over the
+    /// points after it.
+    pub fn tell(&self, from: Ask, shader: &BoundShader, points: &mut Points) {
+        for param in shader.program.params.iter().filter(|p| p.output && p.array.is_none()) {
+            if let Operand::Number(r) = param.reg {
+                let (name, values) = (param.name.clone(), self.regs[r.index()].clone());
+                points.messages.push(Message { from, name, values });
+            }
+        }
+    }
+
     pub(super) fn load(&mut self, shader: &BoundShader, points: &Points) {
         let program = &*shader.program;
         self.n = points.n();
@@ -76,6 +99,7 @@ impl Machine {
         self.mask = None;
         self.loops.clear();
         self.turns_left = MAX_TURNS;
+        self.loop_turn = 0;
         self.lit.clear();
         self.reached.clear();
         self.reached.resize(self.n, false);

@@ -1,5 +1,6 @@
 //! The machine's registers, masks and open loops.
 
+use super::super::points::Message;
 use crate::ir::*;
 use crate::shadeop::runs::run_of;
 
@@ -47,6 +48,14 @@ pub struct Machine {
     pub(super) loops: Vec<LoopFrame>,
     /// What loops may still do in this run: turns over points.
     pub(super) turns_left: usize,
+    /// Tells the turns of the loops around an operation apart; 0 outside of loops.
+    pub(super) loop_turn: u32,
+    /// Normals of the points, if a light asks for them.
+    pub(super) normals: Vec<f32>,
+    /// The first index of this run that was in no array, and the length of that.
+    pub(super) beyond: Option<(f32, u16)>,
+    /// What shaders that ran before tell this one.
+    pub(super) messages: Vec<Message>,
     pub(super) receiver: Option<Receiver>,
     /// Points that `solar` or `illuminate` reached.
     pub(super) reached: Vec<bool>,

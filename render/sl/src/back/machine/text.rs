@@ -44,7 +44,10 @@ impl Machine {
                 let parts = env!("CARGO_PKG_VERSION").split('.').map(|p| p.parse().unwrap_or(0.0));
                 Some(Answer::Numbers(parts.chain([0.0]).collect()))
             }
-            _ => scene.ask(what, &names),
+            _ => {
+                let told = self.messages.iter().find(|told| told.from == what && told.name == names[0]);
+                told.map(|told| Answer::Numbers(told.values.clone())).or_else(|| scene.ask(what, &names))
+            }
         };
         let mut found = 0.0;
         match (answer, out) {

@@ -27,6 +27,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
     Ok(Program {
         kind: shader.kind,
         name: shader.name.clone(),
+        file: String::new(),
         widths: l.widths,
         n_texts: l.n_texts as usize,
         params,

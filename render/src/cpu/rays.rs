@@ -1,0 +1,159 @@
+//! What rays meet: surfaces by themselves, and those of solids, of which only the surfaces of the whole count (RISpec 5.9).
+//!
+//! A ray through solids meets the surfaces of their primitives, each of which it enters or leaves; the ray begins inside of those that
+//! it leaves first. A surface is one of the whole where the whole begins or ends with it. Which side of a surface is outside is
+//! found by how often a ray from it meets the primitive's surfaces, however the scene turns its normals.
+
+use crate::cpu::bvh::{Bvh, Crossing};
+use crate::scene::facets::facets_of;
+use crate::scene::shape::Shape;
+use crate::scene::solid::{Solids, Walk};
+use crate::scene::source::Item;
+use crate::scene::world::Scene;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The part of the way to a light at whose end surfaces do not count.
+pub const BEFORE_END: f32 = 1.0 - 1e-4;
+
+/// What rays meet.
+pub struct Rays {
+    surfaces: Bvh,
+    solids: Option<Hulls>,
+}
+
+/// The surfaces of solids.
+struct Hulls {
+    bvh: Bvh,
+    solids: Solids,
+    /// By source: the primitive of a solid that it is a part of.
+    leaves: Vec<Option<u32>>,
+    /// By source: whether it casts shadows, and whether light gets through it, in part.
+    casts: Vec<bool>,
+    /// By source and item: whether the cross product of the directions along u and v points out of the primitive.
+    outward: Vec<Vec<bool>>,
+}
+
+impl Rays {
+    /// Over all items of a scene.
+    pub fn new(scene: &Scene) -> Rays {
+        let surfaces = Bvh::build(scene, |a| a.casts_shadows && a.solid.is_none());
+        let solids = scene.sources.iter().any(|s| s.attributes.solid.is_some()).then(|| Hulls::new(scene));
+        Rays { surfaces, solids }
+    }
+
+    /// Whether light gets through some of what casts shadows, in part.
+    pub fn any_translucent(&self) -> bool {
+        self.surfaces.any_translucent()
+    }
+
+    /// As [`Bvh::blocked`].
+    pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: [f32; 2]) -> bool {
+        // What a lamp lies in, as in a ceiling, is not between.
+        let to = from + (to - from) * BEFORE_END;
+        self.surfaces.blocked(own, from, to, bias)
+            || self.solids.as_ref().is_some_and(|hulls| {
+                let (way, length) = (to - from, (to - from).length());
+                let first = || hulls.first(own, from, way / length, 0.0, bias, |item| hulls.blocks(item));
+                length > 0.0 && first().is_some_and(|(t, _)| t < length)
+            })
+    }
+
+    /// As [`Bvh::nearest`].
+    pub fn nearest(&self, own: Item, from: Vec3, dir: Vec3, least: f32, bias: [f32; 2]) -> Option<(f32, Item)> {
+        let open = self.surfaces.nearest(own, from, dir, least, bias);
+        let solid = self
+            .solids
+            .as_ref()
+            .and_then(|hulls| hulls.first(own, from, dir, least, bias, |item| hulls.casts[item.source as usize]));
+        [open, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Whether the cross product of the directions along u and v of a primitive of a solid points out of it.
+    pub fn is_outward(&self, item: Item) -> bool {
+        let known =
+            self.solids.as_ref().and_then(|hulls| hulls.outward.get(item.source as usize)?.get(item.index as usize));
+        known.copied().unwrap_or(true)
+    }
+}
+
+impl Hulls {
+    fn new(scene: &Scene) -> Hulls {
+        let of = |f: &dyn Fn(&crate::scene::attributes::Attributes) -> bool| {
+            scene.sources.iter().map(|s| f(&s.attributes)).collect::<Vec<bool>>()
+        };
+        let mut hulls = Hulls {
+            bvh: Bvh::build(scene, |a| a.solid.is_some()),
+            solids: scene.solids.clone(),
+            leaves: scene.sources.iter().map(|s| s.attributes.solid).collect(),
+            casts: of(&|a| a.casts_shadows),
+            outward: vec![],
+        };
+        let all = scene.sources.par_iter().enumerate().map(|(s, source)| {
+            let n = if source.attributes.solid.is_some() { source.len() } else { 0 };
+            (0..n).map(|i| hulls.finds_outward(scene, Item { source: s as u32, index: i as u32 })).collect()
+        });
+        let outward = all.collect();
+        hulls.outward = outward;
+        hulls
+    }
+
+    /// Whether no light gets through an item that casts shadows.
+    fn blocks(&self, item: Item) -> bool {
+        self.casts[item.source as usize] && !self.bvh.is_translucent(item)
+    }
+
+    /// Whether the cross product of the directions along u and v of an item points out of its primitive: a ray that way leaves it if
+    /// it meets an even number of its surfaces. Of three rays from different places most are believed.
+    fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
+        let (shape, to_world) = scene.place(item);
+        let Shape::Patches(patches, _) = shape else { return true };
+        let facets: Vec<[Vec3; 3]> = patches.iter().flat_map(|patch| facets_of(patch, to_world)).collect();
+        let leaf = self.leaves[item.source as usize];
+        let leaves_it = |part: f32| {
+            let [a, b, c] = facets[((facets.len() as f32 * part) as usize).min(facets.len() - 1)];
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let size = (b - a).length().max((c - a).length());
+            // Off the middle and the normal, where edges of other surfaces may lie.
+            let from = a * 0.41 + b * 0.28 + c * 0.31;
+            let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
+            let mut met = vec![];
+            self.bvh.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
+            met.iter().filter(|m| self.leaves[m.item.source as usize] == leaf).count() % 2 == 0
+        };
+        [0.23, 0.51, 0.83].into_iter().filter(|part| leaves_it(*part)).count() >= 2
+    }
+
+    /// Which way a ray goes through a surface that it meets.
+    fn enters(&self, met: &Crossing) -> bool {
+        match met.enters {
+            Some(enters) => enters,
+            None => (met.along < 0.0) == self.outward[met.item.source as usize][met.item.index as usize],
+        }
+    }
+
+    /// The first surface of a whole along a ray, from `least` on, that counts.
+    fn first(
+        &self,
+        own: Item,
+        from: Vec3,
+        dir: Vec3,
+        least: f32,
+        bias: [f32; 2],
+        counts: impl Fn(Item) -> bool,
+    ) -> Option<(f32, Item)> {
+        let mut met = vec![];
+        self.bvh.crossings(Some(own), from, dir, bias, &mut met);
+        if met.is_empty() {
+            return None;
+        }
+        met.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.item.source, a.item.index).cmp(&(b.item.source, b.item.index))));
+        let leaf = |m: &Crossing| self.leaves[m.item.source as usize];
+        let mut walk = Walk::default();
+        walk.start(met.iter().filter_map(|m| Some((leaf(m)?, self.enters(m)))));
+        met.iter().find_map(|m| {
+            let is_surface = walk.cross(&self.solids, leaf(m)?, self.enters(m));
+            (is_surface && m.t > least && counts(m.item)).then_some((m.t, m.item))
+        })
+    }
+}
