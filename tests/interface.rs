@@ -46,7 +46,7 @@ fn vertex_variables_follow_the_control_points_of_cubic_patches() {
     // A mesh of two Bézier patches along u: the same middle in each, and vertex s.
     let points: String =
         (0..28).map(|k| format!("{} {} 0 ", -0.9 + 0.3 * (k % 7) as f32, -0.9 + 0.6 * (k / 7) as f32)).collect();
-    let row = |x: &str| x.repeat(1);
+    let row = |x: &str| x.to_string();
     let values =
         format!("{}{}{}{}", row("0 0 0 0 0 0 0 "), row("0 1 1 0 2 2 0 "), row("0 1 1 0 2 2 0 "), row("0 0 0 0 0 0 0 "));
     let basis = "Basis \"bezier\" 3 \"bezier\" 3";
