@@ -12,7 +12,7 @@ use gpu::segments::{SegmentSum, sums_cpu};
 use gpu::{Buffer, Commands, Count, Device, GpuError, Kernels};
 use serde_json::{Value, json};
 use sim::gpu::collision::{Collision, Fault};
-use sim::gpu::jacobi::{BYTES, Jacobi};
+use sim::gpu::contact_solve::ContactSolve;
 use sim::workload::{self, Workload};
 use sim::{Method, ShapeKind, Simulation, SolverSettings, SplitMix64};
 use std::collections::HashMap;
@@ -249,15 +249,8 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     let (with_pairs, pair_stages) = times(true)?;
     let (seconds, stages) = times(false)?;
     let dispatches = collision.n_dispatches();
-    let jacobi = Jacobi::new(device, kernels, &simulation.model, &collision)?;
-    jacobi.run(device, &simulation.model, &simulation.state)?;
-    let mut seconds_of_jacobi = vec![];
-    for _ in 0..REPEATS {
-        seconds_of_jacobi.push(jacobi.seconds(device)?);
-    }
-    seconds_of_jacobi.sort_by(f64::total_cmp);
-    let rate = found.contacts as f64 * ITERATIONS as f64 / seconds_of_jacobi[REPEATS / 2];
-    let impulses = jacobi.impulses(device, contacts.len())?;
+    let (jacobi, impulses) = solve(bench, &simulation, &collision, Method::Jacobi)?;
+    let (apgd, _) = solve(bench, &simulation, &collision, Method::Apgd)?;
     simulation.step();
     Ok(json!({
         "workload": "S", "n": n, "pairs": found.pairs, "contacts": found.contacts, "dispatches": dispatches,
@@ -265,12 +258,36 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
         "contacts_per_second": found.contacts as f64 / seconds,
         "contacts_per_second_with_new_pairs": found.contacts as f64 / with_pairs,
         "equal_to_cpu": is_like(&simulation, &contacts),
-        "jacobi": {
-            "iterations": ITERATIONS, "contact_iterations_per_second": rate, "bytes_per_contact_iteration": BYTES,
-            "fraction_of_copy_bandwidth": rate * BYTES / bench.bandwidth,
-            "impulses_equal_to_cpu": has_impulses(&simulation, &contacts, &impulses),
-        },
+        "jacobi": jacobi, "apgd": apgd,
+        "jacobi_impulses_equal_to_cpu": has_impulses(&simulation, &contacts, &impulses),
     }))
+}
+
+/// The speed of a method on the contacts of a collision, and its impulses.
+fn solve(
+    bench: &Bench,
+    simulation: &Simulation,
+    collision: &Collision,
+    method: Method,
+) -> Result<(Value, Vec<[f32; 4]>), Fault> {
+    let Bench { device, kernels, .. } = bench;
+    let mut model = simulation.model.clone();
+    model.solver.method = Some(method);
+    let solver = ContactSolve::new(device, kernels, &model, collision)?;
+    solver.run(device, &model, &simulation.state)?;
+    let n = collision.found().contacts;
+    let impulses = solver.impulses(device, n)?;
+    let mut seconds = vec![];
+    for _ in 0..REPEATS {
+        seconds.push(solver.seconds(device)?);
+    }
+    seconds.sort_by(f64::total_cmp);
+    let rate = n as f64 * ITERATIONS as f64 / seconds[REPEATS / 2];
+    let report = json!({
+        "iterations": ITERATIONS, "dispatches": solver.n_dispatches(), "contact_iterations_per_second": rate,
+        "bytes_per_contact_iteration": solver.bytes, "fraction_of_copy_bandwidth": rate * solver.bytes / bench.bandwidth,
+    });
+    Ok((report, impulses))
 }
 
 /// Whether contacts between spheres are those of the CPU back end's last step: the same pairs, gaps to 1e-6 of the radius.

@@ -117,6 +117,11 @@ impl Collision {
         self.due.left.write(device, &[1]);
     }
 
+    /// What the last run has found.
+    pub fn found(&self) -> Found {
+        self.found
+    }
+
     /// The column of contacts and their number, for kernels; after a run that has made more room they are others.
     pub fn columns(&self) -> (&Buffer<Contact>, &Count) {
         (&self.contacts.contact, &self.contacts.n)

@@ -1,5 +1,4 @@
-// Projected Jacobi, second half of an iteration: the velocities of the bodies, v_free + M⁻¹ D γ. A body sums over its contacts in their
-// order, so that a run repeats bit for bit.
+// Projected Jacobi, second half of an iteration: the velocities of the bodies, v_free + M⁻¹ D γ.
 // in   row         [n_contacts]
 // in   gamma       [n_contacts]    N s, world
 // in   free        [n_bodies]      m/s, rad/s
@@ -8,7 +7,7 @@
 // out  motion      [n_bodies]      m/s, rad/s
 // Twin: cpu/solve/body_operator.rs
 #import sphere
-#import solve_row
+#import body_response
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> gamma: array<vec4<f32>>;
@@ -23,18 +22,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if body >= arrayLength(&free) {
         return;
     }
-    var impulse = vec3(0.0);
-    var turn = vec3(0.0);
-    let range = side_start[body];
-    for (var i = range.x; i < range.y; i++) {
-        let k = side[i] / 2u;
-        let is_b = (side[i] & 1u) == 1u;
-        let z = gamma[k].xyz;
-        impulse += select(-z, z, is_b);
-        turn += cross(z, rows[k].normal) * select(rows[k].reach.x, rows[k].reach.y, is_b);
-    }
-    var own = free[body];
-    own.v += impulse * own.inv_mass;
-    own.w += turn * own.inv_inertia;
-    motion[body] = own;
+    motion[body] = response_of(body);
 }

@@ -6,29 +6,13 @@
 // in    params  [2]           as bits: ω, λ
 // Twin: cpu/solve/jacobi.rs
 #import sphere
-#import solve_row
+#import project
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
 @group(0) @binding(2) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> count: array<u32>;
 @group(0) @binding(4) var<storage, read> params: array<u32>;
-
-// Project onto the cone |γ_t| ≤ μ γ_n about the axis n.
-fn project(y: vec3<f32>, n: vec3<f32>, mu: f32) -> vec3<f32> {
-    let normal = dot(y, n);
-    let tangent = y - n * normal;
-    let t = length(tangent);
-    if normal >= 0.0 && t <= mu * normal {
-        return y;
-    }
-    if t * mu <= -normal {
-        return vec3(0.0);
-    }
-    let kept = (t * mu + normal) / (mu * mu + 1.0);
-    // Without a tangent the normal is positive, and y is in the cone.
-    return n * kept + tangent * (mu * kept / t);
-}
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -37,9 +21,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let row = rows[k];
-    let a = motion[row.bodies.x];
-    let b = motion[row.bodies.y];
-    let gradient = b.v - a.v + cross(row.normal, a.w * row.reach.x + b.w * row.reach.y) + row.normal * row.offset;
+    let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
     let x = gamma[k].xyz;
     let z = project(x - gradient * (bitcast<f32>(params[0]) * row.eta), row.normal, row.friction);
     let lambda = bitcast<f32>(params[1]);

@@ -8,13 +8,16 @@ use crate::state::State;
 use gpu::{Buffer, Device, GpuError, Kernel, Kernels, Part, Work};
 
 /// The parts that the kernels import.
-const PARTS: [Part<'static>; 6] = [
+const PARTS: [Part<'static>; 9] = [
     ("fixed", include_str!("fixed.wgsl")),
     ("sphere", include_str!("sphere.wgsl")),
     ("tight", include_str!("tight.wgsl")),
     ("bins", include_str!("bins.wgsl")),
     ("contact", include_str!("contact.wgsl")),
     ("solve_row", include_str!("solve_row.wgsl")),
+    ("project", include_str!("project.wgsl")),
+    ("body_response", include_str!("body_response.wgsl")),
+    ("apgd_scalars", include_str!("apgd_scalars.wgsl")),
 ];
 
 /// Rows of a workgroup.
