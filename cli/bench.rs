@@ -1,5 +1,6 @@
 //! `scree bench`: the workloads that engines and renderers are compared on, with fixed JSON keys.
 
+mod gpu;
 mod render;
 mod sim;
 
@@ -11,6 +12,7 @@ pub fn run(job: BenchJob) -> Outcome {
     match job {
         BenchJob::Sim(job, json) => print(&sim::measure(*job), json),
         BenchJob::Render(job, json) => print(&render::measure(&job)?, json),
+        BenchJob::Gpu(job, json) => print(&gpu::measure(&job)?, json),
     }
     Ok(())
 }

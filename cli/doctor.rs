@@ -30,9 +30,54 @@ struct Findings {
 
 #[derive(Serialize)]
 struct Adapter {
+    /// By which, or by a part of its name, it is chosen.
+    index: usize,
     name: String,
     driver: String,
     is_software: bool,
+    max_buffer_bytes: u64,
+    max_binding_bytes: u64,
+    workgroup_memory_bytes: u32,
+    max_workgroup_invocations: u32,
+    /// Least and greatest size.
+    subgroup_size: Option<[u32; 2]>,
+    features: Vec<&'static str>,
+}
+
+impl Adapter {
+    fn of(a: gpu::Adapter) -> Adapter {
+        Adapter {
+            index: a.index,
+            name: a.name,
+            driver: a.driver,
+            is_software: a.software,
+            max_buffer_bytes: a.max_buffer,
+            max_binding_bytes: a.max_binding,
+            workgroup_memory_bytes: a.workgroup_memory,
+            max_workgroup_invocations: a.max_invocations,
+            subgroup_size: a.subgroup,
+            features: a.features,
+        }
+    }
+
+    fn print(&self) {
+        const MIB: u64 = 1 << 20;
+        let kind = if self.is_software { "software, for tests only" } else { "hardware" };
+        println!("graphics: adapter {}: {} ({}): {kind}", self.index, self.name, self.driver);
+        let [buffer, binding] = [self.max_buffer_bytes, self.max_binding_bytes].map(|bytes| bytes / MIB);
+        println!(
+            "  buffers up to {buffer} MiB, bound up to {binding} MiB; workgroups up to {} invocations and {} KiB",
+            self.max_workgroup_invocations,
+            self.workgroup_memory_bytes / 1024
+        );
+        let subgroups = match self.subgroup_size {
+            Some([least, most]) if least == most => format!("subgroups of {least}"),
+            Some([least, most]) => format!("subgroups of {least} to {most}"),
+            None => "no subgroups".into(),
+        };
+        let others = self.features.iter().filter(|name| **name != "subgroups");
+        println!("  {}", others.fold(subgroups, |text, name| text + ", " + name));
+    }
 }
 
 /// The folder that results would go to.
@@ -47,7 +92,6 @@ struct Output {
 /// Run `scree doctor`.
 pub fn run(job: DoctorJob) -> Outcome {
     let lanes = |is_wide: bool| if is_wide { "AVX2" } else { "plain" };
-    let adapter = |a: gpu::Adapter| Adapter { name: a.name, driver: a.driver, is_software: a.software };
     let findings = Findings {
         scree: env!("CARGO_PKG_VERSION"),
         processors: rayon::current_num_threads(),
@@ -56,7 +100,7 @@ pub fn run(job: DoctorJob) -> Outcome {
         sample_lanes: lanes(render::has_wide_lanes()),
         ffmpeg: movie::ffmpeg_version(),
         encoders: movie::encoders(),
-        adapters: gpu::adapters().into_iter().map(adapter).collect(),
+        adapters: gpu::adapters().into_iter().map(Adapter::of).collect(),
         slurm: batch::slurm(),
         preview: preview::program().ok(),
         output: output(&job.folder)?,
@@ -112,10 +156,7 @@ impl Findings {
         if self.adapters.is_empty() {
             println!("graphics: no Vulkan adapter; everything runs on the processor");
         }
-        for a in &self.adapters {
-            let kind = if a.is_software { "software, for tests only" } else { "usable" };
-            println!("graphics: {} ({}): {kind}", a.name, a.driver);
-        }
+        self.adapters.iter().for_each(Adapter::print);
         println!("simulation and rendering run on the processor");
         match &self.preview {
             Some(program) => println!("previews: {}", program.display()),

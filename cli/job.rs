@@ -28,7 +28,7 @@ mod stitch;
 pub mod sweep;
 
 pub use crate::args::SchemaKind;
-pub use bench::{BenchJob, RenderBench, SimBench};
+pub use bench::{BenchJob, GpuBench, RenderBench, SimBench};
 pub use check::{CheckJob, FileKind};
 pub use doctor::DoctorJob;
 pub use export::ExportJob;

@@ -24,7 +24,6 @@ mod light;
 mod movies;
 mod outputs;
 mod pages;
-mod parity;
 mod pipeline;
 mod plots;
 mod projects;

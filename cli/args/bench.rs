@@ -19,6 +19,8 @@ pub enum BenchCommand {
     Sim(BenchSimArgs),
     /// Render a bed of spheres with shadows, 16 samples per pixel.
     Render(BenchRenderArgs),
+    /// Run the kernels of a graphics adapter.
+    Gpu(BenchGpuArgs),
 }
 
 const SIM_EXAMPLES: &str = "\
@@ -101,6 +103,26 @@ pub struct BenchRenderArgs {
     /// Write the image to this file (PNG).
     #[arg(long, value_name = "FILE")]
     pub image: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+const GPU_EXAMPLES: &str = "\
+Example:
+  scree bench gpu --adapter 0 --small --json";
+
+/// Arguments of `scree bench gpu`.
+#[derive(Args, Debug)]
+#[command(after_help = GPU_EXAMPLES)]
+pub struct BenchGpuArgs {
+    /// Graphics adapter, by its index in `scree doctor` or by a part of its
+    /// name [default: the first that is no software adapter].
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Run small sizes, for software adapters.
+    #[arg(long)]
+    pub small: bool,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -1,7 +1,7 @@
 //! The job of `scree bench`.
 
 use super::simulate::cpu_only;
-use crate::args::{self, BenchArgs, BenchCommand, BenchRenderArgs, BenchSimArgs};
+use crate::args::{self, BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs};
 use crate::machine;
 use crate::report::Outcome;
 use sim::workload::{self, Convex, Workload};
@@ -14,6 +14,8 @@ pub enum BenchJob {
     Sim(Box<SimBench>, bool),
     /// A rendering, and whether its result is printed as JSON.
     Render(RenderBench, bool),
+    /// Kernels of a graphics adapter, and whether its result is printed as JSON.
+    Gpu(GpuBench, bool),
 }
 
 /// A benchmark of the simulation.
@@ -48,6 +50,14 @@ pub struct RenderBench {
     pub image: Option<PathBuf>,
 }
 
+/// A benchmark of a graphics adapter.
+pub struct GpuBench {
+    /// The adapter.
+    pub adapter: gpu::Choice,
+    /// Whether sizes are small.
+    pub small: bool,
+}
+
 impl BenchJob {
     /// Check the arguments.
     pub fn check(args: BenchArgs) -> Outcome<BenchJob> {
@@ -56,6 +66,10 @@ impl BenchJob {
             BenchCommand::Render(args) => {
                 let json = args.json;
                 Ok(BenchJob::Render(render_bench(args)?, json))
+            }
+            BenchCommand::Gpu(BenchGpuArgs { adapter, small, json }) => {
+                let adapter = adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named);
+                Ok(BenchJob::Gpu(GpuBench { adapter, small }, json))
             }
         }
     }

@@ -1,72 +1,156 @@
-//! A kernel: WGSL text with `#import NAME` lines resolved, compiled, and ready to dispatch.
+//! Kernels: WGSL text with `#import NAME` lines resolved, compiled once for a device, and ready to be recorded.
 
-use crate::Device;
+use crate::device::Device;
+use crate::error::GpuError;
+use crate::layout::{Slot, parse, slots};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Parts that kernels import.
-const PARTS: &[(&str, &str)] = &[("block", include_str!("kernels/block.wgsl"))];
+/// A part that kernels import: its name and text.
+pub type Part<'a> = (&'a str, &'a str);
 
-/// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
-const MAX_GROUPS: u32 = 65_535;
+/// The parts that any kernel can import.
+const PARTS: &[Part<'static>] = &[
+    ("block", include_str!("kernels/block.wgsl")),
+    ("lane", include_str!("kernels/lane.wgsl")),
+    ("group_sum", include_str!("kernels/group_sum.wgsl")),
+    ("group_tree", include_str!("kernels/group_tree.wgsl")),
+    ("same_digit", include_str!("kernels/same_digit.wgsl")),
+    ("key", include_str!("kernels/key.wgsl")),
+    ("combine", include_str!("kernels/combine.wgsl")),
+];
 
-/// A compiled WGSL compute kernel: entry point `main`, buffers in bind group 0.
+/// The parts that stand in their stead where the device has subgroup operations.
+const SUBGROUP_PARTS: &[Part<'static>] = &[
+    ("lane", include_str!("kernels/lane_subgroup.wgsl")),
+    ("group_sum", include_str!("kernels/group_sum_subgroup.wgsl")),
+    ("group_tree", include_str!("kernels/group_tree_subgroup.wgsl")),
+    ("same_digit", include_str!("kernels/same_digit_subgroup.wgsl")),
+];
+
+/// A compiled WGSL compute kernel: entry point `main`, storage buffers in bind group 0, numbered from 0. Clones are the same kernel.
+#[derive(Clone)]
 pub struct Kernel {
-    pipeline: wgpu::ComputePipeline,
+    pub(crate) name: &'static str,
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) slots: Arc<[Slot]>,
 }
 
-impl Kernel {
-    /// Compile the WGSL text `source`, after `#import NAME` lines are replaced by the shared parts of that name; `name` labels the
-    /// kernel in validation messages. Panics if the text is not valid.
-    pub fn new(device: &Device, name: &str, source: &str) -> Kernel {
-        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(resolve_imports(source).into()),
-        });
-        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        Kernel { pipeline }
-    }
-
-    /// Submit `n_groups` workgroups over `buffers`, bound in order from binding 0. Beyond 65 535 workgroups the dispatch extends in
-    /// y, so that a kernel computes its index from both dimensions and ignores workgroups past its end.
-    pub fn dispatch(&self, device: &Device, buffers: &[&wgpu::Buffer], n_groups: u32) {
-        let entries: Vec<wgpu::BindGroupEntry> = buffers
-            .iter()
-            .enumerate()
-            .map(|(i, b)| wgpu::BindGroupEntry { binding: i as u32, resource: b.as_entire_binding() })
-            .collect();
-        let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
-        let mut encoder = device.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(n_groups.min(MAX_GROUPS), n_groups.div_ceil(MAX_GROUPS), 1);
-        drop(pass);
-        device.queue.submit([encoder.finish()]);
-    }
+/// The kernels that have been compiled for a device, by their text.
+#[derive(Default)]
+pub struct Kernels {
+    compiled: Mutex<HashMap<String, Kernel>>,
 }
 
-/// Replace every line `#import NAME` by the part of that name.
-fn resolve_imports(source: &str) -> String {
-    let mut out = String::new();
-    for line in source.lines() {
-        match line.strip_prefix("#import ") {
-            Some(name) => {
-                let part = PARTS.iter().find(|(n, _)| *n == name.trim());
-                out.push_str(part.unwrap_or_else(|| panic!("kernel imports unknown part `{name}`")).1);
-            }
-            None => out.push_str(line),
+impl Kernels {
+    /// The kernel of a WGSL text, whose lines `#import NAME` are replaced by the part of that name: of `parts`, or one that all kernels
+    /// can import. It is compiled the first time. `name` stands in errors.
+    ///
+    /// # Errors
+    /// [`GpuError::Kernel`] with the place of the fault, or [`GpuError::Lost`].
+    pub fn get(&self, device: &Device, name: &'static str, text: &str, parts: &[Part]) -> Result<Kernel, GpuError> {
+        let fault = |message: String| GpuError::Kernel { kernel: name.into(), message };
+        let text = resolve(text, parts, device.subgroup).map_err(fault)?;
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = compiled.get(&text) {
+            return Ok(kernel.clone());
         }
-        out.push('\n');
+        let kernel = compile(device, name, &text)?;
+        compiled.insert(text, kernel.clone());
+        Ok(kernel)
     }
-    out
+
+    /// Number of compiled kernels.
+    pub fn len(&self) -> usize {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Whether no kernel has been compiled.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+fn compile(device: &Device, name: &'static str, text: &str) -> Result<Kernel, GpuError> {
+    let fault = |message: String| GpuError::Kernel { kernel: name.into(), message };
+    let slots = slots(&parse(name, text).map_err(fault)?);
+    if slots.iter().enumerate().any(|(k, slot)| slot.binding != k as u32) {
+        return Err(fault("its bindings are not numbered from 0".into()));
+    }
+    let pipeline = device.create(
+        || {
+            let source = wgpu::ShaderSource::Wgsl(text.into());
+            let module = device.raw.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
+            device.raw.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&layout(device, name, &slots)),
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+        },
+        |error| fault(error.to_string()),
+    )?;
+    Ok(Kernel { name, pipeline, slots: slots.into() })
+}
+
+fn layout(device: &Device, name: &str, slots: &[Slot]) -> wgpu::PipelineLayout {
+    let entry = |slot: &Slot| wgpu::BindGroupLayoutEntry {
+        binding: slot.binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: !slot.is_written },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = slots.iter().map(entry).collect();
+    let group =
+        device.raw.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
+    let bind_group_layouts = &[Some(&group)];
+    device.raw.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(name),
+        bind_group_layouts,
+        ..Default::default()
+    })
+}
+
+/// Replace every line `#import NAME` by the part of that name, each once.
+///
+/// # Errors
+/// A part that is not there.
+fn resolve(text: &str, parts: &[Part], subgroup: Option<[u32; 2]>) -> Result<String, String> {
+    let (mut out, mut seen) = (String::new(), vec![]);
+    include(text, parts, subgroup, &mut seen, &mut out)?;
+    Ok(out)
+}
+
+fn include<'a>(
+    text: &'a str,
+    parts: &[Part<'a>],
+    subgroup: Option<[u32; 2]>,
+    seen: &mut Vec<&'a str>,
+    out: &mut String,
+) -> Result<(), String> {
+    let own: &[Part] = if subgroup.is_some() { SUBGROUP_PARTS } else { &[] };
+    for line in text.lines() {
+        let Some(name) = line.strip_prefix("#import ").map(str::trim) else {
+            // The size that the file stands for where it is compiled alone.
+            match (line.starts_with("const SUBGROUP_MIN: u32 ="), subgroup) {
+                (true, Some([least, _])) => *out += &format!("const SUBGROUP_MIN: u32 = {least}u;"),
+                _ => *out += line,
+            }
+            out.push('\n');
+            continue;
+        };
+        if !seen.contains(&name) {
+            seen.push(name);
+            let mut known = parts.iter().chain(own).chain(PARTS);
+            let part = known.find(|(n, _)| *n == name).ok_or(format!("it imports the unknown part `{name}`"))?;
+            include(part.1, parts, subgroup, seen, out)?;
+        }
+    }
+    Ok(())
 }

@@ -23,6 +23,7 @@ mod contacts;
 mod cpu;
 mod fill;
 pub mod geometry;
+pub mod gpu;
 mod inertia;
 pub mod joint;
 pub mod joint_system;

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Compiled statistics of every kernel on AMD hardware that need not be there, as CSV: gpu/benches/kernels.sh KSTAT >gpu/benches/results/kernels.csv
+# KSTAT compiles a WGSL file by naga and Mesa's RADV on null hardware and prints a line of statistics.
+set -euo pipefail
+kstat=$(realpath "${1:?usage: gpu/benches/kernels.sh KSTAT}")
+cd "$(dirname "$0")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The file of a part: one that stands in its stead (name=file), that of the subgroup path, or that of its name.
+part() {
+    local swap
+    for swap in $swaps; do [ "${swap%%=*}" = "$1" ] && { echo "${swap#*=}"; return; }; done
+    local room
+    for room in gpu/src/kernels sim/src/gpu; do
+        [ "$path" = subgroups ] && [ -e "$room/$1_subgroup.wgsl" ] && { echo "$room/$1_subgroup.wgsl"; return; }
+        [ -e "$room/$1.wgsl" ] && { echo "$room/$1.wgsl"; return; }
+    done
+    echo "no part $1" >&2
+    exit 1
+}
+# The text with every part in it once.
+flatten() {
+    local line name
+    while IFS= read -r line || [ -n "$line" ]; do
+        case $line in
+        '#import '*)
+            name=${line#\#import }
+            [[ " $seen " == *" $name "* ]] || { seen="$seen $name"; flatten "$(part "$name")"; }
+            ;;
+        *) printf '%s\n' "$line" ;;
+        esac
+    done <"$1"
+}
+# A row: name of the kernel, its file, path (plain or subgroups), parts that stand in others' stead.
+row() {
+    local name=$1 file=$2
+    path=$3 swaps=${4:-} seen=
+    flatten "$file" >"$work/$name.wgsl"
+    bash "$kstat" "$work/$name.wgsl" | awk -v name="$name" -v path="$path" '{
+        text = $0
+        sub(/^[^ ]+ /, "", text); device = text; sub(/:.*/, "", device); sub(/^[^:]*: /, "", text)
+        n = split(text, fields, ", "); line = name "," path "," device
+        for (k = 1; k <= n; k++) { sub(/ B$/, "", fields[k]); m = split(fields[k], words, " "); line = line "," words[m] }
+        print line
+    }'
+}
+echo "kernel,path,device,instructions,valu,salu,vmem,smem,vgpr,spilled,lds_bytes,waves_per_simd,latency,inverse_throughput"
+kernels=gpu/src/kernels
+for name in groups scan_add radix_size radix_count segment_sum compact_flag compact_write copy; do row $name $kernels/$name.wgsl plain; done
+for name in scan_block radix_scatter reduce_block segment_long; do
+    for path in plain subgroups; do row $name $kernels/$name.wgsl $path; done
+done
+row radix_count_u64 $kernels/radix_count.wgsl plain key=$kernels/key_u64.wgsl
+for path in plain subgroups; do row radix_scatter_u64 $kernels/radix_scatter.wgsl $path key=$kernels/key_u64.wgsl; done
+kernels=sim/src/gpu
+for name in bounds pairs_due fatten bin_emit bin_clear bin_start pair_write contact_find contact_write solve_rows jacobi_contact jacobi_body apgd_start apgd_contact apgd_body apgd_decide apgd_extrapolate; do row $name $kernels/$name.wgsl plain; done
+row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl

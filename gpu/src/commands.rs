@@ -1,0 +1,280 @@
+//! Commands: dispatches, copies and clears, recorded once and submitted together any number of times, timed by stage.
+
+use crate::buffer::{Bound, Buffer, ReadBack};
+use crate::device::Device;
+use crate::error::GpuError;
+use crate::kernel::Kernel;
+use bytemuck::Pod;
+use std::time::Instant;
+use wgpu::util::DeviceExt;
+
+/// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
+const MAX_GROUPS: u32 = 65_535;
+
+/// The most stages that are timed, by the limit of a query set.
+const MAX_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
+
+/// The number of workgroups of a dispatch.
+#[derive(Clone, Copy, Debug)]
+pub enum Work<'a> {
+    /// This many. Beyond 65,535 the dispatch extends in y, so that a kernel computes its index from both dimensions and ignores
+    /// workgroups past its end.
+    Groups(u32),
+    /// Those of a row (x, y, z and a pad) of a buffer on the device.
+    Indirect(&'a Buffer<[u32; 4]>, usize),
+}
+
+/// A recorded command.
+enum Command {
+    Dispatch { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, x: u32, y: u32 },
+    Indirect { pipeline: wgpu::ComputePipeline, group: wgpu::BindGroup, args: wgpu::Buffer, offset: u64 },
+    Copy { from: wgpu::Buffer, to: wgpu::Buffer, bytes: u64 },
+    Clear { buffer: wgpu::Buffer },
+}
+
+/// The commands of a stage.
+struct Stage {
+    name: &'static str,
+    commands: Vec<Command>,
+}
+
+/// A list of commands for a device, by stages.
+#[derive(Default)]
+pub struct Commands {
+    stages: Vec<Stage>,
+}
+
+impl Commands {
+    /// No commands.
+    pub fn new() -> Commands {
+        Commands::default()
+    }
+
+    /// Begin a stage: what follows is timed under this name.
+    pub fn stage(&mut self, name: &'static str) {
+        self.stages.push(Stage { name, commands: vec![] });
+    }
+
+    fn push(&mut self, command: Command) {
+        if self.stages.is_empty() {
+            self.stage("");
+        }
+        self.stages.last_mut().expect("a stage").commands.push(command);
+    }
+
+    /// Number of dispatches.
+    pub fn n_dispatches(&self) -> usize {
+        let is_dispatch = |c: &&Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
+        self.stages.iter().flat_map(|s| &s.commands).filter(is_dispatch).count()
+    }
+
+    /// Run a kernel over buffers, bound in order from binding 0, and last, if there are any, its constant parameters.
+    ///
+    /// # Panics
+    /// If a buffer's rows are not as wide as those of the kernel, or their number is another: a defect of the caller.
+    pub fn dispatch(&mut self, device: &Device, kernel: &Kernel, buffers: &[Bound], params: &[u32], work: Work) {
+        let constants = (!params.is_empty()).then(|| {
+            device.raw.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("params"),
+                contents: bytemuck::cast_slice(params),
+                usage: wgpu::BufferUsages::STORAGE,
+            })
+        });
+        let params = constants.as_ref().map(|raw| Bound { raw, name: "params", width: 4 });
+        let bound: Vec<Bound> = buffers.iter().copied().chain(params).collect();
+        let widths: Vec<u32> = bound.iter().map(|b| b.width).collect();
+        let expected: Vec<u32> = kernel.slots.iter().map(|s| s.width).collect();
+        assert!(
+            widths == expected,
+            "kernel `{}`: {:?} are bound to {:?}",
+            kernel.name,
+            bound.iter().map(|b| (b.name, b.width)).collect::<Vec<_>>(),
+            kernel.slots.iter().map(|s| (s.name.as_str(), s.width)).collect::<Vec<_>>(),
+        );
+        let entries: Vec<wgpu::BindGroupEntry> = (0..)
+            .zip(&bound)
+            .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.raw.as_entire_binding() })
+            .collect();
+        let group = device.raw.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(kernel.name),
+            layout: &kernel.pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let pipeline = kernel.pipeline.clone();
+        self.push(match work {
+            Work::Groups(n) => Command::Dispatch { pipeline, group, x: n.min(MAX_GROUPS), y: n.div_ceil(MAX_GROUPS) },
+            Work::Indirect(args, row) => {
+                Command::Indirect { pipeline, group, args: args.raw.clone(), offset: row as u64 * 16 }
+            }
+        });
+    }
+
+    /// Copy the first `n` rows of a buffer into another.
+    ///
+    /// # Panics
+    /// If either has fewer rows.
+    pub fn copy<T: Pod>(&mut self, from: &Buffer<T>, to: &Buffer<T>, n: usize) {
+        assert!(n <= from.capacity() && n <= to.capacity());
+        let bytes = ((n * size_of::<T>()) as u64).next_multiple_of(4);
+        if bytes > 0 {
+            self.push(Command::Copy { from: from.raw.clone(), to: to.raw.clone(), bytes });
+        }
+    }
+
+    /// Make all rows of a buffer zero.
+    pub fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) {
+        self.push(Command::Clear { buffer: buffer.raw.clone() });
+    }
+
+    /// Submit all commands, which stay as they are and can be submitted again.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn submit(&self, device: &Device) -> Result<Timings, GpuError> {
+        device.check()?;
+        let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&self.stages.len());
+        let times = if is_timed { Some(Times::new(device, self.stages.len())?) } else { None };
+        let mut encoder = device.raw.create_command_encoder(&Default::default());
+        for (k, stage) in self.stages.iter().enumerate() {
+            encode(&mut encoder, stage, times.as_ref().map(|t| t.of_stage(k)));
+        }
+        if let Some(times) = &times {
+            times.resolve(&mut encoder);
+        }
+        device.queue.submit([encoder.finish()]);
+        let names = self.stages.iter().map(|s| s.name).collect();
+        let ticks = times.map(|t| t.read_back(device)).transpose()?;
+        Ok(Timings { names, ticks })
+    }
+}
+
+impl Commands {
+    /// Submit all commands and wait for them. Returns the time that the stage of this name takes, s, from timestamps; where the adapter
+    /// has none, the wall time of all stages.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn stage_seconds(&self, device: &Device, stage: &str) -> Result<f64, GpuError> {
+        device.wait()?;
+        let started = Instant::now();
+        let times = self.submit(device)?.wait(device)?;
+        let wall = started.elapsed().as_secs_f64();
+        Ok(times.map_or(wall, |times| times.iter().filter(|(name, _)| *name == stage).map(|(_, s)| s).sum()))
+    }
+}
+
+/// Encode a stage: a pass for each run of dispatches between copies and clears, and two empty passes that take the time.
+fn encode(encoder: &mut wgpu::CommandEncoder, stage: &Stage, times: Option<(&wgpu::QuerySet, u32)>) {
+    let is_dispatch = |c: &Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
+    if let Some((set, first)) = times {
+        mark(encoder, set, first);
+    }
+    for run in stage.commands.chunk_by(|a, b| is_dispatch(a) && is_dispatch(b)) {
+        if is_dispatch(&run[0]) {
+            let desc = wgpu::ComputePassDescriptor { label: Some(stage.name), timestamp_writes: None };
+            let mut pass = encoder.begin_compute_pass(&desc);
+            run.iter().for_each(|command| run_in_pass(&mut pass, command));
+        } else {
+            transfer(encoder, &run[0]);
+        }
+    }
+    if let Some((set, first)) = times {
+        mark(encoder, set, first + 1);
+    }
+}
+
+/// Take the time in an empty pass.
+fn mark(encoder: &mut wgpu::CommandEncoder, query_set: &wgpu::QuerySet, index: u32) {
+    let writes = wgpu::ComputePassTimestampWrites {
+        query_set,
+        beginning_of_pass_write_index: Some(index),
+        end_of_pass_write_index: None,
+    };
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes: Some(writes) });
+}
+
+fn run_in_pass(pass: &mut wgpu::ComputePass, command: &Command) {
+    match command {
+        Command::Dispatch { pipeline, group, x, y } => {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+        Command::Indirect { pipeline, group, args, offset } => {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups_indirect(args, *offset);
+        }
+        Command::Copy { .. } | Command::Clear { .. } => {}
+    }
+}
+
+fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
+    match command {
+        Command::Copy { from, to, bytes } => encoder.copy_buffer_to_buffer(from, 0, to, 0, *bytes),
+        Command::Clear { buffer } => encoder.clear_buffer(buffer, 0, None),
+        Command::Dispatch { .. } | Command::Indirect { .. } => {}
+    }
+}
+
+/// Timestamps at the beginning and the end of each stage.
+struct Times {
+    set: wgpu::QuerySet,
+    ticks: Buffer<u64>,
+    resolved: wgpu::Buffer,
+    n: u32,
+}
+
+impl Times {
+    fn new(device: &Device, n_stages: usize) -> Result<Times, GpuError> {
+        let n = 2 * n_stages as u32;
+        let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("stages"),
+            ty: wgpu::QueryType::Timestamp,
+            count: n,
+        });
+        let resolved = device.raw.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("stages"),
+            size: n as u64 * 8,
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Ok(Times { set, ticks: Buffer::zeros(device, "stages", n as usize)?, resolved, n })
+    }
+
+    fn of_stage(&self, stage: usize) -> (&wgpu::QuerySet, u32) {
+        (&self.set, 2 * stage as u32)
+    }
+
+    fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.resolve_query_set(&self.set, 0..self.n, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.ticks.raw, 0, self.n as u64 * 8);
+    }
+
+    fn read_back(&self, device: &Device) -> Result<ReadBack<u64>, GpuError> {
+        self.ticks.read_back(device, self.n as usize)
+    }
+}
+
+/// The times of the stages of submitted commands.
+pub struct Timings {
+    names: Vec<&'static str>,
+    ticks: Option<ReadBack<u64>>,
+}
+
+impl Timings {
+    /// Wait for the commands. Returns the time of each stage, s; none if the adapter takes no times.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn wait(self, device: &Device) -> Result<Option<Vec<(&'static str, f64)>>, GpuError> {
+        let Some(ticks) = self.ticks else {
+            device.wait()?;
+            return Ok(None);
+        };
+        let ticks = ticks.wait(device)?;
+        let period = device.queue.get_timestamp_period() as f64 * 1e-9;
+        let seconds = ticks.chunks(2).map(|t| t[1].saturating_sub(t[0]) as f64 * period);
+        Ok(Some(self.names.into_iter().zip(seconds).collect()))
+    }
+}

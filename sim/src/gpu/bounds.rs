@@ -1,0 +1,79 @@
+//! Bound every sphere by an axis-aligned box, grown by its margin; tell whether one has left its fat box.
+//! in    position  [n_bodies]   units of the scale
+//! in    velocity  [n_bodies]   m/s
+//! in    activity  [n_bodies]
+//! out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
+//! inout fat_aabb  [n_spheres]  m, renewed for all when a tight box has left its fat one
+//! out   due       counts of what the broad phase works on: all, or nothing while the pairs hold
+//! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
+
+use super::spheres::{ROWS, Spheres, groups, kernel};
+use crate::model::Model;
+use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
+
+/// What the broad phase works on.
+pub struct Due {
+    /// Not zero if a sphere has left its fat box (1).
+    pub left: Buffer<u32>,
+    /// The spheres.
+    pub spheres: Count,
+    /// The spheres and one row more.
+    pub rows: Count,
+    /// The bins.
+    pub bins: Count,
+    /// Mask of the levels of bins that are used (2).
+    pub levels: Buffer<u32>,
+}
+
+impl Due {
+    /// For this many spheres and bins; all are due.
+    pub fn new(device: &Device, n: usize, n_bins: usize) -> Result<Due, GpuError> {
+        Ok(Due {
+            left: Buffer::of(device, "left", &[1])?,
+            spheres: Count::found(device, n)?,
+            rows: Count::found(device, n + 1)?,
+            bins: Count::found(device, n_bins)?,
+            levels: Buffer::zeros(device, "levels", 2)?,
+        })
+    }
+}
+
+/// The stage's kernels.
+pub struct Bounds {
+    bounds: Kernel,
+    due: Kernel,
+    fatten: Kernel,
+    groups: Groups,
+}
+
+impl Bounds {
+    /// Compile the kernels.
+    pub fn new(device: &Device, kernels: &Kernels) -> Result<Bounds, GpuError> {
+        Ok(Bounds {
+            bounds: kernel(device, kernels, "bounds", include_str!("bounds.wgsl"))?,
+            due: kernel(device, kernels, "pairs_due", include_str!("pairs_due.wgsl"))?,
+            fatten: kernel(device, kernels, "fatten", include_str!("fatten.wgsl"))?,
+            groups: Groups::new(device, kernels, ROWS)?,
+        })
+    }
+
+    /// Record the stage.
+    pub fn record(&self, device: &Device, commands: &mut Commands, model: &Model, at: &Spheres, due: &Due) {
+        let [envelope, step, unit] = [model.envelope, model.step, at.scale.unit].map(|x| (x as f32).to_bits());
+        let bodies = [at.position.bind(), at.velocity.bind(), at.activity.bind(), at.sphere.bind()];
+        let [position, velocity, activity, sphere] = bodies;
+        let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
+        let bound = [position, velocity, activity, sphere, fat, margin, due.left.bind()];
+        commands.dispatch(device, &self.bounds, &bound, &[at.n as u32, envelope, step, unit], groups(at.n));
+
+        let counts = [&due.spheres, &due.rows, &due.bins].map(|count| count.n.bind());
+        let bound = [due.left.bind(), counts[0], counts[1], counts[2], due.levels.bind()];
+        let params = [at.n as u32, due.bins.capacity as u32];
+        commands.dispatch(device, &self.due, &bound, &params, Work::Groups(1));
+
+        self.groups.record(device, commands, &due.spheres);
+        let bound = [position, velocity, activity, sphere, margin, fat, counts[0]];
+        let work = self.groups.of_level(&due.spheres, 0);
+        commands.dispatch(device, &self.fatten, &bound, &[step, unit], work);
+    }
+}

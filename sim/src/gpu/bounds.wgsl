@@ -1,0 +1,37 @@
+// Margin of each sphere; whether one has left its fat box, so that the pairs are found again.
+// in    position  [n_bodies]   steps of the scale
+// in    velocity  [n_bodies]   m/s
+// in    activity  [n_bodies]
+// in    sphere    [n_spheres]
+// in    fat_aabb  [n_spheres]  m
+// out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
+// inout left      [1]          not zero if a tight box has left its fat one
+// in    params    [4]          n_spheres, and as bits: δ (m), h (s), step of the scale (m)
+// Twin: cpu/bounds.rs
+#import tight
+
+@group(0) @binding(0) var<storage, read> position: array<Fixed>;
+@group(0) @binding(1) var<storage, read> velocity: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> activity: array<u32>;
+@group(0) @binding(3) var<storage, read> sphere: array<Sphere>;
+@group(0) @binding(4) var<storage, read> fat_aabb: array<Aabb>;
+@group(0) @binding(5) var<storage, read_write> margin: array<f32>;
+@group(0) @binding(6) var<storage, read_write> left: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read> params: array<u32>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let s = row_of(group, thread);
+    if s >= params[0] {
+        return;
+    }
+    let body = sphere[s].body;
+    let own = bitcast<f32>(params[1]) + length(velocity[body].xyz) * bitcast<f32>(params[2]);
+    margin[s] = own;
+    let tight = tight_box(position[body], sphere[s].radius, own, bitcast<f32>(params[3]));
+    let fat = fat_aabb[s];
+    let is_inside = all(fat.low.xyz <= tight.low.xyz) && all(tight.high.xyz <= fat.high.xyz);
+    if activity[body] != INACTIVE && !is_inside {
+        atomicOr(&left[0], 1u);
+    }
+}

@@ -1,0 +1,80 @@
+//! Narrow phase: find the pairs that touch or come within their margins, compact them, write their contacts.
+//! in   position  [n_bodies]   units of the scale
+//! in   margin    [n_spheres]  m
+//! in   pairs     [n_pairs]
+//! out  contact   [n_contacts] in the order of the pairs
+//! Kernels: contact_find.wgsl, the compaction, contact_write.wgsl. Twin: cpu/contact_write.rs
+
+use super::pair_write::Pairs;
+use super::rows::Contact;
+use super::spheres::{ROWS, Spheres, kernel};
+use crate::model::Model;
+use gpu::compact::Compact;
+use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels};
+
+/// The contacts, with room for as many as there are pairs.
+pub struct Contacts {
+    /// Whether each pair touches (n_pairs).
+    touches: Buffer<u32>,
+    /// The pairs that touch (n_contacts).
+    touching: Buffer<u32>,
+    /// The contacts (n_contacts).
+    pub contact: Buffer<Contact>,
+    /// Number of contacts.
+    pub n: Count,
+    compact: Compact,
+}
+
+impl Contacts {
+    /// With room for this many pairs.
+    pub fn new(device: &Device, kernels: &Kernels, n_pairs: usize) -> Result<Contacts, GpuError> {
+        Ok(Contacts {
+            touches: Buffer::zeros(device, "touches", n_pairs)?,
+            touching: Buffer::zeros(device, "touching", n_pairs)?,
+            contact: Buffer::zeros(device, "contact", n_pairs)?,
+            n: Count::found(device, n_pairs)?,
+            compact: Compact::new(device, kernels, n_pairs)?,
+        })
+    }
+}
+
+/// The stage's kernels.
+pub struct ContactWrite {
+    find: Kernel,
+    write: Kernel,
+    groups: [Groups; 2],
+}
+
+impl ContactWrite {
+    /// Compile the kernels.
+    pub fn new(device: &Device, kernels: &Kernels) -> Result<ContactWrite, GpuError> {
+        Ok(ContactWrite {
+            find: kernel(device, kernels, "contact_find", include_str!("contact_find.wgsl"))?,
+            write: kernel(device, kernels, "contact_write", include_str!("contact_write.wgsl"))?,
+            groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, ROWS)?],
+        })
+    }
+
+    /// Record the stage.
+    pub fn record(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        model: &Model,
+        at: &Spheres,
+        from: &Pairs,
+        to: &Contacts,
+    ) {
+        let [of_pairs, of_contacts] = &self.groups;
+        let unit = (at.scale.unit as f32).to_bits();
+        of_pairs.record(device, commands, &from.n);
+        let (position, sphere, pairs) = (at.position.bind(), at.sphere.bind(), from.pairs.bind());
+        let bound = [position, sphere, at.margin.bind(), pairs, to.touches.bind(), from.n.n.bind()];
+        commands.dispatch(device, &self.find, &bound, &[unit], of_pairs.of_level(&from.n, 0));
+        to.compact.record(device, commands, &to.touches, &from.n, &to.touching, &to.n);
+        of_contacts.record(device, commands, &to.n);
+        let bound = [position, sphere, pairs, to.touching.bind(), to.contact.bind(), to.n.n.bind()];
+        let params = [model.material_names.len() as u32, unit];
+        commands.dispatch(device, &self.write, &bound, &params, of_contacts.of_level(&to.n, 0));
+    }
+}

@@ -1,0 +1,26 @@
+// Projected Jacobi, second half of an iteration: the velocities of the bodies, v_free + M⁻¹ D γ.
+// in   row         [n_contacts]
+// in   gamma       [n_contacts]    N s, world
+// in   free        [n_bodies]      m/s, rad/s
+// in   side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
+// in   side_start  [n_bodies]      first side of each body, and the end
+// out  motion      [n_bodies]      m/s, rad/s
+// Twin: cpu/solve/body_operator.rs
+#import sphere
+#import body_response
+
+@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(1) var<storage, read> gamma: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> free: array<Body>;
+@group(0) @binding(3) var<storage, read> side: array<u32>;
+@group(0) @binding(4) var<storage, read> side_start: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read_write> motion: array<Body>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let body = row_of(group, thread);
+    if body >= arrayLength(&free) {
+        return;
+    }
+    motion[body] = response_of(body);
+}

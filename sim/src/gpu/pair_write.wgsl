@@ -1,0 +1,113 @@
+// Broad phase: count, then write, every pair of spheres whose fat boxes overlap, once. A pair of one level is found from the bin that comes
+// first, one of two levels from the smaller box.
+// in    fat_aabb   [n_spheres]  m
+// in    sphere     [n_spheres]
+// in    activity   [n_bodies]
+// in    bin_shape  [n_spheres]  sorted by bin
+// in    bin_start  [n_bins]
+// in    rules      [n_groups² + 2 n_exclusions]  whether groups pass; pairs of bodies without contacts, sorted
+// in    state      [3]          mask of the levels that are used (2), n_spheres if pairs are to be found, else 0
+// inout pair_start [n_spheres + 1]  pairs of each sphere out when counting; the first pair of each, and the end, in when writing
+// out   pair       [n_pairs]    the lower sphere first, when writing
+// out   n_pairs    [1]          number of pairs, when writing
+// in    params     [6]          n_groups, n_exclusions, bits of a bin's coordinates (3), and as bits 1 / step of the scale (1/m)
+// Twin: cpu/pair_write.rs
+#import sphere
+#import bins
+#import pair_pass
+
+@group(0) @binding(0) var<storage, read> fat_aabb: array<Aabb>;
+@group(0) @binding(1) var<storage, read> sphere: array<Sphere>;
+@group(0) @binding(2) var<storage, read> activity: array<u32>;
+@group(0) @binding(3) var<storage, read> bin_shape: array<u32>;
+@group(0) @binding(4) var<storage, read> bin_start: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> rules: array<u32>;
+@group(0) @binding(6) var<storage, read> levels: array<u32>;
+@group(0) @binding(7) var<storage, read> count: array<u32>;
+@group(0) @binding(8) var<storage, read_write> pair_start: array<u32>;
+@group(0) @binding(9) var<storage, read_write> pairs: array<vec2<u32>>;
+@group(0) @binding(10) var<storage, read_write> n_pairs: array<u32>;
+@group(0) @binding(11) var<storage, read> params: array<u32>;
+
+// Whether the bodies of two spheres may collide: not of one body, not both held, not of bodies or groups that are excluded.
+fn may_collide(s: u32, t: u32) -> bool {
+    let a = sphere[s].body;
+    let b = sphere[t].body;
+    if a == b || (activity[a] != MOVING && activity[b] != MOVING)
+        || rules[sphere[s].group * params[0] + sphere[t].group] != 0u {
+        return false;
+    }
+    let pair = vec2(min(a, b), max(a, b));
+    var first = 0u;
+    var end = params[1];
+    for (var i = 0u; i < 32u && first < end; i++) {
+        let middle = (first + end) / 2u;
+        let at = params[0] * params[0] + 2u * middle;
+        let found = vec2(rules[at], rules[at + 1u]);
+        if all(found == pair) {
+            return false;
+        }
+        if found.x < pair.x || (found.x == pair.x && found.y < pair.y) {
+            first = middle + 1u;
+        } else {
+            end = middle;
+        }
+    }
+    return true;
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = row_of(group, thread);
+    let n = count[0];
+    if i >= n {
+        return;
+    }
+    let s = bin_shape[i];
+    let own = fat_aabb[s];
+    let scale = bitcast<f32>(params[5]);
+    let bits = vec3(params[2], params[3], params[4]);
+    let edge = (own.high - own.low).xyz * scale;
+    let own_level = level_of(max(edge.x, max(edge.y, edge.z)));
+    var to = pair_start[i];
+    var found = 0u;
+    let is_here = own.low.x <= own.high.x;
+    for (var level = own_level; is_here && level < 64u; level++) {
+        if ((levels[level / 32u] >> (level % 32u)) & 1u) == 0u {
+            continue;
+        }
+        let base = bin_of(own.low.xyz * scale, level);
+        // Of its own level, the bins from its own one on.
+        for (var k = select(0u, 13u, level == own_level); k < 27u; k++) {
+            let near = base + vec4(i32(k % 3u) - 1, i32(k / 3u % 3u) - 1, i32(k / 9u) - 1, 0);
+            let row = bin_start[index_of(near, bits)];
+            let is_own = level == own_level && k == 13u;
+            for (var j = select(row.x, i + 1u, is_own); j < row.y; j++) {
+                let t = bin_shape[j];
+                let other = fat_aabb[t];
+                if !overlap(own, other) {
+                    continue;
+                }
+                let width = (other.high - other.low).xyz * scale;
+                let other_level = level_of(max(width.x, max(width.y, width.z)));
+                if other_level != level || any(bin_of(other.low.xyz * scale, level) != near) || !may_collide(s, t) {
+                    continue;
+                }
+                if WRITES && to + found < arrayLength(&pairs) {
+                    pairs[to + found] = vec2(min(s, t), max(s, t));
+                }
+                found++;
+            }
+        }
+    }
+    if WRITES {
+        if i == 0u {
+            n_pairs[0] = pair_start[n];
+        }
+    } else {
+        pair_start[i] = found;
+        if i == 0u {
+            pair_start[n] = 0u;
+        }
+    }
+}

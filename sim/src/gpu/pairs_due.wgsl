@@ -1,0 +1,26 @@
+// The counts that the broad phase works on: all if a sphere has left its fat box, else none, and the pairs stay.
+// inout left     [1]  not zero in if a sphere has left its box; zero out
+// out   spheres  [1]  n_spheres or 0
+// out   rows     [1]  n_spheres + 1 or 0
+// out   bins     [1]  n_bins or 0
+// inout levels   [2]  mask of the levels of bins that are used; zero out if pairs are found
+// in    params   [2]  n_spheres, n_bins
+@group(0) @binding(0) var<storage, read_write> left: array<u32>;
+@group(0) @binding(1) var<storage, read_write> spheres: array<u32>;
+@group(0) @binding(2) var<storage, read_write> rows: array<u32>;
+@group(0) @binding(3) var<storage, read_write> bins: array<u32>;
+@group(0) @binding(4) var<storage, read_write> levels: array<u32>;
+@group(0) @binding(5) var<storage, read> params: array<u32>;
+
+@compute @workgroup_size(1)
+fn main() {
+    let is_due = left[0] != 0u;
+    spheres[0] = select(0u, params[0], is_due);
+    rows[0] = select(0u, params[0] + 1u, is_due);
+    bins[0] = select(0u, params[1], is_due);
+    if is_due {
+        levels[0] = 0u;
+        levels[1] = 0u;
+    }
+    left[0] = 0u;
+}

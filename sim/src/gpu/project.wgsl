@@ -1,0 +1,23 @@
+// Friction cones, and the velocity of B relative to A at a contact.
+#import solve_row
+
+// Project onto the cone |γ_t| ≤ μ γ_n about the axis n.
+fn project(y: vec3<f32>, n: vec3<f32>, mu: f32) -> vec3<f32> {
+    let normal = dot(y, n);
+    let tangent = y - n * normal;
+    let t = length(tangent);
+    if normal >= 0.0 && t <= mu * normal {
+        return y;
+    }
+    if t * mu <= -normal {
+        return vec3(0.0);
+    }
+    let kept = (t * mu + normal) / (mu * mu + 1.0);
+    // Without a tangent the normal is positive, and y is in the cone.
+    return n * kept + tangent * (mu * kept / t);
+}
+
+// Block of Nγ + r, from the velocities that γ gives the bodies.
+fn gradient_of(row: Row, a: Body, b: Body) -> vec3<f32> {
+    return b.v - a.v + cross(row.normal, a.w * row.reach.x + b.w * row.reach.y) + row.normal * row.offset;
+}

@@ -1,0 +1,10 @@
+// The box of a sphere with its margin, rounded outwards.
+#import sphere
+
+fn tight_box(position: Fixed, radius: u32, margin: f32, step: f32) -> Aabb {
+    let centre = real_fixed(position) * step;
+    let half = vec3(f32(radius) * step + margin);
+    // More than the roundings of the centre, the half and their sum.
+    let rounding = (abs(centre) + half) * 5e-7;
+    return Aabb(vec4(centre - half - rounding, 0.0), vec4(centre + half + rounding, 0.0));
+}
