@@ -1,5 +1,5 @@
 //! Manifolds that are kept from step to step: the contact points of two convex shapes, held in the frames of both, which are carried along
-//! with the shapes while these hardly move against each other ([`crate::cpu`] has how).
+//! with the shapes while these hardly move against each other (`cpu/recycle.rs` has how).
 
 use crate::pose::Pose;
 use glam::{DQuat, DVec3};

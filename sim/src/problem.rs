@@ -4,7 +4,7 @@
 //! contact; W is symmetric, K is the product of the friction cones, and K* its dual. Values have the units of the problem's file.
 //!
 //! Solvers: the methods of the CPU back end, Gauss–Seidel sweeps on the matrix, and for small problems of exact friction on which these
-//! stall, [`direct`]: solves with factorised matrices.
+//! stall, `direct`: solves with factorised matrices.
 
 mod dense;
 mod direct;

@@ -47,7 +47,7 @@ impl Collision {
     /// For the spheres of a model, with bins for where they are now.
     ///
     /// # Errors
-    /// Those of [`Spheres::new`], and [`Fault::Gpu`].
+    /// Those of the spheres, and [`Fault::Gpu`].
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, state: &State) -> Result<Collision, Fault> {
         let spheres = Spheres::new(device, model, state)?;
         let n = spheres.n;

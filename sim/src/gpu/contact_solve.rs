@@ -1,8 +1,12 @@
 //! Solve the contact problem of spheres on a device, recorded once for the contacts of a collision.
+//!
+//! ```text
 //! in   contact  [n_contacts]  of `contact_write`
 //! in   free     [n_bodies]    m/s, rad/s: velocities at the step's end without contacts
 //! out  gamma    [n_contacts]  N s, world: impulses on B
 //! out  motion   [n_bodies]    m/s, rad/s: velocities at the step's end
+//! ```
+//!
 //! Twin: cpu/contact_solve.rs. The methods are in `jacobi` and `apgd`, what they share in `problem`.
 
 use super::collision::Collision;
