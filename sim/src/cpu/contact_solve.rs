@@ -34,6 +34,7 @@ use super::solve::joints::Joints;
 use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::worst_block;
 use super::solve::response::Response;
+use super::solve::support;
 use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
 use crate::contacts::Contacts;
@@ -89,6 +90,9 @@ pub fn run(
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
     let is_start = plan.start.is_some() && n > 0 && contacts.impulse.iter().all(|impulse| *impulse == DVec3::ZERO);
+    if is_start {
+        support::fill(model, state, contacts);
+    }
     let (method, settings) = match (is_start, &plan.start) {
         (true, Some(start)) => (ContactMethod::Blocks(Method::Apgd), start),
         _ => (plan.method_with(n, limits.len()), &model.solver),

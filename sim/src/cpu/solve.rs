@@ -29,6 +29,7 @@ mod scale;
 pub mod schedule;
 mod sparse;
 mod sphere_group;
+pub mod support;
 pub mod sweeps;
 mod visit;
 

@@ -6,44 +6,67 @@ use super::manifold::{OF_SECOND, clip, convex_convex, feature};
 use super::point::{Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
-/// Separation of two boxes along a unit axis, m; negative in overlap.
-fn separation(axis: DVec3, ra: &DMat3, a: &Placed, rb: &DMat3, b: &Placed) -> f64 {
-    let reach_a = (ra.transpose() * axis).abs().dot(a.size);
-    let reach_b = (rb.transpose() * axis).abs().dot(b.size);
-    (b.position - a.position).dot(axis).abs() - reach_a - reach_b
+/// The axis between two boxes along which they are farthest apart, or overlap least.
+struct Separations {
+    /// Separation along a face's normal, m, and its index: those of A, then those of B.
+    face: (f64, usize),
+    /// Separation along a cross product of edges, m, and the edges' indices on A and B; minus infinity if all are parallel.
+    edge: (f64, usize, usize),
+}
+
+impl Separations {
+    /// The separations of boxes with these rotations; none if one is beyond `reach`, m.
+    fn of([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], reach: f64) -> Option<Separations> {
+        /// The least squared sine of the angle between edges of which a cross product is taken.
+        const PARALLEL: f64 = 1e-8;
+        // B in the frame of A: its rotation, and the place of its middle.
+        let into_a = ra.transpose();
+        let r = into_a * *rb;
+        let middle = into_a * (b.position - a.position);
+        let abs = DMat3::from_cols(r.x_axis.abs(), r.y_axis.abs(), r.z_axis.abs());
+        let of_a = middle.abs() - a.size - abs * b.size;
+        let of_b = (r.transpose() * middle).abs() - b.size - abs.transpose() * a.size;
+        let mut face = (f64::NEG_INFINITY, 0);
+        for (i, s) in of_a.to_array().into_iter().chain(of_b.to_array()).enumerate() {
+            if s > reach {
+                return None;
+            }
+            // A face of the first box is kept unless the second's is clearly better, so that the choice is stable.
+            if s > face.0 + if i == 3 { 1e-9 } else { 0.0 } {
+                face = (s, i);
+            }
+        }
+        let mut edge = (f64::NEG_INFINITY, 0, 0);
+        for i in 0..3 {
+            let (k, l) = ((i + 1) % 3, (i + 2) % 3);
+            for j in 0..3 {
+                let (column, around) = (r.col(j), abs.col(j));
+                let sine2 = 1.0 - column[i] * column[i];
+                if sine2 < PARALLEL {
+                    continue;
+                }
+                let (m, n) = ((j + 1) % 3, (j + 2) % 3);
+                let apart = (middle[l] * column[k] - middle[k] * column[l]).abs();
+                let reach_a = a.size[k] * around[l] + a.size[l] * around[k];
+                let reach_b = b.size[m] * abs.col(n)[i] + b.size[n] * abs.col(m)[i];
+                let s = (apart - reach_a - reach_b) / sine2.sqrt();
+                if s > reach {
+                    return None;
+                }
+                if s > edge.0 {
+                    edge = (s, i, j);
+                }
+            }
+        }
+        Some(Separations { face, edge })
+    }
 }
 
 pub fn box_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     let (ra, rb) = (DMat3::from_quat(a.orientation), DMat3::from_quat(b.orientation));
-    let mut best_face = (f64::NEG_INFINITY, 0usize);
-    for i in 0..6 {
-        let axis = if i < 3 { ra.col(i) } else { rb.col(i - 3) };
-        let s = separation(axis, &ra, a, &rb, b);
-        if s > reach {
-            return 0;
-        }
-        // A face of the first box is kept unless the second's is clearly better, so that the choice is stable.
-        if s > best_face.0 + if i == 3 { 1e-9 } else { 0.0 } {
-            best_face = (s, i);
-        }
-    }
-    let mut best_edge = (f64::NEG_INFINITY, 0, 0, DVec3::ZERO);
-    for i in 0..3 {
-        for j in 0..3 {
-            let cross = ra.col(i).cross(rb.col(j));
-            if cross.length_squared() < 1e-8 {
-                continue;
-            }
-            let axis = cross.normalize();
-            let s = separation(axis, &ra, a, &rb, b);
-            if s > reach {
-                return 0;
-            }
-            if s > best_edge.0 {
-                best_edge = (s, i, j, axis);
-            }
-        }
-    }
+    let Some(Separations { face: best_face, edge: best_edge }) = Separations::of([a, b], [&ra, &rb], reach) else {
+        return 0;
+    };
     let size = a.size.min_element().min(b.size.min_element());
     if best_edge.0 > best_face.0 + 1e-3 * size {
         return edge_edge(a, &ra, b, &rb, best_edge, out);
@@ -67,9 +90,10 @@ fn edge_edge(
     ra: &DMat3,
     b: &Placed,
     rb: &DMat3,
-    (gap, i, j, axis): (f64, usize, usize, DVec3),
+    (gap, i, j): (f64, usize, usize),
     out: &mut Points,
 ) -> usize {
+    let axis = ra.col(i).cross(rb.col(j)).normalize();
     let normal = if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis };
     // The middle of the edge of each box that is farthest towards the other.
     let support = |placed: &Placed, r: &DMat3, along: usize, towards: DVec3| {

@@ -170,7 +170,10 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
 /// Clip `other` against the sides of `reference` (a face, or an edge by its two ends) and keep the corners within `reach`, m, of it
 /// along the normal, which points from the reference to the other. Returns the number of points.
 pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out: &mut Points) -> usize {
-    let (r, mut f) = (reference.corners(), *other);
+    let r = reference.corners();
+    // Clipped from one to the other and back.
+    let (mut one, mut two) = (*other, Feature::new());
+    let (mut f, mut clipped) = (&mut one, &mut two);
     let face = if r.len() >= 3 { reference.normal() } else { normal };
     let face = if face.dot(normal) < 0.0 { -face } else { face };
     let middle = r.iter().map(|c| c.0).sum::<DVec3>() / r.len() as f64;
@@ -184,7 +187,7 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
         };
         // Two points of a segment are an open path, a face's are closed.
         let closed = f.n > 2;
-        let mut clipped = Feature::new();
+        clipped.n = 0;
         for i in 0..f.n {
             let (u, u_id) = f.corner[i];
             let du = (u - p).dot(outward);
@@ -202,7 +205,7 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
                 clipped.push(u + (v - u) * (du / (du - dv)), id);
             }
         }
-        f = clipped;
+        std::mem::swap(&mut f, &mut clipped);
     }
     let tilt = face.dot(normal);
     let gap = |p: DVec3| (p - r[0].0).dot(face) / tilt;
