@@ -40,7 +40,7 @@ fn hulls_and_boxes_that_are_poured_hardly_overlap() {
         while sim.state.time < 2.0 {
             sim.step();
         }
-        let overlap = workload::worst_penetration_over_inradius(&sim.model, &sim.state);
+        let overlap = workload::Measure::new(&sim).penetration(&sim.state);
         assert!(overlap < bound, "{convex:?}: {overlap}");
     }
 }

@@ -6,20 +6,21 @@ use serde_json::json;
 use sim::Simulation;
 use sim::joint::JointKind;
 use sim::stages::Stage;
-use sim::workload::worst_penetration_over_inradius;
+use sim::workload::Measure;
 use std::time::Instant;
 
 /// Simulate the workload and measure it.
 pub fn measure(job: SimBench) -> serde_json::Value {
     let SimBench { workload, n, steps, quality, simulation: mut sim, cpu_before } = job;
-    let (start, step, solver) = (sim.state.position.clone(), sim.model.step, sim.model.solver.clone());
+    let (step, solver) = (sim.model.step, sim.model.solver.clone());
+    let mut measure = Measure::new(&sim);
     let wall = Instant::now();
-    let (mut contact_iterations, mut contacts, mut worst) = (0.0, 0, 0.0f64);
+    let (mut contact_iterations, mut contacts) = (0.0, 0);
     let mut stage_ms = [0.0; Stage::ALL.len()];
     let (mut startup, mut cpu) = (0.0, cpu_seconds());
     for k in 0..steps {
         let r = sim.step();
-        worst = worst.max(worst_penetration_over_inradius(&sim.model, &sim.state));
+        measure.note(&sim.state, &r);
         if k == 0 {
             // The first step has what is done once, as the solve of bodies that stand on each other.
             startup = cpu_seconds() - cpu_before;
@@ -43,7 +44,7 @@ pub fn measure(job: SimBench) -> serde_json::Value {
     let stages: serde_json::Map<String, serde_json::Value> =
         Stage::ALL.iter().zip(stage_ms).map(|(s, ms)| (s.name().to_string(), json!(ms / timed))).collect();
     let radius = sim.model.shape_size.iter().map(|s| s.x).fold(0.0, f64::max);
-    let [drift, drop] = drift_and_drop(&sim, &start);
+    let [drift, drop] = measure.drift_and_drop(&sim);
     json!({
         "workload": workload, "n": n, "backend": sim.backend(), "threads": rayon::current_num_threads(),
         "quality": quality, "step": step, "steps": steps, "iterations": solver.iterations, "method": solver.method,
@@ -52,8 +53,8 @@ pub fn measure(job: SimBench) -> serde_json::Value {
         "cpu_seconds_per_simulated_second": (cpu_seconds() - cpu) / (timed * step),
         "wall_seconds": wall.elapsed().as_secs_f64(),
         "worst_penetration_over_r": sim.state.contacts.worst_penetration() / radius,
-        "worst_penetration_over_inradius": worst_penetration_over_inradius(&sim.model, &sim.state),
-        "worst_penetration_over_inradius_run": worst,
+        "worst_penetration_over_inradius": measure.penetration(&sim.state),
+        "worst_penetration_over_inradius_run": measure.worst,
         "drift_max_m": drift, "drop_max_m": drop, "joint_gap_max_m": joint_gap(&sim),
         "kinetic_energy_j": sim.state.kinetic_energy(&sim.model),
         "contacts": contacts,
@@ -64,16 +65,6 @@ pub fn measure(job: SimBench) -> serde_json::Value {
         "solver_share_of_step": solver_ms / all_ms,
         "peak_bytes": peak_bytes(),
         "max_position_difference_m": serde_json::Value::Null,
-    })
-}
-
-/// Greatest distances of a body from where it was at the start, m: across gravity, and along it.
-fn drift_and_drop(sim: &Simulation, start: &[glam::DVec3]) -> [f64; 2] {
-    let down = sim.model.gravity.normalize_or_zero();
-    let moved = sim.state.position.iter().zip(start).map(|(now, before)| *now - *before);
-    moved.fold([0.0f64; 2], |[drift, drop], moved| {
-        let fallen = moved.dot(down);
-        [drift.max((moved - down * fallen).length()), drop.max(fallen)]
     })
 }
 

@@ -103,22 +103,18 @@ fn sim_bench(args: &BenchSimArgs) -> Outcome<SimBench> {
 fn spheres(args: &BenchSimArgs, workload: Workload, cpu_before: f64) -> Outcome<SimBench> {
     let n = args.n.unwrap_or(8000);
     let quality = args.quality.map(Quality::from);
-    let (mut solver, mut step) = (
-        SolverSettings { recovery_speed: 0.03, ..workload::solver(Method::GaussSeidel, args.iterations.unwrap_or(24)) },
-        1.5e-3,
-    );
+    let solver = SolverSettings { recovery_speed: 0.03, ..workload::solver(Method::GaussSeidel, 24) };
+    let (mut model, state) = workload::build(workload, n, solver, args.step.unwrap_or(1.5e-3));
     if let Some(quality) = quality {
-        let (model, state) = workload::build(workload, n, solver.clone(), step);
-        (step, solver) = quality.settings(&model, &state);
-        solver.envelope = Some(2e-4);
+        let (step, solver) = quality.settings(&model, &state);
+        model.step = args.step.unwrap_or(step);
+        model.solver = SolverSettings { envelope: model.solver.envelope, ..solver };
     }
-    step = args.step.unwrap_or(step);
-    settle(args, &mut solver);
-    if quality.is_none() && args.friction.is_none() && solver.method == Some(Method::GaussSeidel) {
-        solver.friction = FrictionLaw::Exact;
+    settle(args, &mut model.solver);
+    if quality.is_none() && args.friction.is_none() && model.solver.method == Some(Method::GaussSeidel) {
+        model.solver.friction = FrictionLaw::Exact;
     }
-    let (model, state) = workload::build(workload, n, solver, step);
-    let steps = args.steps.unwrap_or((1.0 / step).round() as u64);
+    let steps = args.steps.unwrap_or((1.0 / model.step).round() as u64);
     let simulation = Simulation::new(model, state);
     Ok(SimBench { workload: format!("{workload:?}"), n, steps, quality, simulation, cpu_before })
 }

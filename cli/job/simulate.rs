@@ -3,9 +3,10 @@
 use super::output::default_folder;
 use super::run_folder;
 use super::sweep::SweepJob;
-use crate::args::{Backend, SimulateArgs};
+use crate::args::{self, Backend, SimulateArgs};
 use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
+use sim::Quality;
 use sim::model_file::{self, ModelFile, Replacement, Resolved};
 use sim::run::Span;
 use std::path::PathBuf;
@@ -41,7 +42,7 @@ impl SimulateJob {
         cpu_only(args.backend)?;
         let mut set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
         if let Some(quality) = args.quality {
-            let value = sim::Quality::from(quality).name().into();
+            let value = Quality::from(quality).name().into();
             set.insert(0, Replacement { path: "quality".into(), value, written: None });
         }
         let (mut file, doc) = model_file::load(&args.model, &set)?;
@@ -68,6 +69,16 @@ impl SimulateJob {
         }
         let run = Box::new(ModelRun { file, resolved, folder, span });
         Ok(SimulateJob::Run { run, preview: args.preview })
+    }
+}
+
+impl From<args::Quality> for Quality {
+    fn from(quality: args::Quality) -> Quality {
+        match quality {
+            args::Quality::Draft => Quality::Draft,
+            args::Quality::Normal => Quality::Normal,
+            args::Quality::Tight => Quality::Tight,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::args::{self, SolveArgs};
 use crate::report::Outcome;
 use sim::problem::MatrixOperator;
 use sim::problem::{self, Law};
-use sim::{FrictionLaw, Method, Quality};
+use sim::{FrictionLaw, Method};
 use std::path::PathBuf;
 
 /// A friction problem to solve.
@@ -32,16 +32,6 @@ impl SolveJob {
         };
         let problem = problem::read(&args.file)?;
         Ok(SolveJob { problem, path: args.file, law, multipliers: args.multipliers, json: args.json })
-    }
-}
-
-impl From<args::Quality> for Quality {
-    fn from(quality: args::Quality) -> Quality {
-        match quality {
-            args::Quality::Draft => Quality::Draft,
-            args::Quality::Normal => Quality::Normal,
-            args::Quality::Tight => Quality::Tight,
-        }
     }
 }
 

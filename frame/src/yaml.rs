@@ -80,9 +80,7 @@ impl Document {
     /// A fault at the key of a dotted path (`bodies.2.mass`), or at the longest part of the path that the file has; of a replaced
     /// value, where that is written. That a value within the key's was replaced is said.
     pub fn fault(&self, key: &str, message: impl Into<String>) -> Fault {
-        let is_within =
-            |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        if let Some((_, written)) = self.replaced.iter().rev().find(|(path, _)| is_within(path)) {
+        if let Some(written) = self.replacement(key) {
             return self.fault_in(written, message);
         }
         let (line, column) = self.place(key);
@@ -97,8 +95,14 @@ impl Document {
 
     /// Whether the file, or what replaces its values, gives the key of a dotted path.
     pub fn has(&self, key: &str) -> bool {
-        let within = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        self.places.contains_key(key) || self.replaced.iter().any(|(path, _)| within(path))
+        self.places.contains_key(key) || self.replacement(key).is_some()
+    }
+
+    /// Where the value is written that takes the place of that of a key, or of one around it; none if it is the file's.
+    fn replacement(&self, key: &str) -> Option<&Written> {
+        let is_within =
+            |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        self.replaced.iter().rev().find(|(path, _)| is_within(path)).map(|(_, written)| written)
     }
 
     /// A fault of a value that takes the place of another.

@@ -40,7 +40,7 @@ impl Compact {
         })
     }
 
-    /// Record the compaction of flags, as many as the count says, to `ids` and their number `n_kept`.
+    /// Record the compaction of `count` flags to `ids` and their number `n_kept`.
     pub fn record(
         &self,
         device: &Device,

@@ -172,7 +172,7 @@ impl<K: Key> RadixSort<K> {
         })
     }
 
-    /// Record the sort in place of the first pairs of two buffers, as many as the count says. `max_key` is at least every key; it
+    /// Record the sort in place of the first `count` pairs of two buffers. `max_key` is at least every key; it
     /// determines the number of passes.
     pub fn record(
         &self,

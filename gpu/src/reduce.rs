@@ -91,7 +91,7 @@ impl Reduce {
         Ok(Reduce { block, groups: Groups::new(device, kernels, BLOCK)?, results })
     }
 
-    /// Record the reduction of the first values of a buffer, as many as the count says, to `result` (1).
+    /// Record the reduction of the first `count` values of a buffer to `result` (1).
     pub fn record(
         &self,
         device: &Device,

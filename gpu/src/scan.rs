@@ -47,7 +47,7 @@ impl Scan {
         })
     }
 
-    /// Record the scan in place of the first values of a buffer, as many as the count says.
+    /// Record the scan in place of the first `count` values of a buffer.
     pub fn record(&self, device: &Device, commands: &mut Commands, values: &Buffer<u32>, count: &Count) {
         self.groups.record(device, commands, count);
         let n_levels = self.groups.n_levels(count);

@@ -54,7 +54,7 @@ impl SegmentSum {
         })
     }
 
-    /// Record the sums of segments, as many as the count says: `start` has one more entry, `sums` one for each.
+    /// Record the sums of `count` segments: `start` has one more entry, `sums` one for each.
     pub fn record(
         &self,
         device: &Device,

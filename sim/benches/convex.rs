@@ -3,9 +3,12 @@
 //! `cargo bench -p sim --bench convex [WORD…]` writes `results/convex.csv` and `results/convex.svg`; words choose among the names of scenes and
 //! levels. One thread.
 
+mod clock;
+
+use clock::cpu_seconds;
 use plotters::prelude::*;
 use sim::Quality;
-use sim::workload::{self, Convex};
+use sim::workload::{self, Convex, Measure};
 use std::path::Path;
 
 const SCENES: [Convex; 4] = [Convex::Pyramid, Convex::Pile, Convex::Boxes, Convex::Grid];
@@ -18,34 +21,25 @@ struct Row {
     point: (f64, f64),
 }
 
-/// CPU time of the process, s.
-fn cpu_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(2);
-    fields.filter_map(|x| x.parse::<f64>().ok()).sum::<f64>() / 100.0
-}
-
 fn run(scene: Convex, quality: Quality) -> Row {
     let (n, seconds) = scene.size();
     let before = cpu_seconds();
     let mut model = workload::scene(scene, n);
     model.file.quality = Some(quality);
     let mut sim = model.simulation().expect("the model of a workload is sound");
-    let start = sim.state.position.clone();
+    let mut measure = Measure::new(&sim);
     sim.step();
     let (startup, cpu) = (cpu_seconds() - before, cpu_seconds());
-    let (mut worst, mut iterations, mut steps) = (0.0f64, 0, 1);
+    let (mut iterations, mut steps) = (0, 1);
     while sim.state.time < seconds - 1e-9 {
-        iterations += sim.step().iterations;
+        let report = sim.step();
+        iterations += report.iterations;
         steps += 1;
-        worst = worst.max(workload::worst_penetration_over_inradius(&sim.model, &sim.state));
+        measure.note(&sim.state, &report);
     }
     let cost = (cpu_seconds() - cpu) / (sim.state.time - sim.model.step);
-    let last = workload::worst_penetration_over_inradius(&sim.model, &sim.state);
-    let down = sim.model.gravity.normalize_or_zero();
-    let moved = sim.state.position.iter().zip(&start).map(|(now, before)| *now - *before);
-    let drift = moved.clone().map(|d| (d - down * d.dot(down)).length()).fold(0.0, f64::max);
-    let drop = moved.map(|d| d.dot(down)).fold(0.0, f64::max);
+    let (last, worst) = (measure.penetration(&sim.state), measure.worst);
+    let [drift, drop] = measure.drift_and_drop(&sim);
     let moving = sim.model.inv_mass.iter().filter(|inv_mass| **inv_mass > 0.0).count() as f64;
     let speed = sim.state.velocity.iter().map(|v| v.length()).sum::<f64>() / moving;
     let gap = sim.state.joints.iter().map(|joint| joint.violation).fold(0.0, f64::max);

@@ -3,6 +3,9 @@
 //! `cargo bench -p sim --bench joints [CASE…]` writes `results/joints.csv`; with names of cases it only prints their rows. Everything
 //! runs on one thread: the times of the system are the shortest of many, those of the runs are CPU time.
 
+mod clock;
+
+use clock::cpu_seconds;
 use frame::yaml;
 use sim::Simulation;
 use sim::joint_system::JointSystem;
@@ -127,14 +130,6 @@ fn cases() -> Vec<Case> {
     let yaml = std::fs::read_to_string(path).expect("the model of the vehicle");
     cases.push(Case { name: "tracked vehicle".into(), yaml, step: 1e-3, ends: 3.0 });
     cases
-}
-
-/// CPU time of the process, s.
-fn cpu_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let after_name = stat.rsplit(')').next().unwrap_or_default();
-    let fields: Vec<f64> = after_name.split_whitespace().skip(11).take(2).filter_map(|x| x.parse().ok()).collect();
-    fields.iter().sum::<f64>() / 100.0
 }
 
 /// The shortest time of a few calls, µs.

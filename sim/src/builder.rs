@@ -8,6 +8,7 @@ use crate::model_file::{
 };
 use frame::Fault;
 use frame::yaml::Document;
+use std::borrow::Cow;
 
 /// Builder of a model in code: a [`ModelFile`] that is filled by calls. Every key of a model file is a field of the values that the
 /// calls return, or of [`ModelBuilder::file`].
@@ -79,8 +80,10 @@ impl ModelBuilder {
     pub fn simulation(&self) -> Result<Simulation, Fault> {
         let mut doc = Document::default();
         doc.path = self.file.name.clone().into();
-        let mut file = self.file.clone();
-        file.choose(&doc)?;
+        let mut file = Cow::Borrowed(&self.file);
+        if file.quality.is_some() {
+            file.to_mut().choose(&doc)?;
+        }
         let resolved = file.resolve(&doc)?;
         Ok(Simulation::new(resolved.model, resolved.state))
     }

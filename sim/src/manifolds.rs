@@ -1,7 +1,6 @@
 //! Manifolds that are kept from step to step: the contact points of two convex shapes, held in the frames of both, which are carried along
 //! with the shapes while these hardly move against each other (`cpu/recycle.rs` has how).
 
-use crate::pose::Pose;
 use glam::{DQuat, DVec3};
 
 /// The kept manifolds of all pairs, by tiles of the candidate pairs.
@@ -52,13 +51,6 @@ pub struct KeptPoint {
     pub feature: u32,
     /// Whether the reference feature is the second shape's.
     pub is_of_second: bool,
-}
-
-impl Kept {
-    /// Relative pose of the shapes when the points were found.
-    pub fn pose(&self) -> Pose {
-        Pose { position: self.position, orientation: self.orientation }
-    }
 }
 
 impl TileManifolds {

@@ -19,6 +19,13 @@ pub enum Narrow {
     Any,
 }
 
+impl Narrow {
+    /// The narrow phase of a model, for the current activity of its bodies.
+    pub fn of(model: &Model, state: &State) -> Narrow {
+        if has_spheres_only(model, state) { Narrow::Spheres } else { Narrow::Any }
+    }
+}
+
 /// The method of a step's contact solve: sweeps for spheres alone, or a [`Method`] on general blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
@@ -50,7 +57,7 @@ pub struct StepPlan {
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
     /// The settings of a step with contacts none of which has an impulse to start from, where they differ.
-    pub start: Option<SolverSettings>,
+    start: Option<SolverSettings>,
     /// The settings that the plan was resolved from.
     settings: SolverSettings,
 }
@@ -59,18 +66,16 @@ impl StepPlan {
     /// Resolve the plan of a model, for the current activity of its bodies.
     pub fn resolve(model: &Model, state: &State) -> StepPlan {
         let settings = &model.solver;
-        let any = |has: fn(&crate::model::ContactLaw) -> bool| model.laws.iter().any(has);
-        let rolls = any(|l| l.rolling > 0.0 || l.spinning > 0.0);
-        let coheres = any(|l| l.cohesion != 0.0);
-        let narrow = if has_spheres_only(model, state) { Narrow::Spheres } else { Narrow::Any };
+        let (rolls, coheres) = (rolls(model), coheres(model));
+        let narrow = Narrow::of(model, state);
         let has_spheres = narrow == Narrow::Spheres;
-        let can_sweep = !rolls && !coheres;
+        let can_sweep = can_sweep(model);
         let sweeps = match settings.method {
             Some(method) => method == Method::GaussSeidel,
             None => has_spheres && can_sweep && is_bed(model, state),
         };
         let method = if sweeps && can_sweep { ContactMethod::Sweeps } else { blocks(settings) };
-        let bounces = any(|l| l.restitution > 0.0);
+        let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let has_forces = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
         StepPlan {
@@ -97,6 +102,11 @@ impl StepPlan {
         self.settings == model.solver
     }
 
+    /// The method and the settings of a step in which no contact has an impulse to start from; none where they are those of other steps.
+    pub fn start(&self) -> Option<(ContactMethod, &SolverSettings)> {
+        self.start.as_ref().map(|settings| (blocks(settings), settings))
+    }
+
     /// The method of a step with `n_contacts` contacts, in which `n_limits` joint limits may be met. Sweeps need contacts and know no
     /// limits.
     pub fn method_with(&self, n_contacts: usize, n_limits: usize) -> ContactMethod {
@@ -113,6 +123,21 @@ impl StepPlan {
 /// masses.
 fn blocks(settings: &SolverSettings) -> ContactMethod {
     ContactMethod::Blocks(settings.method.unwrap_or(Method::Apgd))
+}
+
+/// Whether a contact law of a model has rolling or spinning friction.
+fn rolls(model: &Model) -> bool {
+    model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0)
+}
+
+/// Whether a contact law of a model has cohesion.
+fn coheres(model: &Model) -> bool {
+    model.laws.iter().any(|l| l.cohesion != 0.0)
+}
+
+/// Whether Gauss–Seidel sweeps know the contact laws of a model.
+pub fn can_sweep(model: &Model) -> bool {
+    !rolls(model) && !coheres(model)
 }
 
 /// Whether a model of spheres is a bed: many, without joints, and none by far heavier than another. There Gauss–Seidel measures best.

@@ -1,8 +1,10 @@
 //! Benchmark workloads for comparisons between engines: beds of spheres that settle in an open box, convex bodies and joints.
 
 mod convex;
+mod measure;
 
-pub use convex::{Convex, inradius, scene, worst_penetration_over_inradius};
+pub use convex::{Convex, scene};
+pub use measure::Measure;
 
 use crate::fill::SplitMix64;
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};

@@ -266,7 +266,8 @@ impl Samples {
         (rank as f32 + 0.5) / n as f32
     }
 
-    /// Record that a sample meets a micropolygon, nearer than what is opaque there; `area` has the sign of its area on the raster.
+    /// Record that a sample meets a micropolygon, nearer than what is opaque there; `area` evaluates the sign of its area on the raster, which solids
+    /// need.
     #[inline]
     pub(crate) fn record(
         &mut self,
@@ -275,7 +276,7 @@ impl Samples {
         micropolygon: Micropolygon,
         weights: [f32; 2],
         grid: &SampledGrid<'_>,
-        area: f32,
+        area: impl FnOnce() -> f32,
     ) {
         if grid.opaque {
             self.z[k] = z;
@@ -292,7 +293,7 @@ impl Samples {
         if is_clipped(grid.planes, [self.x[k] + self.x0 as f32, self.y[k] + self.y0 as f32], z) {
             return;
         }
-        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
+        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area() > 0.0) == positive));
         // Every surface of a solid counts.
         let mut at = if solid.is_some() { NONE } else { self.list[k] };
         while at != NONE {

@@ -105,7 +105,6 @@ impl Samples {
             [cell(lo.max(0.0)), cell(hi).min(n - 1)]
         };
         let ([c0, c1], [r0, r1]) = (cells(min_x, max_x, 0, self.columns), cells(min_y, max_y, 1, self.rows));
-        let areas = [b[0] * c[1] - c[0] * b[1], c[0] * d[1] - d[0] * c[1]];
         let names = [false, true].map(|second| Micropolygon::new(grid.index, point, second).id());
         let mut hit = false;
         for r in r0..=r1 {
@@ -138,7 +137,8 @@ impl Samples {
                         taken &= taken - 1;
                         let half = (later.bits() >> i & 1) as usize;
                         let name = Micropolygon::from_id(names[half]);
-                        self.record(k + i, z[i], name, [w1[i], w2[i]], grid, areas[half]);
+                        let area = || [b[0] * c[1] - c[0] * b[1], c[0] * d[1] - d[0] * c[1]][half];
+                        self.record(k + i, z[i], name, [w1[i], w2[i]], grid, area);
                     }
                 }
             }

@@ -43,7 +43,6 @@ use crate::model::Model;
 use crate::outcome::Outcome;
 use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
-use crate::settings::Method;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
@@ -89,13 +88,13 @@ pub fn run(
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
-    let is_start = plan.start.is_some() && n > 0 && contacts.impulse.iter().all(|impulse| *impulse == DVec3::ZERO);
-    if is_start {
-        support::fill(model, state, contacts);
-    }
-    let (method, settings) = match (is_start, &plan.start) {
-        (true, Some(start)) => (ContactMethod::Blocks(Method::Apgd), start),
-        _ => (plan.method_with(n, limits.len()), &model.solver),
+    let has_no_impulses = || n > 0 && contacts.impulse.iter().all(|impulse| *impulse == DVec3::ZERO);
+    let (method, settings) = match plan.start().filter(|_| has_no_impulses()) {
+        Some(start) => {
+            support::fill(model, state, contacts);
+            start
+        }
+        None => (plan.method_with(n, limits.len()), &model.solver),
     };
     joints.prepare(masses);
     let has_offsets = work.fill_offsets(model, plan, state, contacts, (joints, limits), method);

@@ -16,7 +16,7 @@
 
 use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
 use crate::plan::StepPlan;
-use crate::rows::{cut, fill_rows};
+use crate::rows::{cut, fill_rows, reduce_chunks};
 use glam::{DVec3, Vec3};
 use gpu::radix_sort::distribute_cpu;
 use rayon::prelude::*;
@@ -117,16 +117,15 @@ impl Last {
         let sides = || (0..2 * self.key.len()).map(|k| (self.key[k / 2][k % 2], k as u32 / 2));
         let (mut start, mut of_shape) = (vec![], vec![]);
         distribute_cpu(n_shapes, sides, &mut start, &mut of_shape);
-        let known = same.to_vec();
-        fill_rows(same, |i| {
-            if known[i] != NEW {
-                return known[i];
+        let of = |s: u32| &of_shape[start[s as usize] as usize..start[s as usize + 1] as usize];
+        let [] = reduce_chunks(same, |first, rows| {
+            for (i, same) in rows.iter_mut().enumerate().filter(|(_, same)| **same == NEW) {
+                let key = keys(first + i);
+                let (a, b) = (of(key[0]), of(key[1]));
+                let shorter = if a.len() < b.len() { a } else { b };
+                *same = shorter.iter().find(|k| self.key[**k as usize] == key).map_or(NEW, |k| self.known[*k as usize]);
             }
-            let key = keys(i);
-            let of = |s: u32| &of_shape[start[s as usize] as usize..start[s as usize + 1] as usize];
-            let (a, b) = (of(key[0]), of(key[1]));
-            let shorter = if a.len() < b.len() { a } else { b };
-            shorter.iter().find(|k| self.key[**k as usize] == key).map_or(NEW, |k| self.known[*k as usize])
+            []
         });
     }
 }

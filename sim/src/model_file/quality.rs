@@ -5,7 +5,7 @@
 
 use super::types::ModelFile;
 use crate::model::Model;
-use crate::plan::{ContactMethod, Narrow, StepPlan};
+use crate::plan::{Narrow, can_sweep};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
 use crate::state::State;
 use frame::Fault;
@@ -105,14 +105,11 @@ impl Scale {
     fn of(model: &Model, state: &State) -> Scale {
         let mut awake = state.clone();
         awake.wake(model);
-        let mut model_of_sweeps = model.clone();
-        model_of_sweeps.solver.method = Some(Method::GaussSeidel);
-        let plan = StepPlan::resolve(&model_of_sweeps, &awake);
-        let kind = match (plan.method, plan.narrow) {
-            _ if !(model.joints.is_empty() && model.springs.is_empty()) => Kind::Any,
-            (ContactMethod::Sweeps, Narrow::Spheres) => Kind::Grains,
-            (ContactMethod::Sweeps, Narrow::Any) => Kind::Bodies,
-            _ => Kind::Any,
+        let is_free = model.joints.is_empty() && model.springs.is_empty();
+        let kind = match Narrow::of(model, &awake) {
+            _ if !is_free || !can_sweep(model) => Kind::Any,
+            Narrow::Spheres => Kind::Grains,
+            Narrow::Any => Kind::Bodies,
         };
         let moves = |s: &usize| model.inv_mass[model.shape_body[*s] as usize] > 0.0;
         let radius = (0..model.n_shapes())
@@ -162,7 +159,7 @@ impl ModelFile {
     /// Those of [`ModelFile::resolve`].
     pub fn choose(&mut self, doc: &Document) -> Result<(), Fault> {
         let Some(quality) = self.quality else { return Ok(()) };
-        let resolved = self.resolve(doc)?;
+        let (resolved, _) = self.build(doc)?;
         let (step, chosen) = quality.settings(&resolved.model, &resolved.state);
         let is_open = |key: &str| !doc.has(key);
         let own = &mut self.solver;

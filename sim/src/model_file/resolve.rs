@@ -49,6 +49,13 @@ impl ModelFile {
     /// # Errors
     /// The first fault, with the line and column of its key in `doc`.
     pub fn resolve(&self, doc: &Document) -> Result<Resolved, Fault> {
+        let (mut resolved, key_of) = self.build(doc)?;
+        overlaps(&mut resolved, doc, &key_of)?;
+        Ok(resolved)
+    }
+
+    /// [`ModelFile::resolve`] but for the check of overlaps, which takes the bodies' keys, by their ids.
+    pub(super) fn build(&self, doc: &Document) -> Result<(Resolved, BTreeMap<u32, String>), Fault> {
         self.check_numbers(doc)?;
         let mut build = Builder::new(self, doc);
         build.warnings = self.doubts(doc);
@@ -357,7 +364,7 @@ impl<'a> Builder<'a> {
         self.model.inv_mass[body as usize] > 0.0
     }
 
-    fn finish(mut self) -> Result<Resolved, Fault> {
+    fn finish(mut self) -> Result<(Resolved, BTreeMap<u32, String>), Fault> {
         self.laws()?;
         for (i, [a, b]) in self.file.pass_through.iter().enumerate() {
             let known: Vec<&str> = self.model.group_names.iter().map(String::as_str).collect();
@@ -384,9 +391,8 @@ impl<'a> Builder<'a> {
         let probes = self.probes()?;
         let model = self.model;
         let (warnings, key_of) = (self.warnings, self.key_of_body);
-        let mut resolved = Resolved { model, state: self.state, probes, stages: self.stages, warnings };
-        overlaps(&mut resolved, self.doc, &key_of)?;
-        Ok(resolved)
+        let resolved = Resolved { model, state: self.state, probes, stages: self.stages, warnings };
+        Ok((resolved, key_of))
     }
 
     /// Angles and lengths of the joints and springs at the start.

@@ -4,7 +4,6 @@ use crate::builder::ModelBuilder;
 use crate::fill::SplitMix64;
 use crate::joint::JointKind;
 use crate::model_file::{HullFile, ShapeFile};
-use crate::{Model, ShapeKind, State};
 use glam::{DQuat, DVec3};
 
 /// A benchmark workload of convex bodies or joints.
@@ -133,30 +132,4 @@ fn grid(model: &mut ModelBuilder, n: usize) {
             }
         }
     }
-}
-
-/// Radius of the sphere about a shape's position that fits into it, m; infinite for a surface.
-pub fn inradius(model: &Model, shape: usize) -> f64 {
-    let size = model.shape_size[shape];
-    match model.shape_kind[shape] {
-        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
-        ShapeKind::Capsule => size.x,
-        ShapeKind::Cone => size.x * size.z / size.x.hypot(2.0 * size.z),
-        ShapeKind::Hull => {
-            let hull = &model.hulls[model.shape_part[shape] as usize];
-            let faces = hull.faces.iter().zip(&hull.normals);
-            faces.map(|(face, n)| hull.vertices[face[0] as usize].dot(*n)).fold(f64::INFINITY, f64::min)
-        }
-        _ => size.min_element(),
-    }
-}
-
-/// Maximum penetration of the contacts of the last step over the smaller inradius of the two shapes; 0 where nothing overlaps.
-pub fn worst_penetration_over_inradius(model: &Model, state: &State) -> f64 {
-    let contacts = &state.contacts;
-    let over = |i: usize| {
-        let [s, t, _] = contacts.key[i];
-        -contacts.gap[i] / inradius(model, s as usize).min(inradius(model, t as usize))
-    };
-    (0..contacts.len()).filter(|i| contacts.gap[*i] < 0.0).map(over).fold(0.0, f64::max)
 }

@@ -61,7 +61,7 @@ impl Samples {
                         if z < self.z[sample] {
                             tally.hit = true;
                             let micropolygon = Micropolygon::new(grid.index, point, second);
-                            let area = parts[0][l] + parts[1][l] + parts[2][l];
+                            let area = || parts[0][l] + parts[1][l] + parts[2][l];
                             self.record(sample, z, micropolygon, [w[1], w[2]], grid, area);
                             self.mark(px + l, px + l, py, py);
                         }

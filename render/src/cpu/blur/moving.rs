@@ -80,7 +80,7 @@ impl Samples {
                             let l = taken.trailing_zeros() as usize;
                             taken &= taken - 1;
                             let name = Micropolygon::from_id(names[(firsts >> l & 1 == 0) as usize]);
-                            self.record(k + l, z[l], name, [w1[l], w2[l]], grid, whole.to_array()[l]);
+                            self.record(k + l, z[l], name, [w1[l], w2[l]], grid, || whole.to_array()[l]);
                         }
                     }
                 }

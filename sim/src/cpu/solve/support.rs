@@ -8,6 +8,7 @@ use crate::contacts::Contacts;
 use crate::model::Model;
 use crate::state::State;
 use glam::{DMat3, DVec3};
+use gpu::radix_sort::distribute_cpu;
 
 /// Least cosine between a contact's normal and the vertical for it to carry weight.
 const STEEP: f64 = 0.5;
@@ -26,15 +27,11 @@ pub fn fill(model: &Model, state: &State, contacts: &mut Contacts) {
     let open = model.solver.rest_gap + 0.5 * gravity * model.step * model.step;
     let supports: Vec<Support> = (0..contacts.len()).filter_map(|i| support(contacts, i, up, open)).collect();
     // The contacts below each body, and the number of those above it that are still to come.
-    let mut first = vec![0u32; model.n_bodies() + 1];
+    let (mut first, mut of_body) = (vec![], vec![]);
+    let by_body = || (0..supports.len()).map(|k| (supports[k].above as u32, k as u32));
+    distribute_cpu(model.n_bodies(), by_body, &mut first, &mut of_body);
     let mut waiting = vec![0u32; model.n_bodies()];
-    for support in &supports {
-        first[support.above + 1] += 1;
-        waiting[support.below] += 1;
-    }
-    (0..model.n_bodies()).for_each(|b| first[b + 1] += first[b]);
-    let mut of_body: Vec<u32> = (0..supports.len() as u32).collect();
-    of_body.sort_by_key(|k| supports[*k as usize].above);
+    supports.iter().for_each(|support| waiting[support.below] += 1);
     let weight = |b: usize| if state.moves(b) { gravity / model.inv_mass[b] } else { 0.0 };
     // Force down and moment about the centre of mass of each body, by gravity and by what rests on it.
     let mut load: Vec<(f64, DVec3)> = (0..model.n_bodies()).map(|b| (weight(b), DVec3::ZERO)).collect();
