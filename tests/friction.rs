@@ -265,3 +265,36 @@ fn stiff_piles_of_stones_are_solved_to_the_end() {
         }
     }
 }
+
+/// A pile with the W of an implicit step: W + W S W, where S is skew, as the derivative of gyroscopic torques.
+fn gyroscopic(seed: u64) -> Problem {
+    let mut problem = pile(seed);
+    let n = problem.q.len();
+    let mean = (0..n).map(|i| problem.w[i][i].x_axis.x).sum::<f64>() / n as f64;
+    let skew = |k: usize| {
+        let s = DVec3::new(k as f64, 1.0 + k as f64, 2.0).map(f64::sin) * (0.2 / mean);
+        DMat3::from_cols(DVec3::new(0.0, s.z, -s.y), DVec3::new(-s.z, 0.0, s.x), DVec3::new(s.y, -s.x, 0.0))
+    };
+    let turned = |w: &[Vec<DMat3>], i: usize, j: usize| (0..n).map(|k| w[i][k] * skew(k) * w[k][j]).sum::<DMat3>();
+    let w = (0..n).map(|i| (0..n).map(|j| problem.w[i][j] + turned(&problem.w, i, j)).collect()).collect();
+    problem.w = w;
+    problem
+}
+
+#[test]
+fn unsymmetric_problems_are_solved_by_both_laws() {
+    let folder = scratch();
+    for seed in 0..3 {
+        let problem = gyroscopic(seed);
+        let path = folder.path().join("gyroscopic.dat");
+        std::fs::write(&path, problem.text(false)).unwrap();
+        let asymmetry = (problem.w[0][1] - problem.w[1][0].transpose()).to_cols_array();
+        assert!(seed > 0 || asymmetry.iter().any(|a| a.abs() > 1e-3 * problem.w[0][0].x_axis.x), "{asymmetry:?}");
+        for friction in [FrictionLaw::Exact, FrictionLaw::Relaxed] {
+            let mut read = problem::read(&path).unwrap();
+            let solution = problem::solve(&mut read, &law(friction, None, 1e-8));
+            let error = problem.error(&solution.gamma, friction == FrictionLaw::Exact);
+            assert!(error <= 1.001e-8, "pile {seed}, {friction:?}: {error} by {}", solution.method);
+        }
+    }
+}

@@ -1,7 +1,8 @@
 //! Friction problems as data: `u = Wr + q`, `K* ∋ u + g(u) ⊥ r ∈ K` with g = (μ|u_t|, 0, 0) for exact friction, or 0.
 //!
 //! The unknowns are the multipliers r (`gamma` in code) and the contact velocities u, with the components normal, tangent, tangent per
-//! contact; W is symmetric, K is the product of the friction cones, and K* its dual. Values have the units of the problem's file.
+//! contact; W is positive semidefinite, but not always symmetric, K is the product of the friction cones, and K* its dual. Values have the
+//! units of the problem's file.
 //!
 //! Solvers: the methods of the CPU back end, Gauss–Seidel sweeps on the matrix, and for small problems of exact friction on which these
 //! stall, `direct`: solves with factorised matrices.

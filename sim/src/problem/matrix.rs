@@ -1,4 +1,6 @@
 //! N as a sparse matrix of 3×3 blocks, as in files of friction problems: `u = Wγ + q` with blocks (normal, tangent, tangent).
+//!
+//! W need not be symmetric: the mass matrix of an implicit step has the derivatives of gyroscopic torques, which are not.
 
 use crate::cpu::solve::cells::Cells;
 use crate::cpu::solve::cone::project_cone;
@@ -22,6 +24,10 @@ pub struct MatrixOperator {
     pub q: Vec<DVec3>,
     /// Coefficients of friction μ (n_contacts).
     pub friction: Vec<f64>,
+    /// First place in `in_column` of each column of blocks, and the end (n_contacts + 1).
+    column_start: Vec<u32>,
+    /// The blocks column by column: block row, and index of the block (n_blocks).
+    in_column: Vec<[u32; 2]>,
     /// Slip feedback μ|u_t| of exact friction (n_contacts).
     slip_feedback: Vec<f64>,
     /// W_ii and η (n_contacts).
@@ -38,7 +44,9 @@ impl MatrixOperator {
             (0..n).map(|i| row(i).find(|p| column[*p] as usize == i).map_or(DMat3::ZERO, |p| block[p])).collect();
         let trace = |m: &DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
         let eta = own.iter().map(|m| if trace(m) > 0.0 { 3.0 / trace(m) } else { 1.0 }).collect();
-        MatrixOperator { slip_feedback: vec![0.0; n], own, eta, start, column, block, q, friction }
+        let (column_start, in_column) = columns(&start, &column);
+        let slip_feedback = vec![0.0; n];
+        MatrixOperator { column_start, in_column, slip_feedback, own, eta, start, column, block, q, friction }
     }
 
     #[inline]
@@ -64,6 +72,24 @@ impl MatrixOperator {
         });
         (residual / scale.max(f64::MIN_POSITIVE)).sqrt()
     }
+}
+
+/// The blocks column by column, from those row by row: first places of the columns, and block rows with indices of blocks.
+fn columns(start: &[u32], column: &[u32]) -> (Vec<u32>, Vec<[u32; 2]>) {
+    let mut first = vec![0; start.len()];
+    column.iter().for_each(|j| first[*j as usize + 1] += 1);
+    for j in 1..first.len() {
+        first[j] += first[j - 1];
+    }
+    let (mut next, mut blocks) = (first.clone(), vec![[0; 2]; column.len()]);
+    for (i, row) in start.windows(2).enumerate() {
+        for p in row[0]..row[1] {
+            let place = &mut next[column[p as usize] as usize];
+            blocks[*place as usize] = [i as u32, p];
+            *place += 1;
+        }
+    }
+    (first, blocks)
 }
 
 /// The response of γ has u in `v` and γ itself in `w`, so that a combination of responses has both.
@@ -110,14 +136,11 @@ impl Operator for MatrixOperator {
     }
 
     unsafe fn apply(&self, cells: &Cells<Twist>, i: usize, d: DVec3) {
-        // W is symmetric: column i is row i, transposed.
-        for p in self.row(i) {
-            let j = self.column[p] as usize;
+        for [j, p] in &self.in_column[self.column_start[i] as usize..self.column_start[i + 1] as usize] {
+            let (j, p) = (*j as usize, *p as usize);
             // SAFETY: the caller's promise; one block at a time is visited.
             let t = unsafe { cells.get(j) };
-            unsafe {
-                cells.set(j, Twist { v: t.v + self.block[p].transpose() * d, w: if i == j { t.w + d } else { t.w } })
-            };
+            unsafe { cells.set(j, Twist { v: t.v + self.block[p] * d, w: if i == j { t.w + d } else { t.w } }) };
         }
     }
 
@@ -139,5 +162,36 @@ impl Operator for MatrixOperator {
 
     fn set_slip_feedback(&mut self, slip: &[f64]) {
         self.slip_feedback.copy_from_slice(slip);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MatrixOperator;
+    use crate::cpu::solve::cells::Cells;
+    use crate::cpu::solve::operator::Operator;
+    use crate::cpu::solve::response::Response;
+    use crate::fill::SplitMix64;
+    use glam::{DMat3, DVec3};
+
+    #[test]
+    fn an_impulse_changes_a_column_of_an_unsymmetric_matrix() {
+        let mut random = SplitMix64(0);
+        let mut number = || random.between(-1.0, 1.0);
+        let mut vector = || DVec3::new(number(), number(), number());
+        // Block (0, 2) has no counterpart.
+        let (start, column) = (vec![0, 3, 5, 6], vec![0, 1, 2, 0, 1, 2]);
+        let block = column.iter().map(|_| DMat3::from_cols(vector(), vector(), vector())).collect();
+        let (q, gamma): (Vec<DVec3>, Vec<DVec3>) = (0..3).map(|_| (vector(), vector())).unzip();
+        let mut op = MatrixOperator::new(start, column, block, q, vec![0.5; 3]);
+        let (mut applied, mut evaluated) = (Response::default(), Response::default());
+        op.response(&[DVec3::ZERO; 3], &mut applied);
+        op.response(&gamma, &mut evaluated);
+        let cells = Cells::new(&mut applied.twist);
+        // SAFETY: one thread has the cells.
+        (0..3).for_each(|i| unsafe { op.apply(&cells, i, gamma[i]) });
+        for (a, b) in applied.twist.iter().zip(&evaluated.twist) {
+            assert!((a.v - b.v).length() < 1e-14 && a.w == b.w, "{a:?}, expected {b:?}");
+        }
     }
 }
