@@ -1,6 +1,7 @@
 //! Convex hulls, triangle meshes and height fields; mass properties of solids.
 
 use crate::ShapeKind;
+use crate::farthest::Columns;
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -16,6 +17,8 @@ pub struct Hull {
     pub normals: Vec<DVec3>,
     /// Greatest distance of a vertex from the centroid, m.
     pub radius: f64,
+    /// The vertices and the normals, in columns.
+    columns: [Columns; 2],
 }
 
 impl Hull {
@@ -26,12 +29,23 @@ impl Hull {
         let centre = solid(&hull.triangles().map(|t| t.map(|v| hull.vertices[v as usize])).collect::<Vec<_>>()).centre;
         hull.vertices.iter_mut().for_each(|v| *v -= centre);
         hull.radius = hull.vertices.iter().fold(0.0, |most, v| most.max(v.length()));
+        hull.columns = [&hull.vertices, &hull.normals].map(|points| Columns::of(points));
         Some((hull, centre))
     }
 
     /// The triangles of the faces: indices into `vertices`, anticlockwise seen from outside.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|f| (1..f.len() - 1).map(move |k| [f[0], f[k], f[k + 1]]))
+    }
+
+    /// The vertex that is farthest in a direction, m.
+    pub fn support(&self, direction: DVec3) -> DVec3 {
+        self.vertices[self.columns[0].farthest(direction)]
+    }
+
+    /// The face whose normal is closest to a direction.
+    pub fn facing(&self, direction: DVec3) -> &[u32] {
+        &self.faces[self.columns[1].farthest(direction)]
     }
 
     /// Half lengths of the box about the centroid that contains all vertices, m.
@@ -101,7 +115,7 @@ fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
         }
     }
     let mut index_of: HashMap<u32, u32> = HashMap::new();
-    let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![], radius: 0.0 };
+    let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![], radius: 0.0, columns: Default::default() };
     for (n, _, members) in groups {
         let edges: Vec<[u32; 2]> = members.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
         let rim: HashMap<u32, u32> =

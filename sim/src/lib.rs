@@ -21,6 +21,7 @@ mod builder;
 pub mod checkpoint;
 mod contacts;
 mod cpu;
+mod farthest;
 mod fill;
 pub mod geometry;
 pub mod gpu;

@@ -32,6 +32,9 @@ pub struct Kept {
     pub position: DVec3,
     /// Orientation of the second shape in the frame of the first when the points were found.
     pub orientation: DQuat,
+    /// Axis along which the shapes were farthest apart when the points were found, from the first to the second, in the frame of the
+    /// first.
+    pub axis: DVec3,
     /// Gap up to which points were looked for, m.
     pub reach: f64,
     /// Relative motion up to which the points may be carried along, m.
@@ -80,6 +83,7 @@ impl Manifolds {
                 k.shapes.iter().all(|s| (*s as usize) < n_shapes)
                     && k.position.is_finite()
                     && k.orientation.is_normalized()
+                    && (k.axis == DVec3::ZERO || k.axis.is_normalized())
                     && k.reach.is_finite()
                     && k.slack.is_finite()
             };

@@ -5,7 +5,7 @@
 //! contact has several points, from clipping the two shapes' facing features (`manifold`). Planes and triangles are in `surface`.
 
 mod boxes;
-mod convex;
+pub mod convex;
 pub mod manifold;
 pub mod point;
 mod round;
@@ -14,6 +14,7 @@ mod surface;
 use crate::geometry::Surface;
 use crate::model::Model;
 use crate::shape::ShapeKind;
+use convex::Axis;
 use point::{Placed, Points, swap_shapes};
 
 pub use round::spheres as collide_spheres;
@@ -28,20 +29,26 @@ pub fn surface_of(model: &Model, shape: usize) -> Option<&Surface> {
 /// Find the contact points of two shapes, neither a mesh nor a height field, with a gap of at most `reach`, m. Returns their count.
 #[inline]
 pub fn collide(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
+    collide_along(a, b, reach, &mut Axis::default(), out)
+}
+
+/// Find contact points as [`collide`] does. Two convex shapes of which neither is a sphere nor a plane are first looked at along `axis`,
+/// if it is known, and leave there the axis along which they are farthest apart, or one along which their gap is above `reach`.
+pub fn collide_along(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
     use ShapeKind::*;
     match (a.kind, b.kind) {
         (Sphere, Sphere) => round::sphere_sphere(a, b, reach, out),
         (Sphere, Box) => round::sphere_box(a, b, reach, out),
         (Sphere, Plane) => round::sphere_plane(a, b, reach, out),
         (Sphere, Cylinder | Capsule | Cone) => round::sphere_turned(a, b, reach, out),
-        (Box, Box) => boxes::box_box(a, b, reach, out),
+        (Box, Box) => boxes::box_box(a, b, reach, axis, out),
         (Plane, Plane) => 0,
         (Plane, _) | (_, Sphere) => {
             let n = collide(b, a, reach, out);
             swap_shapes(out, n)
         }
         (_, Plane) => surface::convex_plane(a, b, reach, out),
-        _ => manifold::convex_convex(a, b, reach, out),
+        _ => manifold::convex_convex(a, b, reach, axis, out),
     }
 }
 

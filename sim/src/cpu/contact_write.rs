@@ -34,7 +34,8 @@ use crate::lanes::widest;
 use crate::manifolds::{Manifolds, TileManifolds};
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
-use crate::rows::{CHUNK, cut};
+use crate::pose::Pose;
+use crate::rows::{CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
 use crate::state::State;
@@ -66,6 +67,8 @@ pub struct Touching {
     place: Vec<u32>,
     /// Number of sphere pairs that touch in each tile.
     n: Vec<usize>,
+    /// Where the shapes are, where the plan has any shapes (n_shapes).
+    places: Vec<Pose>,
     /// Other pairs that touch, by tile.
     others: Vec<Others>,
     /// The manifolds that are kept for the next step.
@@ -84,6 +87,8 @@ struct Others {
 pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Contacts) {
     contacts.arms = match (at.plan.narrow, std::mem::take(&mut contacts.arms)) {
         (Narrow::Any, arms) => {
+            touching.places.resize(at.model.n_shapes(), Pose::default());
+            fill_rows(&mut touching.places, |s| at.state.shape_pose(at.model, s));
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
             let arms_of = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
                 let contact = match at.surface_of(bodies, point.gap) {
@@ -138,7 +143,7 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_tiles = pairs.n_tiles();
     let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
     let min_len = if is_serial { n_tiles.max(1) } else { 1 };
-    let Touching { place, n, others, manifolds } = touching;
+    let Touching { place, n, places, others, manifolds } = touching;
     manifolds.tiles.resize_with(n_tiles, TileManifolds::default);
     others.resize_with(n_tiles, Others::default);
     n.resize(n_tiles, 0);
@@ -151,7 +156,7 @@ fn find_and_write<A: Copy + Default + Send>(
         .enumerate();
     each.for_each(|(tile, (slots, n, others, kept))| {
         *n = find(pairs.spheres_of(tile), slots);
-        others.find(at, tile, pairs.others_of(tile), kept);
+        others.find(at, places, tile, pairs.others_of(tile), kept);
     });
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
@@ -207,7 +212,7 @@ impl Touching {
 
 impl Others {
     /// Find which of the other pairs touch, and their points.
-    fn find(&mut self, at: &Input, tile: usize, pairs: &[[u32; 3]], kept: &mut TileManifolds) {
+    fn find(&mut self, at: &Input, places: &[Pose], tile: usize, pairs: &[[u32; 3]], kept: &mut TileManifolds) {
         self.touching.clear();
         self.point.clear();
         kept.clear();
@@ -218,10 +223,15 @@ impl Others {
                 .copied()
                 .unwrap_or_else(|| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]))
         };
+        let placed = |s: u32| {
+            let s = s as usize;
+            let place = places.get(s).copied().unwrap_or_else(|| at.state.shape_pose(at.model, s));
+            Placed::of(at.model, &place, s)
+        };
         let mut out = [Point::default(); MAX_POINTS];
         for (k, &[s, t, triangle]) in pairs.iter().enumerate() {
             if tight(s).overlaps(&tight(t)) {
-                let n = points(at, (tile, k), [s, t, triangle], (kept, &mut found), &mut out);
+                let n = points(at, (tile, k), [s, t, triangle], [s, t].map(placed), (kept, &mut found), &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
                     self.touching.push([k as u32, self.point.len() as u32]);
@@ -254,12 +264,12 @@ fn points(
     at: &Input,
     (tile, pair): (usize, usize),
     [s, t, triangle]: [u32; 3],
+    [a, b]: [Placed; 2],
     (kept, found): (&mut TileManifolds, &mut usize),
     out: &mut Points,
 ) -> usize {
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
-    let [a, b] = [s, t].map(|s| Placed::of(model, &at.state.shape_pose(model, s), s));
     if let Some(surface) = surface_of(model, t) {
         let corners = surface.corners(triangle).map(|v| b.position + b.orientation * v);
         collide_triangle(&a, corners, surface.sharp[triangle as usize], reach, out)

@@ -72,20 +72,20 @@ fn tumble(before: DQuat, w: DVec3, inverse: DVec3, h: f64) -> (DQuat, DVec3) {
     const MOST: usize = 12;
     /// Change over the angular velocity at which the middle is found.
     const FOUND: f64 = 1e-13;
-    let momentum = before * ((before.inverse() * w) / inverse);
-    let spin = |orientation: DQuat| (orientation.inverse() * momentum) * inverse;
-    let mut middle = w;
+    // In the frame of the body before the step. The middle's angular velocity is the same there and in the middle's frame: it is the axis.
+    let local = before.inverse() * w;
+    let momentum = local / inverse;
+    let spin = |angle: DVec3| (rotation(-angle) * momentum) * inverse;
+    let mut middle = local;
     for _ in 0..MOST {
-        let orientation = rotation(middle * (0.5 * h)) * before;
-        let next = orientation * spin(orientation);
+        let next = spin(middle * (0.5 * h));
         let change = (next - middle).length_squared();
         middle = next;
         if change <= FOUND * FOUND * next.length_squared() {
             break;
         }
     }
-    let after = (rotation(middle * h) * before).normalize();
-    (after, spin(after))
+    ((before * rotation(middle * h)).normalize(), spin(middle * h))
 }
 
 /// The rotation by a rotation vector, rad: its direction is the axis, its length the angle.

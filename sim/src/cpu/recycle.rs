@@ -5,7 +5,8 @@
 //! Relative motion is that since the points were found, so that errors do not add up. Points are looked for somewhat farther than needed,
 //! and pairs without any are kept as well: what falls side by side is not collided again in every step either.
 
-use super::collide::collide;
+use super::collide::collide_along;
+use super::collide::convex::{Axis, separation};
 use super::collide::manifold::OF_SECOND;
 use super::collide::point::{Placed, Point, Points};
 use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
@@ -94,9 +95,23 @@ pub fn collide_or_recycle(
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
         return carry(a, b, points, reach, out);
     }
-    let farther = reach * (1.0 + FARTHER);
-    let n = collide(a, b, farther, out);
     let into_b = b.orientation.inverse();
+    let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (DVec3, f64, f64)| {
+        let (end, orientation) = (kept.points.len() as u32, (into_a * b.orientation).normalize());
+        let axis = (into_a * axis).normalize_or_zero();
+        kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, reach, slack });
+        n
+    };
+    let direction = last.map_or(DVec3::ZERO, |(known, _)| a.orientation * known.axis);
+    if last.is_some_and(|(_, points)| points.is_empty()) && direction != DVec3::ZERO {
+        let apart = separation(a, b, direction);
+        if apart > reach {
+            return keep(0, kept, (direction, apart, apart));
+        }
+    }
+    let farther = reach * (1.0 + FARTHER);
+    let mut axis = Axis { direction, apart: 0.0 };
+    let n = collide_along(a, b, farther, &mut axis, out);
     let mut least = farther;
     for p in &out[..n] {
         least = least.min(p.gap);
@@ -106,9 +121,9 @@ pub fn collide_or_recycle(
         let feature = p.feature;
         kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
     }
-    let slack = if n == 0 { farther } else { slack + OF_GAP * least.max(0.0) };
-    let (end, orientation) = (kept.points.len() as u32, (into_a * b.orientation).normalize());
-    kept.kept.push(Kept { pair, end, shapes, position, orientation, reach: farther, slack });
+    let until = if n == 0 { axis.apart.max(farther) } else { farther };
+    let slack = if n == 0 { until } else { slack + OF_GAP * least.max(0.0) };
+    keep(n, kept, (axis.direction, until, slack));
     let mut near = 0;
     for k in 0..n {
         out[near] = out[k];

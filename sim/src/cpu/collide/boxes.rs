@@ -2,8 +2,9 @@
 //! is clipped to it) or a cross product of edges (then the two edges' nearest points touch). Boxes that are apart and have no faces in front of
 //! each other have the nearest points of any two convex shapes.
 
+use super::convex::Axis;
 use super::manifold::{OF_SECOND, clip, convex_convex, feature};
-use super::point::{Placed, Point, Points, swap_shapes};
+use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
 /// The axis between two boxes along which they are farthest apart, or overlap least.
@@ -15,8 +16,8 @@ struct Separations {
 }
 
 impl Separations {
-    /// The separations of boxes with these rotations; none if one is beyond `reach`, m.
-    fn of([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], reach: f64) -> Option<Separations> {
+    /// The separations of boxes with these rotations, or the axis of one that is beyond `reach`, m.
+    fn of([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], reach: f64) -> Result<Separations, Axis> {
         /// The least squared sine of the angle between edges of which a cross product is taken.
         const PARALLEL: f64 = 1e-8;
         // B in the frame of A: its rotation, and the place of its middle.
@@ -29,7 +30,7 @@ impl Separations {
         let mut face = (f64::NEG_INFINITY, 0);
         for (i, s) in of_a.to_array().into_iter().chain(of_b.to_array()).enumerate() {
             if s > reach {
-                return None;
+                return Err(Axis { direction: towards(face_axis([ra, rb], i), a, b), apart: s });
             }
             // A face of the first box is kept unless the second's is clearly better, so that the choice is stable.
             if s > face.0 + if i == 3 { 1e-9 } else { 0.0 } {
@@ -51,29 +52,71 @@ impl Separations {
                 let reach_b = b.size[m] * abs.col(n)[i] + b.size[n] * abs.col(m)[i];
                 let s = (apart - reach_a - reach_b) / sine2.sqrt();
                 if s > reach {
-                    return None;
+                    return Err(Axis { direction: towards(edge_axis([ra, rb], i, j), a, b), apart: s });
                 }
                 if s > edge.0 {
                     edge = (s, i, j);
                 }
             }
         }
-        Some(Separations { face, edge })
+        Ok(Separations { face, edge })
     }
 }
 
-pub fn box_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let (ra, rb) = (DMat3::from_quat(a.orientation), DMat3::from_quat(b.orientation));
-    let Some(Separations { face: best_face, edge: best_edge }) = Separations::of([a, b], [&ra, &rb], reach) else {
-        return 0;
+/// The normal of a face: of A for indices up to 2, of B beyond.
+fn face_axis([ra, rb]: [&DMat3; 2], i: usize) -> DVec3 {
+    if i < 3 { ra.col(i) } else { rb.col(i - 3) }
+}
+
+/// The cross product of an edge of A and one of B, unit.
+fn edge_axis([ra, rb]: [&DMat3; 2], i: usize, j: usize) -> DVec3 {
+    ra.col(i).cross(rb.col(j)).normalize()
+}
+
+/// An axis, or its opposite, that points from A to B.
+fn towards(axis: DVec3, a: &Placed, b: &Placed) -> DVec3 {
+    if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis }
+}
+
+/// Separation of the boxes along a unit direction from A to B, m.
+fn separation([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], direction: DVec3) -> f64 {
+    let half = |placed: &Placed, r: &DMat3| (r.transpose() * direction).abs().dot(placed.size);
+    (b.position - a.position).dot(direction) - half(a, ra) - half(b, rb)
+}
+
+/// The contact points of two boxes with a gap of at most `reach`, m, with an axis as [`convex_convex`] has it. Returns their count.
+pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
+    /// The reach, over the least half length, beyond which boxes that meet at edges may meet at their faces within the step.
+    const FAST: f64 = 0.1;
+    /// The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone: that
+    /// is the shorter way.
+    const DEEP: f64 = 0.2;
+    let rotations = [&DMat3::from_quat(a.orientation), &DMat3::from_quat(b.orientation)];
+    if axis.direction != DVec3::ZERO {
+        axis.apart = separation([a, b], rotations, axis.direction);
+        if axis.apart > reach {
+            return 0;
+        }
+    }
+    let Separations { face, edge } = match Separations::of([a, b], rotations, reach) {
+        Ok(separations) => separations,
+        Err(apart) => {
+            *axis = apart;
+            return 0;
+        }
     };
     let size = a.size.min_element().min(b.size.min_element());
-    if best_edge.0 > best_face.0 + 1e-3 * size {
-        return edge_edge(a, &ra, b, &rb, best_edge, out);
+    let crossing = (edge.0 > face.0 + 1e-3 * size).then(|| edge_edge(a, b, rotations, edge));
+    let normal = towards(face_axis(rotations, face.1), a, b);
+    *axis = Axis { direction: normal, apart: face.0 };
+    if let Some(point) = crossing {
+        *axis = Axis { direction: point.normal, apart: point.gap };
+        if reach <= FAST * size {
+            out[0] = point;
+            return 1;
+        }
     }
-    let axis = if best_face.1 < 3 { ra.col(best_face.1) } else { rb.col(best_face.1 - 3) };
-    let normal = if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis };
-    let n = if best_face.1 < 3 {
+    let n = if face.1 < 3 {
         clip(&feature(a, normal), &feature(b, -normal), normal, reach, out)
     } else {
         let n = clip(&feature(b, -normal), &feature(a, normal), -normal, reach, out);
@@ -81,20 +124,25 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
         out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
         n
     };
-    // Faces that are not in front of each other: the boxes are nearest at edges or corners, by which fast ones will meet.
-    if n == 0 && best_face.0 > 0.0 { convex_convex(a, b, reach, out) } else { n }
+    match crossing {
+        Some(point) => {
+            let mut kept = 0;
+            for k in 0..n.min(MAX_POINTS - 1) {
+                out[kept] = out[k];
+                kept += (out[k].gap > -DEEP * size) as usize;
+            }
+            out[kept] = point;
+            kept + 1
+        }
+        // Faces that are not in front of each other: the boxes are nearest at edges or corners, by which fast ones will meet.
+        None if n == 0 && face.0 > 0.0 => convex_convex(a, b, reach, axis, out),
+        None => n,
+    }
 }
 
-fn edge_edge(
-    a: &Placed,
-    ra: &DMat3,
-    b: &Placed,
-    rb: &DMat3,
-    (gap, i, j): (f64, usize, usize),
-    out: &mut Points,
-) -> usize {
-    let axis = ra.col(i).cross(rb.col(j)).normalize();
-    let normal = if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis };
+/// The contact point of two edges that cross, with the gap along their cross product, m.
+fn edge_edge(a: &Placed, b: &Placed, [ra, rb]: [&DMat3; 2], (gap, i, j): (f64, usize, usize)) -> Point {
+    let normal = towards(edge_axis([ra, rb], i, j), a, b);
     // The middle of the edge of each box that is farthest towards the other.
     let support = |placed: &Placed, r: &DMat3, along: usize, towards: DVec3| {
         let local = r.transpose() * towards;
@@ -113,6 +161,5 @@ fn edge_edge(
     let t = (d * w.dot(da) - w.dot(db)) / det;
     let on_first = pa + da * s.clamp(-a.size[i], a.size[i]);
     let on_second = pb + db * t.clamp(-b.size[j], b.size[j]);
-    out[0] = Point { normal, on_first, on_second, gap, feature: 1 << 16 | (i * 3 + j) as u32 };
-    1
+    Point { normal, on_first, on_second, gap, feature: 1 << 16 | (i * 3 + j) as u32 }
 }

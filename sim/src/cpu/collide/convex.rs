@@ -87,16 +87,7 @@ pub fn support_local(shape: &Placed, d: DVec3) -> DVec3 {
             let base = rim(size.x, -size.z);
             if d.z * size.z > base.dot(d) { DVec3::new(0.0, 0.0, size.z) } else { base }
         }
-        ShapeKind::Hull => shape.hull.map_or(DVec3::ZERO, |hull| {
-            let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
-            for v in &hull.vertices {
-                let far = v.dot(d);
-                if far > best.0 {
-                    best = (far, *v);
-                }
-            }
-            best.1
-        }),
+        ShapeKind::Hull => shape.hull.map_or(DVec3::ZERO, |hull| hull.support(d)),
         ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => DVec3::ZERO,
     }
 }
@@ -220,24 +211,49 @@ fn on_tetrahedron(v: &[Vertex; 4]) -> Option<Simplex> {
     if inside { None } else { best.map(|b| b.1) }
 }
 
-/// The nearest points of two shapes; `None` if their gap is above `reach`, m.
-pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64) -> Option<Nearest> {
+/// An axis along which two shapes are apart.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Axis {
+    /// Unit direction from the first to the second, world; zero where none is known.
+    pub direction: DVec3,
+    /// Separation along it, m: at most the gap.
+    pub apart: f64,
+}
+
+/// Separation of two shapes along a unit direction from the first to the second, m.
+pub fn separation(a: &impl Convex, b: &impl Convex, direction: DVec3) -> f64 {
+    -vertex(a, b, direction).w.dot(direction) - a.radius() - b.radius()
+}
+
+/// The nearest points of two shapes; `None` if their gap is above `reach`, m, with `axis` along which it is. The search begins along
+/// `axis`, which becomes the normal.
+pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) -> Option<Nearest> {
     const ROUNDS: usize = 80;
     let round = a.radius() + b.radius();
     let mut simplex = Simplex { n: 1, ..Simplex::default() };
-    simplex.v[0] = vertex(a, b, b.centre() - a.centre() + DVec3::splat(1e-12));
+    let is_known = axis.direction != DVec3::ZERO;
+    let start = if is_known { axis.direction } else { b.centre() - a.centre() + DVec3::splat(1e-12) };
+    simplex.v[0] = vertex(a, b, start);
     simplex.weight[0] = 1.0;
+    if is_known {
+        axis.apart = -simplex.v[0].w.dot(start) - round;
+        if axis.apart > reach {
+            return None;
+        }
+    }
     let scale = simplex.v[0].a.distance(a.centre()) + simplex.v[0].b.distance(b.centre()) + round;
     let mut v = simplex.v[0].w;
     for _ in 0..ROUNDS {
         let distance2 = v.length_squared();
         if distance2 <= 1e-20 * scale * scale {
-            return Some(expand(a, b, &simplex, round));
+            return Some(overlapping(a, b, &simplex, axis));
         }
         let next = vertex(a, b, -v);
         // v·w bounds the distance from below.
         let lower = v.dot(next.w);
         if lower > 0.0 && lower * lower > distance2 * (round + reach).powi(2) {
+            let distance = distance2.sqrt();
+            *axis = Axis { direction: -v / distance, apart: lower / distance - round };
             return None;
         }
         let known = (0..simplex.n).any(|i| simplex.v[i].w == next.w);
@@ -248,7 +264,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64) -> Option<Nearest> 
         grown.v[grown.n] = next;
         grown.n += 1;
         match grown.reduced() {
-            None => return Some(expand(a, b, &grown, round)),
+            None => return Some(overlapping(a, b, &grown, axis)),
             Some(reduced) => {
                 let nearer = reduced.nearest();
                 if nearer.length_squared() >= distance2 {
@@ -261,12 +277,20 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64) -> Option<Nearest> 
     let distance = v.length();
     let normal = -v / distance;
     let gap = distance - round;
+    *axis = Axis { direction: normal, apart: gap };
     (gap <= reach).then(|| Nearest {
         normal,
         on_first: simplex.sum(|v| v.a) + normal * a.radius(),
         on_second: simplex.sum(|v| v.b) - normal * b.radius(),
         gap,
     })
+}
+
+/// The nearest points of two shapes that overlap, of a simplex that contains the origin.
+fn overlapping(a: &impl Convex, b: &impl Convex, simplex: &Simplex, axis: &mut Axis) -> Nearest {
+    let nearest = expand(a, b, simplex, a.radius() + b.radius());
+    *axis = Axis { direction: nearest.normal, apart: nearest.gap };
+    nearest
 }
 
 /// A face of the expanding polytope.
@@ -307,17 +331,22 @@ fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Ne
         faces.push(f);
     }
     let mut best = faces[0];
+    // The face along whose normal the shapes overlap least, which bounds the depth whatever round-off has made of the polytope.
+    let mut least = f64::INFINITY;
     for _ in 0..ROUNDS {
         let Some(nearest) =
             faces.iter().filter(|f| f.normal != DVec3::ZERO).min_by(|p, q| p.distance.total_cmp(&q.distance))
         else {
             break;
         };
-        best = *nearest;
-        let next = vertex(a, b, best.normal);
-        let far = next.w.dot(best.normal);
+        let nearest = *nearest;
+        let next = vertex(a, b, nearest.normal);
+        let far = next.w.dot(nearest.normal);
         let scale = next.a.distance(a.centre()) + next.b.distance(b.centre()) + round;
-        if far - best.distance <= 1e-9 * scale || points.iter().any(|p| p.w == next.w) {
+        if far <= least + 1e-9 * scale {
+            (least, best) = (far.min(least), nearest);
+        }
+        if far - nearest.distance <= 1e-9 * scale || points.iter().any(|p| p.w == next.w) {
             break;
         }
         let sees = |f: &Face| (next.w - points[f.v[0]].w).dot(f.normal) > 1e-14 * scale;

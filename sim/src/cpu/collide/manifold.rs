@@ -1,6 +1,6 @@
 //! Contact manifolds: the faces, edges or corners by which two convex shapes meet are clipped against each other.
 
-use super::convex::{self, Nearest, support_local};
+use super::convex::{self, Axis, Nearest, support_local};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
 use glam::DVec3;
@@ -78,10 +78,7 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
         }
         ShapeKind::Hull => {
             if let Some(hull) = shape.hull {
-                let faces = 0..hull.faces.len();
-                let face =
-                    faces.max_by(|i, j| hull.normals[*i].dot(d).total_cmp(&hull.normals[*j].dot(d))).unwrap_or(0);
-                hull.faces[face].iter().for_each(|v| local(hull.vertices[*v as usize], *v + 1));
+                hull.facing(d).iter().for_each(|v| local(hull.vertices[*v as usize], *v + 1));
             }
         }
         ShapeKind::Cylinder if d.z.abs() > 0.7 * d.length() => {
@@ -117,9 +114,9 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     f
 }
 
-/// The contact points of two convex shapes, neither a plane nor a mesh. Returns their count.
-pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    match convex::nearest(a, b, reach) {
+/// The contact points of two convex shapes, neither a plane nor a mesh, with the axis as [`convex::nearest`] has it. Returns their count.
+pub fn convex_convex(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
+    match convex::nearest(a, b, reach, axis) {
         Some(nearest) => {
             let (fa, fb) = (feature(a, nearest.normal), feature(b, -nearest.normal));
             points(&fa, &fb, &nearest, reach, a.size.min_element().min(b.size.min_element()), out)

@@ -1,7 +1,7 @@
 //! Convex shapes against planes and against the triangles of meshes and height fields. All of these are solid behind their faces: a
 //! shape that has passed through is pushed out in front again.
 
-use super::convex::{self, Convex, Nearest, nearest_in_triangle, support_local};
+use super::convex::{self, Axis, Convex, Nearest, nearest_in_triangle, support_local};
 use super::manifold::{self, Feature, feature};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
@@ -123,7 +123,7 @@ fn nearest_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> 
     if a.kind == ShapeKind::Sphere {
         return sphere_to_face(a, corners, face, reach);
     }
-    let nearest = convex::nearest(a, &corners, reach)?;
+    let nearest = convex::nearest(a, &corners, reach, &mut Axis::default())?;
     if nearest.gap > 0.0 && nearest.normal.dot(face) < 0.0 {
         return Some(nearest);
     }

@@ -219,3 +219,42 @@ fn boxes_apart_without_facing_faces_have_their_nearest_points() {
         assert!((nearest - apart).abs() < 1e-9, "{offset}: {nearest}, expected {apart}");
     }
 }
+
+#[test]
+fn a_search_that_begins_along_an_axis_finds_the_same_gap() {
+    let mut random = crate::SplitMix64(9);
+    let corners: Vec<DVec3> = (0..32).map(|_| random.rotation() * DVec3::X * 0.2).collect();
+    let (hull, _) = crate::geometry::Hull::of_points(&corners).unwrap();
+    let kinds = [ShapeKind::Hull, ShapeKind::Box, ShapeKind::Cylinder, ShapeKind::Capsule, ShapeKind::Cone];
+    let mut apart = 0;
+    for k in 0..5000 {
+        let mut shape = |kind: ShapeKind, at: DVec3| Placed {
+            hull: (kind == ShapeKind::Hull).then_some(&hull),
+            ..placed(kind, [0.2, 0.2, 0.25], at, random.rotation())
+        };
+        let a = shape(kinds[k % 5], DVec3::ZERO);
+        let b = shape(kinds[k / 5 % 5], DVec3::new(0.0, 0.0, 0.45));
+        let (reach, mut first) = (0.05, Axis::default());
+        let mut out = Points::default();
+        let least = |n: usize, out: &Points| out[..n].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+        let n = collide_along(&a, &b, reach, &mut first, &mut out);
+        let gap = least(n, &out);
+        // From the axis that was found, from one beside it, and from the opposite one.
+        let beside = (first.direction + DVec3::new(0.1, -0.2, 0.05)).normalize();
+        for direction in [first.direction, beside, -first.direction] {
+            let mut axis = Axis { direction, apart: 0.0 };
+            let n = collide_along(&a, &b, reach, &mut axis, &mut out);
+            let found = least(n, &out);
+            assert!(
+                found == gap || (found - gap).abs() < 3e-6 - 1e-3 * gap.min(0.0),
+                "{:?} {:?} {k}: {gap} {found}",
+                a.kind,
+                b.kind
+            );
+            let along = convex::separation(&a, &b, axis.direction);
+            assert!(n > 0 || (axis.apart > reach && (along - axis.apart).abs() < 1e-9), "{along} {axis:?}");
+        }
+        apart += (n == 0) as u32;
+    }
+    assert!((500..4500).contains(&apart), "{apart}");
+}
