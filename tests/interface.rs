@@ -357,6 +357,36 @@ fn displays_have_their_own_levels_and_windows_give_way() {
 }
 
 #[test]
+fn programs_that_answer_without_end_are_said() {
+    // RISpec 5.8: a program's answer is RIB, which may ask the program again. One asks for itself in each answer, one twice, one never
+    // ends its answer.
+    let work = scratch();
+    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let asks = |times: usize| {
+        let ask =
+            format!("Procedural \\\"RunProgram\\\" [ \\\"{}\\\" \\\"x\\\" ] [-1 1 -1 1 -1 1] ", place("again.sh"));
+        format!("#!/bin/sh\nwhile read -r line; do printf '%s\\377' \"{}\"; done\n", ask.repeat(times))
+    };
+    for (script, said) in [
+        (asks(1), "ask each other more than 32 deep"),
+        (asks(2), "ask each other more than 32 deep"),
+        ("#!/bin/sh\nexec yes\n".into(), "answers without end"),
+    ] {
+        std::fs::write(place("again.sh"), &script).unwrap();
+        #[cfg(unix)]
+        std::fs::set_permissions(place("again.sh"), std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+        let world = format!("Procedural \"RunProgram\" [\"{}\" \"x\"] [-1 1 -1 1 -1 1]", place("again.sh"));
+        std::fs::write(
+            place("t.rib"),
+            format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),
+        )
+        .unwrap();
+        let answer = scree(&["render", &place("t.rib"), "--allow-programs", "-o", &place("")]);
+        assert!(answer.errors().contains(said), "{script}: {}", answer.errors());
+    }
+}
+
+#[test]
 fn what_goes_wrong_is_said() {
     let work = scratch();
     let said = |files: &[(&str, &str)], text: &str| {
@@ -368,13 +398,17 @@ fn what_goes_wrong_is_said() {
         scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()])
     };
     let head = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n");
-    let index = "surface t() { float a[3] = {1, 2, 3}; float i = 5 + floor(random()); Oi = 1; Ci = a[i]; }";
+    let index = "surface t() {\n float a[3] = {1, 2, 3}; float i = 5 + floor(random()); Oi = 1; Ci = a[i]; }";
     let answer = said(&[("t.sl", index)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(
-        answer.errors().contains("t.sl: the shader `t` uses element 5 of an array, expected 0 to 2"),
+        answer.errors().contains("t.sl:2: the shader `t` uses element 5 of an array, expected 0 to 2"),
         "{}",
         answer.errors()
     );
+    // Of loops within each other it is that which goes on and on.
+    let endless = "surface t() {\n float i, j = 0;\n while (j < 1)\n for (i = 0; i < 9; i += 1) Ci += 1;\n }";
+    let answer = said(&[("t.sl", endless)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
+    assert!(answer.errors().contains("t.sl:3"), "{}", answer.errors());
     let answer = said(&[], &format!("{head}Scale 0 0 0 Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("`Scale 0 0 0` cannot be inverted"), "{}", answer.errors());
     let far = "displacement d() { P += pow(10, 30) * pow(10, 30) * N; }";
