@@ -357,6 +357,42 @@ fn displays_have_their_own_levels_and_windows_give_way() {
 }
 
 #[test]
+fn colours_of_other_samples_become_red_green_and_blue() {
+    // RISpec 4.2.3: with n samples a colour is a row of n numbers, times the n rows of the first matrix.
+    let one = "ColorSamples [0.8 0.5 0.2] [0.3 0.3 0.4]";
+    let two = "ColorSamples [1 0 0  0 0.5 0.5] [1 0  0 1  0 1]";
+    let disk = "Disk 0 0.8 360";
+    for (samples, world, expected) in [
+        (one, format!("Surface \"constant\" Color [0.5] {disk}"), [0.4, 0.25, 0.1]),
+        (one, format!("Surface \"constant\" Color 0.5 {disk}"), [0.4, 0.25, 0.1]),
+        (two, format!("Surface \"constant\" Color [0.5 0.8] {disk}"), [0.5, 0.4, 0.4]),
+        (two, format!("Surface \"constant\" {disk} \"constant color Cs\" [0.5 0.8]"), [0.5, 0.4, 0.4]),
+    ] {
+        let image = render_with(&[], &format!("{ORTHO} {samples}"), &world);
+        let [r, g, b, _] = image.at(40, 40);
+        near([r, g, b], expected);
+    }
+}
+
+#[test]
+fn points_and_instances_go_where_a_perspective_leads() {
+    // RISpec 5.2: Perspective of 90 degrees maps a point of depth z to x/z, y/z. A square of 1 at a depth of 2 is 0.5 wide; a small sphere
+    // there is seen with half its radius, and at (0.8, 0, 2) it stands at 0.4.
+    let square = "Polygon \"P\" [-0.5 -0.5 2 0.5 -0.5 2 0.5 0.5 2 -0.5 0.5 2]";
+    let away = "Surface \"constant\" Perspective 90";
+    let pi = std::f32::consts::PI;
+    for (world, expected) in [
+        (format!("{away} {square}"), 0.25),
+        (format!("ObjectBegin 1 {square} ObjectEnd {away} ObjectInstance 1"), 0.25),
+        (format!("{away} Points \"P\" [0.8 0 2 -0.8 0 2] \"constantwidth\" [0.2]"), 2.0 * 0.0025 * pi),
+        (format!("{away} Translate 0 0 2 Sphere 0.1 -0.1 0.1 360"), 0.0025 * pi),
+    ] {
+        let found = area(&render_with(&[], ORTHO, &world));
+        assert!((found - expected).abs() < 0.02 * expected.sqrt(), "{world}: {found}, expected {expected}");
+    }
+}
+
+#[test]
 fn programs_that_answer_without_end_are_said() {
     // RISpec 5.8: a program's answer is RIB, which may ask the program again. One asks for itself in each answer, one twice, one never
     // ends its answer.
