@@ -357,6 +357,72 @@ fn displays_have_their_own_levels_and_windows_give_way() {
 }
 
 #[test]
+fn colours_of_other_samples_become_red_green_and_blue() {
+    // RISpec 4.2.3: with n samples a colour is a row of n numbers, times the n rows of the first matrix.
+    let one = "ColorSamples [0.8 0.5 0.2] [0.3 0.3 0.4]";
+    let two = "ColorSamples [1 0 0  0 0.5 0.5] [1 0  0 1  0 1]";
+    let disk = "Disk 0 0.8 360";
+    for (samples, world, expected) in [
+        (one, format!("Surface \"constant\" Color [0.5] {disk}"), [0.4, 0.25, 0.1]),
+        (one, format!("Surface \"constant\" Color 0.5 {disk}"), [0.4, 0.25, 0.1]),
+        (two, format!("Surface \"constant\" Color [0.5 0.8] {disk}"), [0.5, 0.4, 0.4]),
+        (two, format!("Surface \"constant\" {disk} \"constant color Cs\" [0.5 0.8]"), [0.5, 0.4, 0.4]),
+    ] {
+        let image = render_with(&[], &format!("{ORTHO} {samples}"), &world);
+        let [r, g, b, _] = image.at(40, 40);
+        near([r, g, b], expected);
+    }
+}
+
+#[test]
+fn points_and_instances_go_where_a_perspective_leads() {
+    // RISpec 5.2: Perspective of 90 degrees maps a point of depth z to x/z, y/z. A square of 1 at a depth of 2 is 0.5 wide; a small sphere
+    // there is seen with half its radius, and at (0.8, 0, 2) it stands at 0.4.
+    let square = "Polygon \"P\" [-0.5 -0.5 2 0.5 -0.5 2 0.5 0.5 2 -0.5 0.5 2]";
+    let away = "Surface \"constant\" Perspective 90";
+    let pi = std::f32::consts::PI;
+    for (world, expected) in [
+        (format!("{away} {square}"), 0.25),
+        (format!("ObjectBegin 1 {square} ObjectEnd {away} ObjectInstance 1"), 0.25),
+        (format!("{away} Points \"P\" [0.8 0 2 -0.8 0 2] \"constantwidth\" [0.2]"), 2.0 * 0.0025 * pi),
+        (format!("{away} Translate 0 0 2 Sphere 0.1 -0.1 0.1 360"), 0.0025 * pi),
+    ] {
+        let found = area(&render_with(&[], ORTHO, &world));
+        assert!((found - expected).abs() < 0.02 * expected.sqrt(), "{world}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn programs_that_answer_without_end_are_said() {
+    // RISpec 5.8: a program's answer is RIB, which may ask the program again. One asks for itself in each answer, one twice, one never
+    // ends its answer.
+    let work = scratch();
+    let place = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let asks = |times: usize| {
+        let ask =
+            format!("Procedural \\\"RunProgram\\\" [ \\\"{}\\\" \\\"x\\\" ] [-1 1 -1 1 -1 1] ", place("again.sh"));
+        format!("#!/bin/sh\nwhile read -r line; do printf '%s\\377' \"{}\"; done\n", ask.repeat(times))
+    };
+    for (script, said) in [
+        (asks(1), "ask each other more than 32 deep"),
+        (asks(2), "ask each other more than 32 deep"),
+        ("#!/bin/sh\nexec yes\n".into(), "answers without end"),
+    ] {
+        std::fs::write(place("again.sh"), &script).unwrap();
+        #[cfg(unix)]
+        std::fs::set_permissions(place("again.sh"), std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+        let world = format!("Procedural \"RunProgram\" [\"{}\" \"x\"] [-1 1 -1 1 -1 1]", place("again.sh"));
+        std::fs::write(
+            place("t.rib"),
+            format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n{world}\nWorldEnd\n"),
+        )
+        .unwrap();
+        let answer = scree(&["render", &place("t.rib"), "--allow-programs", "-o", &place("")]);
+        assert!(answer.errors().contains(said), "{script}: {}", answer.errors());
+    }
+}
+
+#[test]
 fn what_goes_wrong_is_said() {
     let work = scratch();
     let said = |files: &[(&str, &str)], text: &str| {
@@ -368,13 +434,17 @@ fn what_goes_wrong_is_said() {
         scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()])
     };
     let head = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n");
-    let index = "surface t() { float a[3] = {1, 2, 3}; float i = 5 + floor(random()); Oi = 1; Ci = a[i]; }";
+    let index = "surface t() {\n float a[3] = {1, 2, 3}; float i = 5 + floor(random()); Oi = 1; Ci = a[i]; }";
     let answer = said(&[("t.sl", index)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(
-        answer.errors().contains("t.sl: the shader `t` uses element 5 of an array, expected 0 to 2"),
+        answer.errors().contains("t.sl:2: the shader `t` uses element 5 of an array, expected 0 to 2"),
         "{}",
         answer.errors()
     );
+    // Of loops within each other it is that which goes on and on.
+    let endless = "surface t() {\n float i, j = 0;\n while (j < 1)\n for (i = 0; i < 9; i += 1) Ci += 1;\n }";
+    let answer = said(&[("t.sl", endless)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
+    assert!(answer.errors().contains("t.sl:3"), "{}", answer.errors());
     let answer = said(&[], &format!("{head}Scale 0 0 0 Disk 0 0.8 360\nWorldEnd\n"));
     assert!(answer.errors().contains("`Scale 0 0 0` cannot be inverted"), "{}", answer.errors());
     let far = "displacement d() { P += pow(10, 30) * pow(10, 30) * N; }";

@@ -10,6 +10,7 @@ pub mod objects;
 pub mod open_object;
 pub mod options;
 pub mod primitives;
+pub mod projected;
 pub mod result;
 pub mod shaders;
 pub mod solids;

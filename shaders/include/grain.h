@@ -12,6 +12,22 @@ float fade(float wide, size) {
     return 1 - smoothstep(0.35, 0.9, wide / size);
 }
 
+// How wide a pixel is at a point of a surface, along its longer side, in world units; i is the way from the eye. It asks for no points
+// around, so that of stones those alone are shaded that are seen.
+float pixelwidth(vector i; normal n) {
+    // Pixels of a unit across, at two depths: parallel rays have as many at both.
+    uniform point a = point(0, 0, 1), b = point(0.001, 0, 1), c = point(0, 0, 2), d = point(0.001, 0, 2);
+    uniform float near = 1000 * distance(transform("camera", "raster", a), transform("camera", "raster", b));
+    uniform float far = 1000 * distance(transform("camera", "raster", c), transform("camera", "raster", d));
+    float depth = mix(1, length(i), clamp(2 - 2 * far / near, 0, 1));
+    return depth / (near * max(0.05, abs(normalize(n) . normalize(i))));
+}
+
+// How long a unit of the world is in object space, which may be scaled.
+float objectunit() {
+    return length(vtransform("world", "object", vector(1, 0, 0)));
+}
+
 // Octaves of noise of which those that are too fine to be seen have faded.
 float fading_octaves(point p; float n; float wide) {
     float sum = 0, size = 1, i;

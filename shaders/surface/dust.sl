@@ -4,7 +4,7 @@ surface dust(float Ka = 1; float Kd = 0.85; float Ks = 0.2; float cover = 0.7; c
     normal Nf = faceforward(normalize(N), I);
     vector V = -normalize(I);
     float up = zcomp(normalize(ntransform("world", Nf)));
-    float lie = smoothstep(0.1, 0.9, up + 0.35 * octaves(transform("object", P) / size, 4)) * cover;
+    float lie = smoothstep(0.1, 0.9, up + 0.35 * fading_octaves(transform("object", P) / size, 4, pixelwidth(I, N) * objectunit() / size)) * cover;
     color c = mix(Cs, tint, lie);
     Oi = Os;
     Ci = Os * (c * (Ka * ambient() + Kd * diffuse(Nf)) + Ks * (1 - lie) * specular(Nf, V, 0.15));

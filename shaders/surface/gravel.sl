@@ -1,10 +1,14 @@
 // Crushed stone: speckled and veined in the stone's own space, so that the pattern turns with it.
 // size: the grain of the pattern, in the unit of the stone's space; variation: how much stones and spots differ.
+#include "grain.h"
 surface gravel(float Ka = 1; float Kd = 0.9; float size = 0.02; float variation = 0.35; float skylight = 0.6;) {
     point Q = transform("object", P) / size;
-    float mottle = noise(Q * 0.35);
-    float speckle = noise(Q * 2.1);
+    // What is too fine to be seen fades to its mean: of veins a third.
+    float wide = pixelwidth(I, N) * objectunit() / size;
+    float mottle = mix(0.5, noise(Q * 0.35), fade(wide, 1 / 0.35));
+    float speckle = mix(0.5, noise(Q * 2.1), fade(wide, 1 / 2.1));
     float vein = 1 - smoothstep(0.0, 0.12, abs(noise(Q * 0.18 + point(31.4, 0, 0)) - 0.5));
+    vein = mix(0.32, vein, fade(wide, 0.3 / 0.18));
     float tone = 1 + variation * ((mottle - 0.5) * 1.6 + (speckle - 0.5) * 1.1) + 0.25 * variation * vein;
     color stone = Cs * clamp(tone, 0.25, 1.8);
     normal Nf = faceforward(normalize(N), I);

@@ -4,10 +4,14 @@ surface rock(float Ka = 1; float Kd = 0.85; float Ks = 0.08; float size = 0.1; c
              color light = color(0.62, 0.58, 0.53); float lichen = 0.3;) {
     normal Nf = faceforward(normalize(N), I);
     point q = transform("object", P) / size;
-    float layer = octaves(q * 2 + vector(0, 0, 3 * zcomp(q)), 5);
-    float crack = smoothstep(0.0, 0.08, abs(octaves(q * 1.7 + vector(5, 2, 9), 4)));
+    // What is too fine to be seen fades to its mean.
+    float wide = pixelwidth(I, N) * objectunit() / size;
+    float layer = fading_octaves(q * 2 + vector(0, 0, 3 * zcomp(q)), 5, 5 * wide);
+    float crack = smoothstep(0.0, 0.08, abs(fading_octaves(q * 1.7 + vector(5, 2, 9), 4, 1.7 * wide)));
+    crack = mix(0.8, crack, fade(1.7 * wide, 0.3));
     color c = mix(dark, light, clamp(0.5 + layer, 0, 1)) * mix(0.45, 1, crack);
-    float grown = smoothstep(0.12, 0.3, octaves(q * 3 + vector(11, 7, 1), 4)) * lichen;
+    float grown = smoothstep(0.12, 0.3, fading_octaves(q * 3 + vector(11, 7, 1), 4, 3 * wide));
+    grown = mix(0.1, grown, fade(3 * wide, 0.5)) * lichen;
     c = mix(c, color(0.55, 0.6, 0.32), grown);
     Oi = Os;
     Ci = Os * Cs * (c * (Ka * ambient() + Kd * diffuse(Nf)) + Ks * specular(Nf, -normalize(I), 0.25));

@@ -22,6 +22,9 @@ pub(crate) struct Known {
     standing: Standing,
     /// What has been warned of.
     warned: HashSet<String>,
+    /// Red, green and blue of each sample of a colour, if `ColorSamples` said that (RISpec 4.2.3); and before the frame.
+    pub(crate) samples: Option<Vec<[f32; 3]>>,
+    pub(crate) samples_before: Option<Vec<[f32; 3]>>,
 }
 
 /// Line and column, from 1.
@@ -95,6 +98,11 @@ impl<'a> Arguments<'a> {
 
     /// Note the request under way, which is warned of where it is misplaced. Whether it is to be made.
     pub(crate) fn note(&mut self, request: Request) -> bool {
+        match request {
+            Request::FrameBegin => self.known.samples_before.clone_from(&self.known.samples),
+            Request::FrameEnd => self.known.samples = self.known.samples_before.take(),
+            _ => {}
+        }
         let place = || format!("{}:{}:{}", self.path.display(), self.request.0, self.request.1);
         self.known.standing.note(request, place, &mut self.warnings)
     }
@@ -320,7 +328,7 @@ impl<'a> Arguments<'a> {
             let values = if decl.ty == Type::String {
                 Values::Strings(self.texts()?)
             } else {
-                Values::Floats(self.one_or_more()?)
+                Values::Floats(self.colours_of(decl.ty)?)
             };
             let n = match &values {
                 Values::Floats(v) => v.len(),
@@ -339,6 +347,15 @@ impl<'a> Arguments<'a> {
         match self.peek()? {
             Some(Token::Number(_)) => Ok(vec![self.number()?]),
             _ => self.floats(),
+        }
+    }
+
+    /// The numbers of a parameter, of which colours of other samples become red, green and blue.
+    fn colours_of(&mut self, ty: Type) -> Result<Vec<f32>, Fail> {
+        let values = self.one_or_more()?;
+        match &self.known.samples {
+            Some(samples) if ty == Type::Color => to_rgb(&values, samples),
+            _ => Ok(values),
         }
     }
 
@@ -368,6 +385,15 @@ impl<'a> Arguments<'a> {
         }
         Ok(())
     }
+}
+
+/// Colours of some samples as red, green and blue.
+pub(crate) fn to_rgb(values: &[f32], samples: &[[f32; 3]]) -> Result<Vec<f32>, Fail> {
+    if !values.len().is_multiple_of(samples.len()) {
+        return Err(Fail::new(format!("{} numbers, expected colours of {} samples", values.len(), samples.len())));
+    }
+    let component = |color: &[f32], c: usize| color.iter().zip(samples).map(|(x, rgb)| x * rgb[c]).sum::<f32>();
+    Ok(values.chunks_exact(samples.len()).flat_map(|color| [0, 1, 2].map(|c| component(color, c))).collect())
 }
 
 /// A token as error texts name it.

@@ -58,6 +58,9 @@ macro_rules! read {
         let [first, second] = &$from.text_pair()?;
         let $arg = [first.as_str(), second.as_str()];
     };
+    ($from:ident, colour_samples ($to_rgb:ident: $to_ty:ty, $from_rgb:ident: $from_ty:ty)) => {
+        let ($to_rgb, $from_rgb) = $from.colour_samples()?;
+    };
     ($from:ident, $kind:ident ($arg:ident: $ty:ty)) => {
         let $arg = $from.$kind()?;
     };

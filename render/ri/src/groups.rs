@@ -1,6 +1,6 @@
 //! Arguments of kinds that one request has, or that later requests depend on.
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, to_rgb};
 use crate::params::{Params, Values};
 use crate::ri::{Fail, Knots, Tags, TrimCurves};
 
@@ -35,6 +35,35 @@ impl Arguments<'_> {
         } else {
             Ok([f32::INFINITY, 1.0, 1.0])
         }
+    }
+
+    /// A colour or an opacity: red, green and blue, or the samples that `ColorSamples` said.
+    pub(crate) fn colour(&mut self) -> Result<[f32; 3], Fail> {
+        let Some(samples) = self.known.samples.clone() else { return self.numbers("a colour") };
+        let mut values = vec![];
+        if self.has_list()? {
+            values = self.floats()?;
+        } else {
+            for _ in &samples {
+                values.push(self.number()?);
+            }
+        }
+        let n = values.len();
+        to_rgb(&values, &samples)?
+            .try_into()
+            .map_err(|_| Fail::new(format!("{n} numbers, expected a colour of {} samples", samples.len())))
+    }
+
+    /// What colours are from here on: their samples by red, green and blue, and these by samples. The colours of all requests after that are
+    /// red, green and blue, and so are what this one says.
+    pub(crate) fn colour_samples(&mut self) -> Result<(Vec<f32>, Vec<f32>), Fail> {
+        let (to_rgb, from_rgb) = (self.floats()?, self.floats()?);
+        if to_rgb.len() != from_rgb.len() || to_rgb.is_empty() || !to_rgb.len().is_multiple_of(3) {
+            return Ok((to_rgb, from_rgb));
+        }
+        self.known.samples = Some(to_rgb.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect());
+        let unit = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        Ok((unit.clone(), unit))
     }
 
     /// Two strings.

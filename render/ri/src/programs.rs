@@ -12,7 +12,7 @@ use std::time::Duration;
 /// How long an answer may take.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Maximum length of an answer, bytes; less where reading may not take as much.
-const MAX_ANSWER: usize = 1 << 30;
+const MAX_ANSWER: usize = 1 << 28;
 
 /// Programs that a stream may run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -121,7 +121,9 @@ fn start(path: &Path, program: &str) -> Result<Running, String> {
                 }
                 Ok(byte) if answer.len() < longest => answer.push(byte),
                 Ok(_) => {
-                    let _ = send.send(Err("answers without end".into()));
+                    let most = guard::memory::Bytes(longest as u64);
+                    let _ = send
+                        .send(Err(format!("answers without end: {most}, and no byte 0377, which closes an answer")));
                     return;
                 }
                 Err(e) => {

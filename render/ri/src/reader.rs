@@ -115,6 +115,8 @@ struct Shared {
     repeated: u64,
     /// Programs that make geometry, kept running.
     programs: Programs,
+    /// Times that they were asked.
+    asked: u32,
 }
 
 /// An archive between `ArchiveBegin` and `ArchiveEnd`, and where it stands.
@@ -386,6 +388,26 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Count that a program is asked: what it answers may ask it again, and that without end.
+    fn count_asked(&mut self, program: &str, place: Spot) -> Result<(), Box<RibError>> {
+        /// The most that programs are asked for a scene.
+        const MAX_ASKED: u32 = 1 << 20;
+        let name = program.escape_debug();
+        if self.depth >= MAX_DEPTH {
+            let message = format!(
+                "programs and archives ask each other more than {MAX_DEPTH} deep: does `{name}` ask for itself?"
+            );
+            return Err(self.error(place, message));
+        }
+        self.shared.asked += 1;
+        if self.shared.asked > MAX_ASKED {
+            let message =
+                format!("programs are asked more than {MAX_ASKED} times: does what `{name}` answers ask for more?");
+            return Err(self.error(place, message));
+        }
+        Ok(())
+    }
+
     /// `Procedural`: an archive, or what a program answers (RISpec 5.8).
     fn procedural(
         &mut self,
@@ -405,6 +427,7 @@ impl<'a> Reader<'a> {
                     ri.warn(format!("the program `{}` is not run in a check", program.escape_debug()));
                     return Ok(());
                 };
+                self.count_asked(program, place)?;
                 let answer = self.shared.programs.ask(&path, program, ri.detail(bound), request);
                 let answer = answer.map_err(|m| self.error(place, m))?;
                 self.nested(&path, 1, &answer, ri, on_directive)

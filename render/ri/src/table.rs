@@ -98,9 +98,9 @@ macro_rules! requests {
             /// set an implementation-specific attribute.
             Attribute [any] => attribute(text (name: &str) params (params: Params));
             /// set the surface colour.
-            Color [any] => color(list "a colour" (color: [f32; 3]));
+            Color [any] => color(colour (color: [f32; 3]));
             /// set the surface opacity.
-            Opacity [any] => opacity(list "an opacity" (opacity: [f32; 3]));
+            Opacity [any] => opacity(colour (opacity: [f32; 3]));
             /// add a light source: light shader and handle.
             LightSource [any] => light_source(text (name: &str) handle (handle: &str) params (params: Params));
             /// add an area light, emitted by the gprims that follow: light shader and handle.
@@ -219,7 +219,7 @@ macro_rules! requests {
             /// set the texture coordinates s and t of the four corners of primitives.
             TextureCoordinates [any] => texture_coordinates(list "s and t of four corners" (corners: [f32; 8]));
             /// set the count of colour components by the matrices to RGB and from RGB.
-            ColorSamples [options] => color_samples(floats (to_rgb: Vec<f32>) floats (from_rgb: Vec<f32>));
+            ColorSamples [options] => color_samples(colour_samples (to_rgb: Vec<f32>, from_rgb: Vec<f32>));
             /// maximum variance of a pixel's colour.
             PixelVariance [options] => pixel_variance(number (variance: f32));
             /// set the deformation shader.

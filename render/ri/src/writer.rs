@@ -119,6 +119,12 @@ macro_rules! append {
         $line.text($name);
         $line.params($params);
     };
+    ($to:ident, $line:ident, colour ($arg:ident)) => {
+        $line.bracketed(|line| $arg.append(line));
+    };
+    ($to:ident, $line:ident, colour_samples ($($arg:ident),+)) => {
+        $($line.floats($arg);)+
+    };
     ($to:ident, $line:ident, handle ($arg:ident)) => {
         $line.word(&$to.handle_number($arg));
     };

@@ -243,7 +243,7 @@ fn placed(mut variables: Uniform, m: &Mat4) -> Uniform {
 }
 
 /// The variables of one of some instances.
-fn variables_of(instances: &Instances, i: usize) -> Uniform {
+pub(super) fn variables_of(instances: &Instances, i: usize) -> Uniform {
     let of = |param: &Param| (VariableName::of(&param.decl), instances.param_of(param, i).numbers().to_vec());
     instances.params.iter().filter(|param| !param.numbers().is_empty()).map(of).collect()
 }

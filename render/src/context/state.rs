@@ -211,10 +211,6 @@ impl Context {
         let of_instances = instance_variables(&instances).map(|p| VariableName::of(&p.decl));
         let own: Vec<_> = uniform.iter().map(|(name, _)| name.clone()).chain(of_instances).collect();
         let attached = Arc::new(Attached::new(&self.attributes, &own, &VariableNames::default()));
-        if is_projective(&self.transform) {
-            self.scene.warn("points and instances under a `Perspective` are not drawn".into());
-            return Ok(());
-        }
         let solid = self.enter_part();
         let done = if self.open_object.is_none() {
             self.push(SourceShape::Spheres(instances), uniform, vec![attached])
@@ -245,6 +241,9 @@ impl Context {
         let [from, until] = self.attributes.seen;
         if from >= until {
             return Ok(());
+        }
+        if is_projective(&self.transform) {
+            return self.push_projected(shape, &uniform);
         }
         let mut attributes = self.attributes.clone();
         if let Some(light) = attributes.area_light {

@@ -105,7 +105,7 @@ impl Sink for Grids<'_> {
     /// Displace, project, shade and sample a grid.
     fn take(&mut self, grid: &mut Grid) {
         let Subject { item, view, instants, camera, .. } = self.subject;
-        displace(self.frame, &self.subject, grid, &mut self.shading.machine);
+        displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, &mut self.shading.machine);
         let Some(bound) = self.raster.project(camera, instants, grid) else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {

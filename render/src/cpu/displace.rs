@@ -1,23 +1,24 @@
 //! Displacement of a grid, by its item's displacement shader.
 
-use crate::cpu::frame::Frame;
 use crate::cpu::globals::{fill_incident, spread};
+use crate::cpu::rays::Rays;
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
+use crate::scene::world::Scene;
 use sl::Global;
 use sl::ir::Ask;
 use sl::machine::{Machine, Points};
 
-/// Displace a grid, drop its apron and put its edges where those of its neighbours are.
-pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
+/// Displace a grid, drop its apron and put its edges where those of its neighbours are; `rays` have what its shader meets.
+pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
     let Subject { item, view, camera, .. } = *subject;
     let points = &mut grid.points;
     if let Some(displacement) = &view.attributes.displacement {
-        let mut scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
-        scene.shader_to_world = view.attributes.displacement_space;
+        let mut seen = View::new(scene, rays, item, view, [0.0; 2]);
+        seen.shader_to_world = view.attributes.displacement_space;
         fill_incident(points, camera);
         let before = points.get(Global::P).unwrap_or(&[]).to_vec();
-        machine.run_with(displacement, &view.attached.displacement, points, &scene);
+        machine.run_with(displacement, &view.attached.displacement, points, &seen);
         machine.tell(Ask::Displacement, displacement, points);
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
@@ -26,13 +27,12 @@ pub fn displace(frame: &Frame<'_>, subject: &Subject<'_>, grid: &mut Grid, machi
         let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
         if !after.iter().all(|x| x.is_finite()) {
             let name = &displacement.program.name;
-            frame
-                .scene
+            scene
                 .warn(format!("displacement `{name}` moves points to places that are not finite: these are not drawn"));
         }
         if farthest > grid.reach * 1.001 && farthest.is_finite() {
             let scale = view.object_to_world.x_axis.truncate().length();
-            frame.scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
+            scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
         }
     }
     if grid.apron {

@@ -1,5 +1,7 @@
 //! What all buckets of an image read.
 
+use crate::cpu::displace::displace;
+use crate::cpu::displaced::Displace;
 use crate::cpu::rays::Rays;
 use crate::film::display::{self, Aov, aovs};
 use crate::film::filter::PixelFilter;
@@ -7,13 +9,16 @@ use crate::film::jitter::Jitter;
 use crate::scene::camera::{Camera, RasterPlane};
 use crate::scene::options::Options;
 use crate::scene::world::Scene;
+use std::sync::Arc;
 
 /// What all buckets of an image read.
 pub struct Frame<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// What rays meet.
-    pub rays: Rays,
+    pub rays: Rays<'a>,
+    /// What rays of displacement shaders meet.
+    pub displacement_rays: Arc<Rays<'a>>,
     /// The options.
     pub options: &'a Options,
     /// The camera.
@@ -39,9 +44,13 @@ impl<'a> Frame<'a> {
         let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
         let aovs = aovs(&options.displays);
         let depth = display::depth(&aovs);
-        let (rays, first_ids) = (Rays::new(scene), scene.first_ids());
+        let displacement_rays = Arc::new(Rays::of_displacement(scene));
+        let met = displacement_rays.clone();
+        let displace: Displace<'a> =
+            Arc::new(move |subject, grid, machine| displace(scene, &met, subject, grid, machine));
+        let (rays, first_ids) = (Rays::new(scene, &camera, &displace), scene.first_ids());
         let planes = camera.raster_planes(&options.clipping_planes);
-        Frame { planes, scene, rays, options, camera, jitter, filter, aovs, depth, first_ids }
+        Frame { planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth, first_ids }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.

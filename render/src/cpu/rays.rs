@@ -5,6 +5,10 @@
 //! found by how often a ray from it meets the primitive's surfaces, however the scene turns its normals.
 
 use crate::cpu::bvh::{Bvh, Crossing};
+use crate::cpu::displaced::{Displace, Displaced, is_meshed};
+use crate::cpu::mesh::Spot;
+use crate::scene::attributes::Attributes;
+use crate::scene::camera::Camera;
 use crate::scene::facets::facets_of;
 use crate::scene::shape::Shape;
 use crate::scene::solid::{Solids, Walk};
@@ -17,14 +21,17 @@ use rayon::prelude::*;
 pub const BEFORE_END: f32 = 1.0 - 1e-4;
 
 /// What rays meet.
-pub struct Rays {
+#[derive(Default)]
+pub struct Rays<'a> {
     surfaces: Bvh,
-    solids: Option<Hulls>,
+    displaced: Option<Box<Displaced<'a>>>,
+    solids: Option<Hulls<'a>>,
 }
 
 /// The surfaces of solids.
-struct Hulls {
+struct Hulls<'a> {
     bvh: Bvh,
+    displaced: Option<Box<Displaced<'a>>>,
     solids: Solids,
     /// By source: the primitive of a solid that it is a part of.
     leaves: Vec<Option<u32>>,
@@ -34,12 +41,46 @@ struct Hulls {
     outward: Vec<Vec<bool>>,
 }
 
-impl Rays {
-    /// Over all items of a scene.
-    pub fn new(scene: &Scene) -> Rays {
-        let surfaces = Bvh::build(scene, |a| a.casts_shadows && a.solid.is_none());
-        let solids = scene.sources.iter().any(|s| s.attributes.solid.is_some()).then(|| Hulls::new(scene));
-        Rays { surfaces, solids }
+impl<'a> Rays<'a> {
+    /// Over all items of a scene, displaced as this camera sees them.
+    pub fn new(scene: &'a Scene, camera: &Camera, displace: &Displace<'a>) -> Rays<'a> {
+        let of = |item: Item| &*scene.sources[item.source as usize].attributes;
+        let has_rays = scene.sources.iter().any(|source| source.attributes.traces());
+        let meshed = |item: Item| has_rays && is_meshed(scene, camera, item);
+        let open = |item: Item| of(item).casts_shadows && of(item).solid.is_none();
+        let displaced = |are: &dyn Fn(Item) -> bool| {
+            let items: Vec<Item> = scene.items().filter(|i| are(*i) && meshed(*i)).collect();
+            (!items.is_empty()).then(|| Box::new(Displaced::new(scene, camera, items, displace.clone())))
+        };
+        let is_part = |item: Item| of(item).solid.is_some();
+        let hulls = || Hulls::new(scene, displaced(&is_part), |item| is_part(item) && !meshed(item));
+        let solids = scene.sources.iter().any(|s| s.attributes.solid.is_some()).then(hulls);
+        let surfaces = Bvh::build(scene, |item| open(item) && !meshed(item));
+        Rays { surfaces, displaced: displaced(&open), solids }
+    }
+
+    /// What displacement shaders meet, if any of a scene traces: what does not itself wait for such a shader.
+    pub fn of_displacement(scene: &Scene) -> Rays<'a> {
+        let traces = |a: &Attributes| a.displacement.as_ref().is_some_and(|shader| shader.program.traces);
+        let is_asked = scene.sources.iter().any(|source| traces(&source.attributes));
+        let is_met = |a: &Attributes| a.casts_shadows && a.solid.is_none() && a.displacement.is_none();
+        let met = |item: Item| is_asked && is_met(&scene.sources[item.source as usize].attributes);
+        Rays { surfaces: Bvh::build(scene, met), ..Rays::default() }
+    }
+
+    /// Whether rays meet an item as displaced.
+    pub fn meets_displaced(&self, item: Item) -> bool {
+        self.all_displaced().any(|displaced| displaced.has(item))
+    }
+
+    /// Where a ray meets an item that is displaced, nearest to a distance.
+    pub fn spot(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> Option<Spot> {
+        self.all_displaced().find_map(|displaced| displaced.spot(item, from, dir, distance))
+    }
+
+    fn all_displaced(&self) -> impl Iterator<Item = &Displaced<'a>> {
+        let hulls = self.solids.as_ref().and_then(|hulls| hulls.displaced.as_deref());
+        self.displaced.as_deref().into_iter().chain(hulls)
     }
 
     /// Whether light gets through some of what casts shadows, in part.
@@ -52,6 +93,11 @@ impl Rays {
         // What a lamp lies in, as in a ceiling, is not between.
         let to = from + (to - from) * BEFORE_END;
         self.surfaces.blocked(own, from, to, bias)
+            || self.displaced.as_ref().is_some_and(|displaced| {
+                let (way, length) = (to - from, (to - from).length());
+                length > 0.0
+                    && displaced.blocked(from, way / length, length, |item| !self.surfaces.is_translucent(item))
+            })
             || self.solids.as_ref().is_some_and(|hulls| {
                 let (way, length) = (to - from, (to - from).length());
                 let first = || hulls.first(own, from, way / length, 0.0, bias, |item| hulls.blocks(item));
@@ -62,11 +108,12 @@ impl Rays {
     /// As [`Bvh::nearest`].
     pub fn nearest(&self, own: Item, from: Vec3, dir: Vec3, least: f32, bias: [f32; 2]) -> Option<(f32, Item)> {
         let open = self.surfaces.nearest(own, from, dir, least, bias);
+        let displaced = self.displaced.as_ref().and_then(|displaced| displaced.nearest(from, dir, least));
         let solid = self
             .solids
             .as_ref()
             .and_then(|hulls| hulls.first(own, from, dir, least, bias, |item| hulls.casts[item.source as usize]));
-        [open, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+        [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Whether the cross product of the directions along u and v of a primitive of a solid points out of it.
@@ -77,13 +124,14 @@ impl Rays {
     }
 }
 
-impl Hulls {
-    fn new(scene: &Scene) -> Hulls {
+impl<'a> Hulls<'a> {
+    fn new(scene: &Scene, displaced: Option<Box<Displaced<'a>>>, is_still: impl Fn(Item) -> bool) -> Hulls<'a> {
         let of = |f: &dyn Fn(&crate::scene::attributes::Attributes) -> bool| {
             scene.sources.iter().map(|s| f(&s.attributes)).collect::<Vec<bool>>()
         };
         let mut hulls = Hulls {
-            bvh: Bvh::build(scene, |a| a.solid.is_some()),
+            bvh: Bvh::build(scene, is_still),
+            displaced,
             solids: scene.solids.clone(),
             leaves: scene.sources.iter().map(|s| s.attributes.solid).collect(),
             casts: of(&|a| a.casts_shadows),
@@ -107,8 +155,15 @@ impl Hulls {
     /// it meets an even number of its surfaces. Of three rays from different places most are believed.
     fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
         let (shape, to_world) = scene.place(item);
-        let Shape::Patches(patches, _) = shape else { return true };
-        let facets: Vec<[Vec3; 3]> = patches.iter().flat_map(|patch| facets_of(patch, to_world)).collect();
+        let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
+        let facets: Vec<[Vec3; 3]> = match (displaced, shape) {
+            (Some(facets), _) => facets,
+            (None, Shape::Patches(patches, _)) => patches.iter().flat_map(|p| facets_of(p, to_world)).collect(),
+            (None, Shape::Sphere) => return true,
+        };
+        if facets.is_empty() {
+            return true;
+        }
         let leaf = self.leaves[item.source as usize];
         let leaves_it = |part: f32| {
             let [a, b, c] = facets[((facets.len() as f32 * part) as usize).min(facets.len() - 1)];
@@ -118,10 +173,20 @@ impl Hulls {
             let from = a * 0.41 + b * 0.28 + c * 0.31;
             let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
             let mut met = vec![];
-            self.bvh.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
+            self.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
             met.iter().filter(|m| self.leaves[m.item.source as usize] == leaf).count() % 2 == 0
         };
         [0.23, 0.51, 0.83].into_iter().filter(|part| leaves_it(*part)).count() >= 2
+    }
+
+    /// Add all places where a ray meets a surface of a primitive, as [`Bvh::crossings`].
+    fn crossings(&self, own: Option<Item>, from: Vec3, dir: Vec3, bias: [f32; 2], met: &mut Vec<Crossing>) {
+        self.bvh.crossings(own, from, dir, bias, met);
+        let mut spots = vec![];
+        if let Some(displaced) = &self.displaced {
+            displaced.spots(from, dir, &mut spots);
+        }
+        met.extend(spots.iter().map(|(item, s)| Crossing { t: s.t, item: *item, enters: None, along: s.along }));
     }
 
     /// Which way a ray goes through a surface that it meets.
@@ -143,7 +208,7 @@ impl Hulls {
         counts: impl Fn(Item) -> bool,
     ) -> Option<(f32, Item)> {
         let mut met = vec![];
-        self.bvh.crossings(Some(own), from, dir, bias, &mut met);
+        self.crossings(Some(own), from, dir, bias, &mut met);
         if met.is_empty() {
             return None;
         }

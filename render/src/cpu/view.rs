@@ -6,6 +6,7 @@
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::cpu::globals::surface_globals;
+use crate::cpu::mesh::Spot;
 use crate::cpu::rays::{BEFORE_END, Rays};
 use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
@@ -36,7 +37,7 @@ pub struct View<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// What rays meet.
-    pub rays: &'a Rays,
+    pub rays: &'a Rays<'a>,
     /// The primitive that is shaded.
     pub item: Item,
     /// Object space to world.
@@ -64,7 +65,7 @@ thread_local! {
 
 impl<'a> View<'a> {
     /// The view from an item, as its surface shader has it.
-    pub fn new(scene: &'a Scene, rays: &'a Rays, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
+    pub fn new(scene: &'a Scene, rays: &'a Rays<'a>, item: Item, view: &ItemView<'a>, bias: [f32; 2]) -> View<'a> {
         let attributes = view.attributes;
         View {
             scene,
@@ -74,7 +75,7 @@ impl<'a> View<'a> {
             shader_to_world: attributes.surface_space,
             lights: &attributes.light_list,
             bias,
-            flat: flat_normal(view),
+            flat: flat_normal(view).filter(|_| !rays.meets_displaced(item)),
             attributes,
             depth: 0,
             diffuse: false,
@@ -85,7 +86,7 @@ impl<'a> View<'a> {
     fn shade(&self, item: Item, hits: &[Hit], diffuse: bool) -> Vec<[[f32; 3]; 2]> {
         let view = self.scene.view(item);
         let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
-        let met: Vec<Met> = hits.iter().map(|hit| meet(&view, hit)).collect();
+        let met: Vec<Met> = hits.iter().map(|hit| self.meet(item, &view, hit)).collect();
         let is_alone = view.attributes.reads_neighbours();
         let mut answers = Vec::with_capacity(hits.len());
         let mut first = 0;
@@ -142,6 +143,12 @@ impl<'a> View<'a> {
     fn start(&self, from: Vec3, dir: Vec3) -> Vec3 {
         let off = 0.05 * self.bias[0];
         self.flat.map_or(from, |n| from + (2.0 * n * n.dot(dir).signum() - dir) * off)
+    }
+
+    /// An item where a ray meets it.
+    fn meet(&self, item: Item, view: &ItemView<'a>, hit: &Hit) -> Met<'a> {
+        let spot = self.rays.spot(item, hit.from, hit.dir, hit.distance);
+        spot.map_or_else(|| meet(view, hit), |spot| meet_displaced(view, hit, &spot))
     }
 
     /// How much light gets from one point to another.
@@ -220,7 +227,7 @@ impl<'a> View<'a> {
         if attributes.interior.is_none() && path.passed.exterior.is_none() {
             return light;
         }
-        let met = meet(&self.scene.view(item), hit);
+        let met = self.meet(item, &self.scene.view(item), hit);
         let side = if attributes.reversed { -1.0 } else { 1.0 };
         let leg = Leg {
             from: path.from + path.dir * path.at,
@@ -345,18 +352,36 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
                 return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], on: None };
             };
-            let of = |corners: [[f32; 2]; 4], axis: usize| bilinear(corners.map(|c| c[axis]), u, v);
             let normal = patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v));
-            let normal = (normals * normal).normalize_or_zero();
-            Met {
-                place,
-                normal,
-                uv: [of(patch.uv, 0), of(patch.uv, 1)],
-                st: [patch.st_at(0, u, v), patch.st_at(1, u, v)],
-                on: Some((patch, [u, v])),
-            }
+            met_on(patch, [u, v], place, (normals * normal).normalize_or_zero())
         }
     }
+}
+
+/// A displaced item where a ray meets its mesh.
+fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
+    let place = hit.from + hit.dir * hit.distance;
+    // The mesh has the normals that shaders have, which turn with the orientation.
+    let normal = if view.attributes.reversed { -spot.normal } else { spot.normal };
+    let patches = match view.shape {
+        Shape::Patches(patches, _) => patches.as_slice(),
+        Shape::Sphere => &[],
+    };
+    if let Some((k, uv)) = spot.on
+        && let Some(patch) = patches.get(k as usize)
+    {
+        return met_on(patch, uv, place, normal);
+    }
+    let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
+    let uv = sphere_uv(d);
+    Met { place, normal, uv, st: uv, on: None }
+}
+
+/// A patch at parameters of it.
+fn met_on(patch: &Patch, [u, v]: [f32; 2], place: Vec3, normal: Vec3) -> Met<'_> {
+    let of = |axis: usize| bilinear(patch.uv.map(|c| c[axis]), u, v);
+    let st = [patch.st_at(0, u, v), patch.st_at(1, u, v)];
+    Met { place, normal, uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
 }
 
 impl sl::machine::Scene for View<'_> {

@@ -43,6 +43,10 @@ pub trait Sink {
     fn shows(&mut self, bound: &RasterBound) -> bool;
     /// Take a grid; its memory is used again for the next.
     fn take(&mut self, grid: &mut Grid);
+    /// Whether it takes what the camera does not see, too.
+    fn takes_unseen(&self) -> bool {
+        false
+    }
 }
 
 /// A grid: points in rows, in world space, as a dicer leaves it.
@@ -62,4 +66,14 @@ pub struct Grid {
     pub keep: [u32; 4],
     /// How far its points may be displaced, world units.
     pub reach: f32,
+    /// The part of a patch that it is.
+    pub origin: Option<Origin>,
+}
+
+/// A part of a patch: the patch's index among those of its item, and ranges of its parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pub patch: u32,
+    pub u: [f32; 2],
+    pub v: [f32; 2],
 }

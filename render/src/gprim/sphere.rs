@@ -105,12 +105,13 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         }
     }
     (grid.apron, grid.keep, grid.reach) = (a.displacement.is_some(), [u32::MAX; 4], reach);
+    grid.origin = None;
     let tiles = sphere.n.div_ceil(TILE);
     for face in 0..6 {
         for tile in 0..tiles * tiles {
             let range = |k: usize| [k * sphere.n / tiles, (k + 1) * sphere.n / tiles];
             let part = Tile { face, i: range(tile % tiles), j: range(tile / tiles) };
-            if part.may_show(subject, &sphere, translucent, sink) {
+            if sink.takes_unseen() || part.may_show(subject, &sphere, translucent, sink) {
                 part.dice(subject, &sphere, &mut scratch.directions, grid);
                 sink.take(grid);
             }

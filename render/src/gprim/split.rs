@@ -6,7 +6,7 @@
 //! insides need and however they are split.
 
 use crate::gprim::bound::displacement_reach;
-use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::grid::{Grid, Origin, Sink, Subject};
 use crate::gprim::patch::{Piece, dice};
 use crate::gprim::quadric::whole_sphere;
 use crate::scene::motion::{Instant, later};
@@ -22,6 +22,12 @@ const TILE: usize = 16;
 
 /// Splits after which a piece that still crosses the near plane is given up.
 const DEEPEST: u32 = 40;
+
+/// How much coarser than a pixel's width at its distance a surface is diced that the camera does not see.
+const UNSEEN: f32 = 4.0;
+
+/// Splits after which such a piece is diced as it is.
+const DEEPEST_UNSEEN: u32 = 24;
 
 /// A piece of a patch of an item that waits for its turn, which comes by its least depth.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +91,18 @@ impl Queue {
         self.waiting.pop()
     }
 
+    /// Number of pieces that wait.
+    pub fn len(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// All pieces that wait, the nearest first, which do so no more.
+    pub fn take(&mut self) -> Vec<Waiting> {
+        let mut all = std::mem::take(&mut self.waiting).into_sorted_vec();
+        all.reverse();
+        all
+    }
+
     /// Split a piece of patch `k` of an item, whose control points are `p` in camera space, into halves that wait.
     fn split(&mut self, (item, k): (Item, usize), p: &[Vec3; 16], piece: Piece, reach: f32, along_u: bool) {
         let halves = |r: [f32; 2]| [[r[0], 0.5 * (r[0] + r[1])], [0.5 * (r[0] + r[1]), r[1]]];
@@ -141,8 +159,12 @@ fn dice_or_split(
     let p = own.map(|p| to_camera.transform_point3(p));
     let (min, max) = hull(&p);
     // What is wholly behind the near plane as the shutter opens is not seen, wherever it moves.
-    if !min.is_finite() || !max.is_finite() || max.z + reach < camera.near {
+    if !min.is_finite() || !max.is_finite() {
         return;
+    }
+    let unseen = Unseen { k, patch, piece, p: &p, reach };
+    if max.z + reach < camera.near {
+        return unseen.dice(subject, queue, grid, sink);
     }
     // Control points in camera space at a moment.
     let moved = |instant: &Instant| {
@@ -156,7 +178,7 @@ fn dice_or_split(
         (min - reach, max + reach)
     });
     if !shows {
-        return;
+        return unseen.dice(subject, queue, grid, sink);
     }
     let last = instants[1..].last().map(&moved);
     if camera.perspective && min.z <= camera.near {
@@ -167,9 +189,9 @@ fn dice_or_split(
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
         if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach).max(0.5 / camera.pixels_at(camera.near)) {
-            queue.split((subject.item, k), &p, piece, reach, u >= v);
+            return queue.split((subject.item, k), &p, piece, reach, u >= v);
         }
-        return;
+        return unseen.dice(subject, queue, grid, sink);
     }
     let fineness = Fineness::of(subject, &p, last.as_ref(), reach);
     let [nu, nv] = fineness.segments();
@@ -178,12 +200,50 @@ fn dice_or_split(
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
         return queue.split((subject.item, k), &p, piece, reach, nu >= nv);
     }
-    let size = [nu.min(TILE), nv.min(TILE)];
-    grid.apron = view.attributes.displacement.is_some();
+    dice_piece(subject, (k, patch), piece, &fineness, reach, grid, sink);
+}
+
+/// Dice a piece of patch `k` of an item that is small enough for a grid.
+fn dice_piece(
+    subject: &Subject<'_>,
+    (k, patch): (usize, &Patch),
+    piece: Piece,
+    fineness: &Fineness,
+    reach: f32,
+    grid: &mut Grid,
+    sink: &mut impl Sink,
+) {
+    let size = fineness.segments().map(|n| n.min(TILE));
+    grid.apron = subject.view.attributes.displacement.is_some();
     dice(subject, patch, piece, size, grid);
     grid.keep = fineness.kept(size);
-    grid.reach = reach;
+    (grid.reach, grid.origin) = (reach, Some(Origin { patch: k as u32, u: piece.u, v: piece.v }));
     sink.take(grid);
+}
+
+/// A piece of patch `k` of an item that the camera does not see, with its control points in camera space.
+struct Unseen<'a> {
+    k: usize,
+    patch: &'a Patch,
+    piece: Piece,
+    p: &'a [Vec3; 16],
+    reach: f32,
+}
+
+impl Unseen<'_> {
+    /// Dice it or split it for a sink that takes it all the same.
+    fn dice(&self, subject: &Subject<'_>, queue: &mut Queue, grid: &mut Grid, sink: &mut impl Sink) {
+        if !sink.takes_unseen() {
+            return;
+        }
+        let Unseen { k, patch, piece, p, reach } = *self;
+        let fineness = Fineness::unseen(subject, p);
+        let [nu, nv] = fineness.segments();
+        if piece.depth < DEEPEST_UNSEEN && (nu > TILE || nv > TILE) {
+            return queue.split((subject.item, k), p, piece, reach, nu >= nv);
+        }
+        dice_piece(subject, (k, patch), piece, &fineness, reach, grid, sink);
+    }
 }
 
 /// How finely a piece is diced: what each row and column of its control points asks for, and each edge.
@@ -237,6 +297,28 @@ impl Fineness {
             columns: [0, 1, 2, 3].map(|i| rate(pixels(i, 4))),
             edges: [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) }),
             blurred,
+        }
+    }
+
+    /// Measure a piece that the camera does not see, for rays: by its distance from the eye.
+    fn unseen(subject: &Subject<'_>, p: &[Vec3; 16]) -> Fineness {
+        let Subject { view, camera, .. } = *subject;
+        let step = view.attributes.shading_rate.sqrt() * UNSEEN;
+        let length = |c: &[Vec3; 4]| {
+            let distance = c.iter().map(|p| p.length()).fold(f32::INFINITY, f32::min);
+            path(c) * camera.pixels_at(distance) / step
+        };
+        let leg = |a: usize, stride: usize| [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| p[k]);
+        let rate = |c: [Vec3; 4]| (length(&c).clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
+        let halved = |c: [Vec3; 4]| {
+            let mut points = 1 | 1 << TILE;
+            halve(c, 0, TILE, &length, &mut points).then_some(points)
+        };
+        Fineness {
+            rows: [0, 1, 2, 3].map(|j| rate(leg(4 * j, 1))),
+            columns: [0, 1, 2, 3].map(|i| rate(leg(i, 4))),
+            edges: [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| halved(leg(a, stride))),
+            blurred: false,
         }
     }
 

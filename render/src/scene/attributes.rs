@@ -192,6 +192,13 @@ impl Attributes {
         shaders.into_iter().any(|shader| shader.program.reads_neighbours)
     }
 
+    /// Whether a shader that runs for the primitive sends rays.
+    pub fn traces(&self) -> bool {
+        let volumes = [&self.interior, &self.exterior].into_iter().flatten().map(|(shader, _)| shader);
+        let shaders = self.light_list.iter().chain(&self.displacement).chain(&self.atmosphere).chain(volumes);
+        shaders.chain([&self.surface]).any(|shader| shader.program.traces)
+    }
+
     /// Whether a shader of the primitive reads u, v, s or t.
     pub fn reads_parameters(&self) -> bool {
         let mut shaders =

@@ -143,6 +143,12 @@ impl Camera {
         planes.iter().map(of).collect()
     }
 
+    /// Corners of the part of the raster that the image shows, with some room for filters.
+    pub fn raster_view(&self) -> [Vec2; 2] {
+        let [a, b] = self.view.map(|v| self.center + Vec2::new(v.x, -v.y) * self.scale);
+        [a.min(b), a.max(b)]
+    }
+
     /// Raster point of a camera-space point before the near plane.
     #[inline]
     pub fn project(&self, p: Vec3) -> Vec2 {

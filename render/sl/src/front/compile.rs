@@ -21,8 +21,30 @@ pub fn compile_with(path: &Path, source: &str, include: &Include<'_>) -> Result<
     let mut sources = Sources::default();
     let mut program = front(path, source, include, &mut sources).map_err(|e| sources.place(e))?;
     program.file = path.display().to_string();
+    program.places = places(&program, &sources);
     ir::validate(&program).map_err(|m| sources.place(Error::new(0, format!("internal: {m}"))))?;
     Ok(program)
+}
+
+/// The places of operations that have one.
+fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
+    let mut found = vec![];
+    let mut note = |op: &ir::Op| match op {
+        ir::Op::Loop(.., at)
+        | ir::Op::Load(.., at)
+        | ir::Op::Store(.., at)
+        | ir::Op::TextLoad(.., at)
+        | ir::Op::TextStore(.., at) => found.push(*at),
+        _ => {}
+    };
+    program.params.iter().map(|p| &p.default).chain([&program.body]).for_each(|ops| ir::visit(ops, &mut note));
+    found.sort_unstable();
+    found.dedup();
+    let place = |at: u32| {
+        let d = sources.place(Error::new(at as usize, ""));
+        (at, format!("{}:{}", d.file.display(), d.line))
+    };
+    found.into_iter().map(place).collect()
 }
 
 fn front(path: &Path, source: &str, include: &Include<'_>, sources: &mut Sources) -> Result<Program, Error> {

@@ -92,14 +92,14 @@ pub enum Op {
     Component(FloatReg, TripleReg, u8),
     /// Assign to a variable at active points: variable, value.
     Assign(Reg, Reg),
-    /// Load an element of an array: result, first element, length, index.
-    Load(Reg, Reg, u16, FloatReg),
-    /// Assign to an element of an array at active points: first element, length, index, value.
-    Store(Reg, u16, FloatReg, Reg),
-    /// Load an element of an array of strings: result, first element, length, index.
-    TextLoad(TextReg, TextReg, u16, FloatReg),
-    /// Assign to an element of an array of strings: first element, length, index, value.
-    TextStore(TextReg, u16, FloatReg, TextReg),
+    /// Load an element of an array: result, first element, length, index, byte of the source.
+    Load(Reg, Reg, u16, FloatReg, u32),
+    /// Assign to an element of an array at active points: first element, length, index, value, byte of the source.
+    Store(Reg, u16, FloatReg, Reg, u32),
+    /// Load an element of an array of strings: result, first element, length, index, byte of the source.
+    TextLoad(TextReg, TextReg, u16, FloatReg, u32),
+    /// Assign to an element of an array of strings: first element, length, index, value, byte of the source.
+    TextStore(TextReg, u16, FloatReg, TextReg, u32),
     /// Convert a colour between colour spaces: result, colour, from, to.
     ColorSpace(TripleReg, TripleReg, TextReg, TextReg),
     /// Evaluate a spline: result, basis, then the parameter and the knots.
@@ -144,8 +144,8 @@ pub enum Op {
     Transform(Transform, Reg, Reg, TextReg, TextReg),
     /// `if`: condition, block where it is not 0, block where it is 0.
     If(FloatReg, Vec<Op>, Vec<Op>),
-    /// `for` and `while`: operations that compute the condition, condition, body, step.
-    Loop(Vec<Op>, FloatReg, Vec<Op>, Vec<Op>),
+    /// `for` and `while`: operations that compute the condition, condition, body, step, byte of the source.
+    Loop(Vec<Op>, FloatReg, Vec<Op>, Vec<Op>, u32),
     /// `break`: leave this count of enclosing loops.
     Break(u16),
     /// `continue`: of this count of enclosing loops, leave all but the outermost, and go to the step of that one.

@@ -3,8 +3,9 @@
 //! are dropped. (Uniform values need no hoisting out of the points: an operation on uniform operands is done once a grid, see
 //! [`crate::ir`].)
 
+use super::builtins::{How, SceneCall};
 use super::globals::Global;
-use super::op::Op;
+use super::op::{Lookup, Op};
 use super::program::Program;
 use super::register::{Operand, Reg};
 use super::walk::{blocks, blocks_mut, operands_mut, reads, result, visit, writes_besides};
@@ -28,6 +29,12 @@ pub fn optimise(program: &mut Program) {
         }
     }
     (program.keeps_opacity, program.reads_neighbours) = (keeps_opacity(program), reads_neighbours(program));
+    program.traces = any(program, |op| match op {
+        Op::Gather { .. } => true,
+        Op::Map { how, .. } => matches!(how, Lookup::Shadow),
+        Op::Call(f, ..) => matches!(f.row().how, How::Scene(call) if call != SceneCall::Ambient),
+        _ => false,
+    });
 }
 
 fn keeps_opacity(program: &Program) -> bool {
@@ -42,17 +49,19 @@ fn keeps_opacity(program: &Program) -> bool {
 }
 
 fn reads_neighbours(program: &Program) -> bool {
-    let mut reads = false;
-    for block in program.params.iter().map(|p| &p.default).chain([&program.body]) {
-        visit(block, &mut |op| {
-            reads |= match op {
-                Op::Map { .. } => true,
-                Op::Call(f, ..) => f.row().neighbours,
-                _ => false,
-            };
-        });
-    }
-    reads
+    any(program, |op| match op {
+        Op::Map { .. } => true,
+        Op::Call(f, ..) => f.row().neighbours,
+        _ => false,
+    })
+}
+
+/// Whether any operation of a program is such.
+fn any(program: &Program, is_such: impl Fn(&Op) -> bool) -> bool {
+    let mut found = false;
+    let blocks = program.params.iter().map(|p| &p.default).chain([&program.body]);
+    blocks.for_each(|block| visit(block, &mut |op| found |= is_such(op)));
+    found
 }
 
 /// Registers that may be written more than once: they are variables, not values.
@@ -89,7 +98,7 @@ fn drop_copies(program: &mut Program) -> bool {
             written_at[r.index()] = at;
         }
         let mut mark = |r: Reg| writes[r.index()] = 2;
-        if let Op::Load(_, first, len, _) = op {
+        if let Op::Load(_, first, len, _, _) = op {
             first.array(*len).for_each(&mut mark);
         }
         writes_besides(op, &mut mark);

@@ -51,6 +51,10 @@ pub struct Program {
     /// Whether values at a point depend on neighbouring points of the grid: through derivatives, or through maps, whose filters use
     /// them.
     pub reads_neighbours: bool,
+    /// Where loops and elements of arrays stand: the byte of the source, as their operations have it, with file and line.
+    pub places: Vec<(u32, String)>,
+    /// Whether the shader sends rays.
+    pub traces: bool,
 }
 
 impl Program {
@@ -64,6 +68,12 @@ impl Program {
         };
         self.params.iter().map(|param| &param.default).chain([&self.body]).for_each(|ops| visit(ops, &mut take));
         found
+    }
+
+    /// The file and line of an operation that has its place.
+    pub fn place(&self, at: u32) -> &str {
+        let found = self.places.binary_search_by_key(&at, |(at, _)| *at);
+        found.map_or(&self.file, |k| &self.places[k].1)
     }
 
     /// The register of a global variable, if the program uses it.

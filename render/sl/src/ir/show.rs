@@ -59,10 +59,10 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
         Op::Pack(r, parts) => writeln!(f, "{r} = pack{}", list(parts)),
         Op::Component(r, a, c) => writeln!(f, "{r} = {a}[{c}]"),
         Op::Assign(r, a) => writeln!(f, "{r} := {a}"),
-        Op::Load(r, first, n, i) => writeln!(f, "{r} = {first}..{}[{i}]", first.index() + *n as usize),
-        Op::Store(first, n, i, v) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
-        Op::TextLoad(t, first, n, i) => writeln!(f, "{t} = {first}..{}[{i}]", first.index() + *n as usize),
-        Op::TextStore(first, n, i, v) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
+        Op::Load(r, first, n, i, _) => writeln!(f, "{r} = {first}..{}[{i}]", first.index() + *n as usize),
+        Op::Store(first, n, i, v, _) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
+        Op::TextLoad(t, first, n, i, _) => writeln!(f, "{t} = {first}..{}[{i}]", first.index() + *n as usize),
+        Op::TextStore(first, n, i, v, _) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
         Op::ColorSpace(r, a, from, to) => writeln!(f, "{r} = colour {a} {from} {to}"),
         Op::Spline(r, basis, args) => writeln!(f, "{r} = spline {basis}{}", list(args)),
         Op::Match(r, a, b) => writeln!(f, "{r} = match {a} {b}"),
@@ -84,7 +84,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
             block(f, then, depth + 1)?;
             under(f, "else", otherwise, depth)
         }
-        Op::Loop(head, c, body, step) => {
+        Op::Loop(head, c, body, step, _) => {
             writeln!(f, "loop")?;
             block(f, head, depth + 1)?;
             writeln!(f, "{:1$}while {c}", "", 2 * depth)?;

@@ -169,22 +169,22 @@ impl Check<'_> {
                 self.read(*a)?;
                 self.write(*dst)
             }
-            Op::Load(dst, first, len, index) => {
+            Op::Load(dst, first, len, index, _) => {
                 self.read(*index)?;
                 self.elements(*first, *len, *dst)?;
                 self.write(*dst)
             }
-            Op::Store(first, len, index, value) => {
+            Op::Store(first, len, index, value, _) => {
                 self.read(*index)?;
                 self.read(*value)?;
                 self.elements(*first, *len, *value)
             }
-            Op::TextLoad(dst, first, len, index) => {
+            Op::TextLoad(dst, first, len, index, _) => {
                 self.read(*index)?;
                 first.array(*len).try_for_each(|r| self.read_text(r))?;
                 self.write_text(*dst)
             }
-            Op::TextStore(first, len, index, value) => {
+            Op::TextStore(first, len, index, value, _) => {
                 self.read(*index)?;
                 self.read_text(*value)?;
                 first.array(*len).try_for_each(|r| self.read_text(r))
@@ -236,7 +236,7 @@ impl Check<'_> {
                 self.maybe(then)?;
                 self.maybe(otherwise)
             }
-            Op::Loop(head, c, body, step) => {
+            Op::Loop(head, c, body, step, _) => {
                 self.block(head)?;
                 self.read(*c)?;
                 self.loops += 1;

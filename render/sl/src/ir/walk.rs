@@ -52,7 +52,7 @@ macro_rules! inner_blocks {
     ($op:expr) => {
         match $op {
             Op::If(_, a, b) => vec![a, b],
-            Op::Loop(a, _, b, c) => vec![a, b, c],
+            Op::Loop(a, _, b, c, _) => vec![a, b, c],
             Op::Illuminance { body, .. } | Op::Solar { body, .. } | Op::Illuminate { body, .. } | Op::Inline(body) => {
                 vec![body]
             }
@@ -92,19 +92,19 @@ pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
         Op::Select(_, c, a, b) => numbers(&[(*c).into(), *a, *b], f),
         Op::Pack(_, list) => numbers(list, f),
         Op::Call(_, _, list) => numbers(list, f),
-        Op::Load(_, first, len, i) => {
+        Op::Load(_, first, len, i, _) => {
             first.array(*len).for_each(|r| f(Number(r)));
             numbers(&[*i], f);
         }
-        Op::Store(first, len, i, v) => {
+        Op::Store(first, len, i, v, _) => {
             first.array(*len).for_each(|r| f(Number(r)));
             numbers(&[(*i).into(), *v], f);
         }
-        Op::TextLoad(_, first, len, i) => {
+        Op::TextLoad(_, first, len, i, _) => {
             first.array(*len).for_each(|r| f(Text(r)));
             numbers(&[*i], f);
         }
-        Op::TextStore(first, len, i, v) => {
+        Op::TextStore(first, len, i, v, _) => {
             first.array(*len).chain([*v]).for_each(|r| f(Text(r)));
             numbers(&[*i], f);
         }
@@ -186,8 +186,8 @@ pub fn operands_mut(op: &mut Op, f: &mut dyn FnMut(&mut Reg)) {
         }
         Op::Pack(_, list) => each(list, f),
         Op::Call(_, _, list) | Op::Spline(_, _, list) => list.iter_mut().for_each(f),
-        Op::Load(_, _, _, i) | Op::TextLoad(_, _, _, i) | Op::TextStore(_, _, i, _) => each([i], f),
-        Op::Store(_, _, i, v) => {
+        Op::Load(_, _, _, i, _) | Op::TextLoad(_, _, _, i, _) | Op::TextStore(_, _, i, _, _) => each([i], f),
+        Op::Store(_, _, i, v, _) => {
             each([i], f);
             f(v);
         }

@@ -78,7 +78,7 @@ impl Cap {
         grid: &mut Grid,
         sink: &mut impl Sink,
     ) {
-        (grid.apron, grid.keep, grid.reach) = (false, [u32::MAX; 4], 0.0);
+        (grid.apron, grid.keep, grid.reach, grid.origin) = (false, [u32::MAX; 4], 0.0, None);
         let half = self.rings.len() - 1;
         // The outline has eight sides a ring.
         let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;

@@ -40,7 +40,7 @@ impl Machine {
         self.mask = Some(vec![false; n]);
     }
 
-    pub(super) fn repeat(&mut self, head: &[Op], c: FloatReg, body: &[Op], step: &[Op], scene: &dyn Scene) {
+    pub(super) fn repeat(&mut self, head: &[Op], c: FloatReg, body: &[Op], step: &[Op], place: u32, scene: &dyn Scene) {
         /// Points that a turn counts for at least.
         const LEAST: usize = 128;
         let n = self.n;
@@ -56,6 +56,7 @@ impl Machine {
             self.loop_turn = turn_of(outer_turn, turns);
             self.turns_left = self.turns_left.saturating_sub(n.max(LEAST));
             if self.turns_left == 0 {
+                self.endless = self.endless.max(Some((turns, place)));
                 break;
             }
             self.block(head, scene);

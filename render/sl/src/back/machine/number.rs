@@ -61,7 +61,17 @@ impl Machine {
         self.regs[dst.index()] = out;
     }
 
-    pub(super) fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: FloatReg) {
+    /// The element of an array of strings that an index means.
+    pub(super) fn text_element(&mut self, index: FloatReg, len: u16, place: u32) -> Option<usize> {
+        let i = at(&self.regs[index.index()], 0);
+        let found = element(i, len);
+        if found.is_none() {
+            self.beyond.get_or_insert((i, len, place));
+        }
+        found
+    }
+
+    pub(super) fn load_element(&mut self, dst: Reg, first: Reg, len: u16, index: FloatReg, place: u32) {
         let (n, w) = (self.n, dst.width());
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         out.clear();
@@ -70,7 +80,7 @@ impl Machine {
             match element(i, len) {
                 Some(k) => out.extend_from_slice(&self.regs[first.index() + k]),
                 None => {
-                    self.beyond.get_or_insert((i, len));
+                    self.beyond.get_or_insert((i, len, place));
                     out.resize(w, 0.0);
                 }
             }
@@ -79,7 +89,7 @@ impl Machine {
             for (k, i) in index.iter().enumerate() {
                 let Some(e) = element(*i, len) else {
                     if self.mask.as_ref().is_none_or(|mask| mask[k]) {
-                        self.beyond.get_or_insert((*i, len));
+                        self.beyond.get_or_insert((*i, len, place));
                     }
                     continue;
                 };
@@ -90,20 +100,20 @@ impl Machine {
         self.regs[dst.index()] = out;
     }
 
-    pub(super) fn store_element(&mut self, first: Reg, len: u16, index: FloatReg, value: Reg) {
+    pub(super) fn store_element(&mut self, first: Reg, len: u16, index: FloatReg, value: Reg, place: u32) {
         let index = self.regs[index.index()].clone();
         let value = self.regs[value.index()].clone();
         if let [i] = index[..] {
             match element(i, len) {
                 Some(k) => self.assign_value(first.element(k as u16), &value),
-                None => _ = self.beyond.get_or_insert((i, len)),
+                None => _ = self.beyond.get_or_insert((i, len, place)),
             }
             return;
         }
         let outer = self.mask.take();
         let is_on = |p: usize| outer.as_ref().is_none_or(|m| m[p]);
         if let Some(p) = (0..self.n).find(|p| is_on(*p) && element(index[*p], len).is_none()) {
-            self.beyond.get_or_insert((index[p], len));
+            self.beyond.get_or_insert((index[p], len, place));
         }
         for k in 0..len as usize {
             let here = |p: usize| outer.as_ref().is_none_or(|m| m[p]) && element(index[p], len) == Some(k);

@@ -7,8 +7,7 @@ use super::super::slots::VariableSlots;
 use super::state::{LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::convert;
-use crate::shadeop::matrix::{element, triple16};
-use crate::shadeop::runs::at;
+use crate::shadeop::matrix::triple16;
 use crate::shadeop::spline;
 
 /// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
@@ -53,14 +52,14 @@ impl Machine {
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
-        if self.turns_left == 0 {
-            scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.file));
+        if let Some((_, place)) = self.endless.take() {
+            scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
         }
-        if let Some((index, len)) = self.beyond.take() {
-            let most = len - 1;
+        if let Some((index, len, place)) = self.beyond.take() {
+            let (most, place) = (len - 1, program.place(place));
             scene.warn(format!(
-                "{}: the shader `{}` uses element {index} of an array, expected 0 to {most}: it is read as 0 and not written",
-                program.file, program.name
+                "{place}: the shader `{}` uses element {index} of an array, expected 0 to {most}: it is read as 0 and not written",
+                program.name
             ));
         }
         for (global, reg) in &program.globals {
@@ -198,14 +197,14 @@ impl Machine {
             Op::Call(f, dst, args) => {
                 self.call(*f, *dst, args, scene);
             }
-            Op::Load(dst, first, len, index) => self.load_element(*dst, *first, *len, *index),
-            Op::Store(first, len, index, value) => self.store_element(*first, *len, *index, *value),
-            Op::TextLoad(dst, first, len, index) => {
-                let k = element(at(&self.regs[index.index()], 0), *len);
+            Op::Load(dst, first, len, index, place) => self.load_element(*dst, *first, *len, *index, *place),
+            Op::Store(first, len, index, value, place) => self.store_element(*first, *len, *index, *value, *place),
+            Op::TextLoad(dst, first, len, index, place) => {
+                let k = self.text_element(*index, *len, *place);
                 self.texts[dst.index()] = k.map_or(String::new(), |k| self.texts[first.index() + k].clone());
             }
-            Op::TextStore(first, len, index, value) => {
-                if let Some(k) = element(at(&self.regs[index.index()], 0), *len) {
+            Op::TextStore(first, len, index, value, place) => {
+                if let Some(k) = self.text_element(*index, *len, *place) {
                     self.texts[first.index() + k] = self.texts[value.index()].clone();
                 }
             }
@@ -241,7 +240,7 @@ impl Machine {
             Op::Map { .. } => self.map(op, scene),
             Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to, scene),
             Op::If(c, then, otherwise) => self.branch(*c, then, otherwise, scene),
-            Op::Loop(head, c, body, step) => self.repeat(head, *c, body, step, scene),
+            Op::Loop(head, c, body, step, place) => self.repeat(head, *c, body, step, *place, scene),
             Op::Break(levels) => self.leave(*levels as usize, true),
             Op::Continue(levels) => self.leave(*levels as usize, false),
             Op::Inline(body) => {

@@ -52,8 +52,10 @@ pub struct Machine {
     pub(super) loop_turn: u32,
     /// Normals of the points, if a light asks for them.
     pub(super) normals: Vec<f32>,
-    /// The first index of this run that was in no array, and the length of that.
-    pub(super) beyond: Option<(f32, u16)>,
+    /// The first index of this run that was in no array, the length of that, and the byte of the source.
+    pub(super) beyond: Option<(f32, u16, u32)>,
+    /// Of the loops of this run that were cut, that which had the most turns: these, and the byte of the source.
+    pub(super) endless: Option<(u32, u32)>,
     /// What shaders that ran before tell this one.
     pub(super) messages: Vec<Message>,
     pub(super) receiver: Option<Receiver>,

@@ -36,5 +36,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         is_ambient: shader.kind == ShaderKind::Light && !l.directed,
         keeps_opacity: false,
         reads_neighbours: true,
+        traces: true,
+        places: vec![],
     })
 }

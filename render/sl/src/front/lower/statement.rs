@@ -97,7 +97,7 @@ impl<'a> Lower<'a> {
         let body = self.block(|l| l.scoped(std::slice::from_ref(body)));
         self.loops -= 1;
         let (step, ()) = self.block(|l| step.map_or(Ok(()), |s| l.statement(s)))?;
-        self.push(at, Op::Loop(head, condition.float(), body?.0, step))
+        self.push(at, Op::Loop(head, condition.float(), body?.0, step, at as u32))
     }
 
     pub(super) fn light(&mut self, at: usize, which: &str, args: &[Expr], body: &'a Stmt) -> Result<(), Error> {

@@ -176,8 +176,10 @@ impl<'a> Lower<'a> {
                 let k = self.in_array(index.at, var, k)?;
                 self.store(at, var.element(k), value)
             }
-            None if var.ty == Ty::Text => self.push(at, Op::TextStore(var.text(), var.array, i.float(), value.text())),
-            None => self.push(at, Op::Store(var.reg(), var.array, i.float(), value.reg())),
+            None if var.ty == Ty::Text => {
+                self.push(at, Op::TextStore(var.text(), var.array, i.float(), value.text(), at as u32))
+            }
+            None => self.push(at, Op::Store(var.reg(), var.array, i.float(), value.reg(), at as u32)),
         }
     }
 
@@ -200,10 +202,11 @@ impl<'a> Lower<'a> {
                     let k = self.in_array(index.at, var, k)?;
                     Ok(var.element(k))
                 }
-                None if var.ty == Ty::Text => {
-                    self.temp(at, Ty::Text, false, |r| Op::TextLoad(r.text(), var.text(), var.array, i.float()))
+                None if var.ty == Ty::Text => self
+                    .temp(at, Ty::Text, false, |r| Op::TextLoad(r.text(), var.text(), var.array, i.float(), at as u32)),
+                None => {
+                    self.temp(at, var.ty, varying, |r| Op::Load(r.reg(), var.reg(), var.array, i.float(), at as u32))
                 }
-                None => self.temp(at, var.ty, varying, |r| Op::Load(r.reg(), var.reg(), var.array, i.float())),
             };
         }
         match (var.ty.is_triple(), self.constant_of(i)) {

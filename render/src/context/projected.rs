@@ -1,0 +1,69 @@
+//! Spheres, points and instances under a transformation with a perspective: patches where that leads them (RISpec 5.2).
+
+use crate::context::objects::variables_of;
+use crate::context::open_object::Uniform;
+use crate::context::state::Context;
+use crate::gprim::perspective::projected;
+use crate::gprim::quadric::whole_sphere;
+use crate::scene::attached::Attached;
+use crate::scene::shape::Shape;
+use crate::scene::source::SourceShape;
+use crate::scene::variables::{VariableName, VariableNames};
+use glam::Mat4;
+use ri::{Fail, RiResult};
+use std::sync::Arc;
+
+/// The most of them: each becomes many patches.
+const MAX_PROJECTED: usize = 1 << 16;
+
+impl Context {
+    /// Add primitives under a transformation with a perspective, each by itself.
+    pub(super) fn push_projected(&mut self, shape: SourceShape, uniform: &Uniform) -> RiResult {
+        let (m, moves) = (self.transform, std::mem::take(&mut self.moves));
+        if !moves.is_empty() {
+            self.scene.warn("what moves under a `Perspective` is drawn as it is when the shutter opens".into());
+        }
+        let all: Vec<(Mat4, Shape, Uniform)> = match shape {
+            SourceShape::One(shape) => vec![(m, shape, vec![])],
+            SourceShape::Spheres(columns) => {
+                let one = |i: usize| (m * columns.matrix(i), Shape::Sphere, variables_of(&columns, i));
+                (0..columns.len().min(MAX_PROJECTED + 1)).map(one).collect()
+            }
+            SourceShape::Objects(columns, parts) => {
+                let part = |k: usize| {
+                    let (i, (shape, own)) = (k / parts.len(), &parts[k % parts.len()]);
+                    (m * columns.matrix(i) * *own, shape.clone(), variables_of(&columns, i))
+                };
+                (0..(columns.len() * parts.len()).min(MAX_PROJECTED + 1)).map(part).collect()
+            }
+        };
+        if all.len() > MAX_PROJECTED {
+            let message =
+                format!("more than {MAX_PROJECTED} points or instances under a `Perspective` are not supported");
+            return Err(Fail::new(message));
+        }
+        self.transform = Mat4::IDENTITY;
+        let done = all.into_iter().try_for_each(|(place, shape, own)| {
+            let uniform: Uniform = uniform.iter().cloned().chain(own).collect();
+            self.push_one_projected(&place, &shape, uniform)
+        });
+        (self.transform, self.moves) = (m, moves);
+        done
+    }
+
+    fn push_one_projected(&mut self, place: &Mat4, shape: &Shape, uniform: Uniform) -> RiResult {
+        let none = Arc::new(VariableNames::default());
+        let (patches, names) = match shape {
+            Shape::Sphere => (whole_sphere(), &none),
+            Shape::Patches(patches, names) => (patches.as_slice(), names),
+        };
+        let Some(there) = patches.iter().map(|patch| projected(patch, place)).collect::<Option<Vec<_>>>() else {
+            self.scene.warn("a primitive goes behind the eye of a `Perspective` and is not drawn".into());
+            return Ok(());
+        };
+        let own: Vec<VariableName> = uniform.iter().map(|(name, _)| name.clone()).collect();
+        let attached = Arc::new(Attached::new(&self.attributes, &own, names));
+        let shape = Shape::Patches(Arc::new(there.concat()), names.clone());
+        self.push(SourceShape::One(shape), uniform, vec![attached])
+    }
+}
