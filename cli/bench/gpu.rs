@@ -235,7 +235,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
                 collision.find_all(device);
             }
             let started = std::time::Instant::now();
-            let stages = collision.stage_seconds(device)?.unwrap_or_default();
+            let stages = collision.stage_seconds(device, &simulation.model)?.unwrap_or_default();
             let timed: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
             let wall = started.elapsed().as_secs_f64();
             runs.push((if stages.is_empty() { wall } else { timed }, stages));
@@ -248,9 +248,12 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     };
     let (with_pairs, pair_stages) = times(true)?;
     let (seconds, stages) = times(false)?;
-    let dispatches = collision.n_dispatches();
+    let dispatches = collision.n_dispatches(device, &simulation.model);
     let (jacobi, impulses) = solve(bench, &simulation, &collision, Method::Jacobi)?;
     let (apgd, _) = solve(bench, &simulation, &collision, Method::Apgd)?;
+    collision.make_tiles(device, kernels)?;
+    collision.run(device, kernels, &simulation.model)?;
+    let (gauss_seidel, _) = solve(bench, &simulation, &collision, Method::GaussSeidel)?;
     simulation.step();
     Ok(json!({
         "workload": "S", "n": n, "pairs": found.pairs, "contacts": found.contacts, "dispatches": dispatches,
@@ -258,7 +261,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
         "contacts_per_second": found.contacts as f64 / seconds,
         "contacts_per_second_with_new_pairs": found.contacts as f64 / with_pairs,
         "equal_to_cpu": is_like(&simulation, &contacts),
-        "jacobi": jacobi, "apgd": apgd,
+        "jacobi": jacobi, "apgd": apgd, "gauss_seidel": gauss_seidel,
         "jacobi_impulses_equal_to_cpu": has_impulses(&simulation, &contacts, &impulses),
     }))
 }
@@ -271,20 +274,22 @@ fn solve(
     method: Method,
 ) -> Result<(Value, Vec<[f32; 4]>), Fault> {
     let Bench { device, kernels, .. } = bench;
-    let mut model = simulation.model.clone();
-    model.solver.method = Some(method);
-    let solver = ContactSolve::new(device, kernels, &model, collision)?;
-    solver.run(device, &model, &simulation.state)?;
+    let model = &simulation.model;
+    let solver = ContactSolve::new(device, kernels, (model, method), collision)?;
     let n = collision.found().contacts;
-    let impulses = solver.impulses(device, n)?;
-    let mut seconds = vec![];
-    for _ in 0..REPEATS {
-        seconds.push(solver.seconds(device)?);
+    let (mut seconds, mut dispatches) = (vec![], 0);
+    for _ in 0..=REPEATS {
+        let (time, n_dispatches) = solver.run(device, kernels, (model, collision))?;
+        seconds.push(time);
+        dispatches = n_dispatches;
     }
+    // The first one warms up.
+    seconds.remove(0);
+    let impulses = solver.impulses(device, n)?;
     seconds.sort_by(f64::total_cmp);
-    let rate = n as f64 * ITERATIONS as f64 / seconds[REPEATS / 2];
+    let rate = n as f64 * (ITERATIONS * solver.sweeps) as f64 / seconds[REPEATS / 2];
     let report = json!({
-        "iterations": ITERATIONS, "dispatches": solver.n_dispatches(), "contact_iterations_per_second": rate,
+        "iterations": ITERATIONS, "sweeps_per_iteration": solver.sweeps, "dispatches": dispatches, "contact_iterations_per_second": rate,
         "bytes_per_contact_iteration": solver.bytes, "fraction_of_copy_bandwidth": rate * solver.bytes / bench.bandwidth,
     });
     Ok((report, impulses))

@@ -1,0 +1,142 @@
+//! `scree simulate --backend gpu`: what it refuses and how, and whole runs on an adapter, where there is one.
+
+use crate::cli::{scratch, scree, scree_with};
+use std::fs;
+use std::path::Path;
+
+/// Grains that fall onto a block and the ground, in few steps.
+const MODEL: &str = "# Grains that fall.
+name: grains
+step: 0.001
+duration: 0.06
+frame_rate: 100
+checkpoint_interval: 0.02
+seed: 3
+materials:
+  stone: {density: 2600, friction: 0.5}
+bodies:
+  - {name: ground, material: stone, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: stone, fixed: true, box: {size: [0.6, 0.6, 0.3]}, position: [0, 0, 0.15]}
+fills:
+  - name: stones
+    material: stone
+    count: 60
+    radius: [0.03, 0.05]
+    min: [-0.4, -0.4, 0.3]
+    max: [0.4, 0.4, 0.9]
+    velocity: [0, 0, -2]
+";
+
+/// Whether there is an adapter; without one the tests of runs are left out, unless `REQUIRE_GPU` is set.
+fn has_adapter() -> bool {
+    let has_one = !gpu::adapters().is_empty();
+    assert!(has_one || std::env::var_os("REQUIRE_GPU").is_none(), "REQUIRE_GPU is set, but there is no adapter");
+    if !has_one {
+        eprintln!("skipped: there is no Vulkan adapter");
+    }
+    has_one
+}
+
+fn model(folder: &Path, change: impl FnOnce(String) -> String) -> String {
+    let path = folder.join("grains.yaml");
+    fs::write(&path, change(MODEL.into())).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn what_a_device_cannot_do_is_named() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let run = folder.path().join("run").display().to_string();
+    let refused = |from: &str, to: &str, what: &str| {
+        let path = model(folder.path(), |text| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        let answer = scree(&["simulate", &path, "-o", &run, "--backend", "gpu", "--adapter", "0"]);
+        assert!(answer.fails(2).contains(what), "{}", answer.errors());
+        assert!(!folder.path().join("run/run.json").exists(), "no run is written");
+    };
+    refused(
+        "fixed: true, box",
+        "mass: 3, box",
+        "`block` has a shape that no kernel is built for yet: a box that moves",
+    );
+    refused(
+        "box: {size: [0.6, 0.6, 0.3]}",
+        "cylinder: {radius: 0.3, length: 0.3}",
+        "no kernel is built for yet: cylinder",
+    );
+    refused("friction: 0.5}", "friction: 0.5, rolling: 0.1}", "rolling and spinning friction");
+    refused("friction: 0.5}", "friction: 0.5, cohesion: 0.1}", "cohesion");
+    refused("seed: 3", "seed: 3\nsolver: {friction: exact, method: apgd}", "exact friction");
+    refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
+}
+
+#[test]
+fn adapters_are_chosen_for_devices_alone() {
+    let folder = scratch();
+    let path = model(folder.path(), |text| text);
+    let run = folder.path().join("run").display().to_string();
+    let simulate = ["simulate", &path, "-o", &run];
+    let says = |code: i32, environment: &[(&str, &str)], args: &[&str], what: &str| {
+        let answer = scree_with(environment, args);
+        assert!(answer.fails(code).contains(what), "{}", answer.errors());
+    };
+    says(2, &[], &[&simulate[..], &["--adapter", "0"]].concat(), "--backend gpu");
+    let gpu = [&simulate[..], &["--backend", "gpu", "--adapter", "no such adapter"]].concat();
+    if has_adapter() {
+        says(2, &[], &gpu, "no such adapter");
+    }
+    // Without a driver.
+    let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
+    says(1, &environment, &gpu, "install the Vulkan driver");
+}
+
+#[test]
+fn a_run_on_a_device_is_repeated_resumed_and_goes_on_on_the_processor() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let path = model(folder.path(), |text| text);
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let simulate = |name: &str, more: &[&str]| {
+        scree(&[&["simulate", &path, "-o", &at(name)], more].concat()).ok();
+    };
+    let gpu = ["--backend", "gpu", "--adapter", "0"];
+    simulate("first", &gpu);
+    simulate("again", &gpu);
+    simulate("part", &[&gpu[..], &["--until", "0.03"]].concat());
+    simulate("part", &[&gpu[..], &["--resume"]].concat());
+    let index = fs::read_to_string(folder.path().join("first/run.json")).unwrap();
+    assert!(index.contains("\"backend\": \"gpu\"") && index.contains(&gpu::adapters()[0].driver), "{index}");
+    for frame in 0..6 {
+        let file = |run: &str| fs::read(folder.path().join(format!("{run}/frames/{frame:06}.arrow"))).unwrap();
+        assert!(file("first") == file("again"), "frame {frame} is repeated");
+        assert!(file("first") == file("part"), "frame {frame} of a run that was resumed");
+    }
+    // The same model, on the other back end from its middle.
+    simulate("mixed", &[&gpu[..], &["--until", "0.03"]].concat());
+    simulate("mixed", &["--resume"]);
+    simulate("other", &["--until", "0.03"]);
+    simulate("other", &[&gpu[..], &["--resume"]].concat());
+    let positions = |run: &str| {
+        let run = frame::run::RunReader::open(&folder.path().join(run)).unwrap();
+        let table = run.read_frame(5).unwrap();
+        let values = |name| {
+            let column = table.column(name).unwrap();
+            (0..table.rows()).map(|row| column.number(row).unwrap()).collect::<Vec<f64>>()
+        };
+        ["pos_x", "pos_y", "pos_z"].map(values)
+    };
+    let first = positions("first");
+    for run in ["mixed", "other"] {
+        let own = positions(run);
+        let off = own.iter().flatten().zip(first.iter().flatten()).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-4, "{run}: {off} m");
+    }
+}
