@@ -1,4 +1,4 @@
-// The row of a shape that is held in place: a plane, or a box.
+// The row of a shape that is held in place: a plane, a box, a capsule, a cylinder or a cone.
 #import fixed
 
 // Position and half lengths in fine units; axes of its frame over 2^60, of which the last is a plane's normal; kind, shape, body, material
@@ -19,3 +19,6 @@ struct Fixture {
 
 const PLANE: u32 = 0u;
 const BOX: u32 = 1u;
+const CAPSULE: u32 = 2u;
+const CYLINDER: u32 = 3u;
+const CONE: u32 = 4u;

@@ -1,4 +1,5 @@
-//! The shapes that never move and that spheres touch, as a column of a device: planes and boxes.
+//! The shapes that never move and that spheres touch, as a column of a device: planes, boxes, and solids of
+//! revolution. Coordinates in the frame of a box are exact before they are rounded; those of the others are right to 2e-7 of their size.
 
 use super::fault::Fault;
 use super::fixed::Scale;
@@ -14,6 +15,12 @@ use gpu::{Buffer, Device};
 pub const PLANE: u32 = 0;
 /// Kind of a box.
 pub const BOX: u32 = 1;
+/// Kind of a capsule; its radius is the first, its half height the third of its half lengths, as of the kinds below.
+pub const CAPSULE: u32 = 2;
+/// Kind of a cylinder.
+pub const CYLINDER: u32 = 3;
+/// Kind of a cone.
+pub const CONE: u32 = 4;
 
 /// The column, and the boxes about it.
 pub struct Fixtures {
@@ -36,7 +43,13 @@ impl Fixtures {
         let (mut rows, mut boxes) = (vec![], vec![]);
         for s in (0..model.n_shapes()).filter(|s| model.shape_kind[*s] != ShapeKind::Sphere) {
             let row = row(model, state, scale, s)?;
-            let half = if row.kind == BOX { model.shape_size[s] } else { DVec3::ZERO };
+            let size = model.shape_size[s];
+            let half = match row.kind {
+                PLANE => DVec3::ZERO,
+                CAPSULE => DVec3::new(size.x, size.x, size.z + size.x),
+                CYLINDER | CONE => DVec3::new(size.x, size.x, size.z),
+                _ => size,
+            };
             boxes.push((s, bounds(model, state, s, half)));
             rows.push(row);
         }
@@ -62,12 +75,15 @@ fn row(model: &Model, state: &State, scale: Scale, s: usize) -> Result<Fixture, 
     let kind = match model.shape_kind[s] {
         ShapeKind::Plane => PLANE,
         ShapeKind::Box => BOX,
+        ShapeKind::Capsule => CAPSULE,
+        ShapeKind::Cylinder => CYLINDER,
+        ShapeKind::Cone => CONE,
         _ => return Err(unsupported(name.into())),
     };
     let place = state.shape_pose(model, s);
     let fix = |p: DVec3| scale.fix(p).ok_or(Fault::Position(body));
     let [x_axis, y_axis, z_axis] = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| Scale::axis(place.orientation * e));
-    let half = if kind == BOX { fix(model.shape_size[s])? } else { Default::default() };
+    let half = if kind == PLANE { Default::default() } else { fix(model.shape_size[s])? };
     let (material, group) = (model.shape_material[s], model.shape_group[s]);
     let position = fix(place.position)?;
     Ok(Fixture { position, x_axis, y_axis, z_axis, half, kind, shape: s as u32, body, material, group, pad: 0 })

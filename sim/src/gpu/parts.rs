@@ -13,6 +13,7 @@ parts!(
     "fixed",
     "sphere",
     "fixture",
+    "outline",
     "touch",
     "tight",
     "bins",

@@ -37,7 +37,7 @@ gpu::wgsl_rows! {
         z_axis: Fixed,
         /// Half lengths, fine units.
         half: Fixed,
-        /// Kind: [`PLANE`](super::fixtures::PLANE) or [`BOX`](super::fixtures::BOX).
+        /// Kind, as [`fixtures`](super::fixtures) names them.
         kind: u32,
         /// Id of the shape.
         shape: u32,

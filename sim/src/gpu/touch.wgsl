@@ -3,6 +3,7 @@
 // Twin: cpu/collide/round.rs
 #import sphere
 #import fixture
+#import outline
 
 // What a contact needs of its two sides: radii in units, shapes, bodies and materials.
 struct Sides {
@@ -45,6 +46,23 @@ fn touch(pair: vec2<u32>) -> vec4<f32> {
     let x = along(offset, fixture[f].x_axis);
     let y = along(offset, fixture[f].y_axis);
     let half = fixture[f].half;
+    if fixture[f].kind != BOX {
+        // A solid of revolution: a problem in the half plane of the distance from the axis and the height.
+        let across = vec2(real64(x), real64(y)) * FINE;
+        let radial = length(across);
+        let around = select(vec2(1.0, 0.0), across / radial, radial > 0.0);
+        var found = vec3(0.0);
+        if fixture[f].kind == CAPSULE {
+            let from_core = vec2(radial, beyond(z, half.z) * FINE);
+            let size = length(from_core);
+            found = vec3(select(vec2(1.0, 0.0), from_core / size, size > 0.0), size - real64(half.x) * FINE);
+        } else {
+            let size = vec2(real64(half.x), real64(half.z)) * FINE;
+            found = outline(vec2(radial, real64(z) * FINE), size, fixture[f].kind == CONE);
+        }
+        let outward = vec3(around * found.x, found.y);
+        return vec4(out_of_frame(f, -outward), found.z - radius);
+    }
     let away = vec3(beyond(x, half.x), beyond(y, half.y), beyond(z, half.z)) * FINE;
     let distance = length(away);
     if distance > 0.0 {
