@@ -100,13 +100,13 @@ impl Bodies {
         let [orientation, velocity, spin] = [begun.1.wait(device)?, begun.2.wait(device)?, begun.3.wait(device)?];
         let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
         for b in 0..self.n {
+            let velocities = (wide(velocity[b]).truncate(), wide(spin[b]).truncate());
+            (state.velocity[b], state.angular_velocity[b]) = velocities;
             if self.known[b] != 0 {
-                (state.velocity[b], state.angular_velocity[b]) = (DVec3::ZERO, DVec3::ZERO);
                 continue;
             }
             state.position[b] = self.scale.unfix(position[b]);
             state.orientation[b] = DQuat::from_vec4(wide(orientation[b]));
-            (state.velocity[b], state.angular_velocity[b]) = (wide(velocity[b]).truncate(), wide(spin[b]).truncate());
         }
         Ok(())
     }

@@ -25,7 +25,8 @@ pub fn record(
     let integrate = kernel(device, kernels, "integrate", include_str!("integrate.wgsl"))?;
     let from = [bodies.mass.bind(), problem.motion.bind(), overlaps.displaced.bind(), overlaps.share.bind()];
     let state = [bodies.position.bind(), bodies.orientation.bind(), bodies.velocity.bind(), bodies.spin.bind()];
-    let bound: Vec<gpu::Bound> = from.into_iter().chain([room.bind()]).chain(state).collect();
+    let activity = bodies.activity.bind();
+    let bound: Vec<gpu::Bound> = from.into_iter().chain([room.bind()]).chain(state).chain([activity]).collect();
     let params = [model.step, 1.0 / bodies.scale.fine()].map(bits);
     commands.dispatch(device, &integrate, &bound, &params, groups(bodies.n));
     Ok(())

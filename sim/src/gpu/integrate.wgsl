@@ -8,6 +8,7 @@
 // inout orientation  [n_bodies]
 // out   velocity     [n_bodies]    m/s, world
 // out   spin         [n_bodies]    rad/s, in the bodies' frames
+// in    activity     [n_bodies]
 // in    params       [2]           as bits: h (s), 1 / fine unit (1/m)
 // Twin: cpu/integrate.rs
 #import sphere
@@ -23,12 +24,14 @@
 @group(0) @binding(6) var<storage, read_write> orientation: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> velocity: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> spin: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read> params: array<u32>;
+@group(0) @binding(9) var<storage, read> activity: array<u32>;
+@group(0) @binding(10) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let b = row_of(group, thread);
-    if b >= arrayLength(&motion) || room[1] == 0u {
+    // An inactive body begins with the velocity that it has.
+    if b >= arrayLength(&motion) || room[1] == 0u || activity[b] == INACTIVE {
         return;
     }
     if mass[b].x == 0.0 {

@@ -237,6 +237,30 @@ fn a_sphere_bounces_and_rolls_as_on_the_cpu() {
     assert!(bounces > 1 && apart(&own.state, &cpu.state) < 1e-4 && turn < 1e-3, "{bounces} {turn}");
 }
 
+/// A sphere that appears above the bed in the middle of the run, and falls onto it.
+#[test]
+fn what_appears_falls_as_on_the_cpu() {
+    let mut builder = ModelBuilder::new("late");
+    builder.material("stone", 2600.0, 0.5);
+    builder.body("floor", "stone", ShapeFile::plane([0.0, 0.0, 1.0]));
+    for k in 0..16 {
+        let grain = builder.body(&format!("g{k}"), "stone", ShapeFile::sphere(0.1));
+        grain.position = [0.2 * (k % 4) as f64, 0.2 * (k / 4) as f64, 0.1];
+    }
+    let ball = builder.body("ball", "stone", ShapeFile::sphere(0.15));
+    (ball.position, ball.velocity) = ([0.33, 0.31, 0.5], [0.1, 0.0, -3.0]);
+    ball.appears = Some(0.01);
+    let sim = builder.simulation().unwrap();
+    let Some(mut own) = on_device(&sim.model, &sim.state) else { return };
+    let mut cpu = Simulation::new(sim.model, sim.state);
+    let n = (0.08 / cpu.model.step) as usize;
+    (0..n).for_each(|_| drop((own.step(), cpu.step())));
+    own.fetch().unwrap();
+    let ball = cpu.model.body_names["ball"] as usize;
+    assert!(cpu.state.position[ball].z < 0.4 && cpu.state.contacts.len() > 16);
+    assert!(apart(&own.state, &cpu.state) < 1e-4, "{}", apart(&own.state, &cpu.state));
+}
+
 /// Nothing touches it: what the fixed point and single precision make of a flight of a thousand steps far from the origin.
 #[test]
 fn a_flight_is_that_of_the_cpu_far_from_the_origin() {
