@@ -1,5 +1,7 @@
-//! `scree bench gpu`: copy bandwidth, primitives and collision stages of a graphics adapter, held against the copy bandwidth and the
-//! processor.
+//! `scree bench gpu`: copy bandwidth, primitives, collision stages and solvers of a graphics adapter, held against the copy bandwidth and
+//! the processor, and whole steps.
+
+mod steps;
 
 use crate::job::GpuBench;
 use crate::report::{Exit, Failure, Outcome};
@@ -68,12 +70,13 @@ fn run(job: &GpuBench) -> Result<Value, Fault> {
     }
     let beds: &[usize] = if job.small { &[1_000, 10_000] } else { &[84_000, 1_000_000] };
     let collision: Vec<Value> = beds.iter().map(|n| detection(&bench, *n)).collect::<Result<_, _>>()?;
+    let whole = beds.iter().map(|n| steps::measure(&job.adapter, *n)).collect::<Result<Vec<_>, _>>()?;
     let adapter = &bench.device.adapter;
     Ok(json!({
         "adapter": adapter.name, "driver": adapter.driver, "is_software": adapter.software,
         "timer": if adapter.features.contains(&"timestamps") { "timestamps" } else { "wall" },
         "copy_bytes_per_second": bandwidth,
-        "primitives": primitives, "collision": collision,
+        "primitives": primitives, "collision": collision, "steps": whole.concat(),
     }))
 }
 
