@@ -10,9 +10,10 @@ trap 'rm -rf "$work"' EXIT
 REQUIRE_GPU=1 cargo test --release -p sim --lib -- --ignored --nocapture gpu::
 # Mean of each coordinate of the last frame, as CSV.
 means() {
+    local frames=("$1"/frames/*.csv)
     awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k ~ /^pos_[xyz]/) column[++n] = k; next }
         { for (k = 1; k <= n; k++) sum[k] += $column[k] }
-        END { for (k = 1; k <= n; k++) printf "%.6f ", sum[k] / (NR - 1); print "" }' "$(ls "$1"/frames/*.csv | tail -n 1)"
+        END { for (k = 1; k <= n; k++) printf "%.6f ", sum[k] / (NR - 1); print "" }' "${frames[-1]}"
 }
 failed=0
 for model in crater hopper pour quickstart; do
