@@ -219,6 +219,9 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     const CLOSER: f64 = 0.94;
     /// Distance by which the walls are moved, m.
     const AWAY: f64 = 10.0;
+    /// Greatest velocity along an axis, m/s.
+    const SPEED: f64 = 0.01;
+    let mut random = SplitMix64(17);
     let Bench { device, kernels, .. } = bench;
     let solver = SolverSettings { omega: Some(0.2), ..workload::solver(Method::Jacobi, ITERATIONS) };
     let (model, mut state) = workload::build(Workload::S, n, solver, 1.5e-3);
@@ -226,6 +229,10 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
         let is_wall = model.shape_kind[shape] == ShapeKind::Plane;
         let wall = state.orientation[body] * DVec3::Z * -AWAY;
         state.position[body] = state.position[body] * CLOSER + if is_wall { wall } else { DVec3::ZERO };
+        if !is_wall {
+            // Without relative velocities there would be nothing to solve.
+            state.velocity[body] = DVec3::from_array(std::array::from_fn(|_| random.between(-SPEED, SPEED)));
+        }
     }
     let mut simulation = Simulation::new(model, state);
     let mut collision = Collision::new(device, kernels, &simulation.model, &simulation.state)?;

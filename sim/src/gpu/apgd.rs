@@ -21,6 +21,11 @@ pub const BYTES: f64 = 280.0;
 /// Trials between checks of the residual, with a tolerance and without one.
 const CHECK_INTERVAL: [u32; 2] = [10, 25];
 
+/// Trials between checks of the residual.
+pub fn interval(tolerance: f64) -> u32 {
+    CHECK_INTERVAL[(tolerance <= 0.0) as usize]
+}
+
 /// The columns of the method, and its kernels.
 pub struct Apgd {
     contact: Kernel,
@@ -85,7 +90,7 @@ impl Apgd {
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
         let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));
-        let interval = CHECK_INTERVAL[(self.tolerance <= 0.0) as usize];
+        let interval = interval(self.tolerance);
         for trial in 1..=trials {
             commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
             commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);

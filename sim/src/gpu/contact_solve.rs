@@ -28,6 +28,9 @@ const STAGE: &str = "contact_solve";
 /// The most iterations that are recorded.
 const PART: u32 = 50;
 
+/// Bodies times iterations of a part on a software adapter.
+const SLOW_ROWS: usize = 250_000;
+
 /// Places of the step length and of whether the solve goes on in the scalars.
 const STEP: usize = 2;
 const GOES_ON: usize = 7;
@@ -38,6 +41,7 @@ pub struct ContactSolve {
     pub problem: Problem,
     method: Columns,
     settings: SolverSettings,
+    is_software: bool,
     /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
     /// Sweeps of an iteration.
@@ -80,7 +84,8 @@ impl ContactSolve {
         };
         let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
         let bytes = bytes / f64::from(sweeps);
-        Ok(ContactSolve { problem, method, settings: model.solver.clone(), bytes, sweeps })
+        let is_software = device.adapter.software;
+        Ok(ContactSolve { problem, method, settings: model.solver.clone(), is_software, bytes, sweeps })
     }
 
     /// The most iterations for a number of contacts; none if it is known without that number.
@@ -116,9 +121,21 @@ impl ContactSolve {
         self.problem.scalars.write(device, &[scalars]);
     }
 
-    /// Number of iterations of a part.
+    /// Number of iterations of a part: all, if they are not many; on a software adapter as many as it does in some tenths of a second.
     pub fn part(&self) -> u32 {
-        self.settings.iterations.filter(|n| *n <= 2 * PART).unwrap_or(PART)
+        let all = self.settings.iterations.filter(|n| *n <= 2 * PART).unwrap_or(PART);
+        if !self.is_software {
+            return all;
+        }
+        let n = self.problem.n_bodies.max(1);
+        let (most, step) = match &self.method {
+            Columns::GaussSeidel(_) => (SLOW_ROWS / 10 / n, 1),
+            Columns::Jacobi => (SLOW_ROWS / n, 1),
+            // Whole intervals between its checks.
+            Columns::Apgd(_) => (SLOW_ROWS / n, apgd::interval(self.settings.tolerance)),
+        };
+        let most = (most as u32 / step * step).max(step);
+        if most < all { most } else { all }
     }
 
     /// Record the beginning, from the impulses `gamma` of the problem.

@@ -10,7 +10,7 @@
 // in    n_big       [1]
 // inout claim       [n_bodies]   all ones in and out
 // out   color       [n_pairs]
-// out   tile_size   [n_tiles]    number of bodies (not used), and of colours
+// out   tile_size   [n_tiles]    number of pairs without a colour, where a body has very many; number of colours
 #import sphere
 #import fixture
 
@@ -30,7 +30,7 @@
 
 const THREADS: u32 = 256u;
 const NONE: u32 = 0xffffffffu;
-// The most rounds, which is more than a body has pairs: a loop of a kernel stays below 65,535.
+// The most rounds: a loop of a kernel stays below 65,535. Pairs that are left are visited one after the other.
 const MOST: u32 = 65000u;
 
 var<workgroup> n_left: atomic<u32>;
@@ -107,7 +107,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
             }
         }
         if thread == 0u {
-            tile_size[tile] = vec2(0u, n_rounds);
+            tile_size[tile] = vec2(left, n_rounds);
         }
     }
 }

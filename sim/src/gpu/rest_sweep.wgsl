@@ -4,7 +4,7 @@
 // in    place        [n_pairs + 1] number of contacts of the pairs before each pair
 // in    color        [n_pairs]
 // in    tile_first   [n_tiles]     first pair of each tile
-// in    tile_size    [n_tiles]     number of bodies (not used), and of colours
+// in    tile_size    [n_tiles]     number of pairs without a colour, and of colours
 // in    big          [n_big]       the big tiles
 // in    counts       [3]           n_big, n_tiles, n_pairs
 // inout motion       [n_bodies]    m/s, rad/s
@@ -70,6 +70,15 @@ fn main(@builtin(local_invocation_index) thread: u32) {
                 workgroupBarrier();
                 for (var k = first + thread; k < end; k += THREADS) {
                     if color[touching[k]] == c {
+                        term += select(0.0, visit(k), sweep == 0u);
+                    }
+                }
+            }
+            if tile_size[tile].x > 0u {
+                storageBarrier();
+                workgroupBarrier();
+                for (var k = first; k < select(first, end, thread == 0u); k++) {
+                    if color[touching[k]] == 0xffffffffu {
                         term += select(0.0, visit(k), sweep == 0u);
                     }
                 }

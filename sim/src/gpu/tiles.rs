@@ -40,7 +40,7 @@ pub struct Tiles {
     pub local: Buffer<u32>,
     /// Bodies of each tile, from twice its first pair on (2 n_pairs).
     pub body: Buffer<u32>,
-    /// Number of bodies and of colours of each tile (n_tiles).
+    /// Number of bodies and of colours of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
     pub size: Buffer<[u32; 2]>,
     /// Whether a tile does not fit a workgroup (n_tiles).
     pub is_big: Buffer<u32>,
