@@ -21,7 +21,7 @@ use std::path::Path;
 
 /// Simulate a model, and show the progress.
 pub fn simulate(job: ModelRun) -> Outcome {
-    let ModelRun { file, resolved, folder, span } = job;
+    let ModelRun { file, resolved, folder, span, computer } = job;
     for warning in &resolved.warnings {
         eprintln!("warning: {warning}");
     }
@@ -44,10 +44,15 @@ pub fn simulate(job: ModelRun) -> Outcome {
     note_command(&folder, span.resume)?;
     let mut console = Console { progress: None, interruption: Listener::new() };
     guard::memory::doing("simulating into", &folder);
-    let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, &span, &mut console));
+    let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, (&span, &computer), &mut console));
     done.map_err(|e| match e {
         RunError::Fault(fault) => fault.into(),
         RunError::Diverged(why) => Failure::new(Exit::Data, why),
+        RunError::Unsupported(why) => {
+            Failure::new(Exit::Usage, format!("--backend gpu: {why}\n  = --backend cpu simulates this model"))
+        }
+        RunError::Adapter(why) => Failure::new(Exit::Usage, format!("--adapter: {why}")),
+        RunError::Device(why) => Failure::new(Exit::Fault, format!("--backend gpu: {why}")),
         RunError::Interrupted(time) => Failure::new(
             Exit::Interrupted,
             format!("interrupted at {time:.6} s; {} has a checkpoint: continue with --resume", folder.display()),

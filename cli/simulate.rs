@@ -39,7 +39,8 @@ fn sweep(job: Sweep) -> Outcome {
                 eprintln!("warning: frames of {} are lost or damaged: it is simulated again", folder.display());
                 span.resume = false;
             }
-            model_run::simulate(ModelRun { file: case.file, resolved, folder: folder.clone(), span })?;
+            let (goal, computer) = (folder.clone(), job.computer.clone());
+            model_run::simulate(ModelRun { file: case.file, resolved, folder: goal, span, computer })?;
             println!("{}", folder.display());
         }
         warnings.extend(model_run::check_warnings(&folder).err());

@@ -44,7 +44,7 @@ fn simulate_to(plan: &Plan, i: usize) -> Outcome {
         eprintln!("warning: frames of {} are lost or damaged: it is simulated again", plan.home.display());
     }
     let span = Span { until: (!is_last).then_some(simulation.until[i]), resume: is_whole };
-    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span })?;
+    model_run::simulate(ModelRun { file, resolved, folder: plan.home.clone(), span, computer: Default::default() })?;
     if is_last && !plan.frames.is_empty() {
         // Once here, rather than by each task that draws.
         ranges::settle(&mut images_of(plan, &plan.frames)?)?;

@@ -7,6 +7,7 @@ mod cli;
 mod command_line;
 mod corpus;
 mod determinism;
+mod devices;
 mod displaced;
 mod docs;
 mod exports;

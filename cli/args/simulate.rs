@@ -76,6 +76,10 @@ pub struct SimulateArgs {
     /// Back end to compute with.
     #[arg(long, default_value = "auto")]
     pub backend: Backend,
+    /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
+    /// part of its name [default: the first that is no software adapter].
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub adapter: Option<String>,
     /// Write frames as CSV instead of Arrow files.
     #[arg(long)]
     pub csv: bool,
@@ -125,11 +129,12 @@ pub struct SolveArgs {
 /// Back ends.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// Fastest available.
+    /// Processor: from what size on a graphics adapter is faster has not been
+    /// measured yet.
     Auto,
     /// Processor.
     Cpu,
-    /// Graphics adapter (not built yet).
+    /// Graphics adapter.
     Gpu,
 }
 

@@ -1,5 +1,7 @@
-//! `scree bench gpu`: copy bandwidth, primitives and collision stages of a graphics adapter, held against the copy bandwidth and the
-//! processor.
+//! `scree bench gpu`: copy bandwidth, primitives, collision stages and solvers of a graphics adapter, held against the copy bandwidth and
+//! the processor, and whole steps.
+
+mod steps;
 
 use crate::job::GpuBench;
 use crate::report::{Exit, Failure, Outcome};
@@ -68,12 +70,13 @@ fn run(job: &GpuBench) -> Result<Value, Fault> {
     }
     let beds: &[usize] = if job.small { &[1_000, 10_000] } else { &[84_000, 1_000_000] };
     let collision: Vec<Value> = beds.iter().map(|n| detection(&bench, *n)).collect::<Result<_, _>>()?;
+    let whole = beds.iter().map(|n| steps::measure(&job.adapter, *n)).collect::<Result<Vec<_>, _>>()?;
     let adapter = &bench.device.adapter;
     Ok(json!({
         "adapter": adapter.name, "driver": adapter.driver, "is_software": adapter.software,
         "timer": if adapter.features.contains(&"timestamps") { "timestamps" } else { "wall" },
         "copy_bytes_per_second": bandwidth,
-        "primitives": primitives, "collision": collision,
+        "primitives": primitives, "collision": collision, "steps": whole.concat(),
     }))
 }
 
@@ -216,6 +219,9 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     const CLOSER: f64 = 0.94;
     /// Distance by which the walls are moved, m.
     const AWAY: f64 = 10.0;
+    /// Greatest velocity along an axis, m/s.
+    const SPEED: f64 = 0.01;
+    let mut random = SplitMix64(17);
     let Bench { device, kernels, .. } = bench;
     let solver = SolverSettings { omega: Some(0.2), ..workload::solver(Method::Jacobi, ITERATIONS) };
     let (model, mut state) = workload::build(Workload::S, n, solver, 1.5e-3);
@@ -223,6 +229,10 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
         let is_wall = model.shape_kind[shape] == ShapeKind::Plane;
         let wall = state.orientation[body] * DVec3::Z * -AWAY;
         state.position[body] = state.position[body] * CLOSER + if is_wall { wall } else { DVec3::ZERO };
+        if !is_wall {
+            // Without relative velocities there would be nothing to solve.
+            state.velocity[body] = DVec3::from_array(std::array::from_fn(|_| random.between(-SPEED, SPEED)));
+        }
     }
     let mut simulation = Simulation::new(model, state);
     let mut collision = Collision::new(device, kernels, &simulation.model, &simulation.state)?;
@@ -235,7 +245,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
                 collision.find_all(device);
             }
             let started = std::time::Instant::now();
-            let stages = collision.stage_seconds(device)?.unwrap_or_default();
+            let stages = collision.stage_seconds(device, &simulation.model)?.unwrap_or_default();
             let timed: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
             let wall = started.elapsed().as_secs_f64();
             runs.push((if stages.is_empty() { wall } else { timed }, stages));
@@ -248,9 +258,12 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     };
     let (with_pairs, pair_stages) = times(true)?;
     let (seconds, stages) = times(false)?;
-    let dispatches = collision.n_dispatches();
+    let dispatches = collision.n_dispatches(device, &simulation.model);
     let (jacobi, impulses) = solve(bench, &simulation, &collision, Method::Jacobi)?;
     let (apgd, _) = solve(bench, &simulation, &collision, Method::Apgd)?;
+    collision.make_tiles(device, kernels)?;
+    collision.run(device, kernels, &simulation.model)?;
+    let (gauss_seidel, _) = solve(bench, &simulation, &collision, Method::GaussSeidel)?;
     simulation.step();
     Ok(json!({
         "workload": "S", "n": n, "pairs": found.pairs, "contacts": found.contacts, "dispatches": dispatches,
@@ -258,7 +271,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
         "contacts_per_second": found.contacts as f64 / seconds,
         "contacts_per_second_with_new_pairs": found.contacts as f64 / with_pairs,
         "equal_to_cpu": is_like(&simulation, &contacts),
-        "jacobi": jacobi, "apgd": apgd,
+        "jacobi": jacobi, "apgd": apgd, "gauss_seidel": gauss_seidel,
         "jacobi_impulses_equal_to_cpu": has_impulses(&simulation, &contacts, &impulses),
     }))
 }
@@ -271,20 +284,22 @@ fn solve(
     method: Method,
 ) -> Result<(Value, Vec<[f32; 4]>), Fault> {
     let Bench { device, kernels, .. } = bench;
-    let mut model = simulation.model.clone();
-    model.solver.method = Some(method);
-    let solver = ContactSolve::new(device, kernels, &model, collision)?;
-    solver.run(device, &model, &simulation.state)?;
+    let model = &simulation.model;
+    let solver = ContactSolve::new(device, kernels, (model, method), collision)?;
     let n = collision.found().contacts;
-    let impulses = solver.impulses(device, n)?;
-    let mut seconds = vec![];
-    for _ in 0..REPEATS {
-        seconds.push(solver.seconds(device)?);
+    let (mut seconds, mut dispatches) = (vec![], 0);
+    for _ in 0..=REPEATS {
+        let (time, n_dispatches) = solver.run(device, kernels, (model, collision))?;
+        seconds.push(time);
+        dispatches = n_dispatches;
     }
+    // The first one warms up.
+    seconds.remove(0);
+    let impulses = solver.impulses(device, n)?;
     seconds.sort_by(f64::total_cmp);
-    let rate = n as f64 * ITERATIONS as f64 / seconds[REPEATS / 2];
+    let rate = n as f64 * (ITERATIONS * solver.sweeps) as f64 / seconds[REPEATS / 2];
     let report = json!({
-        "iterations": ITERATIONS, "dispatches": solver.n_dispatches(), "contact_iterations_per_second": rate,
+        "iterations": ITERATIONS, "sweeps_per_iteration": solver.sweeps, "dispatches": dispatches, "contact_iterations_per_second": rate,
         "bytes_per_contact_iteration": solver.bytes, "fraction_of_copy_bandwidth": rate * solver.bytes / bench.bandwidth,
     });
     Ok((report, impulses))

@@ -120,6 +120,12 @@ impl Origin {
             run_folder::check(&file, folder, None)?;
         }
         let span = Span { until: None, resume };
-        Ok(Origin::Model(Box::new(ModelRun { file, resolved, folder: folder.into(), span })))
+        Ok(Origin::Model(Box::new(ModelRun {
+            file,
+            resolved,
+            folder: folder.into(),
+            span,
+            computer: Default::default(),
+        })))
     }
 }

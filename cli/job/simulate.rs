@@ -8,7 +8,7 @@ use crate::report::{Exit, Failure, Outcome};
 use frame::run::FrameFormat;
 use sim::Quality;
 use sim::model_file::{self, ModelFile, Replacement, Resolved};
-use sim::run::Span;
+use sim::run::{Computer, Span};
 use std::path::PathBuf;
 
 /// What to simulate.
@@ -34,12 +34,14 @@ pub struct ModelRun {
     pub folder: PathBuf,
     /// The span of time to simulate.
     pub span: Span,
+    /// What computes the steps.
+    pub computer: Computer,
 }
 
 impl SimulateJob {
     /// Check the arguments: read the model with its values replaced.
     pub fn check(args: SimulateArgs) -> Outcome<SimulateJob> {
-        cpu_only(args.backend)?;
+        let computer = computer(args.backend, args.adapter.clone())?;
         let mut set = replacements(args.set.iter().map(|a| (&a.path, &a.value)));
         if let Some(quality) = args.quality {
             let value = Quality::from(quality).name().into();
@@ -55,7 +57,7 @@ impl SimulateJob {
             return Err(Failure::new(Exit::Usage, "--preview shows one run, and the model has a `sweep`"));
         }
         if !file.sweep.is_empty() {
-            return Ok(SimulateJob::Sweep(SweepJob::check(args, (&file, &doc), set, folder)?));
+            return Ok(SimulateJob::Sweep(SweepJob::check(args, (&file, &doc), set, (folder, computer))?));
         }
         if args.plan || args.sweep_index.is_some() {
             return Err(Failure::new(Exit::Usage, "--plan and --sweep-index are for models with a `sweep`"));
@@ -67,7 +69,7 @@ impl SimulateJob {
         if !args.fresh {
             run_folder::check(&file, &folder, args.until)?;
         }
-        let run = Box::new(ModelRun { file, resolved, folder, span });
+        let run = Box::new(ModelRun { file, resolved, folder, span, computer });
         Ok(SimulateJob::Run { run, preview: args.preview })
     }
 }
@@ -87,10 +89,24 @@ pub fn replacements<'a>(set: impl Iterator<Item = (&'a String, &'a String)>) -> 
     set.map(|(path, value)| Replacement { path: path.clone(), value: value.clone(), written: None }).collect()
 }
 
-/// Refuse the back end that is not built yet.
+/// What computes the steps of a back end, and of an adapter, if one is chosen.
+fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
+    match (backend, adapter) {
+        (Backend::Gpu, adapter) => Ok(Computer::Gpu(adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named))),
+        (Backend::Auto | Backend::Cpu, None) => Ok(Computer::Cpu),
+        (Backend::Auto | Backend::Cpu, Some(_)) => {
+            Err(Failure::new(Exit::Usage, "--adapter chooses a graphics adapter: give --backend gpu with it"))
+        }
+    }
+}
+
+/// Refuse the back end that a benchmark does not have.
 pub(super) fn cpu_only(backend: Backend) -> Outcome {
     match backend {
         Backend::Auto | Backend::Cpu => Ok(()),
-        Backend::Gpu => Err(Failure::new(Exit::Usage, "--backend gpu: there is no GPU back end yet; use cpu or auto")),
+        Backend::Gpu => Err(Failure::new(
+            Exit::Usage,
+            "--backend gpu: this benchmark runs on the processor; `scree bench gpu` measures a graphics adapter",
+        )),
     }
 }

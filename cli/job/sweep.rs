@@ -6,7 +6,7 @@ use crate::report::{Exit, Failure, Outcome};
 use frame::run::{FrameFormat, RunReader};
 use frame::yaml::Document;
 use sim::model_file::{ModelFile, Replacement, Variants};
-use sim::run::{self, Span};
+use sim::run::{self, Computer, Span};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,8 @@ pub struct Sweep {
     pub n_combinations: usize,
     /// The span of time to simulate.
     pub span: Span,
+    /// What computes the steps.
+    pub computer: Computer,
 }
 
 /// A run of a combination.
@@ -65,7 +67,7 @@ impl SweepJob {
         args: SimulateArgs,
         (file, doc): (&ModelFile, &Document),
         set: Vec<Replacement>,
-        folder: PathBuf,
+        (folder, computer): (PathBuf, Computer),
     ) -> Outcome<SweepJob> {
         let combinations = combinations(file, doc)?;
         let n = combinations.len();
@@ -103,7 +105,7 @@ impl SweepJob {
             return Ok(SweepJob::Plan(Plan { combinations, folder }));
         }
         let span = Span { until: args.until, resume: args.resume };
-        Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span }))
+        Ok(SweepJob::Runs(Sweep { runs, n_combinations: n, span, computer }))
     }
 }
 

@@ -54,5 +54,8 @@ done
 row radix_count_u64 $kernels/radix_count.wgsl plain key=$kernels/key_u64.wgsl
 for path in plain subgroups; do row radix_scatter_u64 $kernels/radix_scatter.wgsl $path key=$kernels/key_u64.wgsl; done
 kernels=sim/src/gpu
-for name in bounds pairs_due fatten bin_emit bin_clear bin_start pair_write contact_find contact_write solve_rows jacobi_contact jacobi_body apgd_start apgd_contact apgd_body apgd_decide apgd_extrapolate; do row $name $kernels/$name.wgsl plain; done
+for path in $(grep -l '^@compute' $kernels/*.wgsl); do
+    name=$(basename "$path" .wgsl)
+    row "$name" "$kernels/$name.wgsl" plain
+done
 row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl

@@ -40,6 +40,11 @@ impl Compact {
         })
     }
 
+    /// The prefix sums of the flags of the last compaction, and the number of all that are kept (n + 1).
+    pub fn places(&self) -> &Buffer<u32> {
+        &self.place
+    }
+
     /// Record the compaction of `count` flags to `ids` and their number `n_kept`.
     pub fn record(
         &self,

@@ -7,7 +7,7 @@ pub enum GpuError {
     #[error(
         "no {}Vulkan adapter was found: install the Vulkan driver of the GPU{}",
         if *.software { "" } else { "hardware " },
-        if *.software { ", or a software one (Debian: apt-get install mesa-vulkan-drivers)" } else { "" }
+        if *.software { ", or a software one (Debian: apt-get install mesa-vulkan-drivers)" } else { "; a software adapter has to be chosen, by its index or name" }
     )]
     NoAdapter {
         /// Whether a software adapter would have done.

@@ -1,21 +1,348 @@
-//! The simulation on graphics devices: so far the contacts between spheres and their solution by Jacobi and APGD, each file beside its kernels.
+//! The back end of graphics devices: one file per stage, beside its kernels, as in `cpu`. The state stays on the device from step to step;
+//! what comes back of a step is a [`rows::Summary`], and the columns when they are asked for.
 //!
 //! Positions are in fixed point ([`fixed`]), so that gaps are right far from the origin. The stages are those of the CPU back end
 //! ([`crate::stages`]), with other columns in between: a sphere is in one bin, and pairs lie in the order of bins.
+//!
+//! A step is recorded once and submitted for every step: the stages up to the first iteration, a part of the iterations as often as need
+//! be, and the rest. If there are more pairs than room, the bodies stay where they are, and the step is done again with more room.
 
 mod apgd;
 mod bin_emit;
 mod bin_start;
+mod bodies;
 mod bounds;
 pub mod collision;
 pub mod contact_solve;
 mod contact_write;
+mod fault;
 pub mod fixed;
+pub mod fixtures;
+mod force;
+mod gauss_seidel;
+mod integrate;
 mod jacobi;
+mod overlaps;
 mod pair_write;
+mod parts;
 mod problem;
 pub mod rows;
+mod scale;
 mod spheres;
+mod survey;
+mod tiles;
+mod warm_start;
 
 #[cfg(test)]
 mod tests;
+
+pub use fault::Fault;
+
+use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
+use crate::model::Model;
+use crate::outcome::{Outcome, StepOutcome};
+use crate::plan::{ContactMethod, Narrow, StepPlan};
+use crate::settings::Method;
+use crate::stages::Stage;
+use crate::state::State;
+use crate::watch;
+use collision::Collision;
+use contact_solve::ContactSolve;
+use glam::DVec3;
+use gpu::{Commands, Device, Kernels, Timings};
+use overlaps::Overlaps;
+use rows::Summary;
+use survey::Survey;
+use warm_start::WarmStart;
+
+/// Parts of the iterations that are submitted before the device is asked whether more are needed.
+const UNASKED: u32 = 2;
+
+/// The back end of a device, with the state on it.
+pub struct Gpu {
+    device: Device,
+    kernels: Kernels,
+    collision: Collision,
+    warm_start: WarmStart,
+    solve: ContactSolve,
+    overlaps: Overlaps,
+    survey: Survey,
+    recorded: Recorded,
+    /// Mass of the moving bodies, kg.
+    mass: f64,
+    /// Number of contacts of the last step.
+    n_contacts: usize,
+    /// Whether the state differs from that on the device.
+    is_stale: bool,
+}
+
+/// The recorded commands of a step.
+struct Recorded {
+    start: Commands,
+    part: Commands,
+    end: Commands,
+    /// The end of a step that recovers overlaps.
+    recovery: Commands,
+    /// In one of how many steps overlaps are recovered.
+    period: u64,
+}
+
+/// What a step has done.
+pub struct Stepped {
+    /// The outcome.
+    pub outcome: StepOutcome,
+    /// The survey of the bodies.
+    pub survey: watch::Survey,
+    /// Time of each stage, ms, in the order of [`Stage::ALL`]; zeros where the adapter takes no times.
+    pub stage_ms: [f64; Stage::ALL.len()],
+}
+
+impl Gpu {
+    /// A back end on a device for a model, from a state whose watch has begun.
+    ///
+    /// # Errors
+    /// [`Fault::Unsupported`] for a model that needs what no kernel is built for, [`Fault::Position`], [`Fault::Gpu`].
+    pub fn new(device: Device, model: &Model, state: &State, plan: &StepPlan) -> Result<Gpu, Fault> {
+        let kernels = Kernels::default();
+        let method = method_of(model, plan)?;
+        contact_solve::supported(model, method)?;
+        let mut collision = Collision::new(&device, &kernels, model, state)?;
+        if method == Method::GaussSeidel {
+            collision.make_tiles(&device, &kernels)?;
+        }
+        let n_last = state.contacts.len();
+        if n_last > collision.columns().0.capacity() {
+            collision.make_room(&device, &kernels, n_last)?;
+        }
+        let room = collision.columns().0.capacity();
+        let warm_start = WarmStart::new(&device, &kernels, room)?;
+        warm_start.place(&device, &state.contacts);
+        let solve = ContactSolve::new(&device, &kernels, (model, method), &collision)?;
+        solve.place_step_length(&device, state.step_length);
+        let overlaps = Overlaps::new(&device, &solve.problem)?;
+        let survey = Survey::new(&device, model, state, &collision.bodies)?;
+        let recorded = Recorded::empty();
+        let (mass, n_contacts, is_stale) = (moving_mass(model, state), n_last, false);
+        let mut gpu = Gpu {
+            device,
+            kernels,
+            collision,
+            warm_start,
+            solve,
+            overlaps,
+            survey,
+            recorded,
+            mass,
+            n_contacts,
+            is_stale,
+        };
+        gpu.record(model, plan)?;
+        Ok(gpu)
+    }
+
+    /// Name of the adapter, with that of its driver.
+    pub fn adapter(&self) -> String {
+        let adapter = &self.device.adapter;
+        format!("{} ({})", adapter.name, adapter.driver)
+    }
+
+    /// Give the device back, for a back end of another state.
+    pub fn into_device(self) -> Device {
+        self.device
+    }
+
+    /// Adopt a plan: the activity of a body or the settings of the solver have changed.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::new`].
+    pub fn prepare(&mut self, model: &Model, state: &State, plan: &StepPlan) -> Result<(), Fault> {
+        if self.collision.bodies.place_activity(&self.device, model, state) {
+            self.collision.find_all(&self.device);
+        }
+        self.mass = moving_mass(model, state);
+        if method_of(model, plan)? == Method::GaussSeidel {
+            self.collision.make_tiles(&self.device, &self.kernels)?;
+        }
+        let step_length = self.solve.step_length(&self.device)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve.place_step_length(&self.device, step_length);
+        self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
+        self.record(model, plan)
+    }
+
+    /// Take a step. The state's time goes on; its columns stay as they are until [`Gpu::fetch`].
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
+        let (summary, times) = loop {
+            let times = self.submit(state)?;
+            let summary = self.survey.summary.read(&self.device, 1)?[0];
+            if summary.has_room == 1 {
+                break (summary, times);
+            }
+            self.make_room(model, plan, summary.pairs as usize)?;
+        };
+        let mut stage_ms = [0.0; Stage::ALL.len()];
+        for timings in times {
+            for (name, seconds) in timings.wait(&self.device)?.unwrap_or_default() {
+                let stage = Stage::ALL.iter().position(|stage| stage.name() == name);
+                stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
+            }
+        }
+        state.steps += 1;
+        state.time = state.steps as f64 * model.step;
+        self.n_contacts = summary.contacts as usize;
+        self.is_stale = true;
+        let survey = self.survey.of_watch(&summary, self.mass);
+        Ok(Stepped { outcome: outcome(&summary), survey, stage_ms })
+    }
+
+    /// Bring a state up to date: its columns are those on the device.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn fetch(&mut self, model: &Model, state: &mut State) -> Result<(), Fault> {
+        if !self.is_stale {
+            return Ok(());
+        }
+        self.collision.bodies.fetch(&self.device, state)?;
+        state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
+        self.survey.fetch(&self.device, state)?;
+        state.step_length = self.solve.step_length(&self.device)?;
+        self.fetch_contacts(state)?;
+        self.is_stale = false;
+        Ok(())
+    }
+
+    fn fetch_contacts(&self, state: &mut State) -> Result<(), Fault> {
+        let n = self.n_contacts;
+        let rows = self.solve.problem.contact.read(&self.device, n)?;
+        let impulses = self.solve.problem.gamma.read(&self.device, n)?;
+        let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        state.contacts = Contacts {
+            bodies: rows.iter().map(|c| c.bodies).collect(),
+            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], 0]).collect(),
+            pair: vec![NO_SPHERE_PAIR; n],
+            normal: rows.iter().map(|c| vector(c.normal).normalize()).collect(),
+            arms: Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
+            gap: rows.iter().map(|c| c.gap as f64).collect(),
+            law: rows.iter().map(|c| c.law).collect(),
+            impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
+            ..Contacts::default()
+        };
+        Ok(())
+    }
+
+    /// Submit the commands of a step.
+    fn submit(&mut self, state: &State) -> Result<Vec<Timings>, Fault> {
+        let Recorded { start, part, end, recovery, period } = &self.recorded;
+        let mut times = vec![start.submit(&self.device)?];
+        let most = match self.solve.max_iterations() {
+            Some(most) => most,
+            // The default follows from the number of contacts.
+            None => {
+                let n = self.solve.problem.n_contacts.read(&self.device)?;
+                if n == 0 { 0 } else { self.solve.default_iterations(n) }
+            }
+        };
+        for k in 0..most.div_ceil(self.solve.part()) {
+            if k > 0 && k % UNASKED == 0 && !self.solve.goes_on(&self.device)? {
+                break;
+            }
+            times.push(part.submit(&self.device)?);
+        }
+        let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
+        times.push(end.submit(&self.device)?);
+        Ok(times)
+    }
+
+    /// Make room for a number of pairs.
+    fn make_room(&mut self, model: &Model, plan: &StepPlan, n_pairs: usize) -> Result<(), Fault> {
+        self.collision.make_room(&self.device, &self.kernels, n_pairs)?;
+        self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
+        let step_length = self.solve.step_length(&self.device)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve.place_step_length(&self.device, step_length);
+        self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
+        self.record(model, plan)
+    }
+
+    /// Record a step.
+    fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
+        let Gpu { device, kernels, collision, warm_start, solve, .. } = &*self;
+        let mut start = Commands::new();
+        collision.record(device, &mut start, model);
+        start.stage(Stage::WarmStart.name());
+        match plan.warm_starts {
+            true => warm_start.record(device, &mut start, collision.columns(), &solve.problem.gamma),
+            false => start.clear(&solve.problem.gamma),
+        }
+        start.stage(Stage::Force.name());
+        force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
+        solve.record_start(device, kernels, &mut start, (model, collision))?;
+        let mut part = Commands::new();
+        solve.record_part(device, kernels, &mut part)?;
+        let period = recovery_period(plan);
+        let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
+        self.recorded = Recorded { start, part, end, recovery, period };
+        Ok(())
+    }
+
+    /// Record the end of a step, with the recovery of overlaps for so many steps.
+    fn record_end(&self, model: &Model, recovery: Option<u64>) -> Result<Commands, Fault> {
+        let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
+        let (problem, room) = (&solve.problem, collision.room());
+        let mut commands = Commands::new();
+        let c = &mut commands;
+        solve.record_end(device, c);
+        match recovery {
+            Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
+            None => overlaps.record_none(c),
+        }
+        c.stage(Stage::Integrate.name());
+        let bodies = &collision.bodies;
+        integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
+        warm_start.record_keep(device, c, collision.columns(), (&problem.gamma, room));
+        survey.record(device, kernels, c, (model, bodies), (problem, room))?;
+        Ok(commands)
+    }
+}
+
+impl Recorded {
+    fn empty() -> Recorded {
+        let none = Commands::new;
+        Recorded { start: none(), part: none(), end: none(), recovery: none(), period: 1 }
+    }
+}
+
+fn outcome(summary: &Summary) -> StepOutcome {
+    StepOutcome {
+        solver: Outcome { iterations: summary.iterations, residual: summary.residual as f64 },
+        contacts: summary.contacts as usize,
+        worst_penetration: summary.worst as f64,
+        ..StepOutcome::default()
+    }
+}
+
+/// The method of a plan.
+fn method_of(model: &Model, plan: &StepPlan) -> Result<Method, Fault> {
+    if plan.narrow != Narrow::Spheres {
+        // The columns name what it is.
+        contact_solve::supported(model, Method::Apgd)?;
+    }
+    Ok(match plan.method {
+        ContactMethod::Sweeps => Method::GaussSeidel,
+        ContactMethod::Blocks(method) => method,
+    })
+}
+
+/// In one of how many steps overlaps are recovered, as on the CPU.
+fn recovery_period(plan: &StepPlan) -> u64 {
+    if plan.method == ContactMethod::Sweeps { 4 } else { 1 }
+}
+
+/// Mass of the moving bodies, kg.
+fn moving_mass(model: &Model, state: &State) -> f64 {
+    (0..model.n_bodies()).filter(|b| state.moves(*b)).map(|b| 1.0 / model.inv_mass[b]).sum()
+}

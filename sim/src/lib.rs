@@ -67,7 +67,7 @@ pub use pose::{Pose, PoseColumn};
 pub use probe::{probe_header, probe_line};
 pub use settings::{FrictionLaw, Impacts, Method, Quality, SolverSettings};
 pub use shape::ShapeKind;
-pub use simulation::{Simulation, StepReport};
+pub use simulation::{Simulation, StepFault, StepReport};
 pub use state::{Activity, State};
 pub use table::{contacts_of, frame_of, report_header, report_line};
 pub use twist::Twist;

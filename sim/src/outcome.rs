@@ -41,6 +41,10 @@ pub struct StepOutcome {
     /// Ids of the bodies of the block with the maximum residual; none if the step's residual is within
     /// [`residual_bound`](crate::watch::residual_bound).
     pub worst: Option<[u32; 2]>,
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Maximum penetration at the step's start, m.
+    pub worst_penetration: f64,
     /// Maximum joint errors.
     pub joints: JointErrors,
     /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F

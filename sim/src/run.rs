@@ -3,11 +3,14 @@
 //! It takes steps and writes frames, probes, the report and checkpoints when they are due. Series are appended to; other files are
 //! written whole. Messages, and files beside the run's own, are the [`Observer`]'s.
 
+use crate::gpu;
 use crate::model_file::{ModelFile, OnDivergence, Resolved};
 use crate::watch::{Broken, Warning, WarningCount};
 use crate::{
-    Model, Simulation, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header, report_line,
+    Model, Simulation, State, StepFault, checkpoint, contacts_of, frame_of, probe_header, probe_line, report_header,
+    report_line,
 };
+use ::gpu::{Choice, Device, GpuError};
 use frame::run::{EndKind, Ended, FORMAT_VERSION, Index, RunReader, RunWriter, WarningEntry};
 use frame::series::Series;
 use frame::{Fault, FaultKind, Frame, atomic, csv};
@@ -68,6 +71,54 @@ pub enum RunError {
     Diverged(String),
     /// The observer stopped the run at a time, s. A checkpoint has been written.
     Interrupted(f64),
+    /// The model needs what no kernel of graphics devices is built for; the message for the user.
+    Unsupported(String),
+    /// The name or index of an adapter stands for none; the message for the user.
+    Adapter(String),
+    /// The graphics device failed; the message for the user.
+    Device(String),
+}
+
+impl From<gpu::Fault> for RunError {
+    fn from(fault: gpu::Fault) -> RunError {
+        match fault {
+            gpu::Fault::Gpu(error @ GpuError::Choice { .. }) => RunError::Adapter(error.to_string()),
+            gpu::Fault::Gpu(error) => RunError::Device(error.to_string()),
+            other => RunError::Unsupported(other.to_string()),
+        }
+    }
+}
+
+impl From<StepFault> for RunError {
+    fn from(fault: StepFault) -> RunError {
+        match fault {
+            StepFault::Device(fault) => fault.into(),
+            StepFault::Columns(why) => panic!("{why}"),
+        }
+    }
+}
+
+/// What computes the steps of a run.
+#[derive(Clone, Debug, Default)]
+pub enum Computer {
+    /// The processor.
+    #[default]
+    Cpu,
+    /// A graphics adapter.
+    Gpu(Choice),
+}
+
+impl Computer {
+    /// A simulation of a model from a state.
+    fn begin(&self, model: Model, state: State) -> Result<Simulation, RunError> {
+        match self {
+            Computer::Cpu => Ok(Simulation::new(model, state)),
+            Computer::Gpu(choice) => {
+                let device = Device::open(choice).map_err(gpu::Fault::Gpu)?;
+                Ok(Simulation::on_device(model, state, device)?)
+            }
+        }
+    }
 }
 
 impl From<Fault> for RunError {
@@ -110,17 +161,18 @@ pub fn n_frames(until: f64, frame_rate: f64) -> u64 {
 /// Simulate a model, `file` with its resolution `resolved`, into the run directory `folder`.
 ///
 /// # Errors
-/// A file that cannot be read or written, a checkpoint of another model, or a simulation that diverged.
+/// A file that cannot be read or written, a checkpoint of another model, a simulation that diverged, or a graphics device that cannot
+/// simulate the model.
 pub fn simulate(
     file: &ModelFile,
     mut resolved: Resolved,
     folder: &Path,
-    span: &Span,
+    (span, computer): (&Span, &Computer),
     observer: &mut dyn Observer,
 ) -> Result<(), RunError> {
     let until = span.end(&resolved.model);
     let expected_frames = n_frames(until, resolved.model.frame_rate);
-    let sim = Simulation::new(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
+    let sim = computer.begin(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state))?;
     let index = Index {
         format_version: FORMAT_VERSION,
         program: format!("scree {}", env!("CARGO_PKG_VERSION")),
@@ -128,7 +180,7 @@ pub fn simulate(
         seed: sim.model.seed,
         step_size: sim.model.step,
         backend: sim.backend().into(),
-        adapter: processor(),
+        adapter: sim.adapter().unwrap_or_else(processor),
         units: "SI: m, kg, s, rad".into(),
         expected_frames,
         complete: false,
@@ -186,7 +238,7 @@ impl<'a> Run<'a> {
         index: Index,
         sim: Simulation,
         observer: &mut dyn Observer,
-    ) -> Result<Run<'a>, Fault> {
+    ) -> Result<Run<'a>, RunError> {
         let hash = index.model_hash.clone();
         let mut writer = RunWriter::create(folder, file.format, index)?;
         writer.write_file("model.yaml", &file.to_yaml())?;
@@ -211,25 +263,25 @@ impl<'a> Run<'a> {
         (sim, until): (Simulation, f64),
         path: &Path,
         observer: &mut dyn Observer,
-    ) -> Result<Run<'a>, Fault> {
+    ) -> Result<Run<'a>, RunError> {
         let hash = index.model_hash.clone();
         let (state, of) = checkpoint::read(path)?;
         if of != hash {
             let fault = Fault::whole(FaultKind::Input, path, "is a checkpoint of another model");
-            return Err(fault.hint("simulate without --resume to start again, or restore the model"));
+            return Err(fault.hint("simulate without --resume to start again, or restore the model").into());
         }
         state.fit(&sim.model).map_err(|why| Fault::whole(FaultKind::Data, path, why))?;
         let (h, time, expected) = (sim.model.step, state.time, index.expected_frames);
         if time > until + 0.5 * h {
             let fault = Fault::whole(FaultKind::Input, path, format!("is at {time:.6} s, after the end at {until} s"));
-            return Err(fault.hint("a run is resumed to a later end: give a longer `duration` or --until"));
+            return Err(fault.hint("a run is resumed to a later end: give a longer `duration` or --until").into());
         }
         let is_before = |n: &u64| *n as f64 / sim.model.frame_rate - 0.5 * h <= time;
         let keep = (0..expected).take_while(is_before).count() as u64;
         let mut writer = RunWriter::reopen(folder, file.format, index, keep)?;
         writer.set_warnings(entries(&state.watch.warnings));
         observer.resume(path, time, writer.frames() as u64, expected);
-        let sim = Simulation::new(sim.model, state);
+        let sim = sim.restart(state)?;
         let (last, interval) = (time + 0.5 * h, resolved.probes.interval.max(h));
         // A checkpoint at time 0 has no step before it.
         let report_from = if sim.state.steps == 0 { f64::NEG_INFINITY } else { time - 0.5 * h };
@@ -252,7 +304,7 @@ impl<'a> Run<'a> {
     fn advance(&mut self, time: f64, frame: u64, observer: &mut dyn Observer) -> Result<(), RunError> {
         let h = self.sim.model.step;
         while self.sim.state.time < time - 0.5 * h {
-            let step = self.sim.step();
+            let step = self.sim.try_step()?;
             self.report.push(&report_line(&step))?;
             if let Some(broken) = &step.broken {
                 let why = matter(&self.sim, broken);
@@ -275,10 +327,11 @@ impl<'a> Run<'a> {
     }
 
     /// Write the checkpoint of a stage's end, and of the interval where it is due.
-    fn save_if_due(&mut self) -> Result<(), Fault> {
+    fn save_if_due(&mut self) -> Result<(), RunError> {
         let (now, h) = (self.sim.state.time, self.sim.model.step);
         let stage = self.resolved.stages.iter().find(|(_, end)| (end - now).abs() <= 0.5 * h);
         if let Some((name, _)) = stage {
+            self.sim.fetch()?;
             let path = checkpoint::folder(self.folder).join(format!("{name}.state"));
             checkpoint::write(&path, &self.sim.state, &self.hash)?;
         }
@@ -330,16 +383,18 @@ impl<'a> Run<'a> {
         self.writer.set_warnings(entries(&self.sim.state.watch.warnings));
     }
 
-    fn probe(&mut self) -> Result<(), Fault> {
+    fn probe(&mut self) -> Result<(), RunError> {
         let h = self.sim.model.step;
         if self.sim.state.time >= self.next_probe - 0.5 * h {
+            self.sim.fetch()?;
             self.next_probe += self.resolved.probes.interval.max(h);
             self.probes.push(&probe_line(&self.sim.model, &self.sim.state, &self.resolved.probes))?;
         }
         Ok(())
     }
 
-    fn write_frame(&mut self, frame: u64) -> Result<(), Fault> {
+    fn write_frame(&mut self, frame: u64) -> Result<(), RunError> {
+        self.sim.fetch()?;
         self.list_warnings();
         self.writer.write_frame(&frame_of(&self.sim.model, &self.sim.state, frame))?;
         if self.resolved.probes.contact_tables {
@@ -350,7 +405,8 @@ impl<'a> Run<'a> {
     }
 
     /// Write the series and a checkpoint, and remove the transient checkpoints before it.
-    fn save(&mut self) -> Result<(), Fault> {
+    fn save(&mut self) -> Result<(), RunError> {
+        self.sim.fetch()?;
         self.flush()?;
         let folder = checkpoint::folder(self.folder);
         let path = folder.join(checkpoint::file_name(self.sim.state.steps));

@@ -1,9 +1,11 @@
-//! A simulation: the step, which runs the stages of a back end.
+//! A simulation: the step, on a back end.
 
 use crate::backend::Backend;
 use crate::cpu::Cpu;
+use crate::gpu::{Fault, Gpu};
 use crate::joint::{JointState, SpringState};
 use crate::model::Model;
+use crate::outcome::StepOutcome;
 use crate::plan::StepPlan;
 use crate::stages::{Stage, check};
 use crate::state::State;
@@ -37,38 +39,114 @@ pub struct StepReport {
 pub struct Simulation {
     /// The model.
     pub model: Model,
-    /// The state.
+    /// The state. Of a simulation on a graphics device, its time; its columns once they are fetched.
     pub state: State,
     plan: StepPlan,
-    backend: Box<dyn Backend>,
+    engine: Engine,
+}
+
+/// The back ends.
+enum Engine {
+    Cpu(Box<Cpu>),
+    Gpu(Box<Gpu>),
+}
+
+/// Why a step cannot be taken.
+#[derive(Debug)]
+pub enum StepFault {
+    /// A column is not what the table of columns says: a defect of the back end.
+    Columns(String),
+    /// The graphics device failed, or the model has come to what it cannot do.
+    Device(Fault),
+}
+
+impl std::fmt::Display for StepFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StepFault::Columns(why) => f.write_str(why),
+            StepFault::Device(fault) => fault.fmt(f),
+        }
+    }
+}
+
+impl From<Fault> for StepFault {
+    fn from(fault: Fault) -> StepFault {
+        StepFault::Device(fault)
+    }
 }
 
 impl Simulation {
     /// A simulation of a model from a state, on the CPU back end.
-    pub fn new(model: Model, mut state: State) -> Simulation {
-        state.joints.resize(model.joints.len(), JointState::default());
-        state.springs.resize(model.springs.len(), SpringState::default());
-        state.wake(&model);
-        let mut watch = std::mem::take(&mut state.watch);
-        watch.start(&model, &state);
-        state.watch = watch;
-        let plan = StepPlan::resolve(&model, &state);
-        let mut backend = Box::new(Cpu::default());
-        backend.prepare(&model, &state, &plan);
-        Simulation { model, state, plan, backend }
+    pub fn new(model: Model, state: State) -> Simulation {
+        let (state, plan) = begin(&model, state);
+        let mut cpu = Box::new(Cpu::default());
+        cpu.prepare(&model, &state, &plan);
+        Simulation { model, state, plan, engine: Engine::Cpu(cpu) }
+    }
+
+    /// A simulation of a model from a state, on a graphics device.
+    ///
+    /// # Errors
+    /// [`Fault`]: what of the model no kernel is built for, or a fault of the device.
+    pub fn on_device(model: Model, state: State, device: gpu::Device) -> Result<Simulation, Fault> {
+        let (state, plan) = begin(&model, state);
+        let engine = Engine::Gpu(Box::new(Gpu::new(device, &model, &state, &plan)?));
+        Ok(Simulation { model, state, plan, engine })
+    }
+
+    /// A simulation of the same model on the same back end, from another state.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::on_device`].
+    pub fn restart(self, state: State) -> Result<Simulation, Fault> {
+        match self.engine {
+            Engine::Cpu(_) => Ok(Simulation::new(self.model, state)),
+            Engine::Gpu(gpu) => Simulation::on_device(self.model, state, gpu.into_device()),
+        }
     }
 
     /// Name of the back end, as in `run.json`.
     pub fn backend(&self) -> &'static str {
-        self.backend.name()
+        match &self.engine {
+            Engine::Cpu(cpu) => cpu.name(),
+            Engine::Gpu(_) => "gpu",
+        }
+    }
+
+    /// Name of the graphics adapter with its driver; none on the CPU.
+    pub fn adapter(&self) -> Option<String> {
+        match &self.engine {
+            Engine::Cpu(_) => None,
+            Engine::Gpu(gpu) => Some(gpu.adapter()),
+        }
+    }
+
+    /// Bring the columns of the state up to date, which on a graphics device they are not after a step.
+    ///
+    /// # Errors
+    /// [`Fault::Gpu`].
+    pub fn fetch(&mut self) -> Result<(), Fault> {
+        match &mut self.engine {
+            Engine::Cpu(_) => Ok(()),
+            Engine::Gpu(gpu) => gpu.fetch(&self.model, &mut self.state),
+        }
     }
 
     /// Take one step of length `model.step`.
     ///
     /// # Panics
-    /// Debug builds check the columns as [`Simulation::checked_step`] does, and panic at a fault, which is a defect of the back end.
+    /// Debug builds check the columns as [`Simulation::checked_step`] does, and panic at a fault, which is a defect of the back end. So does
+    /// a fault of a graphics device: [`Simulation::try_step`] returns it.
     pub fn step(&mut self) -> StepReport {
-        self.in_pool(cfg!(debug_assertions)).expect("valid columns")
+        self.try_step().unwrap_or_else(|fault| panic!("{fault}"))
+    }
+
+    /// Take one step of length `model.step`.
+    ///
+    /// # Errors
+    /// A fault of the graphics device; in debug builds, a defect of the back end.
+    pub fn try_step(&mut self) -> Result<StepReport, StepFault> {
+        self.in_pool(cfg!(debug_assertions))
     }
 
     /// Take one step of length `model.step`, and check the columns after every stage that has run.
@@ -76,49 +154,87 @@ impl Simulation {
     /// # Errors
     /// The first fault that [`stages::check`](crate::stages::check) finds.
     pub fn checked_step(&mut self) -> Result<StepReport, String> {
-        self.in_pool(true)
+        self.in_pool(true).map_err(|fault| fault.to_string())
     }
 
-    fn in_pool(&mut self, is_checked: bool) -> Result<StepReport, String> {
+    fn in_pool(&mut self, is_checked: bool) -> Result<StepReport, StepFault> {
         // Inside the thread pool: a thread outside it would wake the pool's threads in every stage.
         let mut result = Ok(StepReport::default());
         rayon::scope(|_| result = self.advance(is_checked));
         result
     }
 
-    fn advance(&mut self, is_checked: bool) -> Result<StepReport, String> {
-        let Simulation { model, state, plan, backend } = self;
+    fn advance(&mut self, is_checked: bool) -> Result<StepReport, StepFault> {
+        let Simulation { model, state, plan, engine } = self;
         if state.wake(model) || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
-            backend.prepare(model, state, plan);
-        }
-        let mut stage_ms = [0.0; Stage::ALL.len()];
-        let mut last = Instant::now();
-        for (stage, ms) in Stage::ALL.into_iter().zip(&mut stage_ms) {
-            let has_run = backend.run(stage, model, plan, state);
-            let now = Instant::now();
-            if has_run {
-                *ms = (now - last).as_secs_f64() * 1e3;
-                if is_checked {
-                    check(stage, model, plan, state, |column| backend.column(state, column))?;
-                }
+            match engine {
+                Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
+                Engine::Gpu(gpu) => gpu.prepare(model, state, plan)?,
             }
-            last = Instant::now();
         }
-        let outcome = backend.outcome();
         let mut watch = std::mem::take(&mut state.watch);
-        let (warnings, broken) = watch.check(model, state, &outcome);
+        let (stage_ms, outcome, survey) = match engine {
+            Engine::Cpu(cpu) => {
+                let stage_ms = run_stages(cpu.as_mut(), model, plan, state, is_checked).map_err(StepFault::Columns)?;
+                let contacts = &state.contacts;
+                let (n, worst_penetration) = (contacts.len(), contacts.worst_penetration());
+                let outcome = StepOutcome { contacts: n, worst_penetration, ..cpu.outcome() };
+                (stage_ms, outcome, watch.survey(model, state))
+            }
+            Engine::Gpu(gpu) => {
+                let stepped = gpu.step(model, plan, state)?;
+                (stepped.stage_ms, stepped.outcome, stepped.survey)
+            }
+        };
+        let (warnings, broken) = watch.check(model, state, (&outcome, &survey));
         state.watch = watch;
         Ok(StepReport {
             step: state.steps,
             time: state.time,
-            contacts: state.contacts.len(),
+            contacts: outcome.contacts,
             iterations: outcome.solver.iterations,
             residual: outcome.solver.residual,
-            worst_penetration: state.contacts.worst_penetration(),
+            worst_penetration: outcome.worst_penetration,
             stage_ms,
             warnings,
             broken,
         })
     }
+}
+
+/// The state with which a simulation begins, and its plan.
+fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
+    state.joints.resize(model.joints.len(), JointState::default());
+    state.springs.resize(model.springs.len(), SpringState::default());
+    state.wake(model);
+    let mut watch = std::mem::take(&mut state.watch);
+    watch.start(model, &state);
+    state.watch = watch;
+    let plan = StepPlan::resolve(model, &state);
+    (state, plan)
+}
+
+/// Run the stages of a step. Returns the wall time of each, ms.
+fn run_stages(
+    backend: &mut dyn Backend,
+    model: &Model,
+    plan: &StepPlan,
+    state: &mut State,
+    is_checked: bool,
+) -> Result<[f64; Stage::ALL.len()], String> {
+    let mut stage_ms = [0.0; Stage::ALL.len()];
+    let mut last = Instant::now();
+    for (stage, ms) in Stage::ALL.into_iter().zip(&mut stage_ms) {
+        let has_run = backend.run(stage, model, plan, state);
+        let now = Instant::now();
+        if has_run {
+            *ms = (now - last).as_secs_f64() * 1e3;
+            if is_checked {
+                check(stage, model, plan, state, |column| backend.column(state, column))?;
+            }
+        }
+        last = Instant::now();
+    }
+    Ok(stage_ms)
 }

@@ -40,18 +40,22 @@ pub fn residual_bound(model: &Model) -> f64 {
 }
 
 /// Sums and maxima over the bodies.
-struct Survey {
-    kinetic: f64,
-    potential: f64,
+#[derive(Clone, Copy, Debug)]
+pub struct Survey {
+    /// Kinetic energy, J.
+    pub kinetic: f64,
+    /// Potential energy, J.
+    pub potential: f64,
     /// Potential energy over the bodies' lowest positions, J.
-    over_lowest: f64,
+    pub over_lowest: f64,
     /// Bound of the energy oscillation of weight: h |F·v|, summed, J.
-    oscillation: f64,
-    mass: f64,
+    pub oscillation: f64,
+    /// Mass of the moving bodies, kg.
+    pub mass: f64,
     /// Body with the maximum squared speed, and that, m²/s²; infinite where the body's state is not finite.
-    fastest: (usize, f64),
+    pub fastest: (usize, f64),
     /// Body with the maximum kinetic energy, and that, J.
-    most_energetic: (usize, f64),
+    pub most_energetic: (usize, f64),
 }
 
 impl Survey {
@@ -155,17 +159,27 @@ impl WatchState {
         self.min_energy = if model.springs.is_empty() { energy } else { f64::INFINITY };
     }
 
-    /// Check a step. Returns its warnings, which are counted, and the reason why the run cannot go on, if there is one.
-    pub fn check(&mut self, model: &Model, state: &State, seen: &StepOutcome) -> (Vec<Warning>, Option<Broken>) {
-        let survey = Survey::of(model, state, &mut self.lowest);
-        let broken = broken(seen, &survey);
+    /// Survey the bodies after a step.
+    pub fn survey(&mut self, model: &Model, state: &State) -> Survey {
+        Survey::of(model, state, &mut self.lowest)
+    }
+
+    /// Check a step by a survey of its bodies. Returns its warnings, which are counted, and the reason why the run cannot go on, if there
+    /// is one.
+    pub fn check(
+        &mut self,
+        model: &Model,
+        state: &State,
+        (seen, survey): (&StepOutcome, &Survey),
+    ) -> (Vec<Warning>, Option<Broken>) {
+        let broken = broken(seen, survey);
         if broken.is_some() {
             return (vec![], broken);
         }
         let found = [
             self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
             self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
-            self.energy(model, state, seen, &survey).map(|m| (WarningKind::Energy, m)),
+            self.energy(model, state, seen, survey).map(|m| (WarningKind::Energy, m)),
         ];
         let warning = |(kind, message)| Warning { kind, step: state.steps, time: state.time, message };
         let warnings: Vec<Warning> = found.into_iter().flatten().map(warning).collect();
@@ -232,7 +246,7 @@ impl WatchState {
             "energy has grown by {growth:.3e} J without a cause; the available energy is {available:.3e} J, the kinetic energy of body {} {own:.3e} J",
             label(model, body as u32)
         );
-        let overlap = state.contacts.worst_penetration();
+        let overlap = seen.worst_penetration;
         if overlap > 0.0 {
             return Some(format!(
                 "{message}; the recovery of overlaps lifts bodies, the maximum penetration is {overlap:.3e} m"

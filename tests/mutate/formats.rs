@@ -259,7 +259,10 @@ fn simulate(work: &Path, run: &Path) {
     std::fs::write(&path, format!("{MODEL}{text}")).expect("a model");
     let (file, resolved) = model_file::read(&path).expect("the model is sound");
     let span = sim::run::Span { until: None, resume: false };
-    assert!(sim::run::simulate(&file, resolved, run, &span, &mut Quiet).is_ok(), "the model runs");
+    assert!(
+        sim::run::simulate(&file, resolved, run, (&span, &Default::default()), &mut Quiet).is_ok(),
+        "the model runs"
+    );
 }
 
 fn checkpoint(work: &Path) -> Vec<Vec<u8>> {

@@ -34,9 +34,14 @@ pub fn run(model: &Model, motion: &[Twist], displacement: &Displacement, state: 
     columns.into_par_iter().with_min_len(8).enumerate().for_each(|(chunk, (position, orientation, velocity, spin))| {
         for k in 0..position.len() {
             let b = chunk * CHUNK + k;
-            if activity[b] != Activity::Moving {
-                (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
-                continue;
+            match activity[b] {
+                Activity::Moving => {}
+                Activity::Held => {
+                    (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
+                    continue;
+                }
+                // It begins with the velocity that it has.
+                Activity::Inactive => continue,
             }
             let Twist { v, w } = motion[b];
             let before = orientation[k];
@@ -122,6 +127,24 @@ mod tests {
         }
         assert!(turned && worst < 1e-5, "{worst}");
         assert!((momentum(q, w) - l).length() < 1e-10 * l.length());
+    }
+
+    /// Before it appears it stays where it is; then it goes on with its velocity.
+    #[test]
+    fn a_body_that_appears_begins_with_its_velocity() {
+        let mut builder = crate::ModelBuilder::new("late");
+        builder.material("stone", 2600.0, 0.5);
+        let ball = builder.body("ball", "stone", crate::model_file::ShapeFile::sphere(0.1));
+        (ball.velocity, ball.appears) = ([1.0, 0.0, 0.0], Some(0.01));
+        let mut sim = builder.simulation().unwrap();
+        sim.model.gravity = DVec3::ZERO;
+        let after = |sim: &mut crate::Simulation, n: usize| {
+            (0..n).for_each(|_| drop(sim.step()));
+            sim.state.position[0].x / sim.model.step
+        };
+        let before = (0.01 / sim.model.step).round() as usize;
+        assert_eq!(after(&mut sim, before), 0.0);
+        assert!((after(&mut sim, 20) - 20.0).abs() < 1e-9, "{}", sim.state.position[0]);
     }
 
     #[test]

@@ -1,103 +1,126 @@
 //! Accelerated projected gradient descent on a device, whose scalars stay there: a trial is taken or not, and the next has the step length
 //! that follows, without anything read back.
-//! in   row       [n_contacts]
-//! in   free      [n_bodies]    m/s, rad/s
-//! out  gamma     [n_contacts]  N s, world
-//! out  motion    [n_bodies]    m/s, rad/s
-//! Kernels: apgd_start.wgsl, apgd_contact.wgsl, apgd_body.wgsl, apgd_decide.wgsl, apgd_extrapolate.wgsl, and the ordered sums.
-//! Twin: cpu/solve/apgd.rs, which keeps the best of its iterates; here the last counts.
+//! in     row      [n_contacts]
+//! in     free     [n_bodies]    m/s, rad/s
+//! inout  gamma    [n_contacts]  N s, world
+//! inout  motion   [n_bodies]    m/s, rad/s
+//! Kernels: apgd_contact.wgsl, apgd_body.wgsl, apgd_decide.wgsl, apgd_extrapolate.wgsl; apgd_check.wgsl, apgd_best.wgsl,
+//! apgd_keep_contacts.wgsl, apgd_keep_bodies.wgsl for the best iterate. Twin: cpu/solve/apgd.rs, cpu/solve/iterates.rs
 //!
-//! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), its terms written and read (16),
-//! and again by its two bodies (id 4, z 16, row 48 each): 296 from memory.
+//! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), and again by its two bodies (id
+//! 4, z 16, row 48 each): 280 from memory.
 
-use super::problem::{Columns, Problem};
+use super::parts::{bits, kernel};
+use super::problem::Problem;
 use super::rows::Body;
-use super::spheres::kernel;
-use gpu::reduce::{Combine, Reduce};
 use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and trial from memory.
-pub const BYTES: f64 = 296.0;
+pub const BYTES: f64 = 280.0;
+
+/// Trials between checks of the residual, with a tolerance and without one.
+const CHECK_INTERVAL: [u32; 2] = [10, 25];
+
+/// Trials between checks of the residual.
+pub fn interval(tolerance: f64) -> u32 {
+    CHECK_INTERVAL[(tolerance <= 0.0) as usize]
+}
 
 /// The columns of the method, and its kernels.
-struct Apgd {
-    start: Kernel,
+pub struct Apgd {
     contact: Kernel,
     body: Kernel,
     decide: Kernel,
     extrapolate: Kernel,
-    of_contacts: Reduce,
-    of_bodies: Reduce,
-    /// θ, β, t, whether the last trial was taken, trials since one was too long, trials (1).
-    scalars: Buffer<[u32; 6]>,
+    check: Kernel,
+    best: Kernel,
+    keep_contacts: Kernel,
+    keep_bodies: Kernel,
     x: Buffer<[f32; 4]>,
     previous: Buffer<[f32; 4]>,
     motion_y: Buffer<Body>,
     motion_next: Buffer<Body>,
-    /// |z − y|²/η and (N y + r)·(z − x) of each contact (n_contacts), and the energy of each body (n_bodies).
-    terms: [Buffer<f32>; 3],
-    /// Their sums.
-    sums: [Buffer<f32>; 3],
+    best_gamma: Buffer<[f32; 4]>,
+    best_motion: Buffer<Body>,
+    tolerance: f64,
 }
 
 impl Apgd {
-    fn new(device: &Device, kernels: &Kernels, problem: &Problem) -> Result<Apgd, GpuError> {
-        let (room, n_bodies) = (problem.n_contacts.capacity, problem.n_bodies);
-        let terms = |n| Buffer::zeros(device, "terms", n);
-        let sum = || Buffer::zeros(device, "sum", 1);
+    /// For a problem.
+    pub fn new(device: &Device, kernels: &Kernels, problem: &Problem, tolerance: f64) -> Result<Apgd, GpuError> {
+        let (room, n_bodies) = (problem.gamma.capacity(), problem.n_bodies);
+        let impulses = |name| Buffer::zeros(device, name, room);
+        let motions = |name| Buffer::zeros(device, name, n_bodies);
+        let get = |name, text| kernel(device, kernels, name, text);
         Ok(Apgd {
-            start: kernel(device, kernels, "apgd_start", include_str!("apgd_start.wgsl"))?,
-            contact: kernel(device, kernels, "apgd_contact", include_str!("apgd_contact.wgsl"))?,
-            body: kernel(device, kernels, "apgd_body", include_str!("apgd_body.wgsl"))?,
-            decide: kernel(device, kernels, "apgd_decide", include_str!("apgd_decide.wgsl"))?,
-            extrapolate: kernel(device, kernels, "apgd_extrapolate", include_str!("apgd_extrapolate.wgsl"))?,
-            of_contacts: Reduce::new(device, kernels, Combine::Sum, room)?,
-            of_bodies: Reduce::new(device, kernels, Combine::Sum, n_bodies)?,
-            scalars: Buffer::zeros(device, "scalars", 1)?,
-            x: Buffer::zeros(device, "x", room)?,
-            previous: Buffer::zeros(device, "previous", room)?,
-            motion_y: Buffer::zeros(device, "motion_y", n_bodies)?,
-            motion_next: Buffer::zeros(device, "motion_next", n_bodies)?,
-            terms: [terms(room)?, terms(room)?, terms(n_bodies)?],
-            sums: [sum()?, sum()?, sum()?],
+            contact: get("apgd_contact", include_str!("apgd_contact.wgsl"))?,
+            body: get("apgd_body", include_str!("apgd_body.wgsl"))?,
+            decide: get("apgd_decide", include_str!("apgd_decide.wgsl"))?,
+            extrapolate: get("apgd_extrapolate", include_str!("apgd_extrapolate.wgsl"))?,
+            check: get("apgd_check", include_str!("apgd_check.wgsl"))?,
+            best: get("apgd_best", include_str!("apgd_best.wgsl"))?,
+            keep_contacts: get("apgd_keep_contacts", include_str!("apgd_keep_contacts.wgsl"))?,
+            keep_bodies: get("apgd_keep_bodies", include_str!("apgd_keep_bodies.wgsl"))?,
+            x: impulses("x")?,
+            previous: impulses("previous")?,
+            motion_y: motions("motion_y")?,
+            motion_next: motions("motion_next")?,
+            best_gamma: impulses("best impulses")?,
+            best_motion: motions("best motion")?,
+            tolerance,
         })
     }
-}
 
-/// Record the trials, from impulses of zero and the step length of the last solve.
-pub fn record(
-    device: &Device,
-    kernels: &Kernels,
-    commands: &mut Commands,
-    trials: u32,
-    problem: &Problem,
-    Columns { gamma, motion }: &Columns,
-) -> Result<(), GpuError> {
-    let a = Apgd::new(device, kernels, problem)?;
-    let (scalars, count) = (a.scalars.bind(), problem.n_contacts.n.bind());
-    let ([row, z, free, side, start], y) = (problem.of_bodies(gamma), a.motion_y.bind());
-    let [moved, slope, energy] = a.terms.each_ref().map(Buffer::bind);
-    let sums = a.sums.each_ref().map(Buffer::bind);
-    let of_contacts = [row, y, a.x.bind(), a.previous.bind(), z, moved, slope, scalars, count];
-    let of_bodies = [row, z, free, side, start, y, a.motion_next.bind(), energy];
-    let of_decision = [sums[0], sums[1], sums[2], scalars, count];
-    let of_motion = [a.motion_next.bind(), motion.bind(), y, scalars];
-    let all_bodies = &problem.all_bodies;
-    for column in [gamma, &a.x, &a.previous] {
-        commands.clear(column);
-    }
-    commands.copy(&problem.free, motion, problem.n_bodies);
-    commands.copy(&problem.free, &a.motion_y, problem.n_bodies);
-    commands.dispatch(device, &a.start, &[scalars, count], &[], Work::Groups(1));
-    for _ in 0..trials {
-        commands.dispatch(device, &a.contact, &of_contacts, &[], problem.contacts());
-        for k in 0..2 {
-            a.of_contacts.record(device, commands, &a.terms[k], &problem.n_contacts, &a.sums[k]);
+    /// Record the start, from the impulses and velocities of the problem.
+    pub fn record_start(&self, commands: &mut Commands, problem: &Problem) {
+        for column in [&self.x, &self.previous] {
+            commands.copy(&problem.gamma, column, problem.gamma.capacity());
         }
-        commands.dispatch(device, &a.body, &of_bodies, &[], problem.bodies());
-        a.of_bodies.record(device, commands, &a.terms[2], all_bodies, &a.sums[2]);
-        commands.dispatch(device, &a.decide, &of_decision, &[trials], Work::Groups(1));
-        commands.dispatch(device, &a.extrapolate, &of_motion, &[], problem.bodies());
+        commands.copy(&problem.motion, &self.motion_y, problem.n_bodies);
     }
-    Ok(())
+
+    /// Record trials, with checks of the residual at intervals; the trials of a solve are recorded in parts of a multiple of them.
+    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem, trials: u32) {
+        let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
+        let ([row, z, free, side, start], y) = (problem.sums_of_bodies(&problem.gamma), self.motion_y.bind());
+        let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
+        let next = self.motion_next.bind();
+        let of_contacts = [row, y, self.x.bind(), self.previous.bind(), z, sums, scalars, n];
+        let of_bodies = [row, z, free, side, start, y, next, body_sums];
+        let of_decision = [sums, body_sums, scalars, work, n];
+        let of_motion = [next, problem.motion.bind(), y, scalars];
+        let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));
+        let interval = interval(self.tolerance);
+        for trial in 1..=trials {
+            commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
+            commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
+            let params = [problem.n_bodies as u32];
+            commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
+            commands.dispatch(device, &self.extrapolate, &of_motion, &[], over_bodies);
+            if trial % interval == 0 {
+                self.record_check(device, commands, problem, (Work::Indirect(&problem.work, 2), false));
+            }
+        }
+    }
+
+    /// Record a check of the iterate, which is kept if it is the best so far; the last one is made in any case.
+    fn record_check(&self, device: &Device, commands: &mut Commands, problem: &Problem, (over, is_last): (Work, bool)) {
+        let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
+        let (x, next, motion) = (self.x.bind(), problem.gamma.bind(), problem.motion.bind());
+        let sums = problem.of_contacts.bind();
+        commands.dispatch(device, &self.check, &[problem.row(), motion, x, next, scalars, sums, n], &[], over);
+        let params = [problem.n_bodies as u32, bits(self.tolerance), is_last as u32];
+        commands.dispatch(device, &self.best, &[sums, scalars, problem.work.bind(), n], &params, Work::Groups(1));
+        let [contacts, bodies] = [3, 4].map(|row| Work::Indirect(&problem.work, row));
+        let best = self.best_gamma.bind();
+        commands.dispatch(device, &self.keep_contacts, &[x, next, best, scalars, n], &[], contacts);
+        commands.dispatch(device, &self.keep_bodies, &[motion, self.best_motion.bind()], &[], bodies);
+    }
+
+    /// Record the end: the best iterate is the solution.
+    pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
+        self.record_check(device, commands, problem, (problem.contacts(), true));
+        commands.copy(&self.best_gamma, &problem.gamma, problem.gamma.capacity());
+        commands.copy(&self.best_motion, &problem.motion, problem.n_bodies);
+    }
 }

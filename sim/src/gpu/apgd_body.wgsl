@@ -1,4 +1,4 @@
-// APGD: the velocities that a trial z gives the bodies, and the energy of their difference from those of y.
+// APGD: the velocities that a trial z gives the bodies, and the energy of their difference from those of y, summed over a workgroup.
 // in   row         [n_contacts]
 // in   gamma       [n_contacts]    N s, world: z
 // in   free        [n_bodies]      m/s, rad/s
@@ -6,10 +6,11 @@
 // in   side_start  [n_bodies]      first side of each body, and the end
 // in   motion_y    [n_bodies]      m/s, rad/s
 // out  motion_next [n_bodies]      m/s, rad/s
-// out  energy      [n_bodies]      J, twice
+// out  parts       [n_groups]      J, twice
 // Twin: cpu/solve/apgd.rs
 #import sphere
 #import body_response
+#import partial
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> gamma: array<vec4<f32>>;
@@ -18,17 +19,23 @@
 @group(0) @binding(4) var<storage, read> side_start: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> motion_y: array<Body>;
 @group(0) @binding(6) var<storage, read_write> motion_next: array<Body>;
-@group(0) @binding(7) var<storage, read_write> energy: array<f32>;
+@group(0) @binding(7) var<storage, read_write> parts: array<vec4<f32>>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let body = row_of(group, thread);
-    if body >= arrayLength(&free) {
-        return;
+    var energy = vec4(0.0);
+    if body < arrayLength(&free) {
+        let own = response_of(body);
+        motion_next[body] = own;
+        if own.inv_mass > 0.0 {
+            let v = own.v - motion_y[body].v;
+            let w = own.w - motion_y[body].w;
+            energy.x = dot(v, v) / own.inv_mass + dot(w, w) / own.inv_inertia;
+        }
     }
-    let own = response_of(body);
-    motion_next[body] = own;
-    let v = own.v - motion_y[body].v;
-    let w = own.w - motion_y[body].w;
-    energy[body] = select(0.0, dot(v, v) / own.inv_mass + dot(w, w) / own.inv_inertia, own.inv_mass > 0.0);
+    let sum = group_total(thread, energy);
+    if thread == 0u && body / 256u < arrayLength(&parts) {
+        parts[body / 256u] = sum;
+    }
 }

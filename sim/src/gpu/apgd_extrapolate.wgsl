@@ -6,7 +6,7 @@
 // Twin: cpu/solve/apgd.rs
 #import sphere
 #import solve_row
-#import apgd_scalars
+#import scalars
 
 @group(0) @binding(0) var<storage, read> motion_next: array<Body>;
 @group(0) @binding(1) var<storage, read_write> motion: array<Body>;

@@ -1,17 +1,20 @@
-//! Emit the bin of each sphere, that of its box's minimum corner, on the level of its size.
+//! Emit the bin of each sphere, that of its box's minimum corner, on the level of its size. The bins cover the box about all fat boxes.
 //! in   fat_aabb   [n_spheres]  m, world
 //! out  bin        [n_spheres]
 //! out  bin_shape  [n_spheres]  the sphere
-//! Kernels: bin_emit.wgsl. Twin: cpu/bin_emit.rs, which puts a shape in every bin that its box overlaps.
+//! Kernels: bin_grid.wgsl, bin_bits.wgsl, bin_emit.wgsl. Twin: cpu/bin_emit.rs, which puts a shape in every bin that its box overlaps.
 
 use super::bounds::Due;
-use super::spheres::{ROWS, Spheres, kernel};
-use gpu::{Buffer, Commands, Device, GpuError, Groups, Kernel, Kernels};
+use super::parts::{ROWS, bits, kernel};
+use super::spheres::Spheres;
+use gpu::{Buffer, Commands, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// The bins, and which spheres are in them.
 pub struct Bins {
-    /// Bits of a bin's coordinate along each axis that its index has, at least 3.
-    pub bits: [u32; 3],
+    /// The most bits of the index of a bin.
+    pub most_bits: u32,
+    /// Bits of a bin's coordinate along each axis that its index has, at least 3 (3).
+    pub grid: Buffer<u32>,
     /// Bin of each sphere (n_spheres).
     pub bin: Buffer<u32>,
     /// Sphere (n_spheres).
@@ -20,56 +23,79 @@ pub struct Bins {
     pub start: Buffer<[u32; 2]>,
 }
 
-/// Number of bins with these bits.
-pub fn n_bins(bits: [u32; 3]) -> usize {
-    1 << bits.iter().sum::<u32>()
-}
-
-/// The bits for spheres of a usual width, m, in a box, m: enough for it, as long as there are at most eight bins a sphere.
-pub fn bits(n: usize, width: f64, extent: [f64; 3]) -> [u32; 3] {
-    /// Bins of a brick along an edge, and the least number of all bins, in bits.
-    const BRICK: u32 = 3;
-    let most = ((8 * n).next_power_of_two().trailing_zeros()).clamp(3 * BRICK, 24);
-    let mut bits = extent.map(|e| ((e / width).max(1.0).log2().ceil() as u32).clamp(BRICK, 24));
-    while bits.iter().sum::<u32>() > most {
-        let widest = (0..3).max_by_key(|axis| bits[*axis]).expect("three axes");
-        bits[widest] -= 1;
+impl Bins {
+    /// Bins for this many spheres.
+    pub fn new(device: &Device, n: usize) -> Result<Bins, GpuError> {
+        let most_bits = most_bits(n);
+        Ok(Bins {
+            most_bits,
+            grid: Buffer::of(device, "grid", &[3; 3])?,
+            bin: Buffer::zeros(device, "bin", n)?,
+            shape: Buffer::zeros(device, "bin_shape", n)?,
+            start: Buffer::zeros(device, "bin_start", 1 << most_bits)?,
+        })
     }
-    bits
+
+    /// Number of bins.
+    pub fn n(&self) -> usize {
+        1 << self.most_bits
+    }
 }
 
-/// The stage's kernel.
+/// The most bits of the index of a bin: at most eight bins a sphere, rounded up, and at least one brick of 8³.
+fn most_bits(n: usize) -> u32 {
+    ((8 * n).next_power_of_two().trailing_zeros()).clamp(9, 24)
+}
+
+/// The stage's kernels.
 pub struct BinEmit {
+    grid: Kernel,
+    bits: Kernel,
     emit: Kernel,
     groups: Groups,
+    /// Corners of the box about all fat boxes, empty between runs.
+    extent: Buffer<u32>,
 }
 
 impl BinEmit {
-    /// Compile the kernel.
+    /// Compile the kernels.
     pub fn new(device: &Device, kernels: &Kernels) -> Result<BinEmit, GpuError> {
-        let emit = kernel(device, kernels, "bin_emit", include_str!("bin_emit.wgsl"))?;
-        Ok(BinEmit { emit, groups: Groups::new(device, kernels, ROWS)? })
+        const NONE: u32 = u32::MAX;
+        Ok(BinEmit {
+            grid: kernel(device, kernels, "bin_grid", include_str!("bin_grid.wgsl"))?,
+            bits: kernel(device, kernels, "bin_bits", include_str!("bin_bits.wgsl"))?,
+            emit: kernel(device, kernels, "bin_emit", include_str!("bin_emit.wgsl"))?,
+            groups: Groups::new(device, kernels, ROWS)?,
+            extent: Buffer::of(device, "extent", &[NONE, NONE, NONE, 0, 0, 0])?,
+        })
     }
 
-    /// Record the stage.
-    pub fn record(&self, device: &Device, commands: &mut Commands, at: &Spheres, due: &Due, bins: &Bins) {
+    /// Record the stage; `unit` is that of the fixed-point scale, m.
+    pub fn record(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        at: &Spheres,
+        unit: f64,
+        (due, bins): (&Due, &Bins),
+    ) {
         self.groups.record(device, commands, &due.spheres);
-        let bound = [at.fat_aabb.bind(), bins.bin.bind(), bins.shape.bind(), due.levels.bind(), due.spheres.n.bind()];
-        let [x, y, z] = bins.bits;
-        let params = [x, y, z, n_bins(bins.bits) as u32, (1.0 / at.scale.unit as f32).to_bits()];
-        commands.dispatch(device, &self.emit, &bound, &params, self.groups.of_level(&due.spheres, 0));
+        let work = self.groups.of_level(&due.spheres, 0);
+        let (fat, extent, n, grid) = (at.fat_aabb.bind(), self.extent.bind(), due.spheres.n.bind(), bins.grid.bind());
+        commands.dispatch(device, &self.grid, &[fat, extent, n], &[], work);
+        let params = [bins.most_bits, bits(at.width)];
+        commands.dispatch(device, &self.bits, &[extent, grid, n], &params, Work::Groups(1));
+        let bound = [fat, bins.bin.bind(), bins.shape.bind(), due.levels.bind(), n, grid];
+        commands.dispatch(device, &self.emit, &bound, &[bins.n() as u32, bits(1.0 / unit)], work);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::bits;
+    use super::most_bits;
 
     #[test]
-    fn bins_fit_the_box_and_are_not_too_many() {
-        assert_eq!(bits(1_000_000, 0.25, [50.0, 50.0, 2.0]), [8, 8, 3]);
-        assert_eq!(bits(1, 1.0, [0.0, 0.0, 0.0]), [3, 3, 3]);
-        let few: u32 = bits(1000, 1e-3, [1e6, 1.0, 1e-9]).iter().sum();
-        assert!((9..=13).contains(&few), "{few}");
+    fn there_are_at_most_eight_bins_a_sphere_rounded_up() {
+        assert_eq!([1, 64, 100, 1_000_000, 100_000_000].map(most_bits), [9, 9, 10, 23, 24]);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::bin_emit::Bins;
 use super::bounds::Due;
-use super::spheres::{ROWS, kernel};
+use super::parts::{ROWS, kernel};
 use gpu::{Commands, Device, GpuError, Groups, Kernel, Kernels};
 
 /// The stage's kernels.

@@ -1,5 +1,5 @@
 //! Bound every sphere by an axis-aligned box, grown by its margin; tell whether one has left its fat box.
-//! in    position  [n_bodies]   units of the scale
+//! in    position  [n_bodies]   fine units
 //! in    velocity  [n_bodies]   m/s
 //! in    activity  [n_bodies]
 //! out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
@@ -7,14 +7,20 @@
 //! out   due       counts of what the broad phase works on: all, or nothing while the pairs hold
 //! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
 
-use super::spheres::{ROWS, Spheres, groups, kernel};
+use super::bodies::Bodies;
+use super::parts::{ROWS, bits, groups, kernel};
+use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// What the broad phase works on.
 pub struct Due {
-    /// Not zero if a sphere has left its fat box (1).
+    /// Not zero if a sphere has left its fat box: all boxes are renewed (1).
     pub left: Buffer<u32>,
+    /// Not zero if the pairs are found even though none has (1).
+    pub lost: Buffer<u32>,
+    /// The spheres whose boxes are renewed.
+    renewed: Count,
     /// The spheres.
     pub spheres: Count,
     /// The spheres and one row more.
@@ -30,6 +36,8 @@ impl Due {
     pub fn new(device: &Device, n: usize, n_bins: usize) -> Result<Due, GpuError> {
         Ok(Due {
             left: Buffer::of(device, "left", &[1])?,
+            lost: Buffer::of(device, "lost", &[1])?,
+            renewed: Count::found(device, n)?,
             spheres: Count::found(device, n)?,
             rows: Count::found(device, n + 1)?,
             bins: Count::found(device, n_bins)?,
@@ -58,22 +66,30 @@ impl Bounds {
     }
 
     /// Record the stage.
-    pub fn record(&self, device: &Device, commands: &mut Commands, model: &Model, at: &Spheres, due: &Due) {
-        let [envelope, step, unit] = [model.envelope, model.step, at.scale.unit].map(|x| (x as f32).to_bits());
-        let bodies = [at.position.bind(), at.velocity.bind(), at.activity.bind(), at.sphere.bind()];
-        let [position, velocity, activity, sphere] = bodies;
+    pub fn record(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        model: &Model,
+        (bodies, at): (&Bodies, &Spheres),
+        due: &Due,
+    ) {
+        let [envelope, step, unit] = [model.envelope, model.step, bodies.scale.unit].map(bits);
+        let [position, velocity] = [bodies.position.bind(), bodies.velocity.bind()];
+        let [activity, sphere] = [bodies.activity.bind(), at.sphere.bind()];
         let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
         let bound = [position, velocity, activity, sphere, fat, margin, due.left.bind()];
         commands.dispatch(device, &self.bounds, &bound, &[at.n as u32, envelope, step, unit], groups(at.n));
 
-        let counts = [&due.spheres, &due.rows, &due.bins].map(|count| count.n.bind());
-        let bound = [due.left.bind(), counts[0], counts[1], counts[2], due.levels.bind()];
+        let [renewed, spheres, rows, bins] =
+            [&due.renewed, &due.spheres, &due.rows, &due.bins].map(|count| count.n.bind());
+        let bound = [due.left.bind(), due.lost.bind(), renewed, spheres, rows, bins, due.levels.bind()];
         let params = [at.n as u32, due.bins.capacity as u32];
         commands.dispatch(device, &self.due, &bound, &params, Work::Groups(1));
 
-        self.groups.record(device, commands, &due.spheres);
-        let bound = [position, velocity, activity, sphere, margin, fat, counts[0]];
-        let work = self.groups.of_level(&due.spheres, 0);
+        self.groups.record(device, commands, &due.renewed);
+        let bound = [position, velocity, activity, sphere, margin, fat, renewed];
+        let work = self.groups.of_level(&due.renewed, 0);
         commands.dispatch(device, &self.fatten, &bound, &[step, unit], work);
     }
 }

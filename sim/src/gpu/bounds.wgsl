@@ -1,12 +1,12 @@
 // Margin of each sphere; whether one has left its fat box, so that the pairs are found again.
-// in    position  [n_bodies]   steps of the scale
+// in    position  [n_bodies]   fine units
 // in    velocity  [n_bodies]   m/s
 // in    activity  [n_bodies]
 // in    sphere    [n_spheres]
 // in    fat_aabb  [n_spheres]  m
 // out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
 // inout left      [1]          not zero if a tight box has left its fat one
-// in    params    [4]          n_spheres, and as bits: δ (m), h (s), step of the scale (m)
+// in    params    [4]          n_spheres, and as bits: δ (m), h (s), unit of the scale (m)
 // Twin: cpu/bounds.rs
 #import tight
 

@@ -1,21 +1,25 @@
-//! Collision of spheres on a device: the stages from `bounds` to `contact_write`, recorded once and submitted for every step.
+//! Collision on a device: the stages from `bounds` to `contact_write`, recorded once and submitted for every step.
 //!
 //! Pairs hold while no sphere has left its fat box: the stages of the broad phase then have nothing to do, as their counts on the device
-//! say. If there are more pairs than room, the step is done again with more; none is dropped.
+//! say. If there are more pairs than room, there are none at all, and the stages are run again with more room; no pair is dropped.
 
-use super::bin_emit::{BinEmit, Bins, bits, n_bins};
+use super::bin_emit::{BinEmit, Bins};
 use super::bin_start::BinStart;
+use super::bodies::Bodies;
 use super::bounds::{Bounds, Due};
 use super::contact_write::{ContactWrite, Contacts};
+use super::fixtures::Fixtures;
 use super::pair_write::{PairWrite, Pairs};
-use super::rows::Contact;
+use super::rows::{Aabb, Contact};
 use super::spheres::Spheres;
+use super::tiles::Tiles;
+use crate::aabb;
 use crate::model::Model;
 use crate::state::State;
 use gpu::radix_sort::RadixSort;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Kernels};
 
-pub use super::spheres::Fault;
+pub use super::fault::Fault;
 
 /// Number of pairs and of contacts of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +32,10 @@ pub struct Found {
 
 /// The collision stages of a model's spheres.
 pub struct Collision {
+    /// The state of the bodies.
+    pub bodies: Bodies,
     spheres: Spheres,
+    fixtures: Fixtures,
     due: Due,
     bins: Bins,
     bounds: Bounds,
@@ -38,31 +45,26 @@ pub struct Collision {
     pair_write: PairWrite,
     contact_write: ContactWrite,
     pairs: Pairs,
+    tiles: Option<Tiles>,
     contacts: Contacts,
-    commands: Commands,
     found: Found,
 }
 
 impl Collision {
-    /// For the spheres of a model, with bins for where they are now.
+    /// For the spheres and fixtures of a model, where a state has them.
     ///
     /// # Errors
-    /// Those of the spheres, and [`Fault::Gpu`].
+    /// Those of the spheres and fixtures, [`Fault::Position`] and [`Fault::Gpu`].
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, state: &State) -> Result<Collision, Fault> {
-        let spheres = Spheres::new(device, model, state)?;
+        let (spheres, scale) = Spheres::new(device, model)?;
         let n = spheres.n;
-        let bits = bits_of(model, state, n);
-        let n_bins = n_bins(bits);
-        let bins = Bins {
-            bits,
-            bin: Buffer::zeros(device, "bin", n)?,
-            shape: Buffer::zeros(device, "bin_shape", n)?,
-            start: Buffer::zeros(device, "bin_start", n_bins)?,
-        };
+        let bins = Bins::new(device, n)?;
         // A sphere in a bed touches about six others, a pair each for two.
         let room = 4 * n + 64;
         let mut collision = Collision {
-            due: Due::new(device, n, n_bins)?,
+            bodies: Bodies::new(device, scale, model.n_bodies())?,
+            fixtures: Fixtures::new(device, model, state, scale)?,
+            due: Due::new(device, n, bins.n())?,
             bins,
             bounds: Bounds::new(device, kernels)?,
             bin_emit: BinEmit::new(device, kernels)?,
@@ -70,24 +72,34 @@ impl Collision {
             bin_start: BinStart::new(device, kernels)?,
             pair_write: PairWrite::new(device, kernels, model, n)?,
             contact_write: ContactWrite::new(device, kernels)?,
-            pairs: pairs(device, n, room)?,
+            pairs: Pairs::new(device, n, room)?,
+            tiles: None,
             contacts: Contacts::new(device, kernels, room)?,
-            commands: Commands::new(),
             found: Found { pairs: 0, contacts: 0 },
             spheres,
         };
-        collision.commands = collision.record(device, model);
+        collision.place(device, model, state)?;
         Ok(collision)
     }
 
-    /// Take over the positions, velocities and activities of a state.
+    /// Take over the poses, velocities and activities of a state, and its fat AABBs, if it has some: the pairs of these are found again.
     ///
     /// # Errors
     /// [`Fault::Position`].
-    pub fn place(&mut self, device: &Device, state: &State) -> Result<(), Fault> {
-        if self.spheres.place(device, state)? {
-            // Pairs of bodies that are held are left out, and so are those that are inactive.
+    pub fn place(&mut self, device: &Device, model: &Model, state: &State) -> Result<(), Fault> {
+        // Pairs of bodies that are held are left out, and so are those that are inactive.
+        if self.bodies.place(device, model, state)? {
             self.find_all(device);
+        }
+        if let Some(boxes) = &state.fat_aabb {
+            let own = |s: &usize| {
+                let b = &boxes[*s];
+                Aabb { low: b.min.extend(0.0).to_array(), high: b.max.extend(0.0).to_array() }
+            };
+            let boxes: Vec<Aabb> = self.spheres.shapes.iter().map(own).collect();
+            self.spheres.fat_aabb.write(device, &boxes);
+            self.due.left.write(device, &[0]);
+            self.due.lost.write(device, &[1]);
         }
         Ok(())
     }
@@ -98,21 +110,62 @@ impl Collision {
     /// [`Fault::Gpu`], also if there is no memory for the pairs.
     pub fn run(&mut self, device: &Device, kernels: &Kernels, model: &Model) -> Result<Found, Fault> {
         loop {
-            self.commands.submit(device)?;
-            let pairs = self.pairs.n.read(device)?;
-            if pairs <= self.pairs.pairs.capacity() {
-                self.found = Found { pairs, contacts: self.contacts.n.read(device)? };
+            let mut commands = Commands::new();
+            self.record(device, &mut commands, model);
+            commands.submit(device)?;
+            let needed = self.pairs.room.read(device, 1)?[0] as usize;
+            if needed <= self.pairs.pairs.capacity() {
+                self.found = Found { pairs: needed, contacts: self.contacts.n.read(device)? };
                 return Ok(self.found);
             }
-            let room = pairs + pairs / 2;
-            self.pairs = self::pairs(device, self.spheres.n, room)?;
-            self.contacts = Contacts::new(device, kernels, room)?;
-            self.commands = self.record(device, model);
-            self.find_all(device);
+            self.make_room(device, kernels, needed)?;
         }
     }
 
-    /// Have the pairs found again in the next run.
+    /// Make room for a number of pairs, which will be found again for the fat boxes that there are. Recorded commands then mean the old
+    /// columns.
+    ///
+    /// # Errors
+    /// [`GpuError`], if there is no memory for them.
+    pub fn make_room(&mut self, device: &Device, kernels: &Kernels, n_pairs: usize) -> Result<(), GpuError> {
+        let room = n_pairs + n_pairs / 2;
+        self.pairs = Pairs::new(device, self.spheres.n, room)?;
+        self.contacts = Contacts::new(device, kernels, room)?;
+        if let Some(tiles) = &mut self.tiles {
+            *tiles = Tiles::new(device, kernels, (&self.spheres, &self.bodies, &self.bins), &self.pairs)?;
+        }
+        self.due.lost.write(device, &[1]);
+        Ok(())
+    }
+
+    /// Have the pairs put into tiles from now on.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    pub fn make_tiles(&mut self, device: &Device, kernels: &Kernels) -> Result<(), GpuError> {
+        if self.tiles.is_none() {
+            self.tiles = Some(Tiles::new(device, kernels, (&self.spheres, &self.bodies, &self.bins), &self.pairs)?);
+            self.due.lost.write(device, &[1]);
+        }
+        Ok(())
+    }
+
+    /// The tiles, if pairs are put into them.
+    pub fn tiles(&self) -> Option<&Tiles> {
+        self.tiles.as_ref()
+    }
+
+    /// The pair of each contact, and the number of contacts of the pairs before each pair.
+    pub fn of_pairs(&self) -> [&Buffer<u32>; 2] {
+        [&self.contacts.touching, self.contacts.places()]
+    }
+
+    /// Number of pairs, on the device.
+    pub fn n_pairs(&self) -> &Count {
+        &self.pairs.n
+    }
+
+    /// Have the boxes renewed and the pairs found again in the next run.
     pub fn find_all(&self, device: &Device) {
         self.due.left.write(device, &[1]);
     }
@@ -122,9 +175,14 @@ impl Collision {
         self.found
     }
 
-    /// The column of contacts and their number, for kernels; after a run that has made more room they are others.
+    /// The column of contacts and their number, for kernels; once more room has been made they are others.
     pub fn columns(&self) -> (&Buffer<Contact>, &Count) {
         (&self.contacts.contact, &self.contacts.n)
+    }
+
+    /// Number of pairs that room is needed for, and whether there is room (2).
+    pub fn room(&self) -> &Buffer<u32> {
+        &self.pairs.room
     }
 
     /// The contacts of the last run.
@@ -135,53 +193,59 @@ impl Collision {
         Ok(self.contacts.contact.read(device, self.found.contacts)?)
     }
 
+    /// Read the fat AABBs back (n_shapes); those of planes are unbounded, and a fixture's is the tight one.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn fetch_boxes(&self, device: &Device, model: &Model) -> Result<Vec<aabb::Aabb>, GpuError> {
+        let corner = |c: [f32; 4]| glam::Vec3A::new(c[0], c[1], c[2]);
+        let of = |b: &Aabb| match b.low[0] > b.high[0] {
+            true => aabb::Aabb::EMPTY,
+            false => aabb::Aabb { min: corner(b.low), max: corner(b.high) },
+        };
+        let unbounded = aabb::Aabb { min: glam::Vec3A::NEG_INFINITY, max: glam::Vec3A::INFINITY };
+        let mut boxes = vec![unbounded; model.n_shapes()];
+        let fixed = self.fixtures.boxes.iter().filter(|(s, _)| !model.shape_kind[*s].is_surface());
+        fixed.for_each(|(s, b)| boxes[*s] = of(b));
+        let own = self.spheres.fat_aabb.read(device, self.spheres.n)?;
+        self.spheres.shapes.iter().zip(&own).for_each(|(s, b)| boxes[*s] = of(b));
+        Ok(boxes)
+    }
+
     /// The time of a run's stages, s; none if the adapter takes no times.
     ///
     /// # Errors
     /// [`Fault::Gpu`].
-    pub fn stage_seconds(&self, device: &Device) -> Result<Option<Vec<(&'static str, f64)>>, Fault> {
-        Ok(self.commands.submit(device)?.wait(device)?)
+    pub fn stage_seconds(&self, device: &Device, model: &Model) -> Result<Option<Vec<(&'static str, f64)>>, Fault> {
+        let mut commands = Commands::new();
+        self.record(device, &mut commands, model);
+        Ok(commands.submit(device)?.wait(device)?)
     }
 
     /// Number of dispatches of a run.
-    pub fn n_dispatches(&self) -> usize {
-        self.commands.n_dispatches()
+    pub fn n_dispatches(&self, device: &Device, model: &Model) -> usize {
+        let mut commands = Commands::new();
+        self.record(device, &mut commands, model);
+        commands.n_dispatches()
     }
 
-    fn record(&self, device: &Device, model: &Model) -> Commands {
-        let Collision { spheres, due, bins, pairs, contacts, .. } = self;
-        let mut commands = Commands::new();
-        let c = &mut commands;
+    /// Record the stages.
+    pub fn record(&self, device: &Device, c: &mut Commands, model: &Model) {
+        let Collision { bodies, spheres, fixtures, due, bins, pairs, contacts, .. } = self;
         c.stage("bounds");
-        self.bounds.record(device, c, model, spheres, due);
+        self.bounds.record(device, c, model, (bodies, spheres), due);
         c.stage("bin_emit");
-        self.bin_emit.record(device, c, spheres, due, bins);
+        self.bin_emit.record(device, c, spheres, bodies.scale.unit, (due, bins));
         c.stage("bin_sort");
-        let max_key = n_bins(bins.bits) as u32;
-        self.bin_sort.record(device, c, (&bins.bin, &bins.shape), &due.spheres, max_key);
+        self.bin_sort.record(device, c, (&bins.bin, &bins.shape), &due.spheres, bins.n() as u32);
         c.stage("bin_start");
         self.bin_start.record(device, c, due, bins);
         c.stage("pair_write");
-        self.pair_write.record(device, c, model, spheres, (due, bins), pairs);
+        self.pair_write.record(device, c, model, (bodies, spheres, fixtures), (due, bins, pairs));
+        if let Some(tiles) = &self.tiles {
+            tiles.record(device, c, (bodies, spheres, fixtures), (due, bins, pairs));
+        }
         c.stage("contact_write");
-        self.contact_write.record(device, c, model, spheres, pairs, contacts);
-        commands
+        self.contact_write.record(device, c, model, (bodies, spheres, fixtures), (pairs, contacts));
     }
-}
-
-fn pairs(device: &Device, n: usize, room: usize) -> Result<Pairs, GpuError> {
-    let start = Buffer::zeros(device, "pair_start", n + 1)?;
-    Ok(Pairs { start, pairs: Buffer::zeros(device, "pairs", room)?, n: Count::found(device, room)? })
-}
-
-/// Bits of the bins' coordinates, for the box about the moving spheres and their usual width.
-fn bits_of(model: &Model, state: &State, n: usize) -> [u32; 3] {
-    let moving = || {
-        let spheres = (0..model.n_shapes()).filter(|s| model.is_centred_sphere(*s));
-        spheres.map(|s| (state.position[model.shape_body[s] as usize], model.shape_size[s].x))
-    };
-    let inverse: f64 = moving().map(|(_, radius)| 0.5 / radius).sum();
-    let low = moving().fold(glam::DVec3::INFINITY, |low, (p, _)| low.min(p));
-    let high = moving().fold(glam::DVec3::NEG_INFINITY, |high, (p, _)| high.max(p));
-    bits(n, n as f64 / inverse, (high - low).to_array())
 }

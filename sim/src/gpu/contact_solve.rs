@@ -1,85 +1,198 @@
-//! Solve the contact problem of spheres on a device, recorded once for the contacts of a collision.
+//! Solve the contact problem of spheres on a device.
 //!
 //! ```text
-//! in   contact  [n_contacts]  of `contact_write`
-//! in   free     [n_bodies]    m/s, rad/s: velocities at the step's end without contacts
-//! out  gamma    [n_contacts]  N s, world: impulses on B
-//! out  motion   [n_bodies]    m/s, rad/s: velocities at the step's end
+//! in     contact  [n_contacts]  of `contact_write`
+//! in     free     [n_bodies]    m/s, rad/s: velocities at the step's end without contacts
+//! inout  gamma    [n_contacts]  N s, world: impulses on B
+//! out    motion   [n_bodies]    m/s, rad/s: velocities at the step's end
 //! ```
 //!
-//! Twin: cpu/contact_solve.rs. The methods are in `jacobi` and `apgd`, what they share in `problem`.
+//! Twin: cpu/contact_solve.rs. The methods are in `jacobi`, `apgd` and `gauss_seidel`, what they share in `problem`. A solve is recorded in three parts, of
+//! which that of the iterations is submitted as often as the most iterations ask: once it has converged, its dispatches are empty.
 
+use super::apgd::{self, Apgd};
 use super::collision::Collision;
-use super::problem::{Columns, Problem};
+use super::fault::Fault;
+use super::gauss_seidel::{self, GaussSeidel};
+use super::problem::Problem;
 use super::rows::Body;
-use super::spheres::Fault;
-use super::{apgd, jacobi};
+use super::{force, jacobi, scale};
 use crate::inertia::is_isotropic;
 use crate::model::{ContactLaw, Model};
-use crate::settings::{FrictionLaw, Method};
-use crate::state::State;
-use gpu::{Buffer, Commands, Device, Kernels};
+use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
+use gpu::{Commands, Device, GpuError, Kernels};
 
-/// Name of the stage of the iterations, in times.
-const ITERATIONS: &str = "iterations";
+/// Name of the stage.
+const STAGE: &str = "contact_solve";
 
-/// The solver of a model's contacts by the method of its settings.
+/// The most iterations that are recorded.
+const PART: u32 = 50;
+
+/// Bodies times iterations of a part on a software adapter.
+const SLOW_ROWS: usize = 250_000;
+
+/// Places of the step length and of whether the solve goes on in the scalars.
+const STEP: usize = 2;
+const GOES_ON: usize = 7;
+
+/// The solver of a model's contacts.
 pub struct ContactSolve {
-    problem: Problem,
-    columns: Columns,
-    commands: Commands,
-    /// Bytes of a contact and iteration from memory.
+    /// The problem.
+    pub problem: Problem,
+    method: Columns,
+    settings: SolverSettings,
+    is_software: bool,
+    /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
+    /// Sweeps of an iteration.
+    pub sweeps: u32,
+}
+
+/// The columns of a method.
+enum Columns {
+    Jacobi,
+    Apgd(Box<Apgd>),
+    GaussSeidel(Box<GaussSeidel>),
 }
 
 impl ContactSolve {
-    /// For the contacts of a collision, as many as it has room for now: after a run that has made more room, the solver is made again.
+    /// For the contacts of a collision, as many as it has room for now: after more room has been made, the solver is made again.
     ///
     /// # Errors
     /// [`Fault::Unsupported`] for a model with joints, springs, loads, or laws or settings that no kernel is built for; [`Fault::Gpu`].
     pub fn new(
         device: &Device,
         kernels: &Kernels,
-        model: &Model,
+        (model, method): (&Model, Method),
         collision: &Collision,
     ) -> Result<ContactSolve, Fault> {
-        supported(model)?;
-        let settings = &model.solver;
-        let unsupported = |message: &str| Fault::Unsupported(message.into());
-        // The default depends on the number of contacts, which the device alone knows.
-        let iterations = settings.iterations.ok_or_else(|| unsupported("the number of iterations must be given"))?;
+        supported(model, method)?;
+        if model.inv_inertia.iter().any(|i| !is_isotropic(*i)) {
+            return Err(Fault::Unsupported("no kernel is built yet for bodies of anisotropic inertia".into()));
+        }
         let problem = Problem::new(device, kernels, model, collision)?;
-        let columns = Columns {
-            gamma: Buffer::zeros(device, "gamma", problem.n_contacts.capacity)?,
-            motion: Buffer::zeros(device, "motion", problem.n_bodies)?,
-        };
-        let mut commands = Commands::new();
-        commands.stage("problem");
-        problem.record(device, &mut commands, model, collision);
-        commands.stage(ITERATIONS);
-        let c = &mut commands;
-        let bytes = match settings.method {
-            Some(Method::Jacobi) => {
-                jacobi::record(device, kernels, c, (settings, iterations), &problem, &columns)?;
-                jacobi::BYTES
+        let (method, bytes) = match method {
+            Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
+            Method::GaussSeidel => {
+                let method = GaussSeidel::new(device, kernels, model, (&problem, collision))?;
+                (Columns::GaussSeidel(Box::new(method)), gauss_seidel::BYTES)
             }
-            Some(Method::Apgd) => {
-                apgd::record(device, kernels, c, iterations, &problem, &columns)?;
-                apgd::BYTES
+            _ => {
+                let method = Apgd::new(device, kernels, &problem, model.solver.tolerance)?;
+                (Columns::Apgd(Box::new(method)), apgd::BYTES)
             }
-            _ => return Err(unsupported("no kernel is built yet for this method: give `jacobi` or `apgd`")),
         };
-        Ok(ContactSolve { problem, columns, commands, bytes })
+        let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
+        let bytes = bytes / f64::from(sweeps);
+        let is_software = device.adapter.software;
+        Ok(ContactSolve { problem, method, settings: model.solver.clone(), is_software, bytes, sweeps })
     }
 
-    /// Solve the problem of the collision's last run, for the velocities of a state, from impulses of zero.
+    /// The most iterations for a number of contacts; none if it is known without that number.
+    pub fn max_iterations(&self) -> Option<u32> {
+        self.settings.iterations
+    }
+
+    /// The most iterations for a number of contacts.
+    pub fn default_iterations(&self, n_contacts: usize) -> u32 {
+        self.settings.max_iterations(n_contacts)
+    }
+
+    /// Whether the solve has not come to its end.
     ///
     /// # Errors
-    /// [`Fault::Gpu`].
-    pub fn run(&self, device: &Device, model: &Model, state: &State) -> Result<(), Fault> {
-        self.problem.place(device, model, state);
-        self.commands.submit(device)?;
+    /// Those of [`gpu::Buffer::read`].
+    pub fn goes_on(&self, device: &Device) -> Result<bool, GpuError> {
+        Ok(self.problem.scalars.read(device, 1)?[0][GOES_ON] == 1)
+    }
+
+    /// The step length of APGD, with which the next solve begins.
+    ///
+    /// # Errors
+    /// Those of [`gpu::Buffer::read`].
+    pub fn step_length(&self, device: &Device) -> Result<f64, GpuError> {
+        Ok(f32::from_bits(self.problem.scalars.read(device, 1)?[0][STEP]) as f64)
+    }
+
+    /// Set the step length of APGD.
+    pub fn place_step_length(&self, device: &Device, step_length: f64) {
+        let mut scalars = [0; 16];
+        scalars[STEP] = (step_length as f32).to_bits();
+        self.problem.scalars.write(device, &[scalars]);
+    }
+
+    /// Number of iterations of a part: all, if they are not many; on a software adapter as many as it does in some tenths of a second.
+    pub fn part(&self) -> u32 {
+        let all = self.settings.iterations.filter(|n| *n <= 2 * PART).unwrap_or(PART);
+        if !self.is_software {
+            return all;
+        }
+        let n = self.problem.n_bodies.max(1);
+        let (most, step) = match &self.method {
+            Columns::GaussSeidel(_) => (SLOW_ROWS / 10 / n, 1),
+            Columns::Jacobi => (SLOW_ROWS / n, 1),
+            // Whole intervals between its checks.
+            Columns::Apgd(_) => (SLOW_ROWS / n, apgd::interval(self.settings.tolerance)),
+        };
+        let most = (most as u32 / step * step).max(step);
+        if most < all { most } else { all }
+    }
+
+    /// Record the beginning, from the impulses `gamma` of the problem.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`].
+    pub fn record_start(
+        &self,
+        device: &Device,
+        kernels: &Kernels,
+        commands: &mut Commands,
+        (model, collision): (&Model, &Collision),
+    ) -> Result<(), GpuError> {
+        commands.stage(STAGE);
+        self.problem.record(device, commands, model, &collision.bodies);
+        if let Columns::GaussSeidel(sweeps) = &self.method {
+            sweeps.record_start(device, commands, &self.problem, self.settings.iterations);
+            return Ok(());
+        }
+        let omega = self.settings.omega.unwrap_or(jacobi::OMEGA);
+        scale::record(device, kernels, commands, &self.problem, (self.settings.iterations, omega))?;
+        if let Columns::Apgd(apgd) = &self.method {
+            apgd.record_start(commands, &self.problem);
+        }
         Ok(())
+    }
+
+    /// Record a part of the iterations.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`].
+    pub fn record_part(&self, device: &Device, kernels: &Kernels, commands: &mut Commands) -> Result<(), GpuError> {
+        commands.stage(STAGE);
+        match &self.method {
+            Columns::Jacobi => {
+                jacobi::record(device, kernels, commands, (&self.settings, self.part()), &self.problem)?;
+            }
+            Columns::Apgd(apgd) => apgd.record(device, commands, &self.problem, self.part()),
+            Columns::GaussSeidel(sweeps) => sweeps.record(device, commands, &self.problem, self.part()),
+        }
+        Ok(())
+    }
+
+    /// Record the end: the solution with its residual.
+    pub fn record_end(&self, device: &Device, commands: &mut Commands) {
+        commands.stage(STAGE);
+        match &self.method {
+            // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
+            Columns::GaussSeidel(_) => {
+                let problem = &self.problem;
+                problem.record_response(device, commands, problem.bodies());
+                return;
+            }
+            Columns::Apgd(apgd) => apgd.record_end(device, commands, &self.problem),
+            Columns::Jacobi => {}
+        }
+        self.problem.record_residual(device, commands);
     }
 
     /// The impulses on B of the first `n` contacts, N s, world; the fourth numbers are not used.
@@ -87,7 +200,7 @@ impl ContactSolve {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn impulses(&self, device: &Device, n: usize) -> Result<Vec<[f32; 4]>, Fault> {
-        Ok(self.columns.gamma.read(device, n)?)
+        Ok(self.problem.gamma.read(device, n)?)
     }
 
     /// The velocities of the bodies at the step's end.
@@ -95,34 +208,56 @@ impl ContactSolve {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn motion(&self, device: &Device) -> Result<Vec<Body>, Fault> {
-        Ok(self.columns.motion.read(device, self.problem.n_bodies)?)
+        Ok(self.problem.motion.read(device, self.problem.n_bodies)?)
     }
 
-    /// The time of the iterations of a solve, s.
+    /// Solve the problem of the collision's last run, for the velocities of a state, from impulses of zero. Returns the time of the
+    /// iterations, s, and the number of their dispatches.
     ///
     /// # Errors
     /// [`Fault::Gpu`].
-    pub fn seconds(&self, device: &Device) -> Result<f64, Fault> {
-        Ok(self.commands.stage_seconds(device, ITERATIONS)?)
-    }
-
-    /// Number of dispatches of a solve.
-    pub fn n_dispatches(&self) -> usize {
-        self.commands.n_dispatches()
+    pub fn run(
+        &self,
+        device: &Device,
+        kernels: &Kernels,
+        (model, collision): (&Model, &Collision),
+    ) -> Result<(f64, usize), Fault> {
+        let mut commands = Commands::new();
+        force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
+        commands.clear(&self.problem.gamma);
+        self.record_start(device, kernels, &mut commands, (model, collision))?;
+        commands.submit(device)?;
+        let mut part = Commands::new();
+        self.record_part(device, kernels, &mut part)?;
+        let n = self.max_iterations().unwrap_or(PART).div_ceil(self.part());
+        let mut seconds = 0.0;
+        for _ in 0..n {
+            seconds += part.stage_seconds(device, STAGE)?;
+        }
+        let mut commands = Commands::new();
+        self.record_end(device, &mut commands);
+        commands.submit(device)?;
+        Ok((seconds, n as usize * part.n_dispatches()))
     }
 }
 
-/// Refuse what no kernel is built for.
-fn supported(model: &Model) -> Result<(), Fault> {
+/// Refuse joints, loads, laws and methods that no kernel is built for.
+pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
     let law = |has: fn(&ContactLaw) -> bool| model.laws.iter().any(has);
+    let bounces = law(|l| l.restitution > 0.0);
     let faults = [
-        (!model.joints.is_empty() || !model.springs.is_empty(), "joints and springs"),
+        (!model.joints.is_empty(), "joints"),
+        (!model.springs.is_empty(), "springs"),
         (!model.loads.is_empty(), "loads"),
-        (law(|l| l.restitution > 0.0), "restitution"),
+        (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
         (law(|l| l.cohesion != 0.0), "cohesion"),
         (law(|l| l.rolling > 0.0 || l.spinning > 0.0), "rolling and spinning friction"),
-        (model.solver.friction == FrictionLaw::Exact, "exact friction"),
-        (model.inv_inertia.iter().any(|i| !is_isotropic(*i)), "bodies of anisotropic inertia"),
+        (method == Method::BarzilaiBorwein, "the method barzilai_borwein"),
+        (
+            model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel,
+            "exact friction by another method than gauss_seidel",
+        ),
+        (model.solver.start_iterations.is_some() && model.solver.warm_start, "start_iterations"),
     ];
     match faults.iter().find(|(is_there, _)| *is_there) {
         Some((_, what)) => Err(Fault::Unsupported(format!("no kernel is built yet for {what}"))),

@@ -1,13 +1,17 @@
 //! Narrow phase: find the pairs that touch or come within their margins, compact them, write their contacts.
-//! in   position  [n_bodies]   units of the scale
+//! in   position  [n_bodies]   fine units
 //! in   margin    [n_spheres]  m
+//! in   fixture   [n_fixtures]
 //! in   pairs     [n_pairs]
 //! out  contact   [n_contacts] in the order of the pairs
-//! Kernels: contact_find.wgsl, the compaction, contact_write.wgsl. Twin: cpu/contact_write.rs
+//! Kernels: contact_find.wgsl, the compaction, contact_write.wgsl. Twin: cpu/contact_write.rs, cpu/sphere_pairs.rs
 
+use super::bodies::Bodies;
+use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
+use super::parts::{ROWS, bits, kernel};
 use super::rows::Contact;
-use super::spheres::{ROWS, Spheres, kernel};
+use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::compact::Compact;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels};
@@ -17,7 +21,7 @@ pub struct Contacts {
     /// Whether each pair touches (n_pairs).
     touches: Buffer<u32>,
     /// The pairs that touch (n_contacts).
-    touching: Buffer<u32>,
+    pub touching: Buffer<u32>,
     /// The contacts (n_contacts).
     pub contact: Buffer<Contact>,
     /// Number of contacts.
@@ -26,6 +30,11 @@ pub struct Contacts {
 }
 
 impl Contacts {
+    /// Number of contacts of the pairs before each pair, and of all (n_pairs + 1).
+    pub fn places(&self) -> &Buffer<u32> {
+        self.compact.places()
+    }
+
     /// With room for this many pairs.
     pub fn new(device: &Device, kernels: &Kernels, n_pairs: usize) -> Result<Contacts, GpuError> {
         Ok(Contacts {
@@ -61,19 +70,21 @@ impl ContactWrite {
         device: &Device,
         commands: &mut Commands,
         model: &Model,
-        at: &Spheres,
-        from: &Pairs,
-        to: &Contacts,
+        (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (from, to): (&Pairs, &Contacts),
     ) {
         let [of_pairs, of_contacts] = &self.groups;
-        let unit = (at.scale.unit as f32).to_bits();
+        let unit = bits(bodies.scale.unit);
         of_pairs.record(device, commands, &from.n);
-        let (position, sphere, pairs) = (at.position.bind(), at.sphere.bind(), from.pairs.bind());
-        let bound = [position, sphere, at.margin.bind(), pairs, to.touches.bind(), from.n.n.bind()];
-        commands.dispatch(device, &self.find, &bound, &[unit], of_pairs.of_level(&from.n, 0));
+        let shapes = [bodies.position.bind(), at.sphere.bind(), fixtures.fixture.bind()];
+        let [position, sphere, fixture] = shapes;
+        let pairs = from.pairs.bind();
+        let bound = [position, sphere, fixture, at.margin.bind(), pairs, to.touches.bind(), from.n.n.bind()];
+        // The margin of a fixture is as single precision has it on the CPU.
+        commands.dispatch(device, &self.find, &bound, &[unit, bits(model.envelope)], of_pairs.of_level(&from.n, 0));
         to.compact.record(device, commands, &to.touches, &from.n, &to.touching, &to.n);
         of_contacts.record(device, commands, &to.n);
-        let bound = [position, sphere, pairs, to.touching.bind(), to.contact.bind(), to.n.n.bind()];
+        let bound = [position, sphere, fixture, pairs, to.touching.bind(), to.contact.bind(), to.n.n.bind()];
         let params = [model.material_names.len() as u32, unit];
         commands.dispatch(device, &self.write, &bound, &params, of_contacts.of_level(&to.n, 0));
     }

@@ -1,12 +1,12 @@
 // Fat box of each sphere, grown for the motion of several steps.
-// in   position  [n_bodies]   steps of the scale
+// in   position  [n_bodies]   fine units
 // in   velocity  [n_bodies]   m/s
 // in   activity  [n_bodies]
 // in   sphere    [n_spheres]
 // in   margin    [n_spheres]  m
 // out  fat_aabb  [n_spheres]  m; empty for a body that is inactive
 // in   count     [1]          n_spheres if pairs are to be found, else 0
-// in   params    [2]          as bits: h (s), step of the scale (m)
+// in   params    [2]          as bits: h (s), unit of the scale (m)
 // Twin: cpu/bounds.rs
 #import tight
 

@@ -1,23 +1,32 @@
-//! Positions in fixed point: three whole numbers of 64 bits, in units of a power of two of a metre.
+//! Positions in fixed point: three whole numbers of 64 bits, in fine units, a power of two of a metre.
 //!
-//! The unit, q, is at most 2⁻²² of the least radius. A position that is taken from double precision is off by at most q/2 along each axis,
-//! and a radius by q/2, so that a gap is off by at most (√3 + 1) q, 6.6e-7 of the least radius, anywhere within 2⁶² q of the origin: for
-//! grains of a millimetre, the nearest 10⁹ m. Differences of positions are exact whole numbers, and so is d² − R² of a distance d and a
-//! sum of radii R, modulo 2⁶⁴; the gap is (d² − R²) / (d + R) with a few roundings of single precision, 6e-7 of the gap itself. Where
-//! |d² − R²| exceeds 4e18 q² it is d − R in single precision, right to 5e-7 of R: spheres of the least radius are then more than a hundred
-//! radii apart, and those of 300 times that radius overlap by more than a twelfth of R.
+//! Gaps and radii are in units q of at most 2⁻²² of the least radius; positions are in fine units of q/1024, so that the motion of a step is
+//! carried on to 2⁻³² of that radius, and what moves by less than that in a step stands still. The difference of two positions is exact,
+//! and rounded to q. A position that is taken from double precision is off by q/2048, a difference by q/2 + q/1024 along each axis, and a
+//! radius by q/2, so that a gap is off by at most 1.9 q, 4.6e-7 of the least radius, anywhere within 2⁶² fine units of the origin: for
+//! grains of a millimetre, the nearest 10⁶ m. Squares of differences are exact, and so is d² − R² of a distance d and a sum of radii R,
+//! modulo 2⁶⁴; the gap is (d² − R²) / (d + R) with a few roundings of single precision, 6e-7 of the gap itself. Where |d² − R²| exceeds
+//! 4e18 q² it is d − R in single precision, right to 5e-7 of R: spheres of the least radius are then more than a hundred radii apart, and
+//! those of 300 times that radius overlap by more than a twelfth of R. Coordinates in the frame of a fixture are products of 64 by 64 bits
+//! with axes of 60 bits, right to three fine units.
+//!
+//! Within 2⁵³ fine units, two million of the least radius, a position is a number of double precision, so that a checkpoint has it bit for
+//! bit.
 //!
 //! Twin: fixed.wgsl
 
 use super::rows::Fixed;
 use glam::DVec3;
 
-/// The unit of positions in fixed point.
+/// The units of lengths in fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// The unit, m.
+    /// The unit of gaps and radii, m.
     pub unit: f64,
 }
+
+/// Bits that the fine unit of positions is smaller than the unit.
+const FRACTION: i32 = 10;
 
 /// Bits that the unit is smaller than the least radius.
 const BITS: i32 = 22;
@@ -34,10 +43,15 @@ impl Scale {
         Scale { unit: if unit * 2f64.powi(BITS) > least_radius { 0.5 * unit } else { unit } }
     }
 
-    /// A position, m, to the nearest units; none if it is not finite or further than 2⁶² units from the origin along an axis.
+    /// The unit of positions, m.
+    pub fn fine(self) -> f64 {
+        self.unit / (1 << FRACTION) as f64
+    }
+
+    /// A position, m, to the nearest fine units; none if it is not finite or further than 2⁶² of them from the origin along an axis.
     pub fn fix(self, position: DVec3) -> Option<Fixed> {
         const MOST: f64 = (1_u64 << 62) as f64;
-        let units = (position / self.unit).round();
+        let units = (position / self.fine()).round();
         let is_near = units.is_finite() && units.abs().max_element() < MOST;
         is_near.then(|| {
             let [x, y, z] = units.to_array().map(|k| words(k as i64));
@@ -45,9 +59,16 @@ impl Scale {
         })
     }
 
+    /// Components of a unit vector over 2⁶⁰.
+    pub fn axis(axis: DVec3) -> Fixed {
+        const ONE: f64 = (1_u64 << 60) as f64;
+        let [x, y, z] = axis.to_array().map(|k| words((k * ONE) as i64));
+        Fixed { x, y, z }
+    }
+
     /// A position, m.
     pub fn unfix(self, fixed: Fixed) -> DVec3 {
-        DVec3::from_array(whole(fixed).map(|k| k as f64)) * self.unit
+        DVec3::from_array(whole(fixed).map(|k| k as f64)) * self.fine()
     }
 
     /// A radius, m, in units.
@@ -69,7 +90,8 @@ fn whole(fixed: Fixed) -> [i64; 3] {
 /// The CPU twin of `normal_and_gap` in `fixed.wgsl`, in double precision over the exact numbers: the gap of two spheres, m.
 pub fn gap_cpu(scale: Scale, [a, b]: [Fixed; 2], radii: [u32; 2]) -> f64 {
     let (a, b) = (whole(a), whole(b));
-    let d: [i128; 3] = std::array::from_fn(|k| b[k] as i128 - a[k] as i128);
+    let half = 1 << (FRACTION - 1);
+    let d: [i128; 3] = std::array::from_fn(|k| (b[k] as i128 - a[k] as i128 + half) >> FRACTION);
     let squares: i128 = d.iter().map(|x| x * x).sum();
     let reach = radii[0] as i128 + radii[1] as i128;
     (squares - reach * reach) as f64 / ((squares as f64).sqrt() + reach as f64) * scale.unit
@@ -97,12 +119,13 @@ mod tests {
         for size in [1e-3, 1.0, 1e3, 1e6] {
             let p = DVec3::from_array(std::array::from_fn(|_| random.between(-size, size)));
             let back = scale.unfix(scale.fix(p).unwrap());
-            assert!((back - p).abs().max_element() <= 0.5 * scale.unit, "{p}");
+            assert!((back - p).abs().max_element() <= 0.5 * scale.fine(), "{p}");
+            assert_eq!(scale.fix(back), scale.fix(p));
         }
         assert_eq!(scale.fix(DVec3::splat(f64::NAN)), None);
         assert_eq!(scale.fix(DVec3::splat(1e30)), None);
-        let fixed = scale.fix(DVec3::new(-1.0, 2.0, -scale.unit)).unwrap();
-        assert_eq!(whole(fixed), [-(1.0 / scale.unit) as i64, (2.0 / scale.unit) as i64, -1]);
+        let fixed = scale.fix(DVec3::new(-1.0, 2.0, -scale.fine())).unwrap();
+        assert_eq!(whole(fixed), [-(1.0 / scale.fine()) as i64, (2.0 / scale.fine()) as i64, -1]);
     }
 
     /// A kilometre and a thousand kilometres from the origin, a gap is right to 1e-6 of the least radius.

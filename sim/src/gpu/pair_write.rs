@@ -1,13 +1,17 @@
-//! Broad phase: count, scan, write every pair of spheres whose fat boxes overlap, once.
+//! Broad phase: count, scan, write every pair of spheres whose fat boxes overlap, once, and those of spheres and fixtures.
 //! in   fat_aabb   [n_spheres]  m, world
 //! in   bin_shape  [n_spheres]  sorted by bin
 //! in   bin_start  [n_bins]
-//! out  pairs      [n_pairs]    the lower sphere first, in the order of bins
+//! in   fixture    [n_fixtures]
+//! out  pairs      [n_pairs]    the lower sphere first, or a sphere and n_spheres plus a fixture; in the order of bins
 //! Kernels: pair_write.wgsl in two passes, and the scan. Twin: cpu/pair_write.rs
 
 use super::bin_emit::Bins;
+use super::bodies::Bodies;
 use super::bounds::Due;
-use super::spheres::{ROWS, Spheres, kernel_with};
+use super::fixtures::Fixtures;
+use super::parts::{ROWS, bits, kernel_with};
+use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::scan::Scan;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels};
@@ -18,8 +22,22 @@ pub struct Pairs {
     pub start: Buffer<u32>,
     /// Pairs, the lower sphere first (n_pairs).
     pub pairs: Buffer<[u32; 2]>,
-    /// Number of pairs, which may exceed the room.
+    /// Number of pairs; 0 where there is no room for all.
     pub n: Count,
+    /// Number of pairs that room is needed for, and whether there is room (2).
+    pub room: Buffer<u32>,
+}
+
+impl Pairs {
+    /// With room for this many pairs of `n` spheres.
+    pub fn new(device: &Device, n: usize, room: usize) -> Result<Pairs, GpuError> {
+        Ok(Pairs {
+            start: Buffer::zeros(device, "pair_start", n + 1)?,
+            pairs: Buffer::zeros(device, "pairs", room)?,
+            n: Count::found(device, room)?,
+            room: Buffer::of(device, "room", &[0, 1])?,
+        })
+    }
 }
 
 /// The stage's kernels, and the rules of what may collide.
@@ -54,16 +72,17 @@ impl PairWrite {
         device: &Device,
         commands: &mut Commands,
         model: &Model,
-        at: &Spheres,
-        (due, bins): (&Due, &Bins),
-        to: &Pairs,
+        (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (due, bins, to): (&Due, &Bins, &Pairs),
     ) {
-        let boxes = [at.fat_aabb.bind(), at.sphere.bind(), at.activity.bind(), bins.shape.bind(), bins.start.bind()];
+        let boxes =
+            [at.fat_aabb.bind(), at.sphere.bind(), bodies.activity.bind(), bins.shape.bind(), bins.start.bind()];
+        let held = [fixtures.fixture.bind(), fixtures.aabb.bind()];
         let rest = [self.rules.bind(), due.levels.bind(), due.spheres.n.bind()];
-        let out = [to.start.bind(), to.pairs.bind(), to.n.n.bind()];
-        let bound: Vec<gpu::Bound> = boxes.into_iter().chain(rest).chain(out).collect();
-        let ([x, y, z], scale) = (bins.bits, (1.0 / at.scale.unit as f32).to_bits());
-        let params = [model.group_names.len() as u32, model.exclusions.len() as u32, x, y, z, scale];
+        let out = [to.start.bind(), to.pairs.bind(), to.room.bind(), to.n.n.bind(), bins.grid.bind()];
+        let bound: Vec<gpu::Bound> = boxes.into_iter().chain(held).chain(rest).chain(out).collect();
+        let (n_groups, n_exclusions) = (model.group_names.len() as u32, model.exclusions.len() as u32);
+        let params = [n_groups, n_exclusions, fixtures.n as u32, bits(1.0 / bodies.scale.unit)];
         self.groups.record(device, commands, &due.spheres);
         commands.dispatch(device, &self.count, &bound, &params, self.groups.of_level(&due.spheres, 0));
         self.scan.record(device, commands, &to.start, &due.rows);

@@ -1,18 +1,24 @@
-// Broad phase: count, then write, every pair of spheres whose fat boxes overlap, once. A pair of one level is found from the bin that comes
-// first, one of two levels from the smaller box.
+// Broad phase: count, then write, every pair of spheres whose fat boxes overlap, once, and every pair of a sphere and a fixture. A pair of
+// one level is found from the bin that comes first, one of two levels from the smaller box. Fixtures are few: each sphere is tested
+// against each.
 // in    fat_aabb   [n_spheres]  m
 // in    sphere     [n_spheres]
 // in    activity   [n_bodies]
 // in    bin_shape  [n_spheres]  sorted by bin
 // in    bin_start  [n_bins]
+// in    fixture    [n_fixtures]
+// in    fixture_aabb [n_fixtures] m
 // in    rules      [n_groups² + 2 n_exclusions]  whether groups pass; pairs of bodies without contacts, sorted
 // in    state      [3]          mask of the levels that are used (2), n_spheres if pairs are to be found, else 0
 // inout pair_start [n_spheres + 1]  pairs of each sphere out when counting; the first pair of each, and the end, in when writing
-// out   pair       [n_pairs]    the lower sphere first, when writing
-// out   n_pairs    [1]          number of pairs, when writing
-// in    params     [6]          n_groups, n_exclusions, bits of a bin's coordinates (3), and as bits 1 / step of the scale (1/m)
+// out   pair       [n_pairs]    the lower sphere first, or a sphere and n_spheres plus a fixture; when writing
+// out   room       [2]          number of pairs that room is needed for, and whether there is room, when writing
+// out   n_pairs    [1]          number of pairs, 0 where there is no room for all; when writing
+// in    grid       [3]          bits of a bin's coordinates
+// in    params     [4]          n_groups, n_exclusions, n_fixtures, and as bits 1 / unit of the scale (1/m)
 // Twin: cpu/pair_write.rs
 #import sphere
+#import fixture
 #import bins
 #import pair_pass
 
@@ -21,20 +27,21 @@
 @group(0) @binding(2) var<storage, read> activity: array<u32>;
 @group(0) @binding(3) var<storage, read> bin_shape: array<u32>;
 @group(0) @binding(4) var<storage, read> bin_start: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read> rules: array<u32>;
-@group(0) @binding(6) var<storage, read> levels: array<u32>;
-@group(0) @binding(7) var<storage, read> count: array<u32>;
-@group(0) @binding(8) var<storage, read_write> pair_start: array<u32>;
-@group(0) @binding(9) var<storage, read_write> pairs: array<vec2<u32>>;
-@group(0) @binding(10) var<storage, read_write> n_pairs: array<u32>;
-@group(0) @binding(11) var<storage, read> params: array<u32>;
+@group(0) @binding(5) var<storage, read> fixture: array<Fixture>;
+@group(0) @binding(6) var<storage, read> fixture_aabb: array<Aabb>;
+@group(0) @binding(7) var<storage, read> rules: array<u32>;
+@group(0) @binding(8) var<storage, read> levels: array<u32>;
+@group(0) @binding(9) var<storage, read> count: array<u32>;
+@group(0) @binding(10) var<storage, read_write> pair_start: array<u32>;
+@group(0) @binding(11) var<storage, read_write> pairs: array<vec2<u32>>;
+@group(0) @binding(12) var<storage, read_write> room: array<u32>;
+@group(0) @binding(13) var<storage, read_write> n_pairs: array<u32>;
+@group(0) @binding(14) var<storage, read> grid: array<u32>;
+@group(0) @binding(15) var<storage, read> params: array<u32>;
 
-// Whether the bodies of two spheres may collide: not of one body, not both held, not of bodies or groups that are excluded.
-fn may_collide(s: u32, t: u32) -> bool {
-    let a = sphere[s].body;
-    let b = sphere[t].body;
-    if a == b || (activity[a] != MOVING && activity[b] != MOVING)
-        || rules[sphere[s].group * params[0] + sphere[t].group] != 0u {
+// Whether shapes of two bodies and groups may collide: not of one body, not both held, not of bodies or groups that are excluded.
+fn may_collide(a: u32, b: u32, groups: vec2<u32>) -> bool {
+    if a == b || (activity[a] != MOVING && activity[b] != MOVING) || rules[groups.x * params[0] + groups.y] != 0u {
         return false;
     }
     let pair = vec2(min(a, b), max(a, b));
@@ -56,6 +63,26 @@ fn may_collide(s: u32, t: u32) -> bool {
     return true;
 }
 
+// Whether a box may come near a fixture.
+fn is_near(own: Aabb, f: u32) -> bool {
+    if fixture[f].kind != PLANE {
+        return overlap(own, fixture_aabb[f]);
+    }
+    let up = real_axis(fixture[f].z_axis);
+    let corner = select(own.high.xyz, own.low.xyz, up > vec3(0.0));
+    // The box of a plane is about its position, grown by the envelope.
+    let at = 0.5 * (fixture_aabb[f].low.xyz + fixture_aabb[f].high.xyz);
+    let envelope = fixture_aabb[f].high.x - at.x;
+    let rounding = 2e-6 * (length(corner) + length(at));
+    return dot(corner - at, up) <= envelope + rounding;
+}
+
+fn write_pair(place: u32, pair: vec2<u32>) {
+    if WRITES && place < arrayLength(&pairs) {
+        pairs[place] = pair;
+    }
+}
+
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = row_of(group, thread);
@@ -65,8 +92,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let s = bin_shape[i];
     let own = fat_aabb[s];
-    let scale = bitcast<f32>(params[5]);
-    let bits = vec3(params[2], params[3], params[4]);
+    let scale = bitcast<f32>(params[3]);
+    let bits = vec3(grid[0], grid[1], grid[2]);
     let edge = (own.high - own.low).xyz * scale;
     let own_level = level_of(max(edge.x, max(edge.y, edge.z)));
     var to = pair_start[i];
@@ -90,19 +117,28 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 }
                 let width = (other.high - other.low).xyz * scale;
                 let other_level = level_of(max(width.x, max(width.y, width.z)));
-                if other_level != level || any(bin_of(other.low.xyz * scale, level) != near) || !may_collide(s, t) {
+                if other_level != level || any(bin_of(other.low.xyz * scale, level) != near)
+                    || !may_collide(sphere[s].body, sphere[t].body, vec2(sphere[s].group, sphere[t].group)) {
                     continue;
                 }
-                if WRITES && to + found < arrayLength(&pairs) {
-                    pairs[to + found] = vec2(min(s, t), max(s, t));
-                }
+                write_pair(to + found, vec2(min(s, t), max(s, t)));
                 found++;
             }
         }
     }
+    for (var f = 0u; is_here && f < params[2]; f++) {
+        if is_near(own, f) && activity[fixture[f].body] != INACTIVE
+            && may_collide(sphere[s].body, fixture[f].body, vec2(sphere[s].group, fixture[f].group)) {
+            write_pair(to + found, vec2(s, n + f));
+            found++;
+        }
+    }
     if WRITES {
         if i == 0u {
-            n_pairs[0] = pair_start[n];
+            let has_room = pair_start[n] <= arrayLength(&pairs);
+            room[0] = pair_start[n];
+            room[1] = select(0u, 1u, has_room);
+            n_pairs[0] = select(0u, pair_start[n], has_room);
         }
     } else {
         pair_start[i] = found;

@@ -1,50 +1,70 @@
-//! The contact problem of spheres on a device: rows of the contacts, and the contacts of each body.
-//! in   contact     [n_contacts]    of `contact_write`
-//! in   free        [n_bodies]      m/s, rad/s: velocities at the step's end without contacts
-//! out  row         [n_contacts]
-//! out  side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
-//! out  side_start  [n_bodies]      first side of each body, and the end
-//! Kernels: solve_rows.wgsl, bin_clear.wgsl, bin_start.wgsl, and the sort. Twin: cpu/contact_solve.rs
+//! The contact problem of spheres on a device: rows of the contacts, the contacts of each body, and what the methods share.
+//! in     contact     [n_contacts]    of `contact_write`
+//! in     mass        [n_bodies]      1/kg, 1/(kg m²)
+//! in     velocity    [n_bodies]      m/s, at the step's start
+//! in     free        [n_bodies]      m/s, rad/s: velocities at the step's end without contacts
+//! inout  gamma       [n_contacts]    N s, world: the starting point, projected onto the cones
+//! out    row         [n_contacts]
+//! out    side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
+//! out    side_start  [n_bodies]      first side of each body, and the end
+//! out    motion      [n_bodies]      m/s, rad/s: velocities with γ
+//! Kernels: solve_rows.wgsl, bin_clear.wgsl, bin_start.wgsl, the sort, response.wgsl, residual.wgsl, residual_sum.wgsl.
+//! Twin: cpu/contact_solve.rs
 
+use super::bodies::Bodies;
 use super::collision::Collision;
-use super::rows::Body;
-use super::spheres::{Fault, ROWS, groups, kernel};
+use super::fault::Fault;
+use super::parts::{ROWS, bits, groups, kernel};
+use super::rows::{Body, Contact};
 use crate::model::Model;
-use crate::state::State;
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, Groups, Kernel, Kernels, Work};
 
 /// The problem, with room for as many contacts as a collision has.
 pub struct Problem {
-    /// Velocities without contacts, and masses (n_bodies).
-    pub free: Buffer<Body>,
     /// Number of bodies.
     pub n_bodies: usize,
     /// Number of contacts, and the most that there can be.
     pub n_contacts: Count,
-    rows: Kernel,
-    clear: Kernel,
-    start: Kernel,
+    /// The contacts (n_contacts).
+    pub contact: Buffer<Contact>,
+    /// Velocities without contacts, and masses (n_bodies).
+    pub free: Buffer<Body>,
+    /// Impulses on B, N s, world; the fourth numbers are not used (n_contacts).
+    pub gamma: Buffer<[f32; 4]>,
+    /// Velocities with these impulses, m/s, rad/s (n_bodies).
+    pub motion: Buffer<Body>,
+    /// The scalars of the solve (1).
+    pub scalars: Buffer<[u32; 16]>,
+    /// Workgroups of an iteration over contacts and over bodies, of a check, and of what it keeps (5).
+    pub work: Buffer<[u32; 4]>,
+    /// Sums over the rows of each workgroup.
+    pub of_contacts: Buffer<[f32; 4]>,
+    /// The same over bodies.
+    pub of_bodies: Buffer<[f32; 4]>,
+    /// The greatest overlap, m (1).
+    pub worst: Buffer<u32>,
+    kernels: ProblemKernels,
     sort: RadixSort<u32>,
-    of_contacts: Groups,
-    of_sides: Groups,
+    contact_groups: Groups,
+    side_groups: Groups,
     /// Rows of the contacts (n_contacts).
     row: Buffer<[u32; 12]>,
     /// Bodies of the sides, and the sides (2 n_contacts).
     sides: [Buffer<u32>; 2],
     side_start: Buffer<[u32; 2]>,
     n_sides: Count,
-    /// Number of bodies, for kernels.
-    pub all_bodies: Count,
-    friction: Buffer<f32>,
+    all_bodies: Count,
+    law: Buffer<[f32; 2]>,
 }
 
-/// What a method writes.
-pub struct Columns {
-    /// Impulses on B, N s, world; the fourth numbers are not used (n_contacts).
-    pub gamma: Buffer<[f32; 4]>,
-    /// Velocities at the step's end, m/s, rad/s (n_bodies).
-    pub motion: Buffer<Body>,
+struct ProblemKernels {
+    rows: Kernel,
+    clear: Kernel,
+    start: Kernel,
+    response: Kernel,
+    residual: Kernel,
+    residual_sum: Kernel,
 }
 
 impl Problem {
@@ -52,49 +72,82 @@ impl Problem {
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, collision: &Collision) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
-        let friction: Vec<f32> = model.laws.iter().map(|law| law.friction as f32).collect();
+        let law: Vec<[f32; 2]> = model.laws.iter().map(|l| [l.friction as f32, l.restitution as f32]).collect();
         let sides = || Buffer::zeros(device, "sides", 2 * room);
+        let get = |name, text| kernel(device, kernels, name, text);
         Ok(Problem {
-            free: Buffer::zeros(device, "free", n_bodies)?,
             n_bodies,
             n_contacts: n_contacts.clone(),
-            rows: kernel(device, kernels, "solve_rows", include_str!("solve_rows.wgsl"))?,
-            clear: kernel(device, kernels, "bin_clear", include_str!("bin_clear.wgsl"))?,
-            start: kernel(device, kernels, "bin_start", include_str!("bin_start.wgsl"))?,
+            contact: contact.clone(),
+            free: Buffer::zeros(device, "free", n_bodies)?,
+            gamma: Buffer::zeros(device, "gamma", room)?,
+            motion: Buffer::zeros(device, "motion", n_bodies)?,
+            scalars: Buffer::zeros(device, "scalars", 1)?,
+            work: Buffer::zeros(device, "work", 5)?,
+            of_contacts: Buffer::zeros(device, "sums of contacts", room.div_ceil(ROWS))?,
+            of_bodies: Buffer::zeros(device, "sums of bodies", n_bodies.div_ceil(ROWS))?,
+            worst: Buffer::zeros(device, "worst", 1)?,
+            kernels: ProblemKernels {
+                rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
+                clear: get("bin_clear", include_str!("bin_clear.wgsl"))?,
+                start: get("bin_start", include_str!("bin_start.wgsl"))?,
+                response: get("response", include_str!("response.wgsl"))?,
+                residual: get("residual", include_str!("residual.wgsl"))?,
+                residual_sum: get("residual_sum", include_str!("residual_sum.wgsl"))?,
+            },
             sort: RadixSort::new(device, kernels, 2 * room)?,
-            of_contacts: Groups::new(device, kernels, ROWS)?,
-            of_sides: Groups::new(device, kernels, ROWS)?,
+            contact_groups: Groups::new(device, kernels, ROWS)?,
+            side_groups: Groups::new(device, kernels, ROWS)?,
             row: Buffer::zeros(device, "rows", room)?,
             sides: [sides()?, sides()?],
             side_start: Buffer::zeros(device, "side_start", n_bodies)?,
             n_sides: Count::found(device, 2 * room)?,
             all_bodies: Count::of(device, n_bodies)?,
-            friction: Buffer::of(device, "friction", &friction)?,
+            law: Buffer::of(device, "law", &law)?,
         })
     }
 
     /// Record what does not change during a solve.
-    pub fn record(&self, device: &Device, commands: &mut Commands, model: &Model, collision: &Collision) {
-        let (contact, n_contacts) = collision.columns();
-        let [body, side] = &self.sides;
+    pub fn record(&self, device: &Device, commands: &mut Commands, model: &Model, bodies: &Bodies) {
+        let ([body, side], n) = (&self.sides, &self.n_contacts);
         commands.clear(&self.n_sides.n);
-        self.of_contacts.record(device, commands, n_contacts);
-        let columns = [contact.bind(), self.free.bind(), self.friction.bind(), self.row.bind()];
-        let sides = [body.bind(), side.bind(), self.n_sides.n.bind(), n_contacts.n.bind()];
-        let bound: Vec<Bound> = columns.into_iter().chain(sides).collect();
-        let params = [(1.0 / model.step as f32).to_bits()];
-        commands.dispatch(device, &self.rows, &bound, &params, self.contacts());
+        commands.clear(&self.worst);
+        self.contact_groups.record(device, commands, n);
+        let columns = [self.contact.bind(), bodies.mass.bind(), bodies.velocity.bind(), self.law.bind()];
+        let sides = [self.gamma.bind(), self.row.bind(), body.bind(), side.bind()];
+        let rest = [self.n_sides.n.bind(), self.worst.bind(), n.n.bind()];
+        let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).collect();
+        let least_speed = 1e-3f64.max(2.0 * model.gravity.length() * model.step);
+        let params = [model.step, 1.0 / model.step, least_speed].map(bits);
+        commands.dispatch(device, &self.kernels.rows, &bound, &params, self.contacts());
         self.sort.record(device, commands, (body, side), &self.n_sides, self.n_bodies as u32);
         let bound = [self.side_start.bind(), self.all_bodies.n.bind()];
-        commands.dispatch(device, &self.clear, &bound, &[], self.bodies());
-        self.of_sides.record(device, commands, &self.n_sides);
+        commands.dispatch(device, &self.kernels.clear, &bound, &[], self.bodies());
+        self.side_groups.record(device, commands, &self.n_sides);
         let bound = [body.bind(), self.side_start.bind(), self.n_sides.n.bind()];
-        commands.dispatch(device, &self.start, &bound, &[], self.of_sides.of_level(&self.n_sides, 0));
+        commands.dispatch(device, &self.kernels.start, &bound, &[], self.side_groups.of_level(&self.n_sides, 0));
+        self.record_response(device, commands, self.bodies());
+    }
+
+    /// Record the velocities with the impulses.
+    pub fn record_response(&self, device: &Device, commands: &mut Commands, work: Work) {
+        let [row, gamma, free, side, start] = self.sums_of_bodies(&self.gamma);
+        let bound = [row, gamma, free, side, start, self.motion.bind()];
+        commands.dispatch(device, &self.kernels.response, &bound, &[], work);
+    }
+
+    /// Record the residual of the solution.
+    pub fn record_residual(&self, device: &Device, commands: &mut Commands) {
+        let n = self.n_contacts.n.bind();
+        let bound = [self.row(), self.motion.bind(), self.gamma.bind(), self.of_contacts.bind(), n];
+        commands.dispatch(device, &self.kernels.residual, &bound, &[], self.contacts());
+        let bound = [self.of_contacts.bind(), self.scalars.bind(), n];
+        commands.dispatch(device, &self.kernels.residual_sum, &bound, &[], Work::Groups(1));
     }
 
     /// The workgroups of a kernel over contacts, after [`Problem::record`].
     pub fn contacts(&self) -> Work<'_> {
-        self.of_contacts.of_level(&self.n_contacts, 0)
+        self.contact_groups.of_level(&self.n_contacts, 0)
     }
 
     /// The workgroups of a kernel over bodies.
@@ -107,23 +160,14 @@ impl Problem {
         self.row.bind()
     }
 
-    /// What a kernel that sums over the contacts of bodies binds: rows, impulses, free velocities, sides, starts.
-    pub fn of_bodies<'a>(&'a self, gamma: &'a Buffer<[f32; 4]>) -> [Bound<'a>; 5] {
-        [self.row(), gamma.bind(), self.free.bind(), self.sides[1].bind(), self.side_start.bind()]
+    /// The contacts of each body: sides, starts.
+    pub fn sides(&self) -> [Bound<'_>; 2] {
+        [self.sides[1].bind(), self.side_start.bind()]
     }
 
-    /// Write the velocities at the step's end without contacts.
-    pub fn place(&self, device: &Device, model: &Model, state: &State) {
-        let body = |b: usize| {
-            if !state.moves(b) {
-                return Body::default();
-            }
-            let (v, w) = (state.velocity[b] + model.gravity * model.step, state.twist(b).w);
-            let single = |v: glam::DVec3| v.as_vec3().to_array();
-            let [inv_mass, inv_inertia] = [model.inv_mass[b], model.inv_inertia[b].x].map(|x| x as f32);
-            Body { v: single(v), inv_mass, w: single(w), inv_inertia }
-        };
-        let bodies: Vec<Body> = (0..self.n_bodies).map(body).collect();
-        self.free.write(device, &bodies);
+    /// What a kernel that sums over the contacts of bodies binds: rows, impulses, free velocities, sides, starts.
+    pub fn sums_of_bodies<'a>(&'a self, gamma: &'a Buffer<[f32; 4]>) -> [Bound<'a>; 5] {
+        let [side, start] = self.sides();
+        [self.row(), gamma.bind(), self.free.bind(), side, start]
     }
 }

@@ -1,13 +1,13 @@
 //! The rows that kernels share with Rust; their layout is checked against the kernels by reflection.
 
 gpu::wgsl_rows! {
-    /// A position in fixed point: three signed numbers of 64 bits, low word first.
+    /// A vector in fixed point: three signed numbers of 64 bits, low word first.
     pub struct Fixed {
-        /// Along x, units.
+        /// Along x.
         x: [u32; 2],
-        /// Along y, units.
+        /// Along y.
         y: [u32; 2],
-        /// Along z, units.
+        /// Along z.
         z: [u32; 2],
     }
 
@@ -23,6 +23,32 @@ gpu::wgsl_rows! {
         material: u32,
         /// Index of the collision group.
         group: u32,
+    }
+
+    /// A shape that is held in place and that spheres touch in one point.
+    pub struct Fixture {
+        /// Position, fine units.
+        position: Fixed,
+        /// Axes of its frame in the world, over 2⁶⁰.
+        x_axis: Fixed,
+        /// The second axis.
+        y_axis: Fixed,
+        /// The third axis: the normal of a plane.
+        z_axis: Fixed,
+        /// Half lengths, fine units.
+        half: Fixed,
+        /// Kind, as [`fixtures`](super::fixtures) names them.
+        kind: u32,
+        /// Id of the shape.
+        shape: u32,
+        /// Id of the body.
+        body: u32,
+        /// Index of the material.
+        material: u32,
+        /// Index of the collision group.
+        group: u32,
+        /// Not used.
+        pad: u32,
     }
 
     /// Corners of an axis-aligned box, m, world; the fourth numbers are not used.
@@ -45,7 +71,7 @@ gpu::wgsl_rows! {
         inv_inertia: f32,
     }
 
-    /// A contact of two spheres.
+    /// A contact of a sphere with a sphere or a fixture.
     pub struct Contact {
         /// Bodies A and B, the lower id first.
         bodies: [u32; 2],
@@ -61,5 +87,37 @@ gpu::wgsl_rows! {
         law: u32,
         /// Not used.
         pad: u32,
+    }
+
+    /// What comes back of a step.
+    pub struct Summary {
+        /// Number of pairs that room is needed for.
+        pairs: u32,
+        /// Whether there was room for all pairs; else the step was undone.
+        has_room: u32,
+        /// Number of contacts.
+        contacts: u32,
+        /// Number of iterations.
+        iterations: u32,
+        /// Residual, m/s.
+        residual: f32,
+        /// Greatest overlap, m.
+        worst: f32,
+        /// Kinetic energy, J.
+        kinetic: f32,
+        /// Potential energy over a level, J.
+        potential: f32,
+        /// Potential energy over the lowest positions, J.
+        over_lowest: f32,
+        /// h |F·v| of the weights, J.
+        oscillation: f32,
+        /// Greatest speed squared, m²/s²; infinite where a body's state is not finite.
+        speed2: f32,
+        /// The body that has it.
+        fastest: u32,
+        /// Greatest kinetic energy of a body, J.
+        greatest: f32,
+        /// The body that has it.
+        most_energetic: u32,
     }
 }

@@ -2,7 +2,7 @@
 #import sphere
 
 fn tight_box(position: Fixed, radius: u32, margin: f32, step: f32) -> Aabb {
-    let centre = real_fixed(position) * step;
+    let centre = real_fixed(position) * (step * FINE);
     let half = vec3(f32(radius) * step + margin);
     // More than the roundings of the centre, the half and their sum.
     let rounding = (abs(centre) + half) * 5e-7;

@@ -1,11 +1,11 @@
-// Projected Jacobi, second half of an iteration: the velocities of the bodies, v_free + M⁻¹ D γ.
+// The velocities of the bodies with impulses γ, v_free + M⁻¹ D γ.
 // in   row         [n_contacts]
 // in   gamma       [n_contacts]    N s, world
 // in   free        [n_bodies]      m/s, rad/s
 // in   side        [2 n_contacts]  sorted by body: twice the contact, and one more for B
 // in   side_start  [n_bodies]      first side of each body, and the end
 // out  motion      [n_bodies]      m/s, rad/s
-// Twin: cpu/solve/body_operator.rs
+// Twin: cpu/solve/bodies.rs
 #import sphere
 #import body_response
 

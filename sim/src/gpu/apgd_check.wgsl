@@ -1,0 +1,39 @@
+// APGD: residual terms of the iterate x squared, summed over a workgroup.
+// in   row      [n_contacts]
+// in   motion   [n_bodies]    m/s, rad/s: velocities with x
+// in   x        [n_contacts]  N s, world
+// in   next     [n_contacts]  N s, world: x, if the last trial was taken
+// in   scalars  [1]
+// out  parts    [n_groups]    m²/s²
+// in   count    [1]           n_contacts
+// Twin: cpu/solve/iterates.rs
+#import sphere
+#import project
+#import residual_term
+#import scalars
+#import partial
+
+@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(1) var<storage, read> motion: array<Body>;
+@group(0) @binding(2) var<storage, read> x_column: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> next: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> scalars: array<Scalars>;
+@group(0) @binding(5) var<storage, read_write> parts: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> count: array<u32>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let k = row_of(group, thread);
+    var own = vec4(0.0);
+    if k < count[0] {
+        let row = rows[k];
+        let x = select(x_column[k].xyz, next[k].xyz, scalars[0].accepted != 0u);
+        let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
+        let term = residual_term(x, gradient, row.normal, row.friction, row.eta);
+        own.x = dot(term, term);
+    }
+    let sum = group_total(thread, own);
+    if thread == 0u {
+        parts[k / 256u] = sum;
+    }
+}

@@ -1,0 +1,52 @@
+// Projected Jacobi: whether another iteration follows, and its ω, which is halved where steps grow unless it is given.
+// in    parts    [n_groups]  residual terms of the last γ squared, m²/s²; |γ⁺ − γ|²/η and |γ|²/η, J
+// inout scalars  [1]
+// inout work     [5]         workgroups of an iteration over contacts and over bodies
+// in    count    [1]         n_contacts
+// in    params   [2]         as bits: tolerance (m/s); whether ω is given
+// Twin: cpu/solve/jacobi.rs
+#import scalars
+#import partial
+
+@group(0) @binding(0) var<storage, read> parts: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> scalars: array<Scalars>;
+@group(0) @binding(2) var<storage, read_write> work: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> count: array<u32>;
+@group(0) @binding(4) var<storage, read> params: array<u32>;
+
+// Growth of a step's square, and its share of the impulses' squares, that are more than rounding.
+const GROWS: f32 = 1.000001;
+const KNOWN: f32 = 1e-10;
+
+@compute @workgroup_size(256)
+fn main(@builtin(local_invocation_index) thread: u32) {
+    let is_active = scalars[0].goes_on == 1u;
+    var sums = vec4(0.0);
+    for (var i = thread; i < select(0u, groups_of(count[0]), is_active); i += 256u) {
+        sums += parts[i];
+    }
+    sums = group_total(thread, sums);
+    if thread != 0u {
+        return;
+    }
+    // The bodies' part of an iteration follows the one in which the solve ends.
+    if !is_active {
+        work[1] = vec4(0u, 0u, 1u, 0u);
+        return;
+    }
+    var s = scalars[0];
+    s.trials++;
+    if params[1] == 0u {
+        if sums.y > GROWS * s.last_step2 && sums.y > KNOWN * sums.z {
+            s.omega *= 0.5;
+        }
+        s.last_step2 = sums.y;
+    }
+    let tolerance = bitcast<f32>(params[0]);
+    let has_converged = tolerance > 0.0 && sqrt(sums.x) / f32(count[0]) <= tolerance;
+    if has_converged || s.trials >= s.limit {
+        s.goes_on = 0u;
+        work[0] = vec4(0u, 0u, 1u, 0u);
+    }
+    scalars[0] = s;
+}

@@ -1,0 +1,31 @@
+// Sums over the rows of a kernel: each workgroup leaves the sum of its 256 rows, as a binary tree, neighbours first, and a kernel of one
+// workgroup sums these in their order. The same bits on any device.
+
+var<workgroup> partial_values: array<vec4<f32>, 256>;
+
+// The sum over the threads of the workgroup, in thread 0. All threads call it.
+fn group_total(thread: u32, value: vec4<f32>) -> vec4<f32> {
+    workgroupBarrier();
+    partial_values[thread] = value;
+    for (var step = 1u; step < 256u; step <<= 1u) {
+        workgroupBarrier();
+        if thread % (2u * step) == 0u {
+            partial_values[thread] += partial_values[thread + step];
+        }
+    }
+    return partial_values[thread];
+}
+
+fn groups_of(n: u32) -> u32 {
+    return n / 256u + select(0u, 1u, n % 256u != 0u);
+}
+
+// The row of indirect arguments for a kernel over `n` rows.
+fn dispatch_of(n: u32) -> vec4<u32> {
+    let groups = groups_of(n);
+    return vec4(min(groups, 65535u), groups / 65535u + select(0u, 1u, groups % 65535u != 0u), 1u, 0u);
+}
+
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}

@@ -1,0 +1,100 @@
+// Gauss–Seidel over the contacts of big tiles and of pairs in no tile, one tile after the other, by one workgroup on the columns in memory.
+// in    rows         [n_contacts]
+// in    touching     [n_contacts]  the pair of each contact
+// in    place        [n_pairs + 1] number of contacts of the pairs before each pair
+// in    color        [n_pairs]
+// in    tile_first   [n_tiles]     first pair of each tile
+// in    tile_size    [n_tiles]     number of pairs without a colour, and of colours
+// in    big          [n_big]       the big tiles
+// in    counts       [3]           n_big, n_tiles, n_pairs
+// inout motion       [n_bodies]    m/s, rad/s
+// inout gamma        [n_contacts]  N s, world
+// out   moved        [1]           residual terms of the first sweep squared, m²/s²
+// in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
+// Twin: cpu/solve/sweeps.rs
+#import sphere
+#import visit
+
+@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(1) var<storage, read> touching: array<u32>;
+@group(0) @binding(2) var<storage, read> place: array<u32>;
+@group(0) @binding(3) var<storage, read> color: array<u32>;
+@group(0) @binding(4) var<storage, read> tile_first: array<u32>;
+@group(0) @binding(5) var<storage, read> tile_size: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> big: array<u32>;
+@group(0) @binding(7) var<storage, read> n_big: array<u32>;
+@group(0) @binding(8) var<storage, read> n_tiles: array<u32>;
+@group(0) @binding(9) var<storage, read> n_pairs: array<u32>;
+@group(0) @binding(10) var<storage, read_write> motion: array<Body>;
+@group(0) @binding(11) var<storage, read_write> gamma: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> moved: array<f32>;
+@group(0) @binding(13) var<storage, read> params: array<u32>;
+
+const THREADS: u32 = 256u;
+
+var<workgroup> terms: array<f32, 256>;
+
+fn visit(k: u32) -> f32 {
+    let row = rows[k];
+    let a = motion[row.bodies.x];
+    let b = motion[row.bodies.y];
+    let before = gamma[k].xyz;
+    let inverse = inverse_of(row, vec2(a.inv_mass, b.inv_mass), vec2(a.inv_inertia, b.inv_inertia));
+    let z = visited(row, before, gradient_of(row, a, b), inverse, params[1] == 1u);
+    let d = (z - before) * bitcast<f32>(params[2]);
+    gamma[k] = vec4(before + d, 0.0);
+    let spin = cross(row.normal, d);
+    if a.inv_mass > 0.0 {
+        motion[row.bodies.x] = Body(a.v - d * a.inv_mass, a.inv_mass, a.w - spin * (row.reach.x * a.inv_inertia), a.inv_inertia);
+    }
+    if b.inv_mass > 0.0 {
+        motion[row.bodies.y] = Body(b.v + d * b.inv_mass, b.inv_mass, b.w - spin * (row.reach.y * b.inv_inertia), b.inv_inertia);
+    }
+    return dot(d, d) / (row.eta * row.eta);
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(local_invocation_index) thread: u32) {
+    var term = 0.0;
+    for (var t = 0u; t < n_big[0]; t++) {
+        let tile = big[t];
+        var end_pair = n_pairs[0];
+        if tile + 1u < n_tiles[0] {
+            end_pair = tile_first[tile + 1u];
+        }
+        let first = place[tile_first[tile]];
+        let end = place[end_pair];
+        for (var sweep = 0u; sweep < params[0]; sweep++) {
+            for (var c = 0u; c < tile_size[tile].y; c++) {
+                storageBarrier();
+                workgroupBarrier();
+                for (var k = first + thread; k < end; k += THREADS) {
+                    if color[touching[k]] == c {
+                        term += select(0.0, visit(k), sweep == 0u);
+                    }
+                }
+            }
+            if tile_size[tile].x > 0u {
+                storageBarrier();
+                workgroupBarrier();
+                for (var k = first; k < select(first, end, thread == 0u); k++) {
+                    if color[touching[k]] == 0xffffffffu {
+                        term += select(0.0, visit(k), sweep == 0u);
+                    }
+                }
+            }
+        }
+        storageBarrier();
+        workgroupBarrier();
+    }
+    terms[thread] = term;
+    for (var step = 1u; step < THREADS; step <<= 1u) {
+        workgroupBarrier();
+        if thread % (2u * step) == 0u {
+            terms[thread] += terms[thread + step];
+        }
+    }
+    if thread == 0u {
+        moved[0] = terms[0];
+    }
+}

@@ -1,0 +1,24 @@
+// The scalars of a solve, which stay on the device.
+
+// Of APGD: Nesterov's θ and the factor β of the extrapolation, the step length t, whether the last trial was taken, trials since one was
+// too long. Iterations so far and the most; whether the solve goes on. The least residual so far, whether it is that of the last iterate,
+// whether that is to be kept; the curvature below which there is rounding alone. The factor of the starting point. Of Jacobi: ω, and the
+// square of the last step. The residual, m/s.
+struct Scalars {
+    theta: f32,
+    beta: f32,
+    step: f32,
+    accepted: u32,
+    kept: u32,
+    trials: u32,
+    limit: u32,
+    goes_on: u32,
+    best: f32,
+    is_current: u32,
+    keeps: u32,
+    rounding: f32,
+    factor: f32,
+    omega: f32,
+    last_step2: f32,
+    residual: f32,
+}

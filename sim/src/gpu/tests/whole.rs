@@ -1,0 +1,315 @@
+//! Whole steps on a device against the CPU back end's.
+
+use super::{device, hold_to, vector};
+use crate::fill::SplitMix64;
+use crate::gpu::collision::Collision;
+use crate::model_file::ShapeFile;
+use crate::simulation::Simulation;
+use crate::workload::{self, Workload, build};
+use crate::{Method, Model, ModelBuilder, SolverSettings, State};
+use glam::{DQuat, DVec3};
+use gpu::{Choice, Device};
+
+/// A simulation on the device that tests have; none without an adapter.
+fn on_device(model: &Model, state: &State) -> Option<Simulation> {
+    device()?;
+    let device = Device::open(&Choice::Any).unwrap();
+    Some(Simulation::on_device(model.clone(), state.clone(), device).unwrap())
+}
+
+/// A bed of spheres that falls together and onto the floor, with a box in the way.
+fn bed(n: usize, solver: SolverSettings) -> (Model, State) {
+    let (mut model, mut state) = build(Workload::S, n, solver, 1e-3);
+    let mut random = SplitMix64(4);
+    for b in 0..model.n_bodies() {
+        if model.inv_mass[b] > 0.0 {
+            state.velocity[b] = vector(&mut random, 0.3) - DVec3::Z;
+            state.angular_velocity[b] = vector(&mut random, 3.0);
+        }
+    }
+    model.laws[0].restitution = 0.1;
+    (model, state)
+}
+
+fn settings(method: Method, iterations: u32, tolerance: f64) -> SolverSettings {
+    SolverSettings { tolerance, ..workload::solver(method, iterations) }
+}
+
+/// Greatest distance of a body's positions in two states, m.
+fn apart(a: &State, b: &State) -> f64 {
+    a.position.iter().zip(&b.position).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max)
+}
+
+fn steps(simulation: &mut Simulation, n: usize) {
+    for _ in 0..n {
+        let report = simulation.step();
+        assert!(report.warnings.is_empty() && report.broken.is_none(), "{report:?}");
+    }
+    simulation.fetch().unwrap();
+}
+
+#[test]
+fn steps_of_a_bed_are_those_of_the_cpu() {
+    for method in [Method::Apgd, Method::Jacobi, Method::GaussSeidel] {
+        let (model, state) = bed(300, settings(method, 300, 1e-6));
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model, state);
+        let mut n_contacts = 0;
+        for _ in 0..20 {
+            let (a, b) = (own.step(), cpu.step());
+            n_contacts = n_contacts.max(b.contacts);
+            assert!(a.contacts.abs_diff(b.contacts) * 50 <= b.contacts + 50, "{method:?}: {a:?}\n{b:?}");
+            assert!((a.worst_penetration - b.worst_penetration).abs() < 2e-5, "{method:?}: {a:?}\n{b:?}");
+            assert_eq!((a.step, a.time), (b.step, b.time));
+        }
+        own.fetch().unwrap();
+        let off = apart(&own.state, &cpu.state);
+        assert!(n_contacts > 200 && off < 1e-4, "{method:?}: {n_contacts} contacts, {off} m");
+        let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
+        assert!((energies[0] / energies[1] - 1.0).abs() < 0.01, "{method:?}: {energies:?}");
+    }
+}
+
+#[test]
+fn a_run_repeats_bit_for_bit_also_from_its_middle() {
+    for method in [Method::Apgd, Method::GaussSeidel] {
+        let (model, state) = bed(300, settings(method, 40, 1e-6));
+        let Some(mut first) = on_device(&model, &state) else { return };
+        let mut second = on_device(&model, &state).unwrap();
+        steps(&mut first, 14);
+        steps(&mut second, 7);
+        let state = written(&second.state);
+        let mut second = second.restart(state).unwrap();
+        steps(&mut second, 7);
+        let words = |s: &State| -> Vec<u64> {
+            let vectors = [&s.position, &s.velocity, &s.angular_velocity, &s.contacts.impulse];
+            let vectors = vectors.into_iter().flatten().flat_map(|v| v.to_array());
+            vectors.chain(s.orientation.iter().flat_map(|q| q.to_array())).map(f64::to_bits).collect()
+        };
+        assert!(words(&first.state) == words(&second.state), "{method:?}");
+        assert_eq!(first.state.contacts.key, second.state.contacts.key);
+        assert_eq!(first.state.fat_aabb, second.state.fat_aabb);
+        assert!(first.state.contacts.len() > 100);
+    }
+}
+
+/// A state as a checkpoint has it: without what is not written.
+fn written(state: &State) -> State {
+    postcard::from_bytes(&postcard::to_stdvec(state).unwrap()).unwrap()
+}
+
+/// Impulses of Gauss–Seidel by tiles come to those of the CPU's sweeps, by either law of friction; also where most pairs are in tiles that
+/// are too big for a workgroup, and among spheres as large as tiles.
+#[test]
+fn tiles_come_to_the_solution_of_the_cpu() {
+    use crate::FrictionLaw::{Exact, Relaxed};
+    for (friction, is_dense) in [(Relaxed, false), (Exact, false), (Exact, true)] {
+        let solver = SolverSettings { friction, ..settings(Method::GaussSeidel, 400, 1e-7) };
+        let (mut model, mut state) = bed(1500, solver);
+        let middle = DVec3::new(1.0, 1.0, 0.9);
+        let closer = if is_dense { 0.85 } else { 0.95 };
+        for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
+            state.position[b] = middle + (state.position[b] - middle) * closer;
+        }
+        // Spheres as large as tiles, which lie on the bed.
+        let top = state.position.iter().map(|p| p.z).fold(0.0, f64::max);
+        for (k, [x, y]) in [[0.5, 0.5], [1.4, 0.6], [0.9, 1.4]].into_iter().enumerate() {
+            let s = model.n_shapes() - 1 - k;
+            model.shape_size[s] = DVec3::splat(0.4);
+            state.position[model.shape_body[s] as usize] = DVec3::new(x, y, top + 0.47);
+        }
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model, state);
+        let (a, b) = (own.step(), cpu.step());
+        own.fetch().unwrap();
+        assert!(a.contacts.abs_diff(b.contacts) < 3 && b.contacts > 3000, "{a:?}\n{b:?}");
+        // Spheres deep in each other are not solved in as many sweeps on either.
+        assert!(is_dense && a.residual < b.residual || a.iterations < 400 && b.iterations < 400, "{a:?}\n{b:?}");
+        let speed = cpu.state.velocity.iter().map(|v| v.length()).fold(0.0, f64::max);
+        let off: f64 =
+            own.state.velocity.iter().zip(&cpu.state.velocity).map(|(a, b)| (*a - *b).length_squared()).sum();
+        let off = (off / own.state.velocity.len() as f64).sqrt() / speed;
+        assert!(off < if is_dense { 1e-2 } else { 1e-3 }, "{friction:?} {is_dense}: {off}\n{a:?}\n{b:?}");
+    }
+}
+
+#[test]
+fn a_state_goes_on_on_the_other_back_end() {
+    let (model, state) = bed(300, settings(Method::Apgd, 300, 1e-7));
+    let Some(mut own) = on_device(&model, &state) else { return };
+    let mut cpu = Simulation::new(model.clone(), state);
+    steps(&mut own, 8);
+    steps(&mut cpu, 8);
+    let mut own_on_cpu = Simulation::new(model.clone(), own.state.clone());
+    let mut cpu_on_own = on_device(&model, &cpu.state).unwrap();
+    steps(&mut own_on_cpu, 8);
+    steps(&mut cpu_on_own, 8);
+    steps(&mut cpu, 8);
+    for other in [&own_on_cpu, &cpu_on_own] {
+        assert!(apart(&other.state, &cpu.state) < 1e-4);
+        assert_eq!((other.state.steps, other.state.time), (cpu.state.steps, cpu.state.time));
+    }
+}
+
+/// All spheres are in each other: 44,850 pairs, where there is room for 1,264 at first.
+#[test]
+fn pairs_beyond_the_room_undo_the_step_and_none_is_dropped() {
+    let (mut model, mut state) = build(Workload::S, 300, settings(Method::Jacobi, 2, 0.0), 1e-3);
+    (model.gravity, model.solver.omega) = (DVec3::ZERO, Some(1e-3));
+    let mut random = SplitMix64(8);
+    for b in 0..model.n_bodies() {
+        if model.inv_mass[b] > 0.0 {
+            state.position[b] = DVec3::splat(0.4) + vector(&mut random, 0.005);
+        }
+    }
+    let Some(mut own) = on_device(&model, &state) else { return };
+    let mut cpu = Simulation::new(model, state);
+    let (a, b) = (own.step(), cpu.step());
+    assert_eq!((a.step, a.contacts, b.contacts), (1, 300 * 299 / 2, 300 * 299 / 2));
+    own.fetch().unwrap();
+    assert!(apart(&own.state, &cpu.state) < 1e-5, "{}", apart(&own.state, &cpu.state));
+}
+
+#[test]
+fn spheres_about_what_is_held_have_the_contacts_of_the_cpu() {
+    let (near, far) = (DVec3::ZERO, DVec3::new(1000.0, -2000.0, 500.0));
+    let shapes = [
+        (near, ShapeFile::cuboid([0.5, 0.3, 0.8])),
+        (far, ShapeFile::cuboid([0.5, 0.3, 0.8])),
+        (far, ShapeFile::cylinder(0.25, 0.7)),
+        (far, ShapeFile::capsule(0.25, 0.4)),
+        (far, ShapeFile { cone: ShapeFile::cylinder(0.3, 0.7).cylinder, ..ShapeFile::default() }),
+    ];
+    for (far, shape) in shapes {
+        let mut builder = ModelBuilder::new("held");
+        builder.material("stone", 2600.0, 0.5);
+        builder.body("slope", "stone", ShapeFile::plane([0.3, -0.2, 1.0]));
+        builder.body("block", "stone", shape).fixed = true;
+        let mut random = SplitMix64(5);
+        for k in 0..400 {
+            let sphere = builder.body(&format!("s{k}"), "stone", ShapeFile::sphere(random.between(0.02, 0.03)));
+            sphere.position = [k as f64, 0.0, 1000.0];
+        }
+        let mut sim = builder.simulation().unwrap();
+        // Where no model could begin: deep in each other and in what is held.
+        for (name, body) in &sim.model.body_names {
+            sim.state.position[*body as usize] = far
+                + match name.as_str() {
+                    "slope" => DVec3::Z * -0.4,
+                    "block" => DVec3::ZERO,
+                    _ => vector(&mut random, 0.5),
+                };
+        }
+        let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, -0.2);
+        let body = sim.model.body_names["block"] as usize;
+        sim.state.orientation[body] = turned;
+        let Some((device, kernels)) = device() else { return };
+        let mut collision = Collision::new(device, kernels, &sim.model, &sim.state).unwrap();
+        let n = collision.run(device, kernels, &sim.model).unwrap().contacts;
+        assert!(n > 100, "{n}");
+        // Solids of revolution are right to single precision of their sizes.
+        let slack = if sim.model.shape_kind[1] == crate::ShapeKind::Box { 0.0 } else { 2e-7 };
+        hold_to(&sim.model, &sim.state, &collision.contacts(device).unwrap(), slack);
+    }
+}
+
+#[test]
+fn a_sphere_bounces_and_rolls_as_on_the_cpu() {
+    let mut builder = ModelBuilder::new("bounce");
+    builder.material("rubber", 1000.0, 0.5);
+    builder.body("floor", "rubber", ShapeFile::plane([0.0, 0.1, 1.0]));
+    let ball = builder.body("ball", "rubber", ShapeFile::sphere(0.1));
+    (ball.position, ball.velocity) = ([0.0, 0.0, 0.5], [1.0, 0.0, 0.0]);
+    let mut sim = builder.simulation().unwrap();
+    sim.model.laws.iter_mut().for_each(|l| l.restitution = 0.6);
+    sim.model.solver.iterations = None;
+    let Some(mut own) = on_device(&sim.model, &sim.state) else { return };
+    let mut cpu = Simulation::new(sim.model, sim.state);
+    let mut bounces = 0;
+    for _ in 0..700 {
+        let before = cpu.state.velocity[1].z;
+        own.step();
+        cpu.step();
+        bounces += (before < -0.2 && cpu.state.velocity[1].z > 0.1) as u32;
+    }
+    own.fetch().unwrap();
+    let turn = (own.state.orientation[1].inverse() * cpu.state.orientation[1]).to_scaled_axis().length();
+    assert!(bounces > 1 && apart(&own.state, &cpu.state) < 1e-4 && turn < 1e-3, "{bounces} {turn}");
+}
+
+/// A sphere that appears above the bed in the middle of the run, and falls onto it.
+#[test]
+fn what_appears_falls_as_on_the_cpu() {
+    let mut builder = ModelBuilder::new("late");
+    builder.material("stone", 2600.0, 0.5);
+    builder.body("floor", "stone", ShapeFile::plane([0.0, 0.0, 1.0]));
+    for k in 0..16 {
+        let grain = builder.body(&format!("g{k}"), "stone", ShapeFile::sphere(0.1));
+        grain.position = [0.2 * (k % 4) as f64, 0.2 * (k / 4) as f64, 0.1];
+    }
+    let ball = builder.body("ball", "stone", ShapeFile::sphere(0.15));
+    (ball.position, ball.velocity) = ([0.33, 0.31, 0.5], [0.1, 0.0, -3.0]);
+    ball.appears = Some(0.01);
+    let sim = builder.simulation().unwrap();
+    let Some(mut own) = on_device(&sim.model, &sim.state) else { return };
+    let mut cpu = Simulation::new(sim.model, sim.state);
+    let n = (0.08 / cpu.model.step) as usize;
+    (0..n).for_each(|_| drop((own.step(), cpu.step())));
+    own.fetch().unwrap();
+    let ball = cpu.model.body_names["ball"] as usize;
+    assert!(cpu.state.position[ball].z < 0.4 && cpu.state.contacts.len() > 16);
+    assert!(apart(&own.state, &cpu.state) < 1e-4, "{}", apart(&own.state, &cpu.state));
+}
+
+/// Nothing touches it: what the fixed point and single precision make of a flight of a thousand steps far from the origin.
+#[test]
+fn a_flight_is_that_of_the_cpu_far_from_the_origin() {
+    let mut builder = ModelBuilder::new("flight");
+    builder.material("stone", 2600.0, 0.5);
+    let ball = builder.body("ball", "stone", ShapeFile::sphere(0.01));
+    (ball.position, ball.velocity) = ([1000.0, -1000.0, 1000.0], [1.0, 2e-7, 0.5]);
+    let mut sim = builder.simulation().unwrap();
+    sim.state.angular_velocity[0] = DVec3::new(30.0, -20.0, 5.0);
+    let Some(mut own) = on_device(&sim.model, &sim.state) else { return };
+    let mut cpu = Simulation::new(sim.model, sim.state);
+    steps(&mut own, 1000);
+    steps(&mut cpu, 1000);
+    let (p, q) = (own.state.position[0], cpu.state.position[0]);
+    let turn = (own.state.orientation[0].inverse() * cpu.state.orientation[0]).to_scaled_axis().length();
+    assert!((p - q).length() < 2e-6 * (q - DVec3::new(1000.0, -1000.0, 1000.0)).length(), "{p} {q}");
+    // A motion of 2e-10 m a step is carried on.
+    assert!((p.y - q.y).abs() < 1e-9 && turn < 1e-4, "{p} {q} {turn}");
+}
+
+/// `tests/gpu_full.sh` runs it.
+#[test]
+#[ignore = "takes minutes on a software adapter"]
+fn a_bed_settles_as_on_the_cpu() {
+    for method in [Method::GaussSeidel, Method::Apgd, Method::Jacobi] {
+        let (mut model, state) = build(Workload::S, 2000, settings(method, 50, 1e-7), 1e-3);
+        model.solver.recovery_speed = 0.3;
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model, state);
+        let mut worst = [0.0f64; 2];
+        for _ in 0..500 {
+            let reports = [own.step(), cpu.step()];
+            for (worst, report) in worst.iter_mut().zip(&reports) {
+                *worst = worst.max(report.worst_penetration);
+                assert!(report.broken.is_none(), "{report:?}");
+            }
+        }
+        own.fetch().unwrap();
+        let grains = |s: &Simulation| -> Vec<DVec3> {
+            (0..s.model.n_bodies()).filter(|b| s.state.moves(*b)).map(|b| s.state.position[b]).collect()
+        };
+        let mean = |s: &Simulation| grains(s).iter().sum::<DVec3>() / 2000.0;
+        let height = |s: &Simulation| grains(s).iter().map(|p| p.z).fold(0.0, f64::max);
+        let (centres, heights) = ([&own, &cpu].map(mean), [&own, &cpu].map(height));
+        let potential = [&own, &cpu].map(|s| s.state.potential_energy(&s.model));
+        eprintln!("{method:?}: centres {centres:?}, heights {heights:?}, potential {potential:?}, worst {worst:?}");
+        assert!((centres[0] - centres[1]).length() < 0.01 * centres[1].z, "{method:?}: {centres:?}");
+        assert!((heights[0] / heights[1] - 1.0).abs() < 0.01, "{method:?}: {heights:?}");
+        assert!((potential[0] / potential[1] - 1.0).abs() < 0.01, "{method:?}: {potential:?}");
+        assert!(worst[0] < 1.2 * worst[1] + 1e-4, "{method:?}: {worst:?}");
+    }
+}

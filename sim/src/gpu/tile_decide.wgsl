@@ -1,0 +1,42 @@
+// Gauss–Seidel: the residual of an iteration, and whether another follows.
+// in    moved    [n_tiles]  residual terms squared, m²/s²
+// in    rest     [1]        those of big tiles
+// inout scalars  [1]
+// inout work     [9]        workgroups of each round, and of the big tiles
+// in    counts   [2]        n_tiles, n_contacts
+// in    params   [1]        as bits: tolerance (m/s)
+// Twin: cpu/solve/sweeps.rs
+#import scalars
+#import partial
+
+@group(0) @binding(0) var<storage, read> moved: array<f32>;
+@group(0) @binding(1) var<storage, read> rest: array<f32>;
+@group(0) @binding(2) var<storage, read_write> scalars: array<Scalars>;
+@group(0) @binding(3) var<storage, read_write> work: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> round_start: array<u32>;
+@group(0) @binding(5) var<storage, read> count: array<u32>;
+@group(0) @binding(6) var<storage, read> params: array<u32>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(local_invocation_index) thread: u32) {
+    let is_active = scalars[0].goes_on == 1u;
+    var sums = vec4(0.0);
+    // Those of round 8 are the pairs in no tile.
+    for (var i = thread; i < select(0u, round_start[8], is_active); i += 256u) {
+        sums.x += moved[i];
+    }
+    sums = group_total(thread, sums);
+    if thread != 0u || !is_active {
+        return;
+    }
+    var s = scalars[0];
+    s.trials++;
+    s.residual = sqrt(sums.x + select(0.0, rest[0], work[8].x > 0u)) / f32(count[0]);
+    if s.residual <= bitcast<f32>(params[0]) || s.trials >= s.limit {
+        s.goes_on = 0u;
+        for (var r = 0u; r < 9u; r++) {
+            work[r] = vec4(0u, 0u, 1u, 0u);
+        }
+    }
+    scalars[0] = s;
+}

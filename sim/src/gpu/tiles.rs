@@ -1,0 +1,173 @@
+//! The pairs in tiles: those of a tile lie together, in the order of their colours, and the tiles of a round share no moving body. Tiles are
+//! made when pairs are found, and hold as long as these; the contacts of a step are in the same order.
+//! in     fat_aabb     [n_spheres]   m, world
+//! inout  pairs        [n_pairs]     in the order of tiles and colours out
+//! out    tile_first   [n_tiles]     first pair of each tile
+//! out    round_start  [10]          first tile of each round, and of the pairs in no tile
+//! out    color        [n_pairs]
+//! out    local        [n_pairs]     places of the bodies in the tile's list
+//! out    tile_body    [2 n_pairs]   bodies of each tile
+//! out    tile_size    [n_tiles]     number of bodies, and of colours
+//! out    big          [n_big]       tiles that do not fit a workgroup
+//! Kernels: tile_due.wgsl, tile_key.wgsl, the sort, tile_pairs.wgsl, the compaction, tile_rounds.wgsl, tile_color.wgsl, rest_color.wgsl.
+//! Twin: cpu/pair_write.rs and cpu/solve/schedule.rs, which have two rounds of tiles, and what crosses both.
+
+use super::bin_emit::Bins;
+use super::bodies::Bodies;
+use super::bounds::Due;
+use super::fixtures::Fixtures;
+use super::pair_write::Pairs;
+use super::parts::{ROWS, bits, kernel};
+use super::spheres::Spheres;
+use gpu::compact::Compact;
+use gpu::radix_sort::RadixSort;
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
+
+/// Edge of a tile, over the usual width of a sphere: a hundred spheres or so are in a tile.
+const EDGE: f64 = 4.5;
+
+/// The tiles, with room for as many pairs as there is.
+pub struct Tiles {
+    /// First pair of each tile (n_tiles).
+    pub first: Buffer<u32>,
+    /// Number of tiles.
+    pub n: Count,
+    /// First tile of each round and of the pairs in no tile, and the end (10).
+    pub round_start: Buffer<u32>,
+    /// Colours of the pairs (n_pairs).
+    pub color: Buffer<u32>,
+    /// Places of a pair's bodies in the list of its tile, 16 bits each (n_pairs).
+    pub local: Buffer<u32>,
+    /// Bodies of each tile, from twice its first pair on (2 n_pairs).
+    pub body: Buffer<u32>,
+    /// Number of bodies and of colours of each tile; of a big one, number of pairs without a colour and of colours (n_tiles).
+    pub size: Buffer<[u32; 2]>,
+    /// Whether a tile does not fit a workgroup (n_tiles).
+    pub is_big: Buffer<u32>,
+    /// The big tiles (n_big).
+    pub big: Buffer<u32>,
+    /// Their number.
+    pub n_big: Count,
+    kernels: TileKernels,
+    sort: RadixSort<u32>,
+    compact: [Compact; 2],
+    groups: [Groups; 2],
+    home: Buffer<u32>,
+    key: Buffer<u32>,
+    id: Buffer<u32>,
+    sorted: Buffer<[u32; 2]>,
+    flag: Buffer<u32>,
+    n_due: Count,
+    n_colored: Count,
+    claim: Buffer<u32>,
+    edge: f64,
+    /// Bits of the index of a tile's cube.
+    cube_bits: u32,
+}
+
+struct TileKernels {
+    due: Kernel,
+    key: Kernel,
+    pairs: Kernel,
+    rounds: Kernel,
+    color: Kernel,
+    rest: Kernel,
+}
+
+impl Tiles {
+    /// For the pairs of these spheres.
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (spheres, bodies, bins): (&Spheres, &Bodies, &Bins),
+        pairs: &Pairs,
+    ) -> Result<Tiles, GpuError> {
+        let room = pairs.pairs.capacity();
+        let column = |name| Buffer::zeros(device, name, room);
+        let get = |name, text| kernel(device, kernels, name, text);
+        let mut home = vec![0; bodies.n];
+        let of_body = spheres.bodies.iter().enumerate().rev();
+        of_body.for_each(|(sphere, body)| home[*body as usize] = sphere as u32);
+        let compact = || Compact::new(device, kernels, room);
+        Ok(Tiles {
+            first: column("tile_first")?,
+            n: Count::found(device, room)?,
+            round_start: Buffer::zeros(device, "round_start", 10)?,
+            color: column("color")?,
+            local: column("local")?,
+            body: Buffer::zeros(device, "tile_body", 2 * room)?,
+            size: Buffer::zeros(device, "tile_size", room)?,
+            is_big: column("is_big")?,
+            big: column("big")?,
+            n_big: Count::found(device, room)?,
+            kernels: TileKernels {
+                due: get("tile_due", include_str!("tile_due.wgsl"))?,
+                key: get("tile_key", include_str!("tile_key.wgsl"))?,
+                pairs: get("tile_pairs", include_str!("tile_pairs.wgsl"))?,
+                rounds: get("tile_rounds", include_str!("tile_rounds.wgsl"))?,
+                color: get("tile_color", include_str!("tile_color.wgsl"))?,
+                rest: get("rest_color", include_str!("rest_color.wgsl"))?,
+            },
+            sort: RadixSort::new(device, kernels, room)?,
+            compact: [compact()?, compact()?],
+            groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, 1)?],
+            home: Buffer::of(device, "home", &home)?,
+            key: column("tile_key")?,
+            id: column("tile pairs")?,
+            sorted: Buffer::zeros(device, "sorted pairs", room)?,
+            flag: column("tile flags")?,
+            n_due: Count::found(device, room)?,
+            n_colored: Count::found(device, room)?,
+            claim: Buffer::of(device, "claims", &vec![u32::MAX; bodies.n])?,
+            edge: EDGE * spheres.width,
+            cube_bits: bins.most_bits - 6,
+        })
+    }
+
+    /// Record the tiles of the pairs, if these were found in this step.
+    pub fn record(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (due, bins, to): (&Due, &Bins, &Pairs),
+    ) {
+        let (kernels, one) = (&self.kernels, Work::Groups(1));
+        let [n_due, n_tiles, n_big] = [&self.n_due, &self.n, &self.n_big].map(|count| count.n.bind());
+        let [pairs, key, id] = [to.pairs.bind(), self.key.bind(), self.id.bind()];
+        let shapes = [at.sphere.bind(), fixtures.fixture.bind(), bodies.activity.bind()];
+        let [sphere, fixture, activity] = shapes;
+        commands.dispatch(
+            device,
+            &kernels.due,
+            &[due.spheres.n.bind(), to.n.n.bind(), n_due, n_tiles, n_big],
+            &[],
+            one,
+        );
+        let [of_pairs, of_tiles] = &self.groups;
+        of_pairs.record(device, commands, &self.n_due);
+        let work = of_pairs.of_level(&self.n_due, 0);
+        let boxes = [self.home.bind(), at.fat_aabb.bind(), bins.grid.bind()];
+        let bound: Vec<Bound> = [pairs].into_iter().chain(shapes).chain(boxes).chain([key, id, n_due]).collect();
+        commands.dispatch(device, &kernels.key, &bound, &[self.cube_bits, bits(self.edge)], work);
+        self.sort.record(device, commands, (&self.key, &self.id), &self.n_due, 8 << self.cube_bits);
+        let sorted = self.sorted.bind();
+        commands.dispatch(device, &kernels.pairs, &[pairs, key, id, sorted, self.flag.bind(), n_due], &[], work);
+        self.compact[0].record(device, commands, &self.flag, &self.n_due, &self.first, &self.n);
+        let (first, start, n_colored) = (self.first.bind(), self.round_start.bind(), self.n_colored.n.bind());
+        let bound = [key, first, n_tiles, n_due, start, n_colored];
+        commands.dispatch(device, &kernels.rounds, &bound, &[self.cube_bits], one);
+        of_tiles.record(device, commands, &self.n_colored);
+        let n_pairs = to.n.n.bind();
+        let (color, size, is_big) = (self.color.bind(), self.size.bind(), self.is_big.bind());
+        let from = [sorted, sphere, fixture, activity, first, n_tiles, n_pairs, start];
+        let out = [pairs, color, self.local.bind(), self.body.bind(), size, is_big];
+        let bound: Vec<Bound> = from.into_iter().chain(out).collect();
+        commands.dispatch(device, &kernels.color, &bound, &[], of_tiles.of_level(&self.n_colored, 0));
+        self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
+        let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];
+        let out = [self.big.bind(), n_big, self.claim.bind(), color, size];
+        let bound: Vec<Bound> = from.into_iter().chain(out).collect();
+        commands.dispatch(device, &kernels.rest, &bound, &[], one);
+    }
+}

@@ -1,0 +1,205 @@
+//! `scree simulate --backend gpu`: what it refuses and how, and whole runs on an adapter, where there is one.
+
+use crate::cli::{scratch, scree, scree_with};
+use std::fs;
+use std::path::Path;
+
+/// Grains that fall onto a block and the ground, in few steps.
+const MODEL: &str = "# Grains that fall.
+name: grains
+step: 0.001
+duration: 0.06
+frame_rate: 100
+checkpoint_interval: 0.02
+seed: 3
+materials:
+  stone: {density: 2600, friction: 0.5}
+bodies:
+  - {name: ground, material: stone, plane: {normal: [0, 0, 1]}}
+  - {name: block, material: stone, fixed: true, box: {size: [0.6, 0.6, 0.3]}, position: [0, 0, 0.15]}
+fills:
+  - name: stones
+    material: stone
+    count: 60
+    radius: [0.03, 0.05]
+    min: [-0.4, -0.4, 0.3]
+    max: [0.4, 0.4, 0.9]
+    velocity: [0, 0, -2]
+";
+
+/// Whether there is an adapter; without one the tests of runs are left out, unless `REQUIRE_GPU` is set.
+fn has_adapter() -> bool {
+    let has_one = !gpu::adapters().is_empty();
+    assert!(has_one || std::env::var_os("REQUIRE_GPU").is_none(), "REQUIRE_GPU is set, but there is no adapter");
+    if !has_one {
+        eprintln!("skipped: there is no Vulkan adapter");
+    }
+    has_one
+}
+
+fn model(folder: &Path, change: impl FnOnce(String) -> String) -> String {
+    let path = folder.join("grains.yaml");
+    fs::write(&path, change(MODEL.into())).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn what_a_device_cannot_do_is_named() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let run = folder.path().join("run").display().to_string();
+    let refused = |from: &str, to: &str, what: &str| {
+        let path = model(folder.path(), |text| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        let answer = scree(&["simulate", &path, "-o", &run, "--backend", "gpu", "--adapter", "0"]);
+        assert!(answer.fails(2).contains(what), "{}", answer.errors());
+        assert!(!folder.path().join("run/run.json").exists(), "no run is written");
+    };
+    refused(
+        "fixed: true, box",
+        "mass: 3, box",
+        "`block` has a shape that no kernel is built for yet: a box that moves",
+    );
+    refused(
+        "box: {size: [0.6, 0.6, 0.3]}",
+        "ellipsoid: {radii: [0.3, 0.3, 0.15]}",
+        "no kernel is built for yet: ellipsoid",
+    );
+    refused("friction: 0.5}", "friction: 0.5, rolling: 0.1}", "rolling and spinning friction");
+    refused("friction: 0.5}", "friction: 0.5, cohesion: 0.1}", "cohesion");
+    refused("seed: 3", "seed: 3\nsolver: {friction: exact, method: apgd}", "exact friction");
+    refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
+}
+
+#[test]
+fn adapters_are_chosen_for_devices_alone() {
+    let folder = scratch();
+    let path = model(folder.path(), |text| text);
+    let run = folder.path().join("run").display().to_string();
+    let simulate = ["simulate", &path, "-o", &run];
+    let says = |code: i32, environment: &[(&str, &str)], args: &[&str], what: &str| {
+        let answer = scree_with(environment, args);
+        assert!(answer.fails(code).contains(what), "{}", answer.errors());
+    };
+    says(2, &[], &[&simulate[..], &["--adapter", "0"]].concat(), "--backend gpu");
+    let gpu = [&simulate[..], &["--backend", "gpu", "--adapter", "no such adapter"]].concat();
+    if has_adapter() {
+        says(2, &[], &gpu, "no such adapter");
+    }
+    // Without a driver.
+    let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
+    says(1, &environment, &gpu, "install the Vulkan driver");
+}
+
+#[test]
+fn a_run_on_a_device_is_repeated_resumed_and_goes_on_on_the_processor() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let path = model(folder.path(), |text| text);
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let simulate = |name: &str, more: &[&str]| {
+        scree(&[&["simulate", &path, "-o", &at(name)], more].concat()).ok();
+    };
+    let gpu = ["--backend", "gpu", "--adapter", "0"];
+    simulate("first", &gpu);
+    simulate("again", &gpu);
+    simulate("part", &[&gpu[..], &["--until", "0.03"]].concat());
+    simulate("part", &[&gpu[..], &["--resume"]].concat());
+    let index = fs::read_to_string(folder.path().join("first/run.json")).unwrap();
+    assert!(index.contains("\"backend\": \"gpu\"") && index.contains(&gpu::adapters()[0].driver), "{index}");
+    for frame in 0..6 {
+        let file = |run: &str| fs::read(folder.path().join(format!("{run}/frames/{frame:06}.arrow"))).unwrap();
+        assert!(file("first") == file("again"), "frame {frame} is repeated");
+        assert!(file("first") == file("part"), "frame {frame} of a run that was resumed");
+    }
+    // The same model, on the other back end from its middle.
+    simulate("mixed", &[&gpu[..], &["--until", "0.03"]].concat());
+    simulate("mixed", &["--resume"]);
+    simulate("other", &["--until", "0.03"]);
+    simulate("other", &[&gpu[..], &["--resume"]].concat());
+    let positions = |run: &str| {
+        let run = frame::run::RunReader::open(&folder.path().join(run)).unwrap();
+        let table = run.read_frame(5).unwrap();
+        let values = |name| {
+            let column = table.column(name).unwrap();
+            (0..table.rows()).map(|row| column.number(row).unwrap()).collect::<Vec<f64>>()
+        };
+        ["pos_x", "pos_y", "pos_z"].map(values)
+    };
+    let first = positions("first");
+    for run in ["mixed", "other"] {
+        let own = positions(run);
+        let off = own.iter().flatten().zip(first.iter().flatten()).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-4, "{run}: {off} m");
+    }
+}
+
+/// The models of the library: those that a device can simulate, with the number of steps after which they are given to it, and what of the
+/// others it cannot.
+const MODELS: [(&str, Result<usize, &str>); 11] = [
+    ("anchor", Err("joints")),
+    ("card_house", Err("exact friction")),
+    ("crater", Ok(400)),
+    ("heap", Err("rolling")),
+    ("hopper", Ok(400)),
+    ("incline", Err("exact friction")),
+    ("pendulums", Err("joints")),
+    ("pour", Ok(500)),
+    ("quickstart", Ok(300)),
+    ("tracked_vehicle", Err("joints")),
+    ("wall", Err("moves")),
+];
+
+fn simulation(name: &str) -> sim::Simulation {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("sim/models/{name}.yaml"));
+    let (file, doc) = sim::model_file::load(&path, &[]).unwrap();
+    let resolved = file.resolve(&doc).unwrap();
+    sim::Simulation::new(resolved.model, resolved.state)
+}
+
+#[test]
+fn models_go_on_on_a_device_as_on_the_processor() {
+    if !has_adapter() {
+        return;
+    }
+    let open = || gpu::Device::open(&gpu::Choice::Any).unwrap();
+    let names = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/models")).unwrap();
+    assert_eq!(names.count(), MODELS.len(), "each model stands in the table");
+    for (name, expected) in MODELS {
+        let mut cpu = simulation(name);
+        let steps = match expected {
+            Err(what) => {
+                let (model, state) = (cpu.model.clone(), cpu.state.clone());
+                let fault = sim::Simulation::on_device(model, state, open()).err().unwrap().to_string();
+                assert!(fault.contains(what), "{name}: {fault}");
+                continue;
+            }
+            Ok(steps) => steps,
+        };
+        (0..steps).for_each(|_| drop(cpu.step()));
+        // Solved so far that how a method has begun does not matter.
+        cpu.model.solver.iterations = Some(60);
+        let mut own = sim::Simulation::on_device(cpu.model.clone(), cpu.state.clone(), open()).unwrap();
+        let mut contacts = [0; 2];
+        for _ in 0..20 {
+            contacts = [&mut own, &mut cpu].map(|s| s.step().contacts);
+        }
+        own.fetch().unwrap();
+        let off: Vec<f64> =
+            own.state.position.iter().zip(&cpu.state.position).map(|(a, b)| (*a - *b).length()).collect();
+        let (worst, mean) = (off.iter().fold(0.0, |a: f64, b| a.max(*b)), off.iter().sum::<f64>() / off.len() as f64);
+        let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
+        eprintln!("{name}: {contacts:?} contacts, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J");
+        assert!(contacts[1] > 50 && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1], "{name}: {contacts:?}");
+        // In a bed that comes to rest some grains roll another way.
+        assert!(worst < 5e-4 && mean < 2e-5, "{name}: {worst} m at most, {mean} m in the mean");
+        assert!((energies[0] / energies[1] - 1.0).abs() < 0.01, "{name}: {energies:?} J");
+    }
+}
