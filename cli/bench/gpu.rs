@@ -220,7 +220,7 @@ fn detection(bench: &Bench, n: usize) -> Result<Value, Fault> {
     /// Distance by which the walls are moved, m.
     const AWAY: f64 = 10.0;
     /// Greatest velocity along an axis, m/s.
-    const SPEED: f64 = 0.01;
+    const SPEED: f64 = 1.0;
     let mut random = SplitMix64(17);
     let Bench { device, kernels, .. } = bench;
     let solver = SolverSettings { omega: Some(0.2), ..workload::solver(Method::Jacobi, ITERATIONS) };
