@@ -17,7 +17,7 @@ use glam::DVec3;
 const OF_GAP: f64 = 0.1;
 
 /// Share of the reach by which points are looked for farther: speeds grow for a while before they are looked for again.
-const FARTHER: f64 = 1.0;
+const FARTHER: f64 = 0.15;
 
 /// Whether manifolds of a shape are kept: of those whose narrow phase is cheaper than keeping them, none are.
 pub fn keeps(kind: ShapeKind) -> bool {

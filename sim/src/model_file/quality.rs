@@ -63,7 +63,7 @@ impl Choice {
                 near: None,
             },
             Kind::Bodies => Choice {
-                step: level(0.16, 0.12, 0.015),
+                step: level(0.16, 0.09, 0.015),
                 longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Relaxed,
