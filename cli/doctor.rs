@@ -155,9 +155,10 @@ impl Findings {
         }
         if self.adapters.is_empty() {
             println!("graphics: no Vulkan adapter; everything runs on the processor");
+        } else {
+            self.adapters.iter().for_each(Adapter::print);
+            println!("everything runs on the processor but `simulate --backend gpu`");
         }
-        self.adapters.iter().for_each(Adapter::print);
-        println!("simulation and rendering run on the processor");
         match &self.preview {
             Some(program) => println!("previews: {}", program.display()),
             None => println!("previews: scree-preview is not installed (`cargo install --locked --path preview`)"),

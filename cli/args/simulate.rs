@@ -78,7 +78,7 @@ pub struct SimulateArgs {
     pub backend: Backend,
     /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
     /// part of its name [default: the first that is no software adapter].
-    #[arg(long, value_name = "NAME|INDEX")]
+    #[arg(long, value_name = "TEXT")]
     pub adapter: Option<String>,
     /// Write frames as CSV instead of Arrow files.
     #[arg(long)]

@@ -63,7 +63,7 @@ impl Choice {
                 near: None,
             },
             Kind::Bodies => Choice {
-                step: level(0.16, 0.09, 0.015),
+                step: level(0.16, 0.09, 0.02),
                 longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Relaxed,
@@ -72,7 +72,7 @@ impl Choice {
                 tolerance: level(1e-7, 1e-8, 1e-9),
                 omega: Some(1.3),
                 recovery: None,
-                near: Some([level(2e-3, 1e-3, 1e-5), level(5e-3, 2e-3, 1e-4)]),
+                near: Some([level(2e-3, 1e-3, 1e-3), level(5e-3, 2e-3, 4e-4)]),
             },
             Kind::Any => Choice {
                 step: level(0.08, 0.04, 0.01),
