@@ -133,7 +133,7 @@ impl Bvh {
                     } else {
                         bias[is_own as usize].max(facet_room(size, is_own))
                     };
-                    let t = meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > near);
+                    let t = meet_triangle(from, dir, a, [ab, ac], 0.0).map(|(t, _)| t).filter(|t| *t > near);
                     push(t, None, dir.dot(ab.cross(ac)));
                     continue;
                 }
@@ -223,7 +223,7 @@ impl Bvh {
             Occluder::Triangle { a, ab, ac, flat } => {
                 let size = ab.length().max(ac.length());
                 let near = if flat { 1e-5 * size } else { bias[own as usize].max(facet_room(size, own)) };
-                meet_triangle(from, dir, a, ab, ac).map(|(t, _)| t).filter(|t| *t > near.max(least))
+                meet_triangle(from, dir, a, [ab, ac], 0.0).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
     }
@@ -257,7 +257,7 @@ impl Bvh {
             }
             Occluder::Triangle { a, ab, ac, flat } => {
                 !(own && flat)
-                    && meet_triangle(from, dir, a, ab, ac).is_some_and(|(t, _)| {
+                    && meet_triangle(from, dir, a, [ab, ac], 0.0).is_some_and(|(t, _)| {
                         let facet = if flat { 0.0 } else { facet_room(ab.length().max(ac.length()), own) };
                         t > bias.max(facet) && t < length
                     })

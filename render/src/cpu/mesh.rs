@@ -2,6 +2,7 @@
 //! of their points starts on what it could meet, and no room has to be left around it.
 
 use crate::gprim::grid::{Grid, Origin};
+use crate::scene::facets::meet_triangle;
 use glam::{Vec2, Vec3, Vec3A};
 use sl::Global;
 
@@ -132,7 +133,7 @@ impl Mesh {
                 for corners in self.triangles(k) {
                     let [a, b, c] = corners.map(|k| self.points[k]);
                     if let Some((t, at)) =
-                        meet_facet(from, dir, a, b - a, c - a).filter(|(t, _)| *t > near && *t < length)
+                        meet_triangle(from, dir, a, [b - a, c - a], EDGE).filter(|(t, _)| *t > near && *t < length)
                     {
                         length = visit(t, corners, at);
                     }
@@ -185,22 +186,6 @@ impl Mesh {
             }),
         }
     }
-}
-
-/// As [`crate::scene::facets::meet_triangle`], but for what lies on the edges, which both sides have.
-#[inline]
-fn meet_facet(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<(f32, [f32; 2])> {
-    let p = dir.cross(ac);
-    let det = ab.dot(p);
-    if det == 0.0 {
-        return None;
-    }
-    let inv = 1.0 / det;
-    let s = from - a;
-    let u = s.dot(p) * inv;
-    let q = s.cross(ab);
-    let v = dir.dot(q) * inv;
-    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE).then(|| (ac.dot(q) * inv, [u, v]))
 }
 
 /// A direction in four bytes: its place on an octahedron.

@@ -39,7 +39,7 @@ pub(crate) fn place_on(patch: &Patch, from: Vec3, dir: Vec3, at: Vec3) -> Option
         let corners = [(u, v), (u + w, v), (u + w, v + w), (u, v + w)];
         let [a, b, c, d] = corners.map(|(u, v)| patch.at(u, v));
         for (p, q, first) in [(b, c, true), (c, d, false)] {
-            let Some((t, [x, y])) = meet_triangle(from, dir, a, p - a, q - a) else { continue };
+            let Some((t, [x, y])) = meet_triangle(from, dir, a, [p - a, q - a], 0.0) else { continue };
             let off = (from + dir * t - at).length_squared();
             if best.is_none_or(|(least, _)| off < least) {
                 let uv = if first { [u + w * (x + y), v + w * y] } else { [u + w * x, v + w * (x + y)] };
@@ -51,9 +51,15 @@ pub(crate) fn place_on(patch: &Patch, from: Vec3, dir: Vec3, at: Vec3) -> Option
 }
 
 /// How far along a ray it meets a triangle, given by a corner and the edges from it, and where: parts of the edges (Möller and
-/// Trumbore 1997).
-#[inline]
-pub(crate) fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) -> Option<(f32, [f32; 2])> {
+/// Trumbore 1997). A ray that passes it by at most `beside`, in parts of the triangle, meets it.
+#[inline(always)]
+pub(crate) fn meet_triangle(
+    from: Vec3,
+    dir: Vec3,
+    a: Vec3,
+    [ab, ac]: [Vec3; 2],
+    beside: f32,
+) -> Option<(f32, [f32; 2])> {
     let p = dir.cross(ac);
     let det = ab.dot(p);
     if det == 0.0 {
@@ -64,5 +70,5 @@ pub(crate) fn meet_triangle(from: Vec3, dir: Vec3, a: Vec3, ab: Vec3, ac: Vec3) 
     let u = s.dot(p) * inv;
     let q = s.cross(ab);
     let v = dir.dot(q) * inv;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| (ac.dot(q) * inv, [u, v]))
+    (u >= -beside && v >= -beside && u + v <= 1.0 + beside).then(|| (ac.dot(q) * inv, [u, v]))
 }

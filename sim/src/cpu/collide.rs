@@ -32,8 +32,8 @@ pub fn collide(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
     collide_along(a, b, reach, &mut Axis::default(), out)
 }
 
-/// Find contact points as [`collide`] does. Two convex shapes of which neither is a sphere nor a plane are first looked at along `axis`,
-/// if it is known, and leave there the axis along which they are farthest apart, or one along which their gap is above `reach`.
+/// Find contact points as [`collide`] does. The search of two convex shapes of which neither is a sphere nor a plane may begin along `axis`,
+/// if it is known; they leave there the axis along which they are farthest apart, or one along which their gap is above `reach`.
 pub fn collide_along(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
     use ShapeKind::*;
     match (a.kind, b.kind) {

@@ -32,8 +32,6 @@
 
 const THREADS: u32 = 256u;
 
-var<workgroup> terms: array<f32, 256>;
-
 fn visit(k: u32) -> f32 {
     let row = rows[k];
     let a = motion[row.bodies.x];
@@ -87,14 +85,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         storageBarrier();
         workgroupBarrier();
     }
-    terms[thread] = term;
-    for (var step = 1u; step < THREADS; step <<= 1u) {
-        workgroupBarrier();
-        if thread % (2u * step) == 0u {
-            terms[thread] += terms[thread + step];
-        }
-    }
+    let total = term_total(thread, term);
     if thread == 0u {
-        moved[0] = terms[0];
+        moved[0] = total;
     }
 }

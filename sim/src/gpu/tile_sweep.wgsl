@@ -43,7 +43,6 @@ const NOWHERE: u32 = 0xffffu;
 // Velocities with reciprocal masses, angular velocities with reciprocal moments of inertia.
 var<workgroup> linear: array<vec4<f32>, 512>;
 var<workgroup> angular: array<vec4<f32>, 512>;
-var<workgroup> terms: array<f32, 256>;
 
 // A contact in the registers of a thread.
 struct Own {
@@ -170,15 +169,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
         }
     }
-    terms[thread] = term;
-    for (var step = 1u; step < THREADS; step <<= 1u) {
-        workgroupBarrier();
-        if thread % (2u * step) == 0u {
-            terms[thread] += terms[thread + step];
-        }
-    }
+    let total = term_total(thread, term);
     if thread == 0u {
-        moved[tile] = terms[0];
+        moved[tile] = total;
     }
     if first + thread < end {
         gamma[first + thread] = vec4(own0.gamma, 0.0);

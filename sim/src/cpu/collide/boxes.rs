@@ -1,6 +1,7 @@
 //! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
-//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch). Boxes that are apart and have no faces in front of
-//! each other have the nearest points of any two convex shapes.
+//! is clipped to it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing
+//! faces as well, by which they will meet next). Boxes that are apart and have no faces in front of each other have the nearest points of
+//! any two convex shapes.
 
 use super::convex::Axis;
 use super::manifold::{OF_SECOND, clip, convex_convex, feature};
@@ -78,13 +79,8 @@ fn towards(axis: DVec3, a: &Placed, b: &Placed) -> DVec3 {
     if axis.dot(b.position - a.position) < 0.0 { -axis } else { axis }
 }
 
-/// Separation of the boxes along a unit direction from A to B, m.
-fn separation([a, b]: [&Placed; 2], [ra, rb]: [&DMat3; 2], direction: DVec3) -> f64 {
-    let half = |placed: &Placed, r: &DMat3| (r.transpose() * direction).abs().dot(placed.size);
-    (b.position - a.position).dot(direction) - half(a, ra) - half(b, rb)
-}
-
-/// The contact points of two boxes with a gap of at most `reach`, m, with an axis as [`convex_convex`] has it. Returns their count.
+/// The contact points of two boxes with a gap of at most `reach`, m, with the axis along which they are farthest apart, or one along which
+/// their gap is above `reach`. Returns their count.
 pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Points) -> usize {
     /// The reach, over the least half length, beyond which boxes that meet at edges may meet at their faces within the step.
     const FAST: f64 = 0.1;
@@ -92,12 +88,6 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     /// is the shorter way.
     const DEEP: f64 = 0.2;
     let rotations = [&DMat3::from_quat(a.orientation), &DMat3::from_quat(b.orientation)];
-    if axis.direction != DVec3::ZERO {
-        axis.apart = separation([a, b], rotations, axis.direction);
-        if axis.apart > reach {
-            return 0;
-        }
-    }
     let Separations { face, edge } = match Separations::of([a, b], rotations, reach) {
         Ok(separations) => separations,
         Err(apart) => {
