@@ -15,7 +15,7 @@ use frame::run::{COMMANDS, RunReader, RunWriter, WarningEntry};
 use frame::{Fault, Frame};
 use sim::model_file::ModelFile;
 use sim::run::{self, Observer, RunError};
-use sim::watch::Warning;
+use sim::watch::{Warning, WarningKind};
 use sim::{FrictionLaw, Simulation, checkpoint};
 use std::path::Path;
 
@@ -127,8 +127,13 @@ pub fn check_warnings(folder: &Path) -> Outcome {
     }
     let count = |w: &WarningEntry| format!("{} in {} steps, first at {:.6} s", w.kind, w.steps, w.first_time);
     let counts: Vec<String> = warnings.iter().map(count).collect();
+    let is_motor = |w: &WarningEntry| w.kind == WarningKind::Motor.name();
+    let advice = match warnings.iter().all(is_motor) {
+        true => "give the motor room, or drive it by a torque or a force",
+        false => "try a shorter step or more iterations",
+    };
     let message = format!(
-        "the run ended with warnings: {} (see {}); try a shorter step or more iterations",
+        "the run ended with warnings: {} (see {}); {advice}",
         counts.join("; "),
         folder.join("run.json").display()
     );

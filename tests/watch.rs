@@ -3,7 +3,7 @@
 use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
 use frame::run::RunReader;
-use sim::watch::WarningKind;
+use sim::watch::{WarningCount, WarningKind};
 use std::path::Path;
 
 /// The kinds of warnings of a model's first steps.
@@ -104,6 +104,35 @@ joints:
   - {name: rod, kind: distance, a: a, b: b, position: [0.1, 0, 0], position_b: [0.9, 0, 0], length: {ramp: {times: [0, 0.1], values: [0.8, 1.6]}}}
 ";
     assert_eq!(kinds(actuator, 150), []);
+}
+
+#[test]
+fn a_motor_that_is_held_up_is_reported() {
+    let driven = |kind: &str, limits: &str, motor: &str| {
+        format!(
+            "step: 0.01
+gravity: [0, 0, 0]
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies: [{{name: arm, material: m, box: {{size: [0.2, 0.2, 0.2]}}}}]
+joints: [{{name: drive, kind: {kind}, a: world, b: arm, axis: [0, 0, 1], {limits} motor: {{{motor}}}}}]
+"
+        )
+    };
+    let ramp = "{ramp: {times: [0, 1], values: [0, 1]}}";
+    for (kind, limits) in [("revolute", "limits: [-30, 30],"), ("prismatic", "limits: [-0.3, 0.3],")] {
+        for motor in
+            ["speed: 1".to_owned(), "speed: -0.5".to_owned(), format!("speed: {ramp}"), format!("motion: {ramp}")]
+        {
+            let free = kinds(&driven(kind, "", &motor), 150);
+            assert_eq!(free, [], "{kind} {motor}");
+            let mut sim = simulation(&driven(kind, limits, &motor));
+            (0..150).for_each(|_| drop(sim.step()));
+            let warned = &sim.state.watch.warnings;
+            let is_motor = |w: &WarningCount| w.first.kind == WarningKind::Motor;
+            let first = warned.iter().find(|w| is_motor(w)).unwrap_or_else(|| panic!("{kind} {motor}: {warned:?}"));
+            assert!(first.first.message.contains("limit of") && first.first.step > 10, "{first:?}");
+        }
+    }
 }
 
 #[test]

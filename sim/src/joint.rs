@@ -343,6 +343,16 @@ impl Joint {
         ((row.psi + change).abs(), is_motor)
     }
 
+    /// What the motor prescribes at a time `t`, s, and what the state `now` at that time has instead: rates, rad/s or m/s, or coordinates,
+    /// rad or m. None for a motor of prescribed effort, and without a motor.
+    pub fn driven(&self, now: &JointState, t: f64) -> Option<[f64; 2]> {
+        match &self.motor {
+            Some(Motor::Speed(speed)) => Some([speed.at(t), now.rate]),
+            Some(Motor::Position(goal)) => Some([goal.at(t), now.coordinate]),
+            _ => None,
+        }
+    }
+
     fn fixed_length(&self, f: &Frames, t: f64) -> Row {
         let row = f.distance();
         Row { psi: row.psi - self.length.at(t), ..row }

@@ -10,19 +10,23 @@ pub enum WarningKind {
     Residual,
     /// A locked motion of a joint is violated.
     Joint,
+    /// A motor does not reach the rate or the coordinate that it prescribes.
+    Motor,
     /// Energy has grown without a cause.
     Energy,
 }
 
 impl WarningKind {
     /// All kinds.
-    pub const ALL: [WarningKind; 3] = [WarningKind::Residual, WarningKind::Joint, WarningKind::Energy];
+    pub const ALL: [WarningKind; 4] =
+        [WarningKind::Residual, WarningKind::Joint, WarningKind::Motor, WarningKind::Energy];
 
     /// Name, as in `run.json`.
     pub fn name(self) -> &'static str {
         match self {
             WarningKind::Residual => "residual",
             WarningKind::Joint => "joint",
+            WarningKind::Motor => "motor",
             WarningKind::Energy => "energy",
         }
     }

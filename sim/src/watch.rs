@@ -4,6 +4,7 @@
 //! |---|---|
 //! | residual | the step's residual is above 100 tolerances and above gravity times step size |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
+//! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than what gives the error above in 1 s; or a driven coordinate by more than that error |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
@@ -14,7 +15,7 @@
 //! is not finite, or a speed above 10⁵ m/s, ends a run ([`Broken`]).
 
 use crate::inertia::is_isotropic;
-use crate::joint::Motor;
+use crate::joint::{Coordinate, Joint, JointState, Motor};
 use crate::load::Function;
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
@@ -30,6 +31,8 @@ const MAX_SPEED: f64 = 1e5;
 const JOINT_ERROR: f64 = 1e-3;
 /// Tolerance of joint errors that are angles, rad.
 const JOINT_ANGLE: f64 = 1e-2;
+/// Tolerance of errors of driven rates, over the prescribed rate.
+const MOTOR_RATE: f64 = 1e-2;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
 
@@ -179,6 +182,7 @@ impl WatchState {
         let found = [
             self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
             self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
+            self.motor(model, state).map(|m| (WarningKind::Motor, m)),
             self.energy(model, state, seen, survey).map(|m| (WarningKind::Energy, m)),
         ];
         let warning = |(kind, message)| Warning { kind, step: state.steps, time: state.time, message };
@@ -206,11 +210,7 @@ impl WatchState {
 
     fn joint(&self, model: &Model, seen: &StepOutcome) -> Option<String> {
         let JointErrors { length, angle } = seen.joints;
-        let named = |joint: usize| {
-            let j = &model.joints[joint];
-            let [a, b] = j.bodies.map(|b| label(model, b));
-            format!("joint `{}` of bodies {a} and {b}", j.name)
-        };
+        let named = |joint: usize| joint_label(model, &model.joints[joint]);
         let bound = JOINT_ERROR * self.diagonal;
         if length.1 > bound {
             let of = "a thousandth of the initial bounding box's diagonal";
@@ -219,6 +219,24 @@ impl WatchState {
         let (joint, error) = angle;
         (error > JOINT_ANGLE)
             .then(|| format!("{} is violated by {error:.3e} rad, above {JOINT_ANGLE} rad", named(joint)))
+    }
+
+    /// The motor that is farthest from what it prescribes, of those beyond their bounds.
+    fn motor(&self, model: &Model, state: &State) -> Option<String> {
+        let started = state.time - model.step;
+        let of = |(joint, now): (&Joint, &JointState)| {
+            let moves = joint.bodies.iter().any(|b| state.moves(*b as usize));
+            let is_present = moves && !joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
+            let [goal, is] = joint.driven(now, state.time).filter(|_| is_present && joint.acts(started))?;
+            let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
+            let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+            let scale = if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal };
+            let bound = if is_rate { scale.max(MOTOR_RATE * goal.abs()) } else { scale };
+            let excess = (is - goal).abs() / bound;
+            (excess > 1.0).then(|| (excess, lag_message(model, joint, now, [goal, is], bound)))
+        };
+        let lags = model.joints.iter().zip(&state.joints).filter_map(of);
+        lags.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, message)| message)
     }
 
     fn energy(&mut self, model: &Model, state: &State, seen: &StepOutcome, survey: &Survey) -> Option<String> {
@@ -322,6 +340,28 @@ fn energy_by_size(model: &Model, state: &State) -> f64 {
 /// Radius of gyration about an axis, m; 0 where the body does not rotate about it.
 fn gyration(inv_mass: f64, inv_inertia: f64) -> f64 {
     if inv_inertia > 0.0 { (inv_mass / inv_inertia).sqrt() } else { 0.0 }
+}
+
+/// Message about a motor that prescribes `goal` where the joint has `is`, beyond `bound`; says whether the joint is at a limit.
+fn lag_message(model: &Model, joint: &Joint, now: &JointState, [goal, is]: [f64; 2], bound: f64) -> String {
+    let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
+    let (what, per) = match joint.motor {
+        Some(Motor::Speed(_)) => ("rate", "/s"),
+        _ => ("coordinate", ""),
+    };
+    let unit = if is_angle { "rad" } else { "m" };
+    let near = 2.0 * model.step * now.rate.abs() + if is_angle { JOINT_ANGLE } else { 1e-3 };
+    let limit = joint.limits.and_then(|l| l.into_iter().find(|l| (now.coordinate - l).abs() <= near));
+    let limit = limit.map_or(String::new(), |l| format!("; the joint is at its limit of {l} {unit}"));
+    let named = joint_label(model, joint);
+    format!(
+        "the motor of {named} does not reach what it prescribes: the {what} is {is:.3e} {unit}{per} instead of {goal:.3e} {unit}{per}, off by more than {bound:.3e} {unit}{per}{limit}"
+    )
+}
+
+fn joint_label(model: &Model, joint: &Joint) -> String {
+    let [a, b] = joint.bodies.map(|b| label(model, b));
+    format!("joint `{}` of bodies {a} and {b}", joint.name)
 }
 
 fn label(model: &Model, body: u32) -> String {
