@@ -11,6 +11,9 @@ use crate::state::State;
 use frame::Fault;
 use frame::yaml::Document;
 
+/// The envelope of bodies of any shape over g h²: what loses its support falls by less before it is back, with the points that it had.
+const FALLS: f64 = 15.0;
+
 /// The kinds of models between which the choice differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -69,7 +72,7 @@ impl Choice {
                 friction: FrictionLaw::Relaxed,
                 iterations: Some(count(15, 15, 20)),
                 start_iterations: Some(count(2000, 2000, 4000)),
-                tolerance: level(1e-7, 1e-8, 1e-9),
+                tolerance: 1e-9,
                 omega: Some(1.3),
                 recovery: None,
                 near: Some([level(2e-3, 1e-3, 1e-3), level(5e-3, 2e-3, 4e-4)]),
@@ -135,6 +138,7 @@ impl Quality {
         let by_speed = if speed > 0.0 { radius / speed } else { f64::INFINITY };
         let step = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
         let open = SolverSettings::default();
+        let fall = gravity * step * step;
         let solver = SolverSettings {
             method: Some(choice.method),
             friction: choice.friction,
@@ -144,6 +148,7 @@ impl Quality {
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
             rest_gap: choice.near.map_or(open.rest_gap, |[rest, _]| rest * radius),
+            envelope: choice.near.map(|_| (FALLS * fall).clamp(radius / 50.0, radius / 8.0)),
             recycle: choice.near.map(|[_, recycle]| recycle * radius),
             ..open
         };
@@ -177,7 +182,7 @@ impl ModelFile {
                 })*
             };
         }
-        fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, recycle);
+        fill!(friction, start_iterations, tolerance, recovery_speed, rest_gap, envelope, recycle);
         self.step = if is_open("step") { step } else { self.step };
         Ok(())
     }
