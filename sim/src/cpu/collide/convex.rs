@@ -229,6 +229,8 @@ pub fn separation(a: &impl Convex, b: &impl Convex, direction: DVec3) -> f64 {
 /// `axis`, which becomes the normal.
 pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) -> Option<Nearest> {
     const ROUNDS: usize = 80;
+    /// Distance over the scale of the shapes up to which the direction is checked.
+    const NEAR: f64 = 1e-3;
     let round = a.radius() + b.radius();
     let mut simplex = Simplex { n: 1, ..Simplex::default() };
     let is_known = axis.direction != DVec3::ZERO;
@@ -276,6 +278,10 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     }
     let distance = v.length();
     let normal = -v / distance;
+    // Where the shapes nearly touch, round-off may be all of the direction; the shapes are then less far apart along it.
+    if distance < NEAR * scale && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
+        return Some(overlapping(a, b, &simplex, axis));
+    }
     let gap = distance - round;
     *axis = Axis { direction: normal, apart: gap };
     (gap <= reach).then(|| Nearest {
@@ -304,6 +310,10 @@ struct Face {
 /// The minimum translation that separates two overlapping shapes.
 fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Nearest {
     const ROUNDS: usize = 96;
+    /// Height above a face, over the scale, from which on a point is beyond it, in order of preference.
+    const ABOVE: [f64; 4] = [1e-14, 1e-10, -1e-10, 1e-7];
+    /// The most faces: a polytope that round-off has torn would grow without end.
+    const MOST: usize = 400;
     let mut points: Vec<Vertex> = simplex.v[..simplex.n].to_vec();
     extend_to_tetrahedron(a, b, &mut points);
     let finish = |normal: DVec3, distance: f64, pa: DVec3, pb: DVec3| Nearest {
@@ -349,17 +359,14 @@ fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Ne
         if far - nearest.distance <= 1e-9 * scale || points.iter().any(|p| p.w == next.w) {
             break;
         }
-        let sees = |f: &Face| (next.w - points[f.v[0]].w).dot(f.normal) > 1e-14 * scale;
-        let edges: Vec<[usize; 2]> = faces
-            .iter()
-            .filter(|f| sees(f))
-            .flat_map(|f| [[f.v[0], f.v[1]], [f.v[1], f.v[2]], [f.v[2], f.v[0]]])
-            .collect();
-        let rim: Vec<[usize; 2]> = edges.iter().copied().filter(|[i, j]| !edges.contains(&[*j, *i])).collect();
-        if rim.len() < 3 {
+        let height = |f: &Face| (next.w - points[f.v[0]].w).dot(f.normal);
+        let of = |above: f64| (above * scale, rim(&faces, |f| height(f) > above * scale));
+        let whole = ABOVE.iter().map(|above| of(*above)).find(|(_, rim)| is_path(rim));
+        let (above, rim) = whole.unwrap_or_else(|| of(ABOVE[0]));
+        if rim.len() < 3 || faces.len() + rim.len() > MOST {
             break;
         }
-        faces.retain(|f| !sees(f));
+        faces.retain(|f| height(f) <= above);
         points.push(next);
         let last = points.len() - 1;
         faces.extend(rim.iter().map(|[i, j]| face(&points, [*i, *j, last])));
@@ -371,6 +378,19 @@ fn expand(a: &impl Convex, b: &impl Convex, simplex: &Simplex, round: f64) -> Ne
     };
     // The difference is A − B: moving B along the normal by the distance separates them.
     finish(best.normal, best.distance, sum(&|p| p.a), sum(&|p| p.b))
+}
+
+/// The rim of the faces that are beyond it, as edges.
+fn rim(faces: &[Face], is_beyond: impl Fn(&Face) -> bool) -> Vec<[usize; 2]> {
+    let around = |f: &Face| [[f.v[0], f.v[1]], [f.v[1], f.v[2]], [f.v[2], f.v[0]]];
+    let edges: Vec<[usize; 2]> = faces.iter().filter(|f| is_beyond(f)).flat_map(around).collect();
+    edges.iter().copied().filter(|[i, j]| !edges.contains(&[*j, *i])).collect()
+}
+
+/// Whether a rim is one closed path. Round-off on flat parts may tear it, and the polytope with it.
+fn is_path(rim: &[[usize; 2]]) -> bool {
+    let once = |k: usize| rim.iter().all(|e| rim.iter().filter(|other| other[k] == e[k]).count() == 1);
+    rim.len() >= 3 && once(0) && once(1)
 }
 
 /// Extend a simplex that contains the origin to a tetrahedron.

@@ -258,3 +258,31 @@ fn a_search_that_begins_along_an_axis_finds_the_same_gap() {
     }
     assert!((500..4500).contains(&apart), "{apart}");
 }
+
+#[test]
+fn cylinders_side_by_side_have_the_gap_of_their_sides() {
+    let mut random = crate::SplitMix64(4);
+    let (r, half) = (0.1, 0.25);
+    for i in 0..20_000 {
+        let turn = random.rotation();
+        let gap = 10f64.powf(random.between(-13.0, -3.0)) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let gap = if i % 10 == 0 { 0.0 } else { gap };
+        let (kind, other) = [(ShapeKind::Cylinder, 0.1), (ShapeKind::Cylinder, 0.07), (ShapeKind::Cone, 0.1)][i % 3];
+        // A cone's side leans by its own slope; it is turned back so that it lies along the cylinder's.
+        let lean = if kind == ShapeKind::Cone { f64::atan2(other, 2.0 * half) } else { 0.0 };
+        let out = if kind == ShapeKind::Cone { half * lean.sin() } else { other };
+        let own = DQuat::from_rotation_z(random.between(-3.0, 3.0));
+        let spin = DQuat::from_rotation_z(random.between(-3.0, 3.0));
+        let at = DVec3::new(r + out + gap, 0.0, random.between(-0.9, 0.9) * half);
+        let first = placed(ShapeKind::Cylinder, [r, r, half], DVec3::ZERO, turn * own);
+        let lying = DQuat::from_rotation_y(if kind == ShapeKind::Cone { -lean } else { 0.0 });
+        let second = placed(kind, [other, other, half], turn * at, turn * lying * spin);
+        let found = points(&first, &second, 1e-2);
+        let least = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+        assert!((least - gap).abs() < 1e-7, "{i} {kind:?}: {least} for {gap}");
+        for p in &found {
+            let tilt = (p.normal - turn * DVec3::X).length();
+            assert!(tilt < 5e-3, "{i} {kind:?}: {tilt} for {gap}");
+        }
+    }
+}
