@@ -222,6 +222,19 @@ fn motors_springs_and_limits_do_what_they_say() {
     let mut sim = on_joint("kind: revolute, limits: [-30, 45], motor: {torque: 0.6}", "");
     run(&mut sim, 2.0);
     close(sim.state.joints[0].coordinate.to_degrees(), 45.0, 1e-3, "the upper stop");
+    // The joint's reaction has that of its limit.
+    for (kind, force, torque) in [
+        ("prismatic, limits: [-0.1, 0.1]", -2.0 * 9.81, 0.0),
+        ("prismatic, limits: [0, 0]", -2.0 * 9.81, 0.0),
+        ("revolute, limits: [-30, 45], motor: {torque: 0.6}", -2.0 * 9.81, 0.0),
+        ("revolute, limits: [0, 0], motor: {torque: 0.6}", -2.0 * 9.81, 0.0),
+    ] {
+        let mut sim = on_joint(&format!("kind: {kind}"), "");
+        run(&mut sim, 2.0);
+        let now = sim.state.joints[0];
+        close(now.force_world.z, force, 1e-3, kind);
+        assert!((now.torque_world.z - torque).abs() < 1e-6, "{kind}: {}", now.torque_world);
+    }
     // A linear actuator.
     let mut sim = on_joint(
         "kind: distance, position: [0, 0, 1], position_b: [0, 0, 0], length: {ramp: {times: [0, 1], values: [1, 0.6]}}",

@@ -57,7 +57,7 @@ pub struct Cpu {
     free: Vec<Twist>,
     joint_start: Vec<u32>,
     joints: Joints,
-    limits: Vec<Row>,
+    limits: joint_write::Limits,
     response: Response,
     displacement: Displacement,
     solver: contact_solve::Workspace,
@@ -101,8 +101,8 @@ impl Backend for Cpu {
             }
             Stage::ContactSolve => self.contact_solve(model, plan, state),
             Stage::Integrate => {
-                let Cpu { joint_start, joints, response, outcome, .. } = self;
-                joint_write::record(model, state, joint_start, &joints.rows, response, outcome);
+                let Cpu { joint_start, joints, limits, response, outcome, .. } = self;
+                joint_write::record(model, state, (joint_start, &joints.rows), limits, response, outcome);
                 integrate::run(model, &self.response.twist, &self.displacement, state);
             }
         }
@@ -137,7 +137,9 @@ impl Backend for Cpu {
             Column::JointStart => View::of_u32(&self.joint_start),
             Column::JointRow => View::of_rows(&self.joints.rows, row),
             Column::JointBias => View::of_f64(&self.joints.bias),
-            Column::Limit => View::of_rows(&self.limits, row),
+            Column::Limit => View::of_rows(&self.limits.rows, row),
+            Column::LimitJoint => View::of_u32(&self.limits.joint),
+            Column::LimitImpulse => View::of_f64(&self.limits.impulse),
             Column::Motion => View::of_f64(&self.response.twist),
             Column::Displacement => View::of_f64(&self.displacement.twist),
             Column::JointImpulse => View::of_f64(&self.response.lambda),
@@ -187,7 +189,8 @@ impl Cpu {
             masses: &self.masses,
             free: &self.free,
             joints: &mut self.joints,
-            limits: &self.limits,
+            limits: &self.limits.rows,
+            limit_impulse: &mut self.limits.impulse,
             response: &mut self.response,
             displacement: &mut self.displacement,
         };

@@ -237,7 +237,11 @@ columns! {
     /// Bias Ψ/h − rate of the joint rows, and the terms of springs.
     JointBias "joint_bias": f64, Length::As(Column::JointRow), Values::Finite, "m/s, rad/s", [JointWrite] => [ContactSolve];
     /// Rows of joint limits that may be met in the step.
-    Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve];
+    Limit "limit": Row, Length::Found, Values::Finite, "", [JointWrite] => [ContactSolve, Integrate];
+    /// Id of the joint of each row of a limit.
+    LimitJoint "limit_joint": u32, Length::As(Column::Limit), Values::Any, "", [JointWrite] => [Integrate];
+    /// Impulses of the limits.
+    LimitImpulse "limit_impulse": f64, Length::As(Column::Limit), Values::Watched, "N s, N m s", [ContactSolve] => [Integrate];
     /// Velocities at the step's end with contacts and joints, world.
     Motion "motion": Twist, Length::Bodies, Values::Watched, "m/s, rad/s", [ContactSolve] => [Integrate];
     /// Displacements over the step size that recover overlaps, world; no rows where nothing overlaps.

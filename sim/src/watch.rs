@@ -4,7 +4,7 @@
 //! |---|---|
 //! | residual | the step's residual is above 100 tolerances and above gravity times step size |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
-//! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than what gives the error above in 1 s; or a driven coordinate by more than that error |
+//! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than half of it or what gives five times the error above in 1 s; or a driven coordinate by more than that error |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
@@ -31,8 +31,10 @@ const MAX_SPEED: f64 = 1e5;
 const JOINT_ERROR: f64 = 1e-3;
 /// Tolerance of joint errors that are angles, rad.
 const JOINT_ANGLE: f64 = 1e-2;
-/// Tolerance of errors of driven rates, over the prescribed rate.
-const MOTOR_RATE: f64 = 1e-2;
+/// Tolerance of errors of driven rates, over the prescribed rate: of fast motors, and at most, of slow ones.
+const MOTOR_RATE: [f64; 2] = [1e-2, 0.5];
+/// Tolerance of errors of driven rates within 1 s, over that of errors of joints.
+const MOTOR_DRIFT: f64 = 5.0;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
 
@@ -231,7 +233,9 @@ impl WatchState {
             let is_rate = matches!(joint.motor, Some(Motor::Speed(_)));
             let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
             let scale = if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal };
-            let bound = if is_rate { scale.max(MOTOR_RATE * goal.abs()) } else { scale };
+            let [fast, slow] = MOTOR_RATE.map(|share| share * goal.abs());
+            let brake = if goal == 0.0 { f64::INFINITY } else { slow };
+            let bound = if is_rate { fast.max((MOTOR_DRIFT * scale).min(brake)) } else { scale };
             let excess = (is - goal).abs() / bound;
             (excess > 1.0).then(|| (excess, lag_message(model, joint, now, [goal, is], bound)))
         };

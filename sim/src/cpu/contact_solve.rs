@@ -21,6 +21,7 @@
 //! out    motion            [n_bodies]     m/s and rad/s, world
 //! out    displacement      [n_bodies]     m/s and rad/s, world: the recovery of overlaps, over h; empty where nothing overlaps
 //! out    joint_impulse     [n_rows]       N s, N m s
+//! out    limit_impulse     [n_limits]     N s, N m s
 //!
 //! Per contact, with its normal n and b = (Φ/h) n: minimise ½ γᵀNγ + rᵀγ over γ in the cone |γ_t| ≤ μ γ_n, with
 //! N = Dᵀ M̃⁻¹ D and r = b + Dᵀ v_free. The metric: contact i's steps are scaled by η_i = 3/trace(D_iᵀ M⁻¹ D_i), one scalar per
@@ -57,8 +58,10 @@ pub struct Columns<'a> {
     pub free: &'a [Twist],
     /// Rows of the joints.
     pub joints: &'a mut Joints,
-    /// Joint limits that may be met.
+    /// Rows of joint limits that may be met.
     pub limits: &'a [Row],
+    /// Impulses of those (n_limits).
+    pub limit_impulse: &'a mut Vec<f64>,
     /// Velocities with contacts and joints, and the joints' multipliers.
     pub response: &'a mut Response,
     /// Recovery of overlaps.
@@ -84,7 +87,7 @@ pub fn run(
     plan: &StepPlan,
     state: &State,
     contacts: &mut Contacts,
-    Columns { masses, free, joints, limits, response, displacement }: Columns,
+    Columns { masses, free, joints, limits, limit_impulse, response, displacement }: Columns,
     work: &mut Workspace,
 ) -> (Outcome, Option<[u32; 2]>) {
     let n = contacts.len();
@@ -141,6 +144,8 @@ pub fn run(
     if state.steps.is_multiple_of(period) {
         overlaps::recover(&mut op, period, response, displacement);
     }
+    limit_impulse.clear();
+    limit_impulse.extend(gamma[gamma.len() - limits.len()..].iter().map(|g| g.x));
     if has_other_blocks {
         contacts.impulse.copy_from_slice(&gamma[..n]);
         if plan.rolls {

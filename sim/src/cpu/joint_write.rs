@@ -5,6 +5,7 @@
 //! out    joint_row    [n_rows]        dΨ/dt and Ψ in the world frame
 //! out    joint_bias   [n_rows]        Ψ/h − rate, and terms of springs, m/s
 //! out    limit        [n_limits]
+//! out    limit_joint  [n_limits]
 //! inout  tensor       [n_tensors]     geometric stiffness is added
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
@@ -22,14 +23,32 @@ use crate::twist::Twist;
 /// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
 const LOOK_AHEAD: f64 = 3.0;
 
+/// Joint limits that may be met in the step, in the order of their joints (n_limits each).
+#[derive(Default)]
+pub struct Limits {
+    /// Rows.
+    pub rows: Vec<Row>,
+    /// Ids of the joints.
+    pub joint: Vec<u32>,
+    /// Impulses after the solve, N s or N m s.
+    pub impulse: Vec<f64>,
+}
+
+impl Limits {
+    fn push(&mut self, joint: usize, row: Row) {
+        self.rows.push(row);
+        self.joint.push(joint as u32);
+    }
+}
+
 /// The output of the stage.
 pub struct Output<'a> {
     /// First row of each joint, and of the springs (n_joints + 1).
     pub start: &'a mut Vec<u32>,
     /// The rows.
     pub joints: &'a mut Joints,
-    /// Rows of joint limits that may be met.
-    pub limits: &'a mut Vec<Row>,
+    /// Joint limits that may be met.
+    pub limits: &'a mut Limits,
     /// Velocities without contacts and joints (n_bodies).
     pub free: &'a mut [Twist],
 }
@@ -41,7 +60,7 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     start.clear();
     joints.rows.clear();
     joints.bias.clear();
-    limits.clear();
+    *limits = Limits::default();
     let present = |bodies: [u32; 2]| {
         !bodies.iter().any(|b| state.is_inactive(*b as usize)) && bodies.iter().any(|b| state.moves(*b as usize))
     };
@@ -62,16 +81,11 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             let row = joint.free_row(&f, c);
             let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
             if at - min <= reach {
-                limits.push(Row { psi: at - min, ..row });
+                limits.push(i, Row { psi: at - min, ..row });
             }
             if max - at <= reach {
-                limits.push(Row {
-                    psi: max - at,
-                    linear: -row.linear,
-                    angular_a: -row.angular_a,
-                    angular_b: -row.angular_b,
-                    ..row
-                });
+                let (linear, angular_a, angular_b) = (-row.linear, -row.angular_a, -row.angular_b);
+                limits.push(i, Row { psi: max - at, linear, angular_a, angular_b, ..row });
             }
         }
     }
@@ -100,12 +114,12 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     }
 }
 
-/// Record the states of the joints and springs: reactions, coordinates, violations. Runs before the poses change.
+/// Record the states of the joints and springs: reactions, those of limits included, coordinates, violations. Runs before the poses change.
 pub fn record(
     model: &Model,
     state: &mut State,
-    start: &[u32],
-    all_rows: &[Row],
+    (start, all_rows): (&[u32], &[Row]),
+    limits: &Limits,
     response: &Response,
     outcome: &mut StepOutcome,
 ) {
@@ -130,6 +144,17 @@ pub fn record(
             }
         }
         (now.force_world, now.torque_world) = f.reaction(rows, lambda, h);
+        let is_inactive = joint.bodies.iter().any(|b| state.is_inactive(*b as usize));
+        let effort = if joint.acts(state.time) && !is_inactive { joint.effort(state.time + 0.5 * h) } else { 0.0 };
+        if let Some(c) = joint.kind.coordinate().filter(|_| effort != 0.0) {
+            let (force, torque) = f.reaction(&[joint.free_row(&f, c)], &[h * effort], h);
+            now.force_world += force;
+            now.torque_world += torque;
+        }
+        let of = limits.joint.partition_point(|j| *j < i as u32)..limits.joint.partition_point(|j| *j <= i as u32);
+        let (force, torque) = f.reaction(&limits.rows[of.clone()], &limits.impulse[of], h);
+        now.force_world += force;
+        now.torque_world += torque;
         let into = f.a.orientation.inverse();
         (now.force, now.torque) = (into * now.force_world, into * now.torque_world);
         state.joints[i] = now;
