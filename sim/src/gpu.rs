@@ -22,12 +22,14 @@ mod force;
 mod gauss_seidel;
 mod integrate;
 mod jacobi;
+mod manifolds;
 mod overlaps;
 mod pair_write;
 mod parts;
 mod problem;
 pub mod rows;
 mod scale;
+pub mod solids;
 mod spheres;
 mod survey;
 mod tiles;
@@ -39,6 +41,7 @@ mod tests;
 pub use fault::Fault;
 
 use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
+use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
 use crate::plan::{ContactMethod, Narrow, StepPlan};
@@ -104,7 +107,7 @@ impl Gpu {
     /// [`Fault::Unsupported`] for a model that needs what no kernel is built for, [`Fault::Position`], [`Fault::Gpu`].
     pub fn new(device: Device, model: &Model, state: &State, plan: &StepPlan) -> Result<Gpu, Fault> {
         let kernels = Kernels::default();
-        let method = method_of(model, plan)?;
+        let method = method_of(plan);
         contact_solve::supported(model, method)?;
         let mut collision = Collision::new(&device, &kernels, model, state)?;
         if method == Method::GaussSeidel {
@@ -112,7 +115,7 @@ impl Gpu {
         }
         let n_last = state.contacts.len();
         if n_last > collision.columns().0.capacity() {
-            collision.make_room(&device, &kernels, n_last)?;
+            collision.make_room(&device, &kernels, [n_last; 2])?;
         }
         let room = collision.columns().0.capacity();
         let warm_start = WarmStart::new(&device, &kernels, room)?;
@@ -160,11 +163,11 @@ impl Gpu {
             self.collision.find_all(&self.device);
         }
         self.mass = moving_mass(model, state);
-        if method_of(model, plan)? == Method::GaussSeidel {
+        if method_of(plan) == Method::GaussSeidel {
             self.collision.make_tiles(&self.device, &self.kernels)?;
         }
         let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
         self.record(model, plan)
@@ -181,7 +184,7 @@ impl Gpu {
             if summary.has_room == 1 {
                 break (summary, times);
             }
-            self.make_room(model, plan, summary.pairs as usize)?;
+            self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
         let mut stage_ms = [0.0; Stage::ALL.len()];
         for timings in times {
@@ -211,6 +214,8 @@ impl Gpu {
         self.survey.fetch(&self.device, state)?;
         state.step_length = self.solve.step_length(&self.device)?;
         self.fetch_contacts(state)?;
+        // Contact points are found anew in each step here.
+        state.manifolds = Manifolds::default();
         self.is_stale = false;
         Ok(())
     }
@@ -220,12 +225,19 @@ impl Gpu {
         let rows = self.solve.problem.contact.read(&self.device, n)?;
         let impulses = self.solve.problem.gamma.read(&self.device, n)?;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let arms = match self.solve.problem.narrow {
+            Narrow::Spheres => Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
+            Narrow::Any => {
+                let arms = self.solve.problem.arms.read(&self.device, n)?;
+                Arms::Any(arms.iter().map(|arm| [arm.a, arm.b].map(vector)).collect())
+            }
+        };
         state.contacts = Contacts {
             bodies: rows.iter().map(|c| c.bodies).collect(),
-            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], 0]).collect(),
+            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], c.feature]).collect(),
             pair: vec![NO_SPHERE_PAIR; n],
             normal: rows.iter().map(|c| vector(c.normal).normalize()).collect(),
-            arms: Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
+            arms,
             gap: rows.iter().map(|c| c.gap as f64).collect(),
             law: rows.iter().map(|c| c.law).collect(),
             impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
@@ -257,12 +269,12 @@ impl Gpu {
         Ok(times)
     }
 
-    /// Make room for a number of pairs.
-    fn make_room(&mut self, model: &Model, plan: &StepPlan, n_pairs: usize) -> Result<(), Fault> {
-        self.collision.make_room(&self.device, &self.kernels, n_pairs)?;
+    /// Make room for a number of pairs and of contacts.
+    fn make_room(&mut self, model: &Model, plan: &StepPlan, needed: [usize; 2]) -> Result<(), Fault> {
+        self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
         self.record(model, plan)
@@ -326,15 +338,11 @@ fn outcome(summary: &Summary) -> StepOutcome {
 }
 
 /// The method of a plan.
-fn method_of(model: &Model, plan: &StepPlan) -> Result<Method, Fault> {
-    if plan.narrow != Narrow::Spheres {
-        // The columns name what it is.
-        contact_solve::supported(model, Method::Apgd)?;
-    }
-    Ok(match plan.method {
+fn method_of(plan: &StepPlan) -> Method {
+    match plan.method {
         ContactMethod::Sweeps => Method::GaussSeidel,
         ContactMethod::Blocks(method) => method,
-    })
+    }
 }
 
 /// In one of how many steps overlaps are recovered, as on the CPU.

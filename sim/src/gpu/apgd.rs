@@ -10,7 +10,7 @@
 //! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), and again by its two bodies (id
 //! 4, z 16, row 48 each): 280 from memory.
 
-use super::parts::{bits, kernel};
+use super::parts::{bits, kernel_of};
 use super::problem::Problem;
 use super::rows::Body;
 use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
@@ -51,7 +51,7 @@ impl Apgd {
         let (room, n_bodies) = (problem.gamma.capacity(), problem.n_bodies);
         let impulses = |name| Buffer::zeros(device, name, room);
         let motions = |name| Buffer::zeros(device, name, n_bodies);
-        let get = |name, text| kernel(device, kernels, name, text);
+        let get = |name, text| kernel_of(problem.narrow, device, kernels, (name, text));
         Ok(Apgd {
             contact: get("apgd_contact", include_str!("apgd_contact.wgsl"))?,
             body: get("apgd_body", include_str!("apgd_body.wgsl"))?,
@@ -86,7 +86,8 @@ impl Apgd {
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
         let next = self.motion_next.bind();
         let of_contacts = [row, y, self.x.bind(), self.previous.bind(), z, sums, scalars, n];
-        let of_bodies = [row, z, free, side, start, y, next, body_sums];
+        let [mass, orientation] = problem.inertia();
+        let of_bodies = [row, z, free, side, start, y, next, body_sums, mass, orientation];
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
         let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));

@@ -1,4 +1,4 @@
-//! Solve the contact problem of spheres on a device.
+//! Solve the contact problem on a device.
 //!
 //! ```text
 //! in     contact  [n_contacts]  of `contact_write`
@@ -16,9 +16,10 @@ use super::fault::Fault;
 use super::gauss_seidel::{self, GaussSeidel};
 use super::problem::Problem;
 use super::rows::Body;
+use super::solids::narrow_of;
 use super::{force, jacobi, scale};
-use crate::inertia::is_isotropic;
 use crate::model::{ContactLaw, Model};
+use crate::plan::Narrow;
 use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
 use gpu::{Commands, Device, GpuError, Kernels};
 
@@ -67,9 +68,6 @@ impl ContactSolve {
         collision: &Collision,
     ) -> Result<ContactSolve, Fault> {
         supported(model, method)?;
-        if model.inv_inertia.iter().any(|i| !is_isotropic(*i)) {
-            return Err(Fault::Unsupported("no kernel is built yet for bodies of anisotropic inertia".into()));
-        }
         let problem = Problem::new(device, kernels, model, collision)?;
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
@@ -253,6 +251,10 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
         (law(|l| l.cohesion != 0.0), "cohesion"),
         (law(|l| l.rolling > 0.0 || l.spinning > 0.0), "rolling and spinning friction"),
         (method == Method::BarzilaiBorwein, "the method barzilai_borwein"),
+        (
+            method == Method::GaussSeidel && narrow_of(model) == Narrow::Any,
+            "the method gauss_seidel where bodies move that are no spheres",
+        ),
         (
             model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel,
             "exact friction by another method than gauss_seidel",

@@ -19,5 +19,5 @@ fn project(y: vec3<f32>, n: vec3<f32>, mu: f32) -> vec3<f32> {
 
 // Block of Nγ + r, from the velocities that γ gives the bodies.
 fn gradient_of(row: Row, a: Body, b: Body) -> vec3<f32> {
-    return b.v - a.v + cross(row.normal, a.w * row.reach.x + b.w * row.reach.y) + row.normal * row.offset;
+    return b.v - a.v + rolling_of(row, a.w, b.w) + row.normal * row.offset;
 }

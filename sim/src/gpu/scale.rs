@@ -7,7 +7,7 @@
 //! Kernels: scale_contact.wgsl, scale_body.wgsl, scale_decide.wgsl, scale_compare.wgsl, solve_start.wgsl, scale_apply.wgsl,
 //! response.wgsl. Twin: cpu/solve/scale.rs
 
-use super::parts::{bits, kernel};
+use super::parts::{bits, kernel_of};
 use super::problem::Problem;
 use gpu::{Commands, Device, GpuError, Kernels, Work};
 
@@ -19,7 +19,7 @@ pub fn record(
     problem: &Problem,
     (iterations, omega): (Option<u32>, f64),
 ) -> Result<(), GpuError> {
-    let get = |name, text| kernel(device, kernels, name, text);
+    let get = |name, text| kernel_of(problem.narrow, device, kernels, (name, text));
     let Problem { free, gamma, motion, scalars, work, of_contacts, of_bodies, .. } = problem;
     let (n, row, n_bodies) = (problem.n_contacts.n.bind(), problem.row(), problem.n_bodies as u32);
     let [free, gamma, motion] = [free.bind(), gamma.bind(), motion.bind()];
@@ -28,7 +28,8 @@ pub fn record(
     let contact = get("scale_contact", include_str!("scale_contact.wgsl"))?;
     commands.dispatch(device, &contact, &[row, gamma, motion, of_contacts, n], &[], problem.contacts());
     let body = get("scale_body", include_str!("scale_body.wgsl"))?;
-    commands.dispatch(device, &body, &[free, motion, of_bodies], &[], problem.bodies());
+    let [mass, orientation] = problem.inertia();
+    commands.dispatch(device, &body, &[free, motion, of_bodies, mass, orientation], &[], problem.bodies());
     let decide = get("scale_decide", include_str!("scale_decide.wgsl"))?;
     let params = [n_bodies, iterations.unwrap_or(0)];
     commands.dispatch(device, &decide, &[of_contacts, of_bodies, scalars, n], &params, one);

@@ -1,6 +1,6 @@
-//! Start each contact from the impulse that the contact of the same shapes had in the last step.
+//! Start each contact from the impulse that the contact of the same shapes and feature had in the last step.
 //! in   contact     [n_contacts]
-//! in   last_key    [n_last]      shapes of the last step's contacts
+//! in   last_key    [n_last]      shapes and features of the last step's contacts
 //! in   last_gamma  [n_last]      N s, world
 //! out  gamma       [n_contacts]  N s, world; zero for a new contact
 //! Kernels: last_insert.wgsl, warm_start.wgsl; last_write.wgsl at the step's end. Twin: cpu/warm_start.rs, which goes along the pairs while
@@ -19,13 +19,13 @@ pub struct WarmStart {
     find: Kernel,
     write: Kernel,
     groups: [Groups; 2],
-    /// Shapes (n_last).
-    key: Buffer<[u32; 2]>,
+    /// Shapes and feature; the fourth number is not used (n_last).
+    key: Buffer<[u32; 4]>,
     /// Impulses, N s, world (n_last).
     gamma: Buffer<[f32; 4]>,
     /// Their number.
     n: Count,
-    /// One more than the index of a contact, by its shapes.
+    /// One more than the index of a contact, by its shapes and feature.
     table: Buffer<u32>,
 }
 
@@ -55,7 +55,7 @@ impl WarmStart {
 
     /// Take over the contacts of a state. There must be room for them.
     pub fn place(&self, device: &Device, contacts: &Contacts) {
-        let key: Vec<[u32; 2]> = contacts.key.iter().map(|k| [k[0], k[1]]).collect();
+        let key: Vec<[u32; 4]> = contacts.key.iter().map(|k| [k[0], k[1], k[2], 0]).collect();
         let gamma: Vec<[f32; 4]> = contacts.impulse.iter().map(|z| z.as_vec3().extend(0.0).to_array()).collect();
         self.key.write(device, &key);
         self.gamma.write(device, &gamma);

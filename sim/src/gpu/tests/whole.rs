@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use gpu::{Choice, Device};
 
 /// A simulation on the device that tests have; none without an adapter.
-fn on_device(model: &Model, state: &State) -> Option<Simulation> {
+pub fn on_device(model: &Model, state: &State) -> Option<Simulation> {
     device()?;
     let device = Device::open(&Choice::Any).unwrap();
     Some(Simulation::on_device(model.clone(), state.clone(), device).unwrap())
@@ -36,7 +36,7 @@ fn settings(method: Method, iterations: u32, tolerance: f64) -> SolverSettings {
 }
 
 /// Greatest distance of a body's positions in two states, m.
-fn apart(a: &State, b: &State) -> f64 {
+pub fn apart(a: &State, b: &State) -> f64 {
     a.position.iter().zip(&b.position).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max)
 }
 
