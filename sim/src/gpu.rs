@@ -15,6 +15,7 @@ mod bounds;
 pub mod collision;
 pub mod contact_solve;
 mod contact_write;
+mod exact;
 mod fault;
 pub mod fixed;
 pub mod fixtures;
@@ -51,15 +52,13 @@ use crate::state::State;
 use crate::watch;
 use collision::Collision;
 use contact_solve::ContactSolve;
+use exact::Rounds;
 use glam::DVec3;
 use gpu::{Commands, Device, Kernels, Timings};
 use overlaps::Overlaps;
 use rows::Summary;
 use survey::Survey;
 use warm_start::WarmStart;
-
-/// Parts of the iterations that are submitted before the device is asked whether more are needed.
-const UNASKED: u32 = 2;
 
 /// The back end of a device, with the state on it.
 pub struct Gpu {
@@ -82,7 +81,7 @@ pub struct Gpu {
 /// The recorded commands of a step.
 struct Recorded {
     start: Commands,
-    part: Commands,
+    solve: contact_solve::Recorded,
     end: Commands,
     /// The end of a step that recovers overlaps.
     recovery: Commands,
@@ -178,11 +177,11 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
-        let (summary, times) = loop {
-            let times = self.submit(state)?;
+        let (summary, rounds, times) = loop {
+            let (rounds, times) = self.submit(state)?;
             let summary = self.survey.summary.read(&self.device, 1)?[0];
             if summary.has_room == 1 {
-                break (summary, times);
+                break (summary, rounds, times);
             }
             self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
@@ -198,7 +197,9 @@ impl Gpu {
         self.n_contacts = summary.contacts as usize;
         self.is_stale = true;
         let survey = self.survey.of_watch(&summary, self.mass);
-        Ok(Stepped { outcome: outcome(&summary), survey, stage_ms })
+        let mut outcome = outcome(&summary);
+        outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
+        Ok(Stepped { outcome, survey, stage_ms })
     }
 
     /// Bring a state up to date: its columns are those on the device.
@@ -247,26 +248,13 @@ impl Gpu {
     }
 
     /// Submit the commands of a step.
-    fn submit(&mut self, state: &State) -> Result<Vec<Timings>, Fault> {
-        let Recorded { start, part, end, recovery, period } = &self.recorded;
+    fn submit(&mut self, state: &State) -> Result<(Option<Rounds>, Vec<Timings>), Fault> {
+        let Recorded { start, solve, end, recovery, period } = &self.recorded;
         let mut times = vec![start.submit(&self.device)?];
-        let most = match self.solve.max_iterations() {
-            Some(most) => most,
-            // The default follows from the number of contacts.
-            None => {
-                let n = self.solve.problem.n_contacts.read(&self.device)?;
-                if n == 0 { 0 } else { self.solve.default_iterations(n) }
-            }
-        };
-        for k in 0..most.div_ceil(self.solve.part()) {
-            if k > 0 && k % UNASKED == 0 && !self.solve.goes_on(&self.device)? {
-                break;
-            }
-            times.push(part.submit(&self.device)?);
-        }
+        let rounds = self.solve.submit(&self.device, solve, &mut times)?;
         let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
         times.push(end.submit(&self.device)?);
-        Ok(times)
+        Ok((rounds, times))
     }
 
     /// Make room for a number of pairs and of contacts.
@@ -293,11 +281,10 @@ impl Gpu {
         start.stage(Stage::Force.name());
         force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
         solve.record_start(device, kernels, &mut start, (model, collision))?;
-        let mut part = Commands::new();
-        solve.record_part(device, kernels, &mut part)?;
+        let part = solve.record(device, kernels)?;
         let period = recovery_period(plan);
         let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
-        self.recorded = Recorded { start, part, end, recovery, period };
+        self.recorded = Recorded { start, solve: part, end, recovery, period };
         Ok(())
     }
 
@@ -324,7 +311,7 @@ impl Gpu {
 impl Recorded {
     fn empty() -> Recorded {
         let none = Commands::new;
-        Recorded { start: none(), part: none(), end: none(), recovery: none(), period: 1 }
+        Recorded { start: none(), solve: Default::default(), end: none(), recovery: none(), period: 1 }
     }
 }
 

@@ -26,11 +26,16 @@ fn lifting_rate(gap: f32) -> f32 {
     return max(lifted * bitcast<f32>(params[1]), -bitcast<f32>(params[5]));
 }
 
+// Velocity of B relative to A at a contact, at the step's start.
+fn velocity_between(k: u32, c: Contact) -> vec3<f32> {
+    return velocity_at(c.bodies.y, arms[k].b) - velocity_at(c.bodies.x, arms[k].a);
+}
+
 fn contact_row(k: u32, c: Contact) -> Row {
     let inverse = mass[c.bodies.x].x + mass[c.bodies.y].x;
     let arm = arms[k];
     let sums = turning(c.bodies.x, arm.a, c.normal) + turning(c.bodies.y, arm.b, c.normal);
-    let speed = dot(velocity_at(c.bodies.y, arm.b) - velocity_at(c.bodies.x, arm.a), c.normal);
+    let speed = dot(velocity_between(k, c), c.normal);
     let opening = select(max(c.gap, 0.0) * bitcast<f32>(params[1]), lifting_rate(c.gap), arm.is_face == 1u);
     let eta = 3.0 / (3.0 * inverse + sums.x);
     return Row(c.normal, offset_of(c, opening, speed), arm.a, law[c.law].x, arm.b, eta, c.bodies, inverse + sums.y, 0u);

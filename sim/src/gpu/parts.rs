@@ -46,6 +46,8 @@ const PARTS: &[Part<'static>] = parts!(
     "feature",
     "nearest",
     "ordered",
+    "creep",
+    "begin_solve",
 );
 
 /// Those that stand in their stead for shapes of any kind.

@@ -49,6 +49,8 @@ pub struct Problem {
     pub of_bodies: Buffer<[f32; 4]>,
     /// The greatest overlap, m (1).
     pub worst: Buffer<u32>,
+    /// By Coulomb's law itself: offsets without slip, slips that are fed and measured, m/s; else one row (n_contacts).
+    pub slip: Buffer<[f32; 4]>,
     kernels: ProblemKernels,
     sort: RadixSort<u32>,
     contact_groups: Groups,
@@ -61,6 +63,8 @@ pub struct Problem {
     sides: [Buffer<u32>; 2],
     side_start: Buffer<[u32; 2]>,
     n_sides: Count,
+    /// Whether slip is fed back.
+    feeds: bool,
     all_bodies: Count,
     law: Buffer<[f32; 2]>,
 }
@@ -93,7 +97,13 @@ struct ProblemKernels {
 
 impl Problem {
     /// For the contacts of a collision.
-    pub fn new(device: &Device, kernels: &Kernels, model: &Model, collision: &Collision) -> Result<Problem, Fault> {
+    /// `feeds` tells that slip is fed back to the rates of gaps.
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (model, feeds): (&Model, bool),
+        collision: &Collision,
+    ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
         let law: Vec<[f32; 2]> = model.laws.iter().map(|l| [l.friction as f32, l.restitution as f32]).collect();
@@ -116,6 +126,8 @@ impl Problem {
             of_contacts: Buffer::zeros(device, "sums of contacts", room.div_ceil(ROWS))?,
             of_bodies: Buffer::zeros(device, "sums of bodies", n_bodies.div_ceil(ROWS))?,
             worst: Buffer::zeros(device, "worst", 1)?,
+            slip: Buffer::zeros(device, "slip", if feeds { room } else { 1 })?,
+            feeds,
             kernels: ProblemKernels {
                 rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
                 clear: plain("bin_clear", include_str!("bin_clear.wgsl"))?,
@@ -146,11 +158,14 @@ impl Problem {
         let columns = [self.contact.bind(), bodies.mass.bind(), bodies.velocity.bind(), self.law.bind()];
         let sides = [self.gamma.bind(), self.row(), body.bind(), side.bind()];
         let rest = [self.n_sides.n.bind(), self.worst.bind(), n.n.bind()];
-        let of_any = [self.arms.bind(), bodies.orientation.bind(), bodies.spin.bind()];
+        let of_any = [self.arms.bind(), bodies.orientation.bind(), bodies.spin.bind(), self.slip.bind()];
         let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).chain(of_any).collect();
         let (h, g, settings) = (model.step, model.gravity.length(), &model.solver);
         let least_speed = 1e-3f64.max(2.0 * g * h);
-        let params = [h, 1.0 / h, least_speed, settings.rest_gap, g * h * h, settings.recovery_speed].map(bits);
+        let speeds = [settings.recovery_speed, g * h];
+        let [a, b, c, d, e, f, s] =
+            [h, 1.0 / h, least_speed, settings.rest_gap, g * h * h, speeds[0], speeds[1]].map(bits);
+        let params = [a, b, c, d, e, f, s, self.feeds as u32];
         commands.dispatch(device, &self.kernels.rows, &bound, &params, self.contacts());
         self.sort.record(device, commands, (body, side), &self.n_sides, self.n_bodies as u32);
         let bound = [self.side_start.bind(), self.all_bodies.n.bind()];

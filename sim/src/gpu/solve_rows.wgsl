@@ -12,12 +12,16 @@
 // in    count     [1]             n_contacts
 // in    arms      [n_contacts]    m, where they are of any direction
 // in    orientation, spin [n_bodies]  rad/s, in the bodies' frames
-// in    params    [6]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s), the gap of rest of faces (m), ten times
-//                                 the overlap that is left as it is (m), the maximum speed of recovery (m/s)
+// out   slip      [n_contacts]    m/s, by Coulomb's law itself: the offset without slip, and the slip that is fed
+// in    params    [8]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s), the gap of rest of faces (m), ten times
+//                                 the overlap that is left as it is (m), the maximum speed of recovery (m/s), the least slip over μ
+//                                 that is fed (m/s); whether slip is fed
 // Twin: cpu/contact_solve.rs
 #import contact
 #import project
 #import contact_row
+#import creep
+#import turn
 
 @group(0) @binding(0) var<storage, read> contact: array<Contact>;
 @group(0) @binding(1) var<storage, read> mass: array<vec4<f32>>;
@@ -33,7 +37,8 @@
 @group(0) @binding(11) var<storage, read> arms: array<Arms>;
 @group(0) @binding(12) var<storage, read> orientation: array<vec4<f32>>;
 @group(0) @binding(13) var<storage, read> spin: array<vec4<f32>>;
-@group(0) @binding(14) var<storage, read> params: array<u32>;
+@group(0) @binding(14) var<storage, read_write> slip: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read> params: array<u32>;
 
 // Φ/h of a contact: open gaps close within the step; impacts leave at their share of the speed.
 fn offset_of(c: Contact, opening: f32, speed: f32) -> f32 {
@@ -52,7 +57,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let c = contact[k];
     rows[k] = contact_row(k, c);
-    gamma[k] = vec4(project(gamma[k].xyz, c.normal, law[c.law].x), 0.0);
+    let start = project(gamma[k].xyz, c.normal, law[c.law].x);
+    gamma[k] = vec4(start, 0.0);
+    if params[7] == 1u {
+        let fed = slip_of(velocity_between(k, c), start, c.normal, law[c.law].x, bitcast<f32>(params[6]));
+        slip[k] = vec4(rows[k].offset, fed, 0.0, 0.0);
+        rows[k].offset += fed;
+    }
     let overlap = bitcast<u32>(max(-c.gap, 0.0));
     if overlap > atomicLoad(&worst[0]) {
         atomicMax(&worst[0], overlap);

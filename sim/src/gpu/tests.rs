@@ -417,7 +417,6 @@ fn the_solver_refuses_what_it_has_no_kernel_for() {
     assert!(refused(sequential).contains("impacts"));
     assert!(refused(|m| m.laws[0].rolling = 0.1).contains("rolling"));
     assert!(refused(|m| m.laws[0].cohesion = 1.0).contains("cohesion"));
-    assert!(refused(|m| m.solver.friction = crate::FrictionLaw::Exact).contains("exact"));
     assert!(refused(|m| m.solver.method = Some(Method::BarzilaiBorwein)).contains("method"));
     let tiles_of_others = |m: &mut Model| {
         m.inv_inertia[7].x *= 2.0;

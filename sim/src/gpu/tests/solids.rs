@@ -215,3 +215,41 @@ fn what_tumbles_does_so_as_on_the_cpu() {
     assert!((spin(&own) / before - 1.0).abs() < 1e-4, "{} {before}", spin(&own));
     assert!((energy(&own) / energy(&cpu) - 1.0).abs() < 1e-5);
 }
+
+/// Boxes that slide and stick on a slope by Coulomb's law itself, and a ball among them.
+#[test]
+fn exact_friction_has_the_motion_of_the_cpu() {
+    let mut builder = ModelBuilder::new("slope");
+    builder.material("smooth", 1000.0, 0.2);
+    builder.material("rough", 1000.0, 0.8);
+    let slope = builder.body("slope", "rough", ShapeFile::cuboid([6.0, 3.0, 0.1]));
+    (slope.fixed, slope.position) = (true, [0.0, 0.0, -0.05]);
+    for (k, material) in ["smooth", "rough", "smooth", "rough"].into_iter().enumerate() {
+        let block = builder.body(&format!("b{k}"), material, ShapeFile::cuboid([0.3, 0.3, 0.2]));
+        block.position = [0.0, -1.0 + 0.5 * k as f64, 0.1];
+    }
+    builder.body("ball", "rough", ShapeFile::sphere(0.15)).position = [0.0, 1.0, 0.15];
+    let mut sim = builder.simulation().unwrap();
+    let angle = 20f64.to_radians();
+    sim.model.gravity = DVec3::new(angle.sin(), 0.0, -angle.cos()) * 9.81;
+    for method in [Method::Apgd, Method::Jacobi] {
+        let (iterations, friction) = (Some(200), crate::FrictionLaw::Exact);
+        let solver = sim.model.solver.clone();
+        sim.model.solver = SolverSettings { method: Some(method), iterations, friction, tolerance: 1e-6, ..solver };
+        let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
+        let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
+        for _ in 0..150 {
+            let (a, b) = (own.step(), cpu.step());
+            assert!(a.broken.is_none() && b.broken.is_none(), "{a:?}");
+        }
+        own.fetch().unwrap();
+        let off = super::whole::apart(&own.state, &cpu.state);
+        let body = |name: &str| own.model.body_names[name] as usize;
+        let [slides, sticks] = ["b0", "b1"].map(|name| own.state.velocity[body(name)].x);
+        // g (sin α − μ cos α) t.
+        let expected = 9.81 * (angle.sin() - 0.2 * angle.cos()) * own.state.time;
+        eprintln!("{method:?}: {off} m, {slides} m/s for {expected}, {sticks} m/s");
+        assert!(off < 1e-3 && sticks.abs() < 1e-3, "{method:?}: {off} m, {sticks} m/s");
+        assert!((slides / expected - 1.0).abs() < 0.03, "{method:?}: {slides} m/s for {expected}");
+    }
+}
