@@ -69,7 +69,6 @@ fn what_a_device_cannot_do_is_named() {
         "mass: 3, hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
         "no kernel is built for yet: a hull that moves",
     );
-    refused("friction: 0.5}", "friction: 0.5, rolling: 0.1}", "rolling and spinning friction");
     refused("friction: 0.5}", "friction: 0.5, cohesion: 0.1}", "cohesion");
     refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
 }
@@ -92,6 +91,28 @@ fn adapters_are_chosen_for_devices_alone() {
     // Without a driver.
     let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
     says(1, &environment, &gpu, "install the Vulkan driver");
+}
+
+/// A large model without an adapter of hardware, or with one that cannot simulate it, is the processor's, which is said once; a small one is
+/// without a word.
+#[test]
+fn auto_falls_back_to_the_processor_and_says_why() {
+    let folder = scratch();
+    let run = folder.path().join("run").display().to_string();
+    let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
+    let simulate = |count: &str| {
+        let path = model(folder.path(), |text| {
+            let text = text.replace("count: 60", count).replace("max: [0.4, 0.4, 0.9]", "max: [2, 2, 40]");
+            text.replace("radius: [0.03, 0.05]", "radius: 0.04\n    packing: lattice")
+        });
+        let answer = scree_with(&environment, &["simulate", &path, "-o", &run, "--until", "0.002"]);
+        let said = answer.errors().to_string();
+        answer.ok();
+        let index = fs::read_to_string(folder.path().join("run/run.json")).unwrap();
+        assert!(index.contains("\"backend\": \"cpu\""), "{index}");
+        said.matches("--backend auto: the processor simulates this model: no hardware Vulkan adapter").count()
+    };
+    assert_eq!((simulate("count: 20000"), simulate("count: 100")), (1, 0));
 }
 
 #[test]
@@ -146,7 +167,7 @@ const MODELS: [(&str, Result<usize, &str>); 11] = [
     ("anchor", Err("joints")),
     ("card_house", Ok(100)),
     ("crater", Ok(400)),
-    ("heap", Err("rolling")),
+    ("heap", Ok(400)),
     ("hopper", Ok(400)),
     ("incline", Ok(300)),
     ("pendulums", Err("joints")),

@@ -117,7 +117,7 @@ impl Gpu {
             collision.make_room(&device, &kernels, [n_last; 2])?;
         }
         let room = collision.columns().0.capacity();
-        let warm_start = WarmStart::new(&device, &kernels, room)?;
+        let warm_start = WarmStart::new(&device, &kernels, collision.bodies.layout, room)?;
         warm_start.place(&device, &state.contacts);
         let solve = ContactSolve::new(&device, &kernels, (model, method), &collision)?;
         solve.place_step_length(&device, state.step_length);
@@ -226,12 +226,16 @@ impl Gpu {
         let rows = self.solve.problem.contact.read(&self.device, n)?;
         let impulses = self.solve.problem.gamma.read(&self.device, n)?;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let arms = match self.solve.problem.narrow {
+        let arms = match self.solve.problem.layout.narrow {
             Narrow::Spheres => Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
             Narrow::Any => {
                 let arms = self.solve.problem.arms.read(&self.device, n)?;
                 Arms::Any(arms.iter().map(|arm| [arm.a, arm.b].map(vector)).collect())
             }
+        };
+        let rolling = match self.solve.problem.layout.rolls {
+            true => self.solve.problem.roll.read(&self.device, n)?,
+            false => vec![],
         };
         state.contacts = Contacts {
             bodies: rows.iter().map(|c| c.bodies).collect(),
@@ -242,6 +246,7 @@ impl Gpu {
             gap: rows.iter().map(|c| c.gap as f64).collect(),
             law: rows.iter().map(|c| c.law).collect(),
             impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
+            rolling_impulse: rolling.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
             ..Contacts::default()
         };
         Ok(())
@@ -275,8 +280,8 @@ impl Gpu {
         collision.record(device, &mut start, model);
         start.stage(Stage::WarmStart.name());
         match plan.warm_starts {
-            true => warm_start.record(device, &mut start, collision.columns(), &solve.problem.gamma),
-            false => start.clear(&solve.problem.gamma),
+            true => warm_start.record(device, &mut start, collision.columns(), solve.problem.impulses()),
+            false => solve.problem.impulses().into_iter().for_each(|column| start.clear(column)),
         }
         start.stage(Stage::Force.name());
         force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
@@ -302,7 +307,7 @@ impl Gpu {
         c.stage(Stage::Integrate.name());
         let bodies = &collision.bodies;
         integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
-        warm_start.record_keep(device, c, collision.columns(), (&problem.gamma, room));
+        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
         survey.record(device, kernels, c, (model, bodies), (problem, room))?;
         Ok(commands)
     }

@@ -126,7 +126,7 @@ fn blocks(settings: &SolverSettings) -> ContactMethod {
 }
 
 /// Whether a contact law of a model has rolling or spinning friction.
-fn rolls(model: &Model) -> bool {
+pub fn rolls(model: &Model) -> bool {
     model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0)
 }
 

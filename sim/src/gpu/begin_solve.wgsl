@@ -8,7 +8,7 @@ const MAX_STEP: f32 = 1e6;
 fn begun(last: Scalars, n_contacts: u32, omega: f32) -> Scalars {
     var s = last;
     // In the metric of η the trace of N is 3 n_contacts: the least step is short enough for any direction.
-    let least = 1.0 / (3.0 * f32(max(n_contacts, 1u)));
+    let least = 1.0 / (3.0 * f32(max(blocks_of(n_contacts), 1u)));
     s.step = select(1.0, s.step, s.step >= least && s.step <= MAX_STEP);
     s.theta = 1.0;
     s.beta = 0.0;

@@ -2,9 +2,9 @@
 
 use super::fault::Fault;
 use super::fixed::Scale;
+use super::parts::Layout;
 use super::rows::Fixed;
 use crate::model::Model;
-use crate::plan::Narrow;
 use crate::state::State;
 use glam::{DQuat, DVec3, DVec4};
 use gpu::{Buffer, Device, GpuError};
@@ -25,8 +25,8 @@ pub struct Bodies {
     pub spin: Buffer<[f32; 4]>,
     /// Reciprocal mass, 1/kg, and principal moments of inertia, 1/(kg m²); zero for a body that does not move.
     pub mass: Buffer<[f32; 4]>,
-    /// Shapes that the kernels are for.
-    pub narrow: Narrow,
+    /// What the kernels are compiled for.
+    pub layout: Layout,
     /// Moving, held or inactive.
     pub activity: Buffer<u32>,
     /// What `activity` holds.
@@ -35,10 +35,10 @@ pub struct Bodies {
 
 impl Bodies {
     /// Columns for the bodies of a model.
-    pub fn new(device: &Device, scale: Scale, narrow: Narrow, n: usize) -> Result<Bodies, GpuError> {
+    pub fn new(device: &Device, scale: Scale, layout: Layout, n: usize) -> Result<Bodies, GpuError> {
         Ok(Bodies {
             n,
-            narrow,
+            layout,
             scale,
             position: Buffer::zeros(device, "position", n)?,
             orientation: Buffer::zeros(device, "orientation", n)?,

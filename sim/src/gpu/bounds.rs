@@ -9,10 +9,9 @@
 //! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
 
 use super::bodies::Bodies;
-use super::parts::{ROWS, bits, groups, kernel, kernel_of};
+use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::spheres::Spheres;
 use crate::model::Model;
-use crate::plan::Narrow;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// What the broad phase works on.
@@ -58,11 +57,11 @@ pub struct Bounds {
 
 impl Bounds {
     /// Compile the kernels.
-    pub fn new(device: &Device, kernels: &Kernels, narrow: Narrow) -> Result<Bounds, GpuError> {
+    pub fn new(device: &Device, kernels: &Kernels, layout: Layout) -> Result<Bounds, GpuError> {
         Ok(Bounds {
-            bounds: kernel_of(narrow, device, kernels, ("bounds", include_str!("bounds.wgsl")))?,
+            bounds: kernel_of(layout, device, kernels, ("bounds", include_str!("bounds.wgsl")))?,
             due: kernel(device, kernels, "pairs_due", include_str!("pairs_due.wgsl"))?,
-            fatten: kernel_of(narrow, device, kernels, ("fatten", include_str!("fatten.wgsl")))?,
+            fatten: kernel_of(layout, device, kernels, ("fatten", include_str!("fatten.wgsl")))?,
             groups: Groups::new(device, kernels, ROWS)?,
         })
     }

@@ -11,13 +11,14 @@ use super::contact_write::{ContactWrite, Contacts};
 use super::fixtures::Fixtures;
 use super::manifolds::Manifolds;
 use super::pair_write::{PairWrite, Pairs};
+use super::parts::Layout;
 use super::rows::{Aabb, Arms, Contact};
 use super::solids;
 use super::spheres::Spheres;
 use super::tiles::Tiles;
 use crate::aabb;
 use crate::model::Model;
-use crate::plan::Narrow;
+use crate::plan::{Narrow, rolls};
 use crate::state::State;
 use gpu::radix_sort::RadixSort;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Kernels};
@@ -64,6 +65,7 @@ impl Collision {
     /// Those of the moving shapes and fixtures, [`Fault::Position`] and [`Fault::Gpu`].
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, state: &State) -> Result<Collision, Fault> {
         let narrow = solids::narrow_of(model);
+        let layout = Layout { narrow, rolls: rolls(model) };
         let (spheres, scale) = Spheres::new(device, model, narrow)?;
         let fixtures = Fixtures::new(device, model, state, scale)?;
         let n = spheres.n;
@@ -75,13 +77,13 @@ impl Collision {
             Narrow::Any => Some(Manifolds::new(device, kernels, (&spheres, &fixtures), [room; 2])?),
         };
         let mut collision = Collision {
-            bodies: Bodies::new(device, scale, narrow, model.n_bodies())?,
+            bodies: Bodies::new(device, scale, layout, model.n_bodies())?,
             fixtures,
             manifolds,
             no_arms: Buffer::zeros(device, "no arms", 1)?,
             due: Due::new(device, n, bins.n())?,
             bins,
-            bounds: Bounds::new(device, kernels, narrow)?,
+            bounds: Bounds::new(device, kernels, layout)?,
             bin_emit: BinEmit::new(device, kernels)?,
             bin_sort: RadixSort::new(device, kernels, n)?,
             bin_start: BinStart::new(device, kernels)?,

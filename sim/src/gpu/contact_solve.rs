@@ -164,7 +164,8 @@ impl ContactSolve {
             (Some(_), _) | (_, None) => self.problem.n_contacts.read(device)?,
             (None, Some(_)) => 1,
         };
-        let most = if n == 0 { 0 } else { self.settings.max_iterations(n) };
+        let blocks = if self.problem.layout.rolls { 2 * n } else { n };
+        let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
         let Some(exact) = &self.exact else {
             self.submit_parts(device, solve, most, times)?;
             return Ok(None);
@@ -179,7 +180,7 @@ impl ContactSolve {
             times.push(solve.measure.submit(device)?);
             let scalars = self.problem.scalars.read(device, 1)?[0];
             let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
-            if exact.add(device, &self.settings, (&mut rounds, most), (n, scalars[TRIALS], residual))? {
+            if exact.add(device, &self.settings, (&mut rounds, most), (blocks, scalars[TRIALS], residual))? {
                 break;
             }
         }
@@ -315,6 +316,7 @@ impl ContactSolve {
         let mut commands = Commands::new();
         force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
         commands.clear(&self.problem.gamma);
+        commands.clear(&self.problem.roll);
         self.record_start(device, kernels, &mut commands, (model, collision))?;
         commands.submit(device)?;
         let mut part = Commands::new();
@@ -341,7 +343,10 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
         (!model.loads.is_empty(), "loads"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
         (law(|l| l.cohesion != 0.0), "cohesion"),
-        (law(|l| l.rolling > 0.0 || l.spinning > 0.0), "rolling and spinning friction"),
+        (
+            method == Method::GaussSeidel && law(|l| l.rolling > 0.0 || l.spinning > 0.0),
+            "rolling and spinning friction by the method gauss_seidel",
+        ),
         (method == Method::BarzilaiBorwein, "the method barzilai_borwein"),
         (
             method == Method::GaussSeidel && narrow_of(model) == Narrow::Any,

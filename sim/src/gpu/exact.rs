@@ -49,14 +49,14 @@ impl Rounds {
 impl Exact {
     /// For a problem.
     pub fn new(device: &Device, kernels: &Kernels, problem: &Problem) -> Result<Exact, GpuError> {
-        let of = |name, text| kernel_of(problem.narrow, device, kernels, (name, text));
+        let of = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
         let get = |name, text| kernel(device, kernels, name, text);
         Ok(Exact {
             measure: of("slip_measure", include_str!("slip_measure.wgsl"))?,
             sum: get("slip_sum", include_str!("slip_sum.wgsl"))?,
             feed: of("slip_feed", include_str!("slip_feed.wgsl"))?,
             limit: get("solve_limit", include_str!("solve_limit.wgsl"))?,
-            again: get("solve_again", include_str!("solve_again.wgsl"))?,
+            again: of("solve_again", include_str!("solve_again.wgsl"))?,
             sums: Buffer::zeros(device, "slips", 1)?,
             most: Buffer::zeros(device, "most iterations", 1)?,
         })
@@ -103,13 +103,13 @@ impl Exact {
         device: &Device,
         settings: &SolverSettings,
         (rounds, most): (&mut Rounds, u32),
-        (n_contacts, iterations, residual): (usize, u32, f64),
+        (n_blocks, iterations, residual): (usize, u32, f64),
     ) -> Result<bool, GpuError> {
         /// Change of the slips over their sum that is none, in single precision.
         const NONE: f64 = 1e-6;
         let [change, sum, ..] = self.sums.read(device, 1)?[0].map(f64::from);
         rounds.iterations += iterations;
-        rounds.is_fixed_point = change <= NONE * sum + 1e-2 * settings.tolerance * n_contacts as f64;
+        rounds.is_fixed_point = change <= NONE * sum + 1e-2 * settings.tolerance * n_blocks as f64;
         Ok(rounds.is_fixed_point && residual <= settings.tolerance || rounds.iterations >= most)
     }
 }

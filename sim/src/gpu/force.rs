@@ -20,7 +20,7 @@ pub fn record(
     model: &Model,
     (bodies, free): (&Bodies, &Buffer<Body>),
 ) -> Result<(), GpuError> {
-    let force = kernel_of(bodies.narrow, device, kernels, ("force", include_str!("force.wgsl")))?;
+    let force = kernel_of(bodies.layout, device, kernels, ("force", include_str!("force.wgsl")))?;
     let [mass, orientation] = [bodies.mass.bind(), bodies.orientation.bind()];
     let bound = [mass, orientation, bodies.velocity.bind(), bodies.spin.bind(), free.bind()];
     let fall = (model.gravity * model.step).to_array().map(bits);

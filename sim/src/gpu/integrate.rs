@@ -23,7 +23,7 @@ pub fn record(
     (model, bodies): (&Model, &Bodies),
     (problem, overlaps, room): (&Problem, &Overlaps, &Buffer<u32>),
 ) -> Result<(), GpuError> {
-    let integrate = kernel_of(problem.narrow, device, kernels, ("integrate", include_str!("integrate.wgsl")))?;
+    let integrate = kernel_of(problem.layout, device, kernels, ("integrate", include_str!("integrate.wgsl")))?;
     let from = [bodies.mass.bind(), problem.motion.bind(), overlaps.displaced.bind(), overlaps.share.bind()];
     let state = [bodies.position.bind(), bodies.orientation.bind(), bodies.velocity.bind(), bodies.spin.bind()];
     let activity = bodies.activity.bind();

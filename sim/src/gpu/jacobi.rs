@@ -30,10 +30,11 @@ pub fn record(
     (settings, iterations): (&SolverSettings, u32),
     problem: &Problem,
 ) -> Result<(), GpuError> {
-    let contact = kernel_of(problem.narrow, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
-    let decide = kernel_of(problem.narrow, device, kernels, ("jacobi_decide", include_str!("jacobi_decide.wgsl")))?;
+    let contact = kernel_of(problem.layout, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
+    let decide = kernel_of(problem.layout, device, kernels, ("jacobi_decide", include_str!("jacobi_decide.wgsl")))?;
     let (n, scalars, sums) = (problem.n_contacts.n.bind(), problem.scalars.bind(), problem.of_contacts.bind());
-    let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n];
+    let [roll, roll_row] = problem.rolling();
+    let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row];
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let params = [bits(settings.tolerance), settings.omega.is_some() as u32];
     for _ in 0..iterations {

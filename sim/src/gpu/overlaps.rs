@@ -24,7 +24,7 @@ pub struct Overlaps {
 impl Overlaps {
     /// For a problem.
     pub fn new(device: &Device, problem: &Problem) -> Result<Overlaps, GpuError> {
-        let vectors = if problem.narrow == Narrow::Any { 3 } else { 2 };
+        let vectors = if problem.layout.narrow == Narrow::Any { 3 } else { 2 };
         Ok(Overlaps {
             displaced: Buffer::zeros(device, "displacement", vectors * problem.n_bodies)?,
             share: Buffer::zeros(device, "share", 1)?,
@@ -46,7 +46,7 @@ impl Overlaps {
         model: &Model,
         (problem, period): (&Problem, u64),
     ) -> Result<(), GpuError> {
-        let get = |name, text| kernel_of(problem.narrow, device, kernels, (name, text));
+        let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
         let (h, n) = (model.step, problem.n_contacts.n.bind());
         let least = 0.1 * model.gravity.length() * h * h;
         let (contact, push, motion) = (problem.contact.bind(), self.push.bind(), problem.motion.bind());

@@ -48,11 +48,25 @@ const PARTS: &[Part<'static>] = parts!(
     "ordered",
     "creep",
     "begin_solve",
+    "rolls",
+    "roll",
 );
 
 /// Those that stand in their stead for shapes of any kind.
 const ANY_PARTS: &[Part<'static>] =
     parts!("_any": "row", "inertia", "contact_row", "shape_box", "push", "displaced", "spun");
+
+/// The part that stands in for its own for contacts with rolling friction.
+const ROLL_PARTS: &[Part<'static>] = parts!("_with": "rolls");
+
+/// What kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// The shapes that move.
+    pub narrow: Narrow,
+    /// Whether contacts have rolling and spinning friction.
+    pub rolls: bool,
+}
 
 /// Rows of a workgroup.
 pub const ROWS: usize = 256;
@@ -73,15 +87,16 @@ pub fn kernel_with(
     kernels.get(device, name, text, &parts)
 }
 
-/// A kernel for the shapes that the narrow phase is for.
+/// A kernel for what a model has.
 pub fn kernel_of(
-    narrow: Narrow,
+    layout: Layout,
     device: &Device,
     kernels: &Kernels,
     (name, text): (&'static str, &str),
 ) -> Result<Kernel, GpuError> {
-    let own = if narrow == Narrow::Any { ANY_PARTS } else { &[] };
-    let parts: Vec<Part> = own.iter().chain(PARTS).copied().collect();
+    let of_shapes = if layout.narrow == Narrow::Any { ANY_PARTS } else { &[] };
+    let of_rolling = if layout.rolls { ROLL_PARTS } else { &[] };
+    let parts: Vec<Part> = of_shapes.iter().chain(of_rolling).chain(PARTS).copied().collect();
     kernels.get(device, name, text, &parts)
 }
 

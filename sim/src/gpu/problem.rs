@@ -14,9 +14,9 @@
 use super::bodies::Bodies;
 use super::collision::Collision;
 use super::fault::Fault;
-use super::parts::{ROWS, bits, groups, kernel, kernel_of};
+use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::rows::{Arms, Body, Contact};
-use crate::model::Model;
+use crate::model::{ContactLaw, Model};
 use crate::plan::Narrow;
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
@@ -27,8 +27,8 @@ pub struct Problem {
     pub n_bodies: usize,
     /// Number of contacts, and the most that there can be.
     pub n_contacts: Count,
-    /// Shapes that the kernels are for.
-    pub narrow: Narrow,
+    /// What the kernels are compiled for.
+    pub layout: Layout,
     /// The contacts (n_contacts).
     pub contact: Buffer<Contact>,
     /// Their arms, where these are of any direction (n_contacts).
@@ -49,6 +49,10 @@ pub struct Problem {
     pub of_bodies: Buffer<[f32; 4]>,
     /// The greatest overlap, m (1).
     pub worst: Buffer<u32>,
+    /// Rolling and spinning impulses on B, N m s, world, where there is rolling friction; else one row (n_contacts).
+    pub roll: Buffer<[f32; 4]>,
+    /// The rows of their blocks (n_contacts).
+    pub roll_row: Buffer<[f32; 4]>,
     /// By Coulomb's law itself: offsets without slip, slips that are fed and measured, m/s; else one row (n_contacts).
     pub slip: Buffer<[f32; 4]>,
     kernels: ProblemKernels,
@@ -66,7 +70,7 @@ pub struct Problem {
     /// Whether slip is fed back.
     feeds: bool,
     all_bodies: Count,
-    law: Buffer<[f32; 2]>,
+    law: Buffer<[f32; 4]>,
 }
 
 /// The rows of the contacts.
@@ -106,16 +110,18 @@ impl Problem {
     ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
-        let law: Vec<[f32; 2]> = model.laws.iter().map(|l| [l.friction as f32, l.restitution as f32]).collect();
+        let law = |l: &ContactLaw| [l.friction, l.restitution, l.rolling, l.spinning].map(|x| x as f32);
+        let law: Vec<[f32; 4]> = model.laws.iter().map(law).collect();
         let sides = || Buffer::zeros(device, "sides", 2 * room);
+        let rolling = if collision.bodies.layout.rolls { room } else { 1 };
         let bodies = &collision.bodies;
-        let narrow = bodies.narrow;
-        let get = |name, text| kernel_of(narrow, device, kernels, (name, text));
+        let layout = bodies.layout;
+        let get = |name, text| kernel_of(layout, device, kernels, (name, text));
         let plain = |name, text| kernel(device, kernels, name, text);
         Ok(Problem {
             n_bodies,
             n_contacts: n_contacts.clone(),
-            narrow,
+            layout,
             contact: contact.clone(),
             arms: collision.arms().clone(),
             free: Buffer::zeros(device, "free", n_bodies)?,
@@ -128,6 +134,8 @@ impl Problem {
             worst: Buffer::zeros(device, "worst", 1)?,
             slip: Buffer::zeros(device, "slip", if feeds { room } else { 1 })?,
             feeds,
+            roll: Buffer::zeros(device, "rolling impulses", rolling)?,
+            roll_row: Buffer::zeros(device, "rolling rows", rolling)?,
             kernels: ProblemKernels {
                 rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
                 clear: plain("bin_clear", include_str!("bin_clear.wgsl"))?,
@@ -139,7 +147,7 @@ impl Problem {
             sort: RadixSort::new(device, kernels, 2 * room)?,
             contact_groups: Groups::new(device, kernels, ROWS)?,
             side_groups: Groups::new(device, kernels, ROWS)?,
-            row: Row::new(device, narrow, room)?,
+            row: Row::new(device, layout.narrow, room)?,
             inertia: [bodies.mass.clone(), bodies.orientation.clone()],
             sides: [sides()?, sides()?],
             side_start: Buffer::zeros(device, "side_start", n_bodies)?,
@@ -158,7 +166,14 @@ impl Problem {
         let columns = [self.contact.bind(), bodies.mass.bind(), bodies.velocity.bind(), self.law.bind()];
         let sides = [self.gamma.bind(), self.row(), body.bind(), side.bind()];
         let rest = [self.n_sides.n.bind(), self.worst.bind(), n.n.bind()];
-        let of_any = [self.arms.bind(), bodies.orientation.bind(), bodies.spin.bind(), self.slip.bind()];
+        let of_any = [
+            self.arms.bind(),
+            bodies.orientation.bind(),
+            bodies.spin.bind(),
+            self.slip.bind(),
+            self.roll.bind(),
+            self.roll_row.bind(),
+        ];
         let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).chain(of_any).collect();
         let (h, g, settings) = (model.step, model.gravity.length(), &model.solver);
         let least_speed = 1e-3f64.max(2.0 * g * h);
@@ -180,14 +195,15 @@ impl Problem {
     pub fn record_response(&self, device: &Device, commands: &mut Commands, work: Work) {
         let [row, gamma, free, side, start] = self.sums_of_bodies(&self.gamma);
         let [mass, orientation] = self.inertia();
-        let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation];
+        let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
         commands.dispatch(device, &self.kernels.response, &bound, &[], work);
     }
 
     /// Record the residual of the solution.
     pub fn record_residual(&self, device: &Device, commands: &mut Commands) {
         let n = self.n_contacts.n.bind();
-        let bound = [self.row(), self.motion.bind(), self.gamma.bind(), self.of_contacts.bind(), n];
+        let [roll, roll_row] = self.rolling();
+        let bound = [self.row(), self.motion.bind(), self.gamma.bind(), self.of_contacts.bind(), n, roll, roll_row];
         commands.dispatch(device, &self.kernels.residual, &bound, &[], self.contacts());
         let bound = [self.of_contacts.bind(), self.scalars.bind(), n];
         commands.dispatch(device, &self.kernels.residual_sum, &bound, &[], Work::Groups(1));
@@ -214,6 +230,16 @@ impl Problem {
     /// Masses, and orientations at the step's start.
     pub fn inertia(&self) -> [Bound<'_>; 2] {
         self.inertia.each_ref().map(Buffer::bind)
+    }
+
+    /// Impulses and rolling impulses.
+    pub fn impulses(&self) -> [&Buffer<[f32; 4]>; 2] {
+        [&self.gamma, &self.roll]
+    }
+
+    /// Rolling impulses, and the rows of their blocks.
+    pub fn rolling(&self) -> [Bound<'_>; 2] {
+        [self.roll.bind(), self.roll_row.bind()]
     }
 
     /// The contacts of each body: sides, starts.

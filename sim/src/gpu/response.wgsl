@@ -7,6 +7,7 @@
 // out  motion      [n_bodies]      m/s, rad/s
 // in   mass        [n_bodies]      1/kg, and principal, 1/(kg m²)
 // in   orientation [n_bodies]      at the step's start
+// in    roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // Twin: cpu/solve/bodies.rs
 #import sphere
 #import body_response
@@ -19,6 +20,7 @@
 @group(0) @binding(5) var<storage, read_write> motion: array<Body>;
 @group(0) @binding(6) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> roll: array<vec4<f32>>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -32,7 +32,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     if thread != 0u {
         return;
     }
-    let n = count[0];
+    let n = blocks_of(count[0]);
     let limit = select(params[1], max(50u, 50000u / max(n, 1u)), params[1] == 0u);
     let found = 1.0 - contacts.x / bodies.x;
     var factor = select(1.0, max(found, 0.0), bodies.x > 0.0 && is_finite(found));

@@ -25,7 +25,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     var s = scalars[0];
     let n = count[0];
-    if n > s.limit && lengths.x < lengths.y {
+    if blocks_of(n) > s.limit && lengths.x < lengths.y {
         s.factor = 1.0;
     }
     // Zero impulses may be the solution.

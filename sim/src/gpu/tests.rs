@@ -142,8 +142,8 @@ fn rows_are_laid_out_as_in_the_kernels() {
     };
     let (fixed, sphere) = (include_str!("fixed.wgsl"), include_str!("sphere.wgsl"));
     check::<Fixture>(&text(&[fixed, include_str!("fixture.wgsl")])).unwrap();
-    let (scalars, partial) = (include_str!("scalars.wgsl"), include_str!("partial.wgsl"));
-    check::<Summary>(&text(&[scalars, partial, include_str!("summary.wgsl")])).unwrap();
+    let (rolls, scalars) = (include_str!("rolls.wgsl"), include_str!("scalars.wgsl"));
+    check::<Summary>(&text(&[rolls, scalars, include_str!("partial.wgsl"), include_str!("summary.wgsl")])).unwrap();
     check::<Fixed>(fixed).unwrap();
     check::<Sphere>(&text(&[fixed, sphere])).unwrap();
     check::<Aabb>(&text(&[fixed, sphere])).unwrap();
@@ -415,7 +415,11 @@ fn the_solver_refuses_what_it_has_no_kernel_for() {
         m.solver.impacts = crate::Impacts::Sequential;
     };
     assert!(refused(sequential).contains("impacts"));
-    assert!(refused(|m| m.laws[0].rolling = 0.1).contains("rolling"));
+    let rolling_tiles = |m: &mut Model| {
+        m.laws[0].rolling = 0.1;
+        m.solver.method = Some(Method::GaussSeidel);
+    };
+    assert!(refused(rolling_tiles).contains("rolling"));
     assert!(refused(|m| m.laws[0].cohesion = 1.0).contains("cohesion"));
     assert!(refused(|m| m.solver.method = Some(Method::BarzilaiBorwein)).contains("method"));
     let tiles_of_others = |m: &mut Model| {

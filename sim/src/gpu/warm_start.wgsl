@@ -5,9 +5,12 @@
 // in   table       [n_slots]     one more than the index of a contact of the last step
 // out  gamma       [n_contacts]  N s, world; zero for a new contact
 // in   count       [1]           n_contacts
+// in   last_roll   [n_last]      N m s, world, where there is rolling friction
+// out  roll        [n_contacts]  N m s, world
 // Twin: cpu/warm_start.rs
 #import contact
 #import contact_hash
+#import rolls
 
 @group(0) @binding(0) var<storage, read> contact: array<Contact>;
 @group(0) @binding(1) var<storage, read> last_key: array<vec4<u32>>;
@@ -15,6 +18,8 @@
 @group(0) @binding(3) var<storage, read> table: array<u32>;
 @group(0) @binding(4) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> count: array<u32>;
+@group(0) @binding(6) var<storage, read> last_roll: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> roll: array<vec4<f32>>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -40,5 +45,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     gamma[k] = vec4(0.0);
     if first < arrayLength(&last_key) {
         gamma[k] = last_gamma[first];
+    }
+    if ROLLS {
+        roll[k] = vec4(0.0);
+        if first < arrayLength(&last_key) {
+            roll[k] = last_roll[first];
+        }
     }
 }
