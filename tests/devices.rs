@@ -69,7 +69,6 @@ fn what_a_device_cannot_do_is_named() {
         "mass: 3, hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
         "no kernel is built for yet: a hull that moves",
     );
-    refused("friction: 0.5}", "friction: 0.5, cohesion: 0.1}", "cohesion");
     refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
 }
 
@@ -174,7 +173,7 @@ const MODELS: [(&str, Result<usize, &str>); 11] = [
     ("pour", Ok(500)),
     ("quickstart", Ok(300)),
     ("tracked_vehicle", Err("joints")),
-    ("wall", Ok(460)),
+    ("wall", Ok(380)),
 ];
 
 fn simulation(name: &str) -> sim::Simulation {
@@ -217,9 +216,10 @@ fn models_go_on_on_a_device_as_on_the_processor() {
         let (worst, mean) = (off.iter().fold(0.0, |a: f64, b| a.max(*b)), off.iter().sum::<f64>() / off.len() as f64);
         let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
         eprintln!("{name}: {contacts:?} contacts, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J");
-        assert!(contacts[1] > 50 && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1], "{name}: {contacts:?}");
+        assert!(contacts[1] > 10 && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1], "{name}: {contacts:?}");
         // In a bed that comes to rest some grains roll another way.
         assert!(worst < 5e-4 && mean < 2e-5, "{name}: {worst} m at most, {mean} m in the mean");
-        assert!((energies[0] / energies[1] - 1.0).abs() < 0.01, "{name}: {energies:?} J");
+        // Cards that stand have next to none.
+        assert!((energies[0] - energies[1]).abs() < 0.01 * energies[1] + 1e-6, "{name}: {energies:?} J");
     }
 }

@@ -1,13 +1,17 @@
 #!/usr/bin/env bash
 # The long tests of the GPU back end, minutes on a software adapter: beds that settle, and every model of the library that it can simulate,
-# whole, against the CPU's energy and centre of mass. Usage: tests/gpu_full.sh SCREE [ADAPTER]
+# whole, against the CPU's centre of mass. Usage: tests/gpu_full.sh SCREE [ADAPTER [MODEL ...]]; with models, only these are run.
 set -euo pipefail
-scree=$(realpath "${1:?usage: tests/gpu_full.sh SCREE [ADAPTER]}")
+scree=$(realpath "${1:?usage: tests/gpu_full.sh SCREE [ADAPTER [MODEL ...]]}")
 adapter=${2:-0}
+models=("${@:3}")
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-REQUIRE_GPU=1 cargo test --release -p sim --lib -- --ignored --nocapture gpu::
+if [ ${#models[@]} = 0 ]; then
+    models=(card_house crater heap hopper incline pour quickstart wall)
+    REQUIRE_GPU=1 cargo test --release -p sim --lib -- --ignored --nocapture gpu::
+fi
 # Mean of each coordinate of the last frame, as CSV.
 means() {
     local frames=("$1"/frames/*.csv)
@@ -16,7 +20,7 @@ means() {
         END { for (k = 1; k <= n; k++) printf "%.6f ", sum[k] / (NR - 1); print "" }' "${frames[-1]}"
 }
 failed=0
-for model in crater hopper pour quickstart; do
+for model in "${models[@]}"; do
     for backend in cpu gpu; do
         choice=(--backend "$backend")
         [ "$backend" = cpu ] || choice+=(--adapter "$adapter")

@@ -77,5 +77,7 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     path=plain swaps=$any seen=
     flatten "$kernels/$name.wgsl" >"$work/$name.wgsl"
     cmp -s "$work/$name.wgsl" "$work/spheres.wgsl" || row "${name}_any" "$kernels/$name.wgsl" plain "$any"
+    grep -q '^    if ROLLS\|^        if ROLLS' "$work/spheres.wgsl" || continue
+    row "${name}_rolls" "$kernels/$name.wgsl" plain rolls=$kernels/rolls_with.wgsl
 done
 row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl

@@ -131,7 +131,7 @@ pub fn rolls(model: &Model) -> bool {
 }
 
 /// Whether a contact law of a model has cohesion.
-fn coheres(model: &Model) -> bool {
+pub fn coheres(model: &Model) -> bool {
     model.laws.iter().any(|l| l.cohesion != 0.0)
 }
 

@@ -35,12 +35,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let row = rows[k];
         let x = select(x_column[k].xyz, next[k].xyz, scalars[0].accepted != 0u);
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
-        let term = residual_term(x, gradient, row.normal, row.friction, row.eta);
+        let term = residual_term(x, gradient, row);
         own.x = dot(term, term);
         if ROLLS {
             let own_roll = select(roll_x[k].xyz, roll_next[k].xyz, scalars[0].accepted != 0u);
             let turning = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
-            let of_roll = roll_term(own_roll, turning, row.normal, x, roll_row[k]);
+            let of_roll = roll_term(own_roll, turning, row, x, roll_row[k]);
             own.x += dot(of_roll, of_roll) * roll_row[k].w;
         }
     }

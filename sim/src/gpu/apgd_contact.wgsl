@@ -42,7 +42,7 @@ fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
     let of_roll = roll_row[k];
     let y = x + (x - before) * scalars[0].beta;
     let gradient = roll_gradient(motion_y[row.bodies.x], motion_y[row.bodies.y]);
-    let z = project_roll(y - gradient * (scalars[0].step * of_roll.z), row.normal, gamma, of_roll);
+    let z = project_roll(y - gradient * (scalars[0].step * of_roll.z), row, gamma, of_roll);
     roll_next[k] = vec4(z, 0.0);
     return vec4(dot(z - y, z - y) / of_roll.z, dot(gradient, z - x), 0.0, 0.0);
 }
@@ -63,7 +63,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let row = rows[k];
         let y = x + (x - before) * scalars[0].beta;
         let gradient = gradient_of(row, motion_y[row.bodies.x], motion_y[row.bodies.y]);
-        let z = project(y - gradient * (scalars[0].step * row.eta), row.normal, row.friction);
+        let z = project_row(y - gradient * (scalars[0].step * row.eta), row);
         next[k] = vec4(z, 0.0);
         own = vec4(dot(z - y, z - y) / row.eta, dot(gradient, z - x), 0.0, 0.0);
         if ROLLS {

@@ -16,5 +16,5 @@ fn contact_row(k: u32, c: Contact) -> Row {
     let trace = 3.0 * (a.x + b.x) + 2.0 * (turns.x * a.y + turns.y * b.y);
     let speed = dot(velocity[c.bodies.y].xyz - velocity[c.bodies.x].xyz, c.normal);
     let offset = offset_of(c, max(c.gap, 0.0) * bitcast<f32>(params[1]), speed);
-    return Row(c.normal, offset, c.reach, c.bodies, law[c.law].x, 3.0 / trace);
+    return Row(c.normal, offset, c.reach, c.bodies, law[c.law].x, 3.0 / trace, adhesion_of(c), 0u);
 }

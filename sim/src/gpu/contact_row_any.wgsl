@@ -38,5 +38,5 @@ fn contact_row(k: u32, c: Contact) -> Row {
     let speed = dot(velocity_between(k, c), c.normal);
     let opening = select(max(c.gap, 0.0) * bitcast<f32>(params[1]), lifting_rate(c.gap), arm.is_face == 1u);
     let eta = 3.0 / (3.0 * inverse + sums.x);
-    return Row(c.normal, offset_of(c, opening, speed), arm.a, law[c.law].x, arm.b, eta, c.bodies, inverse + sums.y, 0u);
+    return Row(c.normal, offset_of(c, opening, speed), arm.a, law[c.law].x, arm.b, eta, c.bodies, inverse + sums.y, adhesion_of(c));
 }

@@ -342,7 +342,7 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
         (!model.springs.is_empty(), "springs"),
         (!model.loads.is_empty(), "loads"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
-        (law(|l| l.cohesion != 0.0), "cohesion"),
+        (method == Method::GaussSeidel && law(|l| l.cohesion != 0.0), "cohesion by the method gauss_seidel"),
         (
             method == Method::GaussSeidel && law(|l| l.rolling > 0.0 || l.spinning > 0.0),
             "rolling and spinning friction by the method gauss_seidel",

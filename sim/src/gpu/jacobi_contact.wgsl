@@ -31,10 +31,10 @@ fn roll_step(k: u32, row: Row, gamma_k: vec3<f32>, lambda: f32) -> vec4<f32> {
     let of_roll = roll_row[k];
     let x = roll[k].xyz;
     let gradient = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
-    let z = project_roll(x - gradient * (scalars[0].omega * of_roll.z), row.normal, gamma_k, of_roll);
+    let z = project_roll(x - gradient * (scalars[0].omega * of_roll.z), row, gamma_k, of_roll);
     let next = z * lambda + x * (1.0 - lambda);
     roll[k] = vec4(next, 0.0);
-    let term = roll_term(x, gradient, row.normal, gamma_k, of_roll);
+    let term = roll_term(x, gradient, row, gamma_k, of_roll);
     return vec4(dot(term, term) * of_roll.w, dot(next - x, next - x) / of_roll.z, dot(x, x) / of_roll.z, 0.0);
 }
 
@@ -46,11 +46,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let row = rows[k];
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let x = gamma[k].xyz;
-        let z = project(x - gradient * (scalars[0].omega * row.eta), row.normal, row.friction);
+        let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
         let lambda = bitcast<f32>(params[0]);
         let next = z * lambda + x * (1.0 - lambda);
         gamma[k] = vec4(next, 0.0);
-        let term = residual_term(x, gradient, row.normal, row.friction, row.eta);
+        let term = residual_term(x, gradient, row);
         own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
         if ROLLS {
             own += roll_step(k, row, x, lambda);

@@ -17,7 +17,7 @@ use super::fault::Fault;
 use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::rows::{Arms, Body, Contact};
 use crate::model::{ContactLaw, Model};
-use crate::plan::Narrow;
+use crate::plan::{Narrow, coheres};
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
@@ -71,6 +71,10 @@ pub struct Problem {
     feeds: bool,
     all_bodies: Count,
     law: Buffer<[f32; 4]>,
+    /// Cohesion of each law, N (n_laws).
+    cohesion: Buffer<f32>,
+    /// Whether there is any.
+    pub coheres: bool,
 }
 
 /// The rows of the contacts.
@@ -112,6 +116,7 @@ impl Problem {
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
         let law = |l: &ContactLaw| [l.friction, l.restitution, l.rolling, l.spinning].map(|x| x as f32);
         let law: Vec<[f32; 4]> = model.laws.iter().map(law).collect();
+        let cohesion: Vec<f32> = model.laws.iter().map(|l| l.cohesion as f32).collect();
         let sides = || Buffer::zeros(device, "sides", 2 * room);
         let rolling = if collision.bodies.layout.rolls { room } else { 1 };
         let bodies = &collision.bodies;
@@ -154,6 +159,8 @@ impl Problem {
             n_sides: Count::found(device, 2 * room)?,
             all_bodies: Count::of(device, n_bodies)?,
             law: Buffer::of(device, "law", &law)?,
+            coheres: coheres(model),
+            cohesion: Buffer::of(device, "cohesion", &cohesion)?,
         })
     }
 
@@ -173,6 +180,7 @@ impl Problem {
             self.slip.bind(),
             self.roll.bind(),
             self.roll_row.bind(),
+            self.cohesion.bind(),
         ];
         let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).chain(of_any).collect();
         let (h, g, settings) = (model.step, model.gravity.length(), &model.solver);
@@ -180,7 +188,7 @@ impl Problem {
         let speeds = [settings.recovery_speed, g * h];
         let [a, b, c, d, e, f, s] =
             [h, 1.0 / h, least_speed, settings.rest_gap, g * h * h, speeds[0], speeds[1]].map(bits);
-        let params = [a, b, c, d, e, f, s, self.feeds as u32];
+        let params = [a, b, c, d, e, f, s, self.feeds as u32, bits(model.envelope)];
         commands.dispatch(device, &self.kernels.rows, &bound, &params, self.contacts());
         self.sort.record(device, commands, (body, side), &self.n_sides, self.n_bodies as u32);
         let bound = [self.side_start.bind(), self.all_bodies.n.bind()];

@@ -28,11 +28,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if k < count[0] {
         let row = rows[k];
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
-        let term = residual_term(gamma[k].xyz, gradient, row.normal, row.friction, row.eta);
+        let term = residual_term(gamma[k].xyz, gradient, row);
         own.x = dot(term, term);
         if ROLLS {
             let turning = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
-            let of_roll = roll_term(roll[k].xyz, turning, row.normal, gamma[k].xyz, roll_row[k]);
+            let of_roll = roll_term(roll[k].xyz, turning, row, gamma[k].xyz, roll_row[k]);
             own.x += dot(of_roll, of_roll) * roll_row[k].w;
         }
     }

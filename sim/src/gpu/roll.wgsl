@@ -1,4 +1,4 @@
-// Rolling and spinning friction: a second block of each contact, an angular impulse on B. Its cone's width is that of the normal impulse:
+// Rolling and spinning friction: a second block of each contact, an angular impulse on B. Its cone's width is that of the normal impulse and the adhesion:
 // a disc across the normal, and a range along it. Its row has the two coefficients, m, the step η = 3 / trace of the sum of the inverse
 // inertia tensors, and the square of the radius of gyration √(η_roll / η), m².
 // Twin: cpu/solve/bodies.rs
@@ -6,8 +6,9 @@
 #import solve_row
 
 // Project onto the cone of a contact with the impulse `gamma`.
-fn project_roll(y: vec3<f32>, n: vec3<f32>, gamma: vec3<f32>, row: vec4<f32>) -> vec3<f32> {
-    let normal = max(dot(gamma, n), 0.0);
+fn project_roll(y: vec3<f32>, contact_row: Row, gamma: vec3<f32>, row: vec4<f32>) -> vec3<f32> {
+    let n = contact_row.normal;
+    let normal = max(dot(gamma, n) + contact_row.adhesion, 0.0);
     let spin = dot(y, n);
     let roll = y - n * spin;
     let size = length(roll);
@@ -17,9 +18,10 @@ fn project_roll(y: vec3<f32>, n: vec3<f32>, gamma: vec3<f32>, row: vec4<f32>) ->
 
 // The residual term, (γ − Π(γ − g G)) / g with g = 10⁻³ η, rad/s, without the difference of nearly equal impulses: an impulse that is at
 // its bound to rounding is at its bound.
-fn roll_term(own: vec3<f32>, gradient: vec3<f32>, n: vec3<f32>, gamma: vec3<f32>, row: vec4<f32>) -> vec3<f32> {
+fn roll_term(own: vec3<f32>, gradient: vec3<f32>, contact_row: Row, gamma: vec3<f32>, row: vec4<f32>) -> vec3<f32> {
     let g = 1e-3 * row.z;
-    let normal = max(dot(gamma, n), 0.0);
+    let n = contact_row.normal;
+    let normal = max(dot(gamma, n) + contact_row.adhesion, 0.0);
     let y = own - gradient * g;
     let spin = dot(y, n);
     let along = dot(own, n);

@@ -1,7 +1,7 @@
 // The row of a contact whose arms lie along its normal, as between spheres.
 
 // What an iteration needs of a contact: unit normal out of A, offset Φ/h of an open gap, lengths of the arms on A and B along the normal,
-// the bodies, the coefficient of friction and the step η = 3 / trace(N_ii).
+// the bodies, the coefficient of friction, the step η = 3 / trace(N_ii), and the adhesion, N s.
 struct Row {
     normal: vec3<f32>,
     offset: f32,
@@ -9,6 +9,8 @@ struct Row {
     bodies: vec2<u32>,
     friction: f32,
     eta: f32,
+    adhesion: f32,
+    pad: u32,
 }
 
 // What the angular velocities of the bodies add to the relative velocity.

@@ -1,7 +1,8 @@
 // The row of a contact with arms of any direction.
 
 // What an iteration needs of a contact: unit normal out of A, offset Φ/h of an open gap, arms on A and B, m, the coefficient of friction,
-// the step η = 3 / trace(N_ii), the bodies, and the velocity along the normal that an impulse along it gives, 1/kg.
+// the step η = 3 / trace(N_ii), the bodies, the velocity along the normal that an impulse along it gives, 1/kg, and
+// the adhesion, N s.
 struct Row {
     normal: vec3<f32>,
     offset: f32,
@@ -11,7 +12,7 @@ struct Row {
     eta: f32,
     bodies: vec2<u32>,
     response: f32,
-    pad: u32,
+    adhesion: f32,
 }
 
 // What the angular velocities of the bodies add to the relative velocity.

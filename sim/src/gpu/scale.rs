@@ -31,7 +31,7 @@ pub fn record(
     let [mass, orientation] = problem.inertia();
     commands.dispatch(device, &body, &[free, motion, of_bodies, mass, orientation], &[], problem.bodies());
     let decide = get("scale_decide", include_str!("scale_decide.wgsl"))?;
-    let params = [n_bodies, iterations.unwrap_or(0)];
+    let params = [n_bodies, iterations.unwrap_or(0), problem.coheres as u32];
     commands.dispatch(device, &decide, &[of_contacts, of_bodies, scalars, n], &params, one);
     let compare = get("scale_compare", include_str!("scale_compare.wgsl"))?;
     let bound = [row, gamma, motion, free, scalars, of_contacts, n, roll, roll_row];

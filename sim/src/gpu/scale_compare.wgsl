@@ -37,16 +37,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let at_zero = gradient_of(row, free[row.bodies.x], free[row.bodies.y]);
         let scaled = at_zero + (gradient - at_zero) * factor;
-        own.x = length(residual_term(z, gradient, row.normal, row.friction, row.eta));
-        own.y = length(residual_term(z * factor, scaled, row.normal, row.friction, row.eta));
+        own.x = length(residual_term(z, gradient, row));
+        own.y = length(residual_term(z * factor, scaled, row));
         if ROLLS {
             let own_roll = roll[k].xyz;
             let before = roll_gradient(free[row.bodies.x], free[row.bodies.y]);
             let now = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
             let turning = before + (now - before) * factor;
             let lever = sqrt(roll_row[k].w);
-            own.x += lever * length(roll_term(own_roll, now, row.normal, z, roll_row[k]));
-            own.y += lever * length(roll_term(own_roll * factor, turning, row.normal, z * factor, roll_row[k]));
+            own.x += lever * length(roll_term(own_roll, now, row, z, roll_row[k]));
+            own.y += lever * length(roll_term(own_roll * factor, turning, row, z * factor, roll_row[k]));
         }
     }
     let sum = group_total(thread, own);

@@ -15,9 +15,10 @@
 // out   slip      [n_contacts]    m/s, by Coulomb's law itself: the offset without slip, and the slip that is fed
 // inout roll      [n_contacts]    N m s, world, where there is rolling friction
 // out   roll_row  [n_contacts]
-// in    params    [8]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s), the gap of rest of faces (m), ten times
+// in    cohesions [n_laws]        N
+// in    params    [9]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s), the gap of rest of faces (m), ten times
 //                                 the overlap that is left as it is (m), the maximum speed of recovery (m/s), the least slip over μ
-//                                 that is fed (m/s); whether slip is fed
+//                                 that is fed (m/s); whether slip is fed; range of cohesion (m)
 // Twin: cpu/contact_solve.rs
 #import contact
 #import project
@@ -43,7 +44,8 @@
 @group(0) @binding(14) var<storage, read_write> slip: array<vec4<f32>>;
 @group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
 @group(0) @binding(16) var<storage, read_write> roll_row: array<vec4<f32>>;
-@group(0) @binding(17) var<storage, read> params: array<u32>;
+@group(0) @binding(17) var<storage, read> cohesions: array<f32>;
+@group(0) @binding(18) var<storage, read> params: array<u32>;
 
 // Φ/h of a contact: open gaps close within the step; impacts leave at their share of the speed.
 fn offset_of(c: Contact, opening: f32, speed: f32) -> f32 {
@@ -54,6 +56,12 @@ fn offset_of(c: Contact, opening: f32, speed: f32) -> f32 {
     return opening;
 }
 
+// Adhesion of a contact, N s: the depth of its cone's tip below zero.
+fn adhesion_of(c: Contact) -> f32 {
+    let cohesion = cohesions[c.law];
+    return select(0.0, cohesion * bitcast<f32>(params[0]), cohesion > 0.0 && c.gap <= bitcast<f32>(params[8]));
+}
+
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let k = row_of(group, thread);
@@ -62,7 +70,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let c = contact[k];
     rows[k] = contact_row(k, c);
-    let start = project(gamma[k].xyz, c.normal, law[c.law].x);
+    let start = project_row(gamma[k].xyz, rows[k]);
     gamma[k] = vec4(start, 0.0);
     if params[7] == 1u {
         let fed = slip_of(velocity_between(k, c), start, c.normal, law[c.law].x, bitcast<f32>(params[6]));
@@ -73,7 +81,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let moments = mass[c.bodies.x].yzw + mass[c.bodies.y].yzw;
         let eta = 3.0 / (moments.x + moments.y + moments.z);
         roll_row[k] = vec4(law[c.law].zw, eta, eta / rows[k].eta);
-        roll[k] = vec4(project_roll(roll[k].xyz, c.normal, start, roll_row[k]), 0.0);
+        roll[k] = vec4(project_roll(roll[k].xyz, rows[k], start, roll_row[k]), 0.0);
     }
     let overlap = bitcast<u32>(max(-c.gap, 0.0));
     if overlap > atomicLoad(&worst[0]) {

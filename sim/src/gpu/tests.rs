@@ -420,7 +420,11 @@ fn the_solver_refuses_what_it_has_no_kernel_for() {
         m.solver.method = Some(Method::GaussSeidel);
     };
     assert!(refused(rolling_tiles).contains("rolling"));
-    assert!(refused(|m| m.laws[0].cohesion = 1.0).contains("cohesion"));
+    let cohesive_tiles = |m: &mut Model| {
+        m.laws[0].cohesion = 1.0;
+        m.solver.method = Some(Method::GaussSeidel);
+    };
+    assert!(refused(cohesive_tiles).contains("cohesion"));
     assert!(refused(|m| m.solver.method = Some(Method::BarzilaiBorwein)).contains("method"));
     let tiles_of_others = |m: &mut Model| {
         m.inv_inertia[7].x *= 2.0;

@@ -202,6 +202,38 @@ fn rolling_and_spinning_friction_are_those_of_the_cpu() {
     }
 }
 
+/// A bed of grains that stick together, and a ball that hangs from another one that is held, by its cohesion alone.
+#[test]
+fn cohesion_is_that_of_the_cpu() {
+    for method in [Method::Apgd, Method::Jacobi] {
+        let (mut model, mut state) = bed(300, settings(method, 300, 1e-6));
+        model.laws[0].cohesion = 200.0;
+        let moving: Vec<usize> = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0).collect();
+        let [above, below] = [moving[0], moving[1]];
+        let size = |b: usize| model.shape_size[model.shape_body.iter().position(|s| *s as usize == b).unwrap()].x;
+        state.position[above].z = 50.0;
+        state.position[below] = state.position[above] - DVec3::Z * (size(above) + size(below));
+        for b in [above, below] {
+            (state.velocity[b], state.angular_velocity[b]) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        (model.inv_mass[above], model.inv_inertia[above]) = (0.0, DVec3::ZERO);
+        state.activity.clear();
+        state.wake(&model);
+        assert!(200.0 * model.inv_mass[below] > 9.81, "the ball is light enough");
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model.clone(), state.clone());
+        for _ in 0..20 {
+            let (a, b) = (own.step(), cpu.step());
+            assert!(a.contacts.abs_diff(b.contacts) * 50 <= b.contacts + 50, "{a:?}\n{b:?}");
+        }
+        own.fetch().unwrap();
+        let off = apart(&own.state, &cpu.state);
+        assert!(off < 1e-4, "{method:?}: {off} m");
+        let fallen = (own.state.position[below] - state.position[below]).length();
+        assert!(fallen < 1e-5, "{method:?}: {fallen} m");
+    }
+}
+
 /// All spheres are in each other: 44,850 pairs, where there is room for 1,264 at first.
 #[test]
 fn pairs_beyond_the_room_undo_the_step_and_none_is_dropped() {
