@@ -102,7 +102,7 @@ fn auto_falls_back_to_the_processor_and_says_why() {
     let simulate = |count: &str| {
         let path = model(folder.path(), |text| {
             let text = text.replace("count: 60", count).replace("max: [0.4, 0.4, 0.9]", "max: [2, 2, 40]");
-            text.replace("radius: [0.03, 0.05]", "radius: 0.04\n    packing: lattice")
+            text.replace("radius: [0.03, 0.05]", "radius: [0.04, 0.04]\n    packing: lattice")
         });
         let answer = scree_with(&environment, &["simulate", &path, "-o", &run, "--until", "0.002"]);
         let said = answer.errors().to_string();

@@ -21,15 +21,18 @@ means() {
 }
 failed=0
 for model in "${models[@]}"; do
+    codes=
     for backend in cpu gpu; do
         choice=(--backend "$backend")
         [ "$backend" = cpu ] || choice+=(--adapter "$adapter")
-        # A warning of the run, exit code 5, is no failure of the back end: both have it or neither.
+        # A warning of the run, exit code 5, is no failure of the back end.
         code=0
         "$scree" simulate "sim/models/$model.yaml" -o "$work/$model-$backend" --csv "${choice[@]}" >/dev/null 2>"$work/log" || code=$?
         [ "$code" = 0 ] || [ "$code" = 5 ] || { cat "$work/log"; exit 1; }
+        codes+=" $code"
         echo "$model $backend: exit $code, centre $(means "$work/$model-$backend")"
     done
+    [ "${codes% *}" = " ${codes##* }" ] || { echo "$model: warnings on one back end alone"; failed=1; }
     paste -d' ' <(means "$work/$model-cpu") <(means "$work/$model-gpu") | awk -v model="$model" '{
         off = 0; size = 0
         for (k = 1; k <= 3; k++) { d = $k - $(k + 3); off += d * d; size += $k * $k }

@@ -23,6 +23,7 @@ mod force;
 mod gauss_seidel;
 mod integrate;
 mod jacobi;
+pub mod kinds;
 mod manifolds;
 mod overlaps;
 mod pair_write;

@@ -3,6 +3,7 @@
 
 use super::fault::Fault;
 use super::fixed::Scale;
+use super::kinds::{BOX, CAPSULE, CONE, CYLINDER, PLANE};
 use super::rows::{Aabb, Fixture};
 use super::solids::{is_mover, unsupported};
 use crate::aabb;
@@ -11,17 +12,6 @@ use crate::shape::ShapeKind;
 use crate::state::State;
 use glam::{DMat3, DVec3};
 use gpu::{Buffer, Device};
-
-/// Kind of a plane; its normal is the third axis of its frame.
-pub const PLANE: u32 = 0;
-/// Kind of a box.
-pub const BOX: u32 = 1;
-/// Kind of a capsule; its radius is the first, its half height the third of its half lengths, as of the kinds below.
-pub const CAPSULE: u32 = 2;
-/// Kind of a cylinder.
-pub const CYLINDER: u32 = 3;
-/// Kind of a cone.
-pub const CONE: u32 = 4;
 
 /// The column, and the boxes about it.
 pub struct Fixtures {

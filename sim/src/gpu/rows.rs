@@ -29,7 +29,7 @@ gpu::wgsl_rows! {
     pub struct Solid {
         /// Half lengths, m, as [`ShapeKind`](crate::ShapeKind) has them.
         half: [f32; 3],
-        /// Kind, as [`fixtures`](super::fixtures) and [`solids`](super::solids) name them.
+        /// Kind, as [`kinds`](super::kinds) names them.
         kind: u32,
         /// Position in the body's frame, m.
         offset: [f32; 3],
@@ -51,7 +51,7 @@ gpu::wgsl_rows! {
         z_axis: Fixed,
         /// Half lengths, fine units.
         half: Fixed,
-        /// Kind, as [`fixtures`](super::fixtures) names them.
+        /// Kind, as [`kinds`](super::kinds) names them.
         kind: u32,
         /// Id of the shape.
         shape: u32,

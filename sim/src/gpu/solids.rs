@@ -1,19 +1,12 @@
 //! Moving shapes of any kind as rows of a device, and the families of pairs that their narrow phases are for.
 
 use super::fault::Fault;
-use super::fixtures;
+use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, PLANE, SPHERE};
 use super::rows::Solid;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
 use crate::plan::Narrow;
 use crate::shape::ShapeKind;
-
-/// Kind of a sphere about its body's centre of mass.
-pub const BALL: u32 = 5;
-/// Kind of a sphere elsewhere.
-pub const SPHERE: u32 = 6;
-/// Kind of an ellipsoid.
-pub const ELLIPSOID: u32 = 7;
 
 /// The shapes that the kernels of a model are for: spheres about the centres of mass of bodies of isotropic inertia, among fixtures, or any.
 pub fn narrow_of(model: &Model) -> Narrow {
@@ -48,10 +41,10 @@ pub fn row(model: &Model, s: usize) -> Result<Solid, Fault> {
         ShapeKind::Sphere if is_ball => BALL,
         ShapeKind::Sphere => SPHERE,
         ShapeKind::Ellipsoid => ELLIPSOID,
-        ShapeKind::Box => fixtures::BOX,
-        ShapeKind::Capsule => fixtures::CAPSULE,
-        ShapeKind::Cylinder => fixtures::CYLINDER,
-        ShapeKind::Cone => fixtures::CONE,
+        ShapeKind::Box => BOX,
+        ShapeKind::Capsule => CAPSULE,
+        ShapeKind::Cylinder => CYLINDER,
+        ShapeKind::Cone => CONE,
         kind => return Err(unsupported(model, s, &format!("a {} that moves", kind.name()))),
     };
     let arm = if kind == SPHERE { place.position.length() } else { place.position.length() + size.length() };
@@ -78,16 +71,16 @@ pub fn families(rows: &[Solid], fixtures: &[u32]) -> Vec<Family> {
     let is_ball = |kind: u32| kind == BALL || kind == SPHERE;
     let own = |k: u32| rows.iter().any(|row| row.kind == k);
     let has = |k: u32| own(k) || fixtures.contains(&k);
-    let solids = [fixtures::BOX, fixtures::CAPSULE, fixtures::CYLINDER, fixtures::CONE];
+    let solids = [BOX, CAPSULE, CYLINDER, CONE];
     let has_moving_solids = rows.iter().any(|row| !is_ball(row.kind));
-    let has_planes = fixtures.contains(&fixtures::PLANE) && rows.iter().any(|row| row.kind != BALL);
+    let has_planes = fixtures.contains(&PLANE) && rows.iter().any(|row| row.kind != BALL);
     let has_balls = own(SPHERE) || own(BALL) && solids.into_iter().any(own);
-    let is_angular = |k: &u32| *k != fixtures::BOX && has(*k);
+    let is_angular = |k: &u32| *k != BOX && has(*k);
     let has_others = solids.iter().any(is_angular) && has_moving_solids || own(ELLIPSOID);
     let all: [(bool, Family); 4] = [
         (has_planes, ("plane_contacts", include_str!("family_plane.wgsl"), include_str!("points_plane.wgsl"))),
         (has_balls, ("ball_contacts", include_str!("family_ball.wgsl"), include_str!("points_ball.wgsl"))),
-        (own(fixtures::BOX), ("box_contacts", include_str!("family_box.wgsl"), include_str!("points_box.wgsl"))),
+        (own(BOX), ("box_contacts", include_str!("family_box.wgsl"), include_str!("points_box.wgsl"))),
         (has_others, ("convex_contacts", include_str!("family_convex.wgsl"), include_str!("points_convex.wgsl"))),
     ];
     all.into_iter().filter(|(has_some, _)| *has_some).map(|(_, family)| family).collect()

@@ -40,7 +40,7 @@ pub fn apart(a: &State, b: &State) -> f64 {
     a.position.iter().zip(&b.position).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max)
 }
 
-fn steps(simulation: &mut Simulation, n: usize) {
+pub fn steps(simulation: &mut Simulation, n: usize) {
     for _ in 0..n {
         let report = simulation.step();
         assert!(report.warnings.is_empty() && report.broken.is_none(), "{report:?}");
@@ -94,7 +94,7 @@ fn a_run_repeats_bit_for_bit_also_from_its_middle() {
 }
 
 /// A state as a checkpoint has it: without what is not written.
-fn written(state: &State) -> State {
+pub fn written(state: &State) -> State {
     postcard::from_bytes(&postcard::to_stdvec(state).unwrap()).unwrap()
 }
 
