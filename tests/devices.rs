@@ -97,21 +97,23 @@ fn adapters_are_chosen_for_devices_alone() {
 #[test]
 fn auto_falls_back_to_the_processor_and_says_why() {
     let folder = scratch();
-    let run = folder.path().join("run").display().to_string();
     let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
     let simulate = |count: &str| {
+        let run = folder.path().join(count).display().to_string();
         let path = model(folder.path(), |text| {
-            let text = text.replace("count: 60", count).replace("max: [0.4, 0.4, 0.9]", "max: [2, 2, 40]");
+            let text = text
+                .replace("count: 60", &format!("count: {count}"))
+                .replace("max: [0.4, 0.4, 0.9]", "max: [2, 2, 40]");
             text.replace("radius: [0.03, 0.05]", "radius: [0.04, 0.04]\n    packing: lattice")
         });
         let answer = scree_with(&environment, &["simulate", &path, "-o", &run, "--until", "0.002"]);
         let said = answer.errors().to_string();
         answer.ok();
-        let index = fs::read_to_string(folder.path().join("run/run.json")).unwrap();
+        let index = fs::read_to_string(folder.path().join(count).join("run.json")).unwrap();
         assert!(index.contains("\"backend\": \"cpu\""), "{index}");
         said.matches("--backend auto: the processor simulates this model: no hardware Vulkan adapter").count()
     };
-    assert_eq!((simulate("count: 20000"), simulate("count: 100")), (1, 0));
+    assert_eq!((simulate("20000"), simulate("100")), (1, 0));
 }
 
 #[test]
