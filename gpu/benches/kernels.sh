@@ -72,6 +72,8 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
         ;;
     esac
     row "$name" "$kernels/$name.wgsl" plain
+    # Tiles are of spheres alone.
+    case $name in *_sweep) continue ;; esac
     # The same for shapes of any kind, where it differs.
     cp "$work/$name.wgsl" "$work/spheres.wgsl"
     path=plain swaps=$any seen=
