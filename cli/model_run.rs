@@ -156,6 +156,10 @@ impl Observer for Console {
         eprintln!("resume: from {} at {time:.4} s, {there} of {expected} frames exist", checkpoint.display());
     }
 
+    fn fall_back(&mut self, why: &str) {
+        eprintln!("note: --backend auto: the processor simulates this model: {why}");
+    }
+
     fn start(&mut self, expected: u64) {
         self.progress = Some(Progress::start("simulating", expected, "frames"));
     }

@@ -60,18 +60,15 @@ fn what_a_device_cannot_do_is_named() {
         assert!(!folder.path().join("run/run.json").exists(), "no run is written");
     };
     refused(
-        "fixed: true, box",
-        "mass: 3, box",
-        "`block` has a shape that no kernel is built for yet: a box that moves",
+        "box: {size: [0.6, 0.6, 0.3]}",
+        "hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
+        "`block` has a shape that no kernel is built for yet: hull",
     );
     refused(
-        "box: {size: [0.6, 0.6, 0.3]}",
-        "ellipsoid: {radii: [0.3, 0.3, 0.15]}",
-        "no kernel is built for yet: ellipsoid",
+        "fixed: true, box: {size: [0.6, 0.6, 0.3]}",
+        "mass: 3, hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
+        "no kernel is built for yet: a hull that moves",
     );
-    refused("friction: 0.5}", "friction: 0.5, rolling: 0.1}", "rolling and spinning friction");
-    refused("friction: 0.5}", "friction: 0.5, cohesion: 0.1}", "cohesion");
-    refused("seed: 3", "seed: 3\nsolver: {friction: exact, method: apgd}", "exact friction");
     refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
 }
 
@@ -93,6 +90,30 @@ fn adapters_are_chosen_for_devices_alone() {
     // Without a driver.
     let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
     says(1, &environment, &gpu, "install the Vulkan driver");
+}
+
+/// A large model without an adapter of hardware, or with one that cannot simulate it, is the processor's, which is said once; a small one is
+/// without a word.
+#[test]
+fn auto_falls_back_to_the_processor_and_says_why() {
+    let folder = scratch();
+    let environment = [("VK_DRIVER_FILES", "/nowhere"), ("VK_ICD_FILENAMES", "/nowhere")];
+    let simulate = |count: &str| {
+        let run = folder.path().join(count).display().to_string();
+        let path = model(folder.path(), |text| {
+            let text = text
+                .replace("count: 60", &format!("count: {count}"))
+                .replace("max: [0.4, 0.4, 0.9]", "max: [2, 2, 40]");
+            text.replace("radius: [0.03, 0.05]", "radius: [0.04, 0.04]\n    packing: lattice")
+        });
+        let answer = scree_with(&environment, &["simulate", &path, "-o", &run, "--until", "0.002"]);
+        let said = answer.errors().to_string();
+        answer.ok();
+        let index = fs::read_to_string(folder.path().join(count).join("run.json")).unwrap();
+        assert!(index.contains("\"backend\": \"cpu\""), "{index}");
+        said.matches("--backend auto: the processor simulates this model: no hardware Vulkan adapter").count()
+    };
+    assert_eq!((simulate("20000"), simulate("100")), (1, 0));
 }
 
 #[test]
@@ -145,16 +166,16 @@ fn a_run_on_a_device_is_repeated_resumed_and_goes_on_on_the_processor() {
 /// others it cannot.
 const MODELS: [(&str, Result<usize, &str>); 11] = [
     ("anchor", Err("joints")),
-    ("card_house", Err("exact friction")),
+    ("card_house", Ok(100)),
     ("crater", Ok(400)),
-    ("heap", Err("rolling")),
+    ("heap", Ok(400)),
     ("hopper", Ok(400)),
-    ("incline", Err("exact friction")),
+    ("incline", Ok(300)),
     ("pendulums", Err("joints")),
     ("pour", Ok(500)),
     ("quickstart", Ok(300)),
     ("tracked_vehicle", Err("joints")),
-    ("wall", Err("moves")),
+    ("wall", Ok(380)),
 ];
 
 fn simulation(name: &str) -> sim::Simulation {
@@ -197,9 +218,10 @@ fn models_go_on_on_a_device_as_on_the_processor() {
         let (worst, mean) = (off.iter().fold(0.0, |a: f64, b| a.max(*b)), off.iter().sum::<f64>() / off.len() as f64);
         let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
         eprintln!("{name}: {contacts:?} contacts, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J");
-        assert!(contacts[1] > 50 && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1], "{name}: {contacts:?}");
+        assert!(contacts[1] > 10 && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1], "{name}: {contacts:?}");
         // In a bed that comes to rest some grains roll another way.
         assert!(worst < 5e-4 && mean < 2e-5, "{name}: {worst} m at most, {mean} m in the mean");
-        assert!((energies[0] / energies[1] - 1.0).abs() < 0.01, "{name}: {energies:?} J");
+        // Cards that stand have next to none.
+        assert!((energies[0] - energies[1]).abs() < 0.01 * energies[1] + 1e-6, "{name}: {energies:?} J");
     }
 }

@@ -129,8 +129,8 @@ pub struct SolveArgs {
 /// Back ends.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// Processor: from what size on a graphics adapter is faster has not been
-    /// measured yet.
+    /// Graphics adapter for large models, where there is one that is no software
+    /// adapter and can simulate the model; else processor.
     Auto,
     /// Processor.
     Cpu,

@@ -93,7 +93,8 @@ pub fn replacements<'a>(set: impl Iterator<Item = (&'a String, &'a String)>) -> 
 fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
     match (backend, adapter) {
         (Backend::Gpu, adapter) => Ok(Computer::Gpu(adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named))),
-        (Backend::Auto | Backend::Cpu, None) => Ok(Computer::Cpu),
+        (Backend::Auto, None) => Ok(Computer::Auto),
+        (Backend::Cpu, None) => Ok(Computer::Cpu),
         (Backend::Auto | Backend::Cpu, Some(_)) => {
             Err(Failure::new(Exit::Usage, "--adapter chooses a graphics adapter: give --backend gpu with it"))
         }

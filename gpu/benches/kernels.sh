@@ -54,8 +54,32 @@ done
 row radix_count_u64 $kernels/radix_count.wgsl plain key=$kernels/key_u64.wgsl
 for path in plain subgroups; do row radix_scatter_u64 $kernels/radix_scatter.wgsl $path key=$kernels/key_u64.wgsl; done
 kernels=sim/src/gpu
+any=
+for path in $kernels/*_any.wgsl; do
+    name=$(basename "$path" _any.wgsl)
+    any="$any $name=$path"
+done
 for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     name=$(basename "$path" .wgsl)
+    case $name in
+    pair_family) continue ;;
+    solid_contacts)
+        for family in plane ball box convex; do
+            row ${family}_contacts "$kernels/$name.wgsl" plain points=$kernels/points_$family.wgsl
+            row ${family}_family "$kernels/pair_family.wgsl" plain family=$kernels/family_$family.wgsl
+        done
+        continue
+        ;;
+    esac
     row "$name" "$kernels/$name.wgsl" plain
+    # Tiles are of spheres alone.
+    case $name in *_sweep) continue ;; esac
+    # The same for shapes of any kind, where it differs.
+    cp "$work/$name.wgsl" "$work/spheres.wgsl"
+    path=plain swaps=$any seen=
+    flatten "$kernels/$name.wgsl" >"$work/$name.wgsl"
+    cmp -s "$work/$name.wgsl" "$work/spheres.wgsl" || row "${name}_any" "$kernels/$name.wgsl" plain "$any"
+    grep -q '^    if ROLLS\|^        if ROLLS' "$work/spheres.wgsl" || continue
+    row "${name}_rolls" "$kernels/$name.wgsl" plain rolls=$kernels/rolls_with.wgsl
 done
 row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl

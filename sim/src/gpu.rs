@@ -15,6 +15,7 @@ mod bounds;
 pub mod collision;
 pub mod contact_solve;
 mod contact_write;
+mod exact;
 mod fault;
 pub mod fixed;
 pub mod fixtures;
@@ -22,12 +23,15 @@ mod force;
 mod gauss_seidel;
 mod integrate;
 mod jacobi;
+pub mod kinds;
+mod manifolds;
 mod overlaps;
 mod pair_write;
 mod parts;
 mod problem;
 pub mod rows;
 mod scale;
+pub mod solids;
 mod spheres;
 mod survey;
 mod tiles;
@@ -39,6 +43,7 @@ mod tests;
 pub use fault::Fault;
 
 use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
+use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
 use crate::plan::{ContactMethod, Narrow, StepPlan};
@@ -48,15 +53,13 @@ use crate::state::State;
 use crate::watch;
 use collision::Collision;
 use contact_solve::ContactSolve;
+use exact::Rounds;
 use glam::DVec3;
 use gpu::{Commands, Device, Kernels, Timings};
 use overlaps::Overlaps;
 use rows::Summary;
 use survey::Survey;
 use warm_start::WarmStart;
-
-/// Parts of the iterations that are submitted before the device is asked whether more are needed.
-const UNASKED: u32 = 2;
 
 /// The back end of a device, with the state on it.
 pub struct Gpu {
@@ -79,7 +82,7 @@ pub struct Gpu {
 /// The recorded commands of a step.
 struct Recorded {
     start: Commands,
-    part: Commands,
+    solve: contact_solve::Recorded,
     end: Commands,
     /// The end of a step that recovers overlaps.
     recovery: Commands,
@@ -104,7 +107,7 @@ impl Gpu {
     /// [`Fault::Unsupported`] for a model that needs what no kernel is built for, [`Fault::Position`], [`Fault::Gpu`].
     pub fn new(device: Device, model: &Model, state: &State, plan: &StepPlan) -> Result<Gpu, Fault> {
         let kernels = Kernels::default();
-        let method = method_of(model, plan)?;
+        let method = method_of(plan);
         contact_solve::supported(model, method)?;
         let mut collision = Collision::new(&device, &kernels, model, state)?;
         if method == Method::GaussSeidel {
@@ -112,10 +115,10 @@ impl Gpu {
         }
         let n_last = state.contacts.len();
         if n_last > collision.columns().0.capacity() {
-            collision.make_room(&device, &kernels, n_last)?;
+            collision.make_room(&device, &kernels, [n_last; 2])?;
         }
         let room = collision.columns().0.capacity();
-        let warm_start = WarmStart::new(&device, &kernels, room)?;
+        let warm_start = WarmStart::new(&device, &kernels, collision.bodies.layout, room)?;
         warm_start.place(&device, &state.contacts);
         let solve = ContactSolve::new(&device, &kernels, (model, method), &collision)?;
         solve.place_step_length(&device, state.step_length);
@@ -160,11 +163,11 @@ impl Gpu {
             self.collision.find_all(&self.device);
         }
         self.mass = moving_mass(model, state);
-        if method_of(model, plan)? == Method::GaussSeidel {
+        if method_of(plan) == Method::GaussSeidel {
             self.collision.make_tiles(&self.device, &self.kernels)?;
         }
         let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
         self.record(model, plan)
@@ -175,13 +178,13 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
-        let (summary, times) = loop {
-            let times = self.submit(state)?;
+        let (summary, rounds, times) = loop {
+            let (rounds, times) = self.submit(state)?;
             let summary = self.survey.summary.read(&self.device, 1)?[0];
             if summary.has_room == 1 {
-                break (summary, times);
+                break (summary, rounds, times);
             }
-            self.make_room(model, plan, summary.pairs as usize)?;
+            self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
         let mut stage_ms = [0.0; Stage::ALL.len()];
         for timings in times {
@@ -195,7 +198,9 @@ impl Gpu {
         self.n_contacts = summary.contacts as usize;
         self.is_stale = true;
         let survey = self.survey.of_watch(&summary, self.mass);
-        Ok(Stepped { outcome: outcome(&summary), survey, stage_ms })
+        let mut outcome = outcome(&summary);
+        outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
+        Ok(Stepped { outcome, survey, stage_ms })
     }
 
     /// Bring a state up to date: its columns are those on the device.
@@ -211,6 +216,8 @@ impl Gpu {
         self.survey.fetch(&self.device, state)?;
         state.step_length = self.solve.step_length(&self.device)?;
         self.fetch_contacts(state)?;
+        // Contact points are found anew in each step here.
+        state.manifolds = Manifolds::default();
         self.is_stale = false;
         Ok(())
     }
@@ -220,49 +227,48 @@ impl Gpu {
         let rows = self.solve.problem.contact.read(&self.device, n)?;
         let impulses = self.solve.problem.gamma.read(&self.device, n)?;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let arms = match self.solve.problem.layout.narrow {
+            Narrow::Spheres => Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
+            Narrow::Any => {
+                let arms = self.solve.problem.arms.read(&self.device, n)?;
+                Arms::Any(arms.iter().map(|arm| [arm.a, arm.b].map(vector)).collect())
+            }
+        };
+        let rolling = match self.solve.problem.layout.rolls {
+            true => self.solve.problem.roll.read(&self.device, n)?,
+            false => vec![],
+        };
         state.contacts = Contacts {
             bodies: rows.iter().map(|c| c.bodies).collect(),
-            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], 0]).collect(),
+            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], c.feature]).collect(),
             pair: vec![NO_SPHERE_PAIR; n],
             normal: rows.iter().map(|c| vector(c.normal).normalize()).collect(),
-            arms: Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
+            arms,
             gap: rows.iter().map(|c| c.gap as f64).collect(),
             law: rows.iter().map(|c| c.law).collect(),
             impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
+            rolling_impulse: rolling.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
             ..Contacts::default()
         };
         Ok(())
     }
 
     /// Submit the commands of a step.
-    fn submit(&mut self, state: &State) -> Result<Vec<Timings>, Fault> {
-        let Recorded { start, part, end, recovery, period } = &self.recorded;
+    fn submit(&mut self, state: &State) -> Result<(Option<Rounds>, Vec<Timings>), Fault> {
+        let Recorded { start, solve, end, recovery, period } = &self.recorded;
         let mut times = vec![start.submit(&self.device)?];
-        let most = match self.solve.max_iterations() {
-            Some(most) => most,
-            // The default follows from the number of contacts.
-            None => {
-                let n = self.solve.problem.n_contacts.read(&self.device)?;
-                if n == 0 { 0 } else { self.solve.default_iterations(n) }
-            }
-        };
-        for k in 0..most.div_ceil(self.solve.part()) {
-            if k > 0 && k % UNASKED == 0 && !self.solve.goes_on(&self.device)? {
-                break;
-            }
-            times.push(part.submit(&self.device)?);
-        }
+        let rounds = self.solve.submit(&self.device, solve, &mut times)?;
         let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
         times.push(end.submit(&self.device)?);
-        Ok(times)
+        Ok((rounds, times))
     }
 
-    /// Make room for a number of pairs.
-    fn make_room(&mut self, model: &Model, plan: &StepPlan, n_pairs: usize) -> Result<(), Fault> {
-        self.collision.make_room(&self.device, &self.kernels, n_pairs)?;
+    /// Make room for a number of pairs and of contacts.
+    fn make_room(&mut self, model: &Model, plan: &StepPlan, needed: [usize; 2]) -> Result<(), Fault> {
+        self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(model, plan)?), &self.collision)?;
+        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
         self.record(model, plan)
@@ -275,17 +281,16 @@ impl Gpu {
         collision.record(device, &mut start, model);
         start.stage(Stage::WarmStart.name());
         match plan.warm_starts {
-            true => warm_start.record(device, &mut start, collision.columns(), &solve.problem.gamma),
-            false => start.clear(&solve.problem.gamma),
+            true => warm_start.record(device, &mut start, collision.columns(), solve.problem.impulses()),
+            false => solve.problem.impulses().into_iter().for_each(|column| start.clear(column)),
         }
         start.stage(Stage::Force.name());
         force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
         solve.record_start(device, kernels, &mut start, (model, collision))?;
-        let mut part = Commands::new();
-        solve.record_part(device, kernels, &mut part)?;
+        let part = solve.record(device, kernels)?;
         let period = recovery_period(plan);
         let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
-        self.recorded = Recorded { start, part, end, recovery, period };
+        self.recorded = Recorded { start, solve: part, end, recovery, period };
         Ok(())
     }
 
@@ -303,7 +308,7 @@ impl Gpu {
         c.stage(Stage::Integrate.name());
         let bodies = &collision.bodies;
         integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
-        warm_start.record_keep(device, c, collision.columns(), (&problem.gamma, room));
+        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
         survey.record(device, kernels, c, (model, bodies), (problem, room))?;
         Ok(commands)
     }
@@ -312,7 +317,7 @@ impl Gpu {
 impl Recorded {
     fn empty() -> Recorded {
         let none = Commands::new;
-        Recorded { start: none(), part: none(), end: none(), recovery: none(), period: 1 }
+        Recorded { start: none(), solve: Default::default(), end: none(), recovery: none(), period: 1 }
     }
 }
 
@@ -326,15 +331,11 @@ fn outcome(summary: &Summary) -> StepOutcome {
 }
 
 /// The method of a plan.
-fn method_of(model: &Model, plan: &StepPlan) -> Result<Method, Fault> {
-    if plan.narrow != Narrow::Spheres {
-        // The columns name what it is.
-        contact_solve::supported(model, Method::Apgd)?;
-    }
-    Ok(match plan.method {
+fn method_of(plan: &StepPlan) -> Method {
+    match plan.method {
         ContactMethod::Sweeps => Method::GaussSeidel,
         ContactMethod::Blocks(method) => method,
-    })
+    }
 }
 
 /// In one of how many steps overlaps are recovered, as on the CPU.

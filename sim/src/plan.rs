@@ -126,12 +126,12 @@ fn blocks(settings: &SolverSettings) -> ContactMethod {
 }
 
 /// Whether a contact law of a model has rolling or spinning friction.
-fn rolls(model: &Model) -> bool {
+pub fn rolls(model: &Model) -> bool {
     model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0)
 }
 
 /// Whether a contact law of a model has cohesion.
-fn coheres(model: &Model) -> bool {
+pub fn coheres(model: &Model) -> bool {
     model.laws.iter().any(|l| l.cohesion != 0.0)
 }
 

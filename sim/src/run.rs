@@ -43,6 +43,8 @@ pub trait Observer {
     }
     /// The run resumes from a checkpoint at `time`, s; `written` of `expected` frames exist already.
     fn resume(&mut self, _checkpoint: &Path, _time: f64, _written: u64, _expected: u64) {}
+    /// The processor simulates a model that is large enough for a graphics adapter; `why` says what speaks against one.
+    fn fall_back(&mut self, _why: &str) {}
     /// The first step is about to be taken; the run has `expected` frames in total.
     fn start(&mut self, _expected: u64) {}
     /// A frame has been written; `written` frames exist.
@@ -106,17 +108,31 @@ pub enum Computer {
     Cpu,
     /// A graphics adapter.
     Gpu(Choice),
+    /// The first hardware adapter, if the model is large enough to gain from it and can be simulated there; else the processor.
+    Auto,
 }
+
+/// The least number of bodies that move for which [`Computer::Auto`] takes a graphics adapter. It is an estimate, on the side of the
+/// processor: a step of 50 iterations has some 260 dispatches, each of several microseconds whatever the number of bodies, in which time
+/// dozens of processor cores step about as many spheres.
+pub const LEAST_FOR_GPU: usize = 20_000;
 
 impl Computer {
     /// A simulation of a model from a state.
-    fn begin(&self, model: Model, state: State) -> Result<Simulation, RunError> {
+    fn begin(&self, model: Model, state: State, observer: &mut dyn Observer) -> Result<Simulation, RunError> {
+        let open = |choice| Device::open(choice).map_err(gpu::Fault::Gpu);
+        let is_large = || model.inv_mass.iter().filter(|inv_mass| **inv_mass > 0.0).count() >= LEAST_FOR_GPU;
         match self {
-            Computer::Cpu => Ok(Simulation::new(model, state)),
-            Computer::Gpu(choice) => {
-                let device = Device::open(choice).map_err(gpu::Fault::Gpu)?;
-                Ok(Simulation::on_device(model, state, device)?)
+            Computer::Gpu(choice) => Ok(Simulation::on_device(model, state, open(choice)?)?),
+            Computer::Auto if is_large() => {
+                let begun = open(&Choice::Hardware)
+                    .and_then(|device| Simulation::on_device(model.clone(), state.clone(), device));
+                Ok(begun.unwrap_or_else(|fault| {
+                    observer.fall_back(&fault.to_string());
+                    Simulation::new(model, state)
+                }))
             }
+            Computer::Cpu | Computer::Auto => Ok(Simulation::new(model, state)),
         }
     }
 }
@@ -172,7 +188,8 @@ pub fn simulate(
 ) -> Result<(), RunError> {
     let until = span.end(&resolved.model);
     let expected_frames = n_frames(until, resolved.model.frame_rate);
-    let sim = computer.begin(std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state))?;
+    let (model, state) = (std::mem::take(&mut resolved.model), std::mem::take(&mut resolved.state));
+    let sim = computer.begin(model, state, observer)?;
     let index = Index {
         format_version: FORMAT_VERSION,
         program: format!("scree {}", env!("CARGO_PKG_VERSION")),

@@ -10,10 +10,10 @@
 //! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), and again by its two bodies (id
 //! 4, z 16, row 48 each): 280 from memory.
 
-use super::parts::{bits, kernel};
+use super::parts::{bits, kernel_of};
 use super::problem::Problem;
 use super::rows::Body;
-use gpu::{Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
+use gpu::{Bound, Buffer, Commands, Device, GpuError, Kernel, Kernels, Work};
 
 /// Bytes of a contact and trial from memory.
 pub const BYTES: f64 = 280.0;
@@ -42,6 +42,10 @@ pub struct Apgd {
     motion_next: Buffer<Body>,
     best_gamma: Buffer<[f32; 4]>,
     best_motion: Buffer<Body>,
+    /// The same of rolling impulses.
+    roll_x: Buffer<[f32; 4]>,
+    roll_previous: Buffer<[f32; 4]>,
+    roll_best: Buffer<[f32; 4]>,
     tolerance: f64,
 }
 
@@ -50,8 +54,9 @@ impl Apgd {
     pub fn new(device: &Device, kernels: &Kernels, problem: &Problem, tolerance: f64) -> Result<Apgd, GpuError> {
         let (room, n_bodies) = (problem.gamma.capacity(), problem.n_bodies);
         let impulses = |name| Buffer::zeros(device, name, room);
+        let rolling = |name| Buffer::zeros(device, name, problem.roll.capacity());
         let motions = |name| Buffer::zeros(device, name, n_bodies);
-        let get = |name, text| kernel(device, kernels, name, text);
+        let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
         Ok(Apgd {
             contact: get("apgd_contact", include_str!("apgd_contact.wgsl"))?,
             body: get("apgd_body", include_str!("apgd_body.wgsl"))?,
@@ -67,6 +72,9 @@ impl Apgd {
             motion_next: motions("motion_next")?,
             best_gamma: impulses("best impulses")?,
             best_motion: motions("best motion")?,
+            roll_x: rolling("rolling x")?,
+            roll_previous: rolling("previous rolling")?,
+            roll_best: rolling("best rolling impulses")?,
             tolerance,
         })
     }
@@ -75,6 +83,9 @@ impl Apgd {
     pub fn record_start(&self, commands: &mut Commands, problem: &Problem) {
         for column in [&self.x, &self.previous] {
             commands.copy(&problem.gamma, column, problem.gamma.capacity());
+        }
+        for column in [&self.roll_x, &self.roll_previous] {
+            commands.copy(&problem.roll, column, problem.roll.capacity());
         }
         commands.copy(&problem.motion, &self.motion_y, problem.n_bodies);
     }
@@ -85,8 +96,12 @@ impl Apgd {
         let ([row, z, free, side, start], y) = (problem.sums_of_bodies(&problem.gamma), self.motion_y.bind());
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
         let next = self.motion_next.bind();
+        let [roll, roll_row] = problem.rolling();
+        let rolling = [self.roll_x.bind(), self.roll_previous.bind(), roll, roll_row];
         let of_contacts = [row, y, self.x.bind(), self.previous.bind(), z, sums, scalars, n];
-        let of_bodies = [row, z, free, side, start, y, next, body_sums];
+        let of_contacts: Vec<Bound> = of_contacts.into_iter().chain(rolling).collect();
+        let [mass, orientation] = problem.inertia();
+        let of_bodies = [row, z, free, side, start, y, next, body_sums, mass, orientation, roll];
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
         let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));
@@ -108,12 +123,25 @@ impl Apgd {
         let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
         let (x, next, motion) = (self.x.bind(), problem.gamma.bind(), problem.motion.bind());
         let sums = problem.of_contacts.bind();
-        commands.dispatch(device, &self.check, &[problem.row(), motion, x, next, scalars, sums, n], &[], over);
+        let ([roll, roll_row], roll_x) = (problem.rolling(), self.roll_x.bind());
+        commands.dispatch(
+            device,
+            &self.check,
+            &[problem.row(), motion, x, next, scalars, sums, n, roll_x, roll, roll_row],
+            &[],
+            over,
+        );
         let params = [problem.n_bodies as u32, bits(self.tolerance), is_last as u32];
         commands.dispatch(device, &self.best, &[sums, scalars, problem.work.bind(), n], &params, Work::Groups(1));
         let [contacts, bodies] = [3, 4].map(|row| Work::Indirect(&problem.work, row));
         let best = self.best_gamma.bind();
-        commands.dispatch(device, &self.keep_contacts, &[x, next, best, scalars, n], &[], contacts);
+        commands.dispatch(
+            device,
+            &self.keep_contacts,
+            &[x, next, best, scalars, n, roll_x, roll, self.roll_best.bind()],
+            &[],
+            contacts,
+        );
         commands.dispatch(device, &self.keep_bodies, &[motion, self.best_motion.bind()], &[], bodies);
     }
 
@@ -121,6 +149,7 @@ impl Apgd {
     pub fn record_end(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         self.record_check(device, commands, problem, (problem.contacts(), true));
         commands.copy(&self.best_gamma, &problem.gamma, problem.gamma.capacity());
+        commands.copy(&self.roll_best, &problem.roll, problem.roll.capacity());
         commands.copy(&self.best_motion, &problem.motion, problem.n_bodies);
     }
 }

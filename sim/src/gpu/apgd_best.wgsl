@@ -33,7 +33,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         return;
     }
     var s = scalars[0];
-    let residual = sqrt(sums.x) / f32(max(count[0], 1u));
+    let residual = sqrt(sums.x) / f32(max(blocks_of(count[0]), 1u));
     s.is_current = select(0u, 1u, residual <= s.best);
     if s.is_current == 1u {
         s.best = residual;

@@ -7,6 +7,9 @@
 // in   motion_y    [n_bodies]      m/s, rad/s
 // out  motion_next [n_bodies]      m/s, rad/s
 // out  parts       [n_groups]      J, twice
+// in   mass        [n_bodies]      1/kg, and principal, 1/(kg m²)
+// in   orientation [n_bodies]      at the step's start
+// in    roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // Twin: cpu/solve/apgd.rs
 #import sphere
 #import body_response
@@ -20,6 +23,9 @@
 @group(0) @binding(5) var<storage, read> motion_y: array<Body>;
 @group(0) @binding(6) var<storage, read_write> motion_next: array<Body>;
 @group(0) @binding(7) var<storage, read_write> parts: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> mass: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> roll: array<vec4<f32>>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -31,7 +37,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if own.inv_mass > 0.0 {
             let v = own.v - motion_y[body].v;
             let w = own.w - motion_y[body].w;
-            energy.x = dot(v, v) / own.inv_mass + dot(w, w) / own.inv_inertia;
+            energy.x = dot(v, v) / own.inv_mass + turning_energy(body, own, w);
         }
     }
     let sum = group_total(thread, energy);

@@ -7,11 +7,14 @@
 // out   parts     [n_groups]    |z − y|²/η and (N y + r)·(z − x), J, summed over a workgroup
 // in    scalars   [1]
 // in    count     [1]           n_contacts
+// inout roll_x, roll_previous, roll_next [n_contacts]  N m s, world: the same of rolling and spinning impulses
+// in    roll_row [n_contacts]
 // Twin: cpu/solve/apgd.rs
 #import sphere
 #import project
 #import scalars
 #import partial
+#import roll
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion_y: array<Body>;
@@ -21,6 +24,28 @@
 @group(0) @binding(5) var<storage, read_write> parts: array<vec4<f32>>;
 @group(0) @binding(6) var<storage, read> scalars: array<Scalars>;
 @group(0) @binding(7) var<storage, read> count: array<u32>;
+@group(0) @binding(8) var<storage, read_write> roll_x: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read_write> roll_previous: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> roll_next: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read> roll_row: array<vec4<f32>>;
+
+// The trial of the rolling impulse of a contact with the impulse x, and what it adds to the sums.
+fn roll_trial(k: u32, row: Row, gamma: vec3<f32>) -> vec4<f32> {
+    var x = roll_x[k].xyz;
+    var before = roll_previous[k].xyz;
+    if scalars[0].accepted != 0u {
+        before = x;
+        x = roll_next[k].xyz;
+        roll_previous[k] = vec4(before, 0.0);
+        roll_x[k] = vec4(x, 0.0);
+    }
+    let of_roll = roll_row[k];
+    let y = x + (x - before) * scalars[0].beta;
+    let gradient = roll_gradient(motion_y[row.bodies.x], motion_y[row.bodies.y]);
+    let z = project_roll(y - gradient * (scalars[0].step * of_roll.z), row, gamma, of_roll);
+    roll_next[k] = vec4(z, 0.0);
+    return vec4(dot(z - y, z - y) / of_roll.z, dot(gradient, z - x), 0.0, 0.0);
+}
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -38,9 +63,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let row = rows[k];
         let y = x + (x - before) * scalars[0].beta;
         let gradient = gradient_of(row, motion_y[row.bodies.x], motion_y[row.bodies.y]);
-        let z = project(y - gradient * (scalars[0].step * row.eta), row.normal, row.friction);
+        let z = project_row(y - gradient * (scalars[0].step * row.eta), row);
         next[k] = vec4(z, 0.0);
         own = vec4(dot(z - y, z - y) / row.eta, dot(gradient, z - x), 0.0, 0.0);
+        if ROLLS {
+            own += roll_trial(k, row, x);
+        }
     }
     let sum = group_total(thread, own);
     if thread == 0u {

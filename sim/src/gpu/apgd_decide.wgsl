@@ -49,7 +49,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     var s = scalars[0];
     s.trials++;
     let is_last = s.trials >= s.limit;
-    let least = 1.0 / (3.0 * f32(count[0]));
+    let least = 1.0 / (3.0 * f32(blocks_of(count[0])));
     // Restart where the step is uphill.
     let is_uphill = contacts.y > 0.0;
     let next_theta = 0.5 * (s.theta * sqrt(s.theta * s.theta + 4.0) - s.theta * s.theta);

@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::fixed::Scale;
+use super::parts::Layout;
 use super::rows::Fixed;
 use crate::model::Model;
 use crate::state::State;
@@ -22,8 +23,10 @@ pub struct Bodies {
     pub velocity: Buffer<[f32; 4]>,
     /// Angular velocities, rad/s, in the bodies' frames.
     pub spin: Buffer<[f32; 4]>,
-    /// Reciprocal mass, 1/kg, and moment of inertia, 1/(kg m²); zero for a body that does not move.
-    pub mass: Buffer<[f32; 2]>,
+    /// Reciprocal mass, 1/kg, and principal moments of inertia, 1/(kg m²); zero for a body that does not move.
+    pub mass: Buffer<[f32; 4]>,
+    /// What the kernels are compiled for.
+    pub layout: Layout,
     /// Moving, held or inactive.
     pub activity: Buffer<u32>,
     /// What `activity` holds.
@@ -32,9 +35,10 @@ pub struct Bodies {
 
 impl Bodies {
     /// Columns for the bodies of a model.
-    pub fn new(device: &Device, scale: Scale, n: usize) -> Result<Bodies, GpuError> {
+    pub fn new(device: &Device, scale: Scale, layout: Layout, n: usize) -> Result<Bodies, GpuError> {
         Ok(Bodies {
             n,
+            layout,
             scale,
             position: Buffer::zeros(device, "position", n)?,
             orientation: Buffer::zeros(device, "orientation", n)?,
@@ -74,10 +78,13 @@ impl Bodies {
         let has_changed = activity != self.known;
         if has_changed {
             let mass = |b: usize| match state.moves(b) {
-                true => [model.inv_mass[b], model.inv_inertia[b].x].map(|x| x as f32),
-                false => [0.0; 2],
+                true => {
+                    let moments = model.inv_inertia[b];
+                    [model.inv_mass[b], moments.x, moments.y, moments.z].map(|x| x as f32)
+                }
+                false => [0.0; 4],
             };
-            let mass: Vec<[f32; 2]> = (0..self.n).map(mass).collect();
+            let mass: Vec<[f32; 4]> = (0..self.n).map(mass).collect();
             self.activity.write(device, &activity);
             self.mass.write(device, &mass);
             self.known = activity;

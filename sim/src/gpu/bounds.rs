@@ -1,6 +1,7 @@
 //! Bound every sphere by an axis-aligned box, grown by its margin; tell whether one has left its fat box.
 //! in    position  [n_bodies]   fine units
 //! in    velocity  [n_bodies]   m/s
+//! in    orientation, spin [n_bodies]  rad/s, where shapes are of any kind
 //! in    activity  [n_bodies]
 //! out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
 //! inout fat_aabb  [n_spheres]  m, renewed for all when a tight box has left its fat one
@@ -8,10 +9,10 @@
 //! Kernels: bounds.wgsl, pairs_due.wgsl, fatten.wgsl. Twin: cpu/bounds.rs
 
 use super::bodies::Bodies;
-use super::parts::{ROWS, bits, groups, kernel};
+use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::spheres::Spheres;
 use crate::model::Model;
-use gpu::{Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// What the broad phase works on.
 pub struct Due {
@@ -56,11 +57,11 @@ pub struct Bounds {
 
 impl Bounds {
     /// Compile the kernels.
-    pub fn new(device: &Device, kernels: &Kernels) -> Result<Bounds, GpuError> {
+    pub fn new(device: &Device, kernels: &Kernels, layout: Layout) -> Result<Bounds, GpuError> {
         Ok(Bounds {
-            bounds: kernel(device, kernels, "bounds", include_str!("bounds.wgsl"))?,
+            bounds: kernel_of(layout, device, kernels, ("bounds", include_str!("bounds.wgsl")))?,
             due: kernel(device, kernels, "pairs_due", include_str!("pairs_due.wgsl"))?,
-            fatten: kernel(device, kernels, "fatten", include_str!("fatten.wgsl"))?,
+            fatten: kernel_of(layout, device, kernels, ("fatten", include_str!("fatten.wgsl")))?,
             groups: Groups::new(device, kernels, ROWS)?,
         })
     }
@@ -78,7 +79,9 @@ impl Bounds {
         let [position, velocity] = [bodies.position.bind(), bodies.velocity.bind()];
         let [activity, sphere] = [bodies.activity.bind(), at.sphere.bind()];
         let (margin, fat) = (at.margin.bind(), at.fat_aabb.bind());
-        let bound = [position, velocity, activity, sphere, fat, margin, due.left.bind()];
+        let turning = [bodies.orientation.bind(), bodies.spin.bind(), at.solid.bind()];
+        let own = [position, velocity, activity, sphere, fat, margin, due.left.bind()];
+        let bound: Vec<Bound> = own.into_iter().chain(turning).collect();
         commands.dispatch(device, &self.bounds, &bound, &[at.n as u32, envelope, step, unit], groups(at.n));
 
         let [renewed, spheres, rows, bins] =
@@ -88,7 +91,8 @@ impl Bounds {
         commands.dispatch(device, &self.due, &bound, &params, Work::Groups(1));
 
         self.groups.record(device, commands, &due.renewed);
-        let bound = [position, velocity, activity, sphere, margin, fat, renewed];
+        let own = [position, velocity, activity, sphere, margin, fat, renewed];
+        let bound: Vec<Bound> = own.into_iter().chain(turning).collect();
         let work = self.groups.of_level(&due.renewed, 0);
         commands.dispatch(device, &self.fatten, &bound, &[step, unit], work);
     }

@@ -6,9 +6,11 @@
 // in    fat_aabb  [n_spheres]  m
 // out   margin    [n_spheres]  m, distance within which contacts are generated: δ + |v| h
 // inout left      [1]          not zero if a tight box has left its fat one
+// in    orientation, spin [n_bodies]  rad/s, in the bodies' frames
+// in    solid     [n_spheres]  where shapes are of any kind
 // in    params    [4]          n_spheres, and as bits: δ (m), h (s), unit of the scale (m)
 // Twin: cpu/bounds.rs
-#import tight
+#import shape_box
 
 @group(0) @binding(0) var<storage, read> position: array<Fixed>;
 @group(0) @binding(1) var<storage, read> velocity: array<vec4<f32>>;
@@ -17,7 +19,10 @@
 @group(0) @binding(4) var<storage, read> fat_aabb: array<Aabb>;
 @group(0) @binding(5) var<storage, read_write> margin: array<f32>;
 @group(0) @binding(6) var<storage, read_write> left: array<atomic<u32>>;
-@group(0) @binding(7) var<storage, read> params: array<u32>;
+@group(0) @binding(7) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> spin: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read> solid: array<Solid>;
+@group(0) @binding(10) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -26,9 +31,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let body = sphere[s].body;
-    let own = bitcast<f32>(params[1]) + length(velocity[body].xyz) * bitcast<f32>(params[2]);
+    let own = bitcast<f32>(params[1]) + (length(velocity[body].xyz) + surface_speed(s)) * bitcast<f32>(params[2]);
     margin[s] = own;
-    let tight = tight_box(position[body], sphere[s].radius, own, bitcast<f32>(params[3]));
+    let tight = shape_box(s, own, bitcast<f32>(params[3]));
     let fat = fat_aabb[s];
     let is_inside = all(fat.low.xyz <= tight.low.xyz) && all(tight.high.xyz <= fat.high.xyz);
     if activity[body] != INACTIVE && !is_inside {

@@ -9,12 +9,16 @@ use super::bodies::Bodies;
 use super::bounds::{Bounds, Due};
 use super::contact_write::{ContactWrite, Contacts};
 use super::fixtures::Fixtures;
+use super::manifolds::Manifolds;
 use super::pair_write::{PairWrite, Pairs};
-use super::rows::{Aabb, Contact};
+use super::parts::Layout;
+use super::rows::{Aabb, Arms, Contact};
+use super::solids;
 use super::spheres::Spheres;
 use super::tiles::Tiles;
 use crate::aabb;
 use crate::model::Model;
+use crate::plan::{Narrow, rolls};
 use crate::state::State;
 use gpu::radix_sort::RadixSort;
 use gpu::{Buffer, Commands, Count, Device, GpuError, Kernels};
@@ -30,7 +34,7 @@ pub struct Found {
     pub contacts: usize,
 }
 
-/// The collision stages of a model's spheres.
+/// The collision stages of a model's moving shapes.
 pub struct Collision {
     /// The state of the bodies.
     pub bodies: Bodies,
@@ -47,26 +51,39 @@ pub struct Collision {
     pairs: Pairs,
     tiles: Option<Tiles>,
     contacts: Contacts,
+    /// The narrow phase of shapes of any kind, where these are not spheres alone.
+    manifolds: Option<Manifolds>,
+    /// A column of arms for kernels that have no use for it.
+    no_arms: Buffer<Arms>,
     found: Found,
 }
 
 impl Collision {
-    /// For the spheres and fixtures of a model, where a state has them.
+    /// For the moving shapes and fixtures of a model, where a state has them.
     ///
     /// # Errors
-    /// Those of the spheres and fixtures, [`Fault::Position`] and [`Fault::Gpu`].
+    /// Those of the moving shapes and fixtures, [`Fault::Position`] and [`Fault::Gpu`].
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, state: &State) -> Result<Collision, Fault> {
-        let (spheres, scale) = Spheres::new(device, model)?;
+        let narrow = solids::narrow_of(model);
+        let layout = Layout { narrow, rolls: rolls(model) };
+        let (spheres, scale) = Spheres::new(device, model, narrow)?;
+        let fixtures = Fixtures::new(device, model, state, scale)?;
         let n = spheres.n;
         let bins = Bins::new(device, n)?;
         // A sphere in a bed touches about six others, a pair each for two.
         let room = 4 * n + 64;
+        let manifolds = match narrow {
+            Narrow::Spheres => None,
+            Narrow::Any => Some(Manifolds::new(device, kernels, (&spheres, &fixtures), [room; 2])?),
+        };
         let mut collision = Collision {
-            bodies: Bodies::new(device, scale, model.n_bodies())?,
-            fixtures: Fixtures::new(device, model, state, scale)?,
+            bodies: Bodies::new(device, scale, layout, model.n_bodies())?,
+            fixtures,
+            manifolds,
+            no_arms: Buffer::zeros(device, "no arms", 1)?,
             due: Due::new(device, n, bins.n())?,
             bins,
-            bounds: Bounds::new(device, kernels)?,
+            bounds: Bounds::new(device, kernels, layout)?,
             bin_emit: BinEmit::new(device, kernels)?,
             bin_sort: RadixSort::new(device, kernels, n)?,
             bin_start: BinStart::new(device, kernels)?,
@@ -113,24 +130,32 @@ impl Collision {
             let mut commands = Commands::new();
             self.record(device, &mut commands, model);
             commands.submit(device)?;
-            let needed = self.pairs.room.read(device, 1)?[0] as usize;
-            if needed <= self.pairs.pairs.capacity() {
-                self.found = Found { pairs: needed, contacts: self.contacts.n.read(device)? };
+            let room = self.pairs.room.read(device, 3)?;
+            let needed = [room[0], room[2]].map(|n| n as usize);
+            if room[1] == 1 {
+                self.found = Found { pairs: needed[0], contacts: self.contacts.n.read(device)? };
                 return Ok(self.found);
             }
             self.make_room(device, kernels, needed)?;
         }
     }
 
-    /// Make room for a number of pairs, which will be found again for the fat boxes that there are. Recorded commands then mean the old
+    /// Make room for a number of pairs and of contacts; pairs will be found again for the fat boxes that there are. Recorded commands then mean the old
     /// columns.
     ///
     /// # Errors
     /// [`GpuError`], if there is no memory for them.
-    pub fn make_room(&mut self, device: &Device, kernels: &Kernels, n_pairs: usize) -> Result<(), GpuError> {
-        let room = n_pairs + n_pairs / 2;
-        self.pairs = Pairs::new(device, self.spheres.n, room)?;
-        self.contacts = Contacts::new(device, kernels, room)?;
+    pub fn make_room(&mut self, device: &Device, kernels: &Kernels, needed: [usize; 2]) -> Result<(), GpuError> {
+        let [room, of_contacts] = needed.map(|n| n + n / 2);
+        let rooms = [room.max(self.pairs.pairs.capacity()), of_contacts.max(self.contacts.contact.capacity())];
+        self.pairs = Pairs::new(device, self.spheres.n, rooms[0])?;
+        match &mut self.manifolds {
+            None => self.contacts = Contacts::new(device, kernels, rooms[0])?,
+            Some(manifolds) => {
+                self.contacts = Contacts::new(device, kernels, rooms[1])?;
+                *manifolds = Manifolds::new(device, kernels, (&self.spheres, &self.fixtures), rooms)?;
+            }
+        }
         if let Some(tiles) = &mut self.tiles {
             *tiles = Tiles::new(device, kernels, (&self.spheres, &self.bodies, &self.bins), &self.pairs)?;
         }
@@ -180,7 +205,12 @@ impl Collision {
         (&self.contacts.contact, &self.contacts.n)
     }
 
-    /// Number of pairs that room is needed for, and whether there is room (2).
+    /// The arms of the contacts, where they are of any direction; else one row that is not used.
+    pub fn arms(&self) -> &Buffer<Arms> {
+        self.manifolds.as_ref().map_or(&self.no_arms, |manifolds| &manifolds.arms)
+    }
+
+    /// Number of pairs that room is needed for, whether there is room, and number of contacts that it is needed for (3).
     pub fn room(&self) -> &Buffer<u32> {
         &self.pairs.room
     }
@@ -246,6 +276,12 @@ impl Collision {
             tiles.record(device, c, (bodies, spheres, fixtures), (due, bins, pairs));
         }
         c.stage("contact_write");
-        self.contact_write.record(device, c, model, (bodies, spheres, fixtures), (pairs, contacts));
+        match &self.manifolds {
+            None => self.contact_write.record(device, c, model, (bodies, spheres, fixtures), (pairs, contacts)),
+            Some(manifolds) => {
+                let to = (pairs, &contacts.contact, &contacts.n);
+                manifolds.record(device, c, model, (bodies, spheres, fixtures), to);
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Solve the contact problem of spheres on a device.
+//! Solve the contact problem on a device.
 //!
 //! ```text
 //! in     contact  [n_contacts]  of `contact_write`
@@ -12,15 +12,17 @@
 
 use super::apgd::{self, Apgd};
 use super::collision::Collision;
+use super::exact::{self, Exact, Rounds};
 use super::fault::Fault;
 use super::gauss_seidel::{self, GaussSeidel};
 use super::problem::Problem;
 use super::rows::Body;
+use super::solids::narrow_of;
 use super::{force, jacobi, scale};
-use crate::inertia::is_isotropic;
 use crate::model::{ContactLaw, Model};
+use crate::plan::Narrow;
 use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
-use gpu::{Commands, Device, GpuError, Kernels};
+use gpu::{Commands, Device, GpuError, Kernels, Timings};
 
 /// Name of the stage.
 const STAGE: &str = "contact_solve";
@@ -31,21 +33,40 @@ const PART: u32 = 50;
 /// Bodies times iterations of a part on a software adapter.
 const SLOW_ROWS: usize = 250_000;
 
-/// Places of the step length and of whether the solve goes on in the scalars.
+/// Parts of the iterations that are submitted before the device is asked whether more are needed.
+const UNASKED: u32 = 2;
+
+/// Places of the step length, the iterations so far, whether the solve goes on, and the residual in the scalars.
 const STEP: usize = 2;
+const TRIALS: usize = 5;
 const GOES_ON: usize = 7;
+const RESIDUAL: usize = 15;
 
 /// The solver of a model's contacts.
 pub struct ContactSolve {
     /// The problem.
     pub problem: Problem,
     method: Columns,
+    /// Coulomb's law itself, where it is by rounds.
+    exact: Option<Exact>,
     settings: SolverSettings,
+    /// Speed of one step of free fall, m/s.
+    fall: f64,
     is_software: bool,
     /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
     /// Sweeps of an iteration.
     pub sweeps: u32,
+}
+
+/// The recorded commands of a solve.
+#[derive(Default)]
+pub struct Recorded {
+    part: Commands,
+    /// By rounds: what begins the first and the others, and what measures the slip that has come out.
+    first: Commands,
+    again: Commands,
+    measure: Commands,
 }
 
 /// The columns of a method.
@@ -67,10 +88,9 @@ impl ContactSolve {
         collision: &Collision,
     ) -> Result<ContactSolve, Fault> {
         supported(model, method)?;
-        if model.inv_inertia.iter().any(|i| !is_isotropic(*i)) {
-            return Err(Fault::Unsupported("no kernel is built yet for bodies of anisotropic inertia".into()));
-        }
-        let problem = Problem::new(device, kernels, model, collision)?;
+        let feeds = model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
+        let problem = Problem::new(device, kernels, (model, feeds), collision)?;
+        let exact = if feeds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
@@ -85,17 +105,8 @@ impl ContactSolve {
         let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
         let bytes = bytes / f64::from(sweeps);
         let is_software = device.adapter.software;
-        Ok(ContactSolve { problem, method, settings: model.solver.clone(), is_software, bytes, sweeps })
-    }
-
-    /// The most iterations for a number of contacts; none if it is known without that number.
-    pub fn max_iterations(&self) -> Option<u32> {
-        self.settings.iterations
-    }
-
-    /// The most iterations for a number of contacts.
-    pub fn default_iterations(&self, n_contacts: usize) -> u32 {
-        self.settings.max_iterations(n_contacts)
+        let (settings, fall) = (model.solver.clone(), model.gravity.length() * model.step);
+        Ok(ContactSolve { problem, method, exact, settings, fall, is_software, bytes, sweeps })
     }
 
     /// Whether the solve has not come to its end.
@@ -136,6 +147,80 @@ impl ContactSolve {
         };
         let most = (most as u32 / step * step).max(step);
         if most < all { most } else { all }
+    }
+
+    /// Submit the iterations of a step, once its start has been. Returns the iterations of all rounds, where there are rounds.
+    ///
+    /// # Errors
+    /// Those of [`Commands::submit`] and [`gpu::Buffer::read`].
+    pub fn submit(
+        &self,
+        device: &Device,
+        solve: &Recorded,
+        times: &mut Vec<Timings>,
+    ) -> Result<Option<Rounds>, GpuError> {
+        let n = match (&self.exact, self.settings.iterations) {
+            // The most iterations follow from the number of contacts.
+            (Some(_), _) | (_, None) => self.problem.n_contacts.read(device)?,
+            (None, Some(_)) => 1,
+        };
+        let blocks = if self.problem.layout.rolls { 2 * n } else { n };
+        let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
+        let Some(exact) = &self.exact else {
+            self.submit_parts(device, solve, most, times)?;
+            return Ok(None);
+        };
+        let mut rounds = Rounds::default();
+        for round in 0..if n == 0 { 0 } else { exact::ROUNDS } {
+            let own = rounds.next(most);
+            exact.place_limit(device, own);
+            let begin = if round == 0 { &solve.first } else { &solve.again };
+            times.push(begin.submit(device)?);
+            self.submit_parts(device, solve, own, times)?;
+            times.push(solve.measure.submit(device)?);
+            let scalars = self.problem.scalars.read(device, 1)?[0];
+            let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
+            if exact.add(device, &self.settings, (&mut rounds, most), (blocks, scalars[TRIALS], residual))? {
+                break;
+            }
+        }
+        Ok(Some(rounds))
+    }
+
+    fn submit_parts(
+        &self,
+        device: &Device,
+        solve: &Recorded,
+        most: u32,
+        times: &mut Vec<Timings>,
+    ) -> Result<(), GpuError> {
+        for k in 0..most.div_ceil(self.part()) {
+            if k > 0 && k % UNASKED == 0 && !self.goes_on(device)? {
+                break;
+            }
+            times.push(solve.part.submit(device)?);
+        }
+        Ok(())
+    }
+
+    /// Record the iterations of a step, and what goes between rounds.
+    ///
+    /// # Errors
+    /// Those of [`Kernels::get`].
+    pub fn record(&self, device: &Device, kernels: &Kernels) -> Result<Recorded, GpuError> {
+        let mut own = Recorded::default();
+        self.record_part(device, kernels, &mut own.part)?;
+        let Some(exact) = &self.exact else { return Ok(own) };
+        let Recorded { first, measure, again, .. } = &mut own;
+        [&mut *first, &mut *again, &mut *measure].into_iter().for_each(|commands| commands.stage(STAGE));
+        exact.record_limit(device, first, &self.problem);
+        self.record_solution(device, measure);
+        exact.record_measure(device, measure, &self.problem, self.fall);
+        exact.record_again(device, again, (&self.problem, &self.settings));
+        if let Columns::Apgd(apgd) = &self.method {
+            apgd.record_start(again, &self.problem);
+        }
+        Ok(own)
     }
 
     /// Record the beginning, from the impulses `gamma` of the problem.
@@ -179,9 +264,15 @@ impl ContactSolve {
         Ok(())
     }
 
-    /// Record the end: the solution with its residual.
+    /// Record the end: the solution with its residual, unless the last round has left it.
     pub fn record_end(&self, device: &Device, commands: &mut Commands) {
         commands.stage(STAGE);
+        if self.exact.is_none() {
+            self.record_solution(device, commands);
+        }
+    }
+
+    fn record_solution(&self, device: &Device, commands: &mut Commands) {
         match &self.method {
             // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
             Columns::GaussSeidel(_) => {
@@ -225,11 +316,12 @@ impl ContactSolve {
         let mut commands = Commands::new();
         force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
         commands.clear(&self.problem.gamma);
+        commands.clear(&self.problem.roll);
         self.record_start(device, kernels, &mut commands, (model, collision))?;
         commands.submit(device)?;
         let mut part = Commands::new();
         self.record_part(device, kernels, &mut part)?;
-        let n = self.max_iterations().unwrap_or(PART).div_ceil(self.part());
+        let n = self.settings.iterations.unwrap_or(PART).div_ceil(self.part());
         let mut seconds = 0.0;
         for _ in 0..n {
             seconds += part.stage_seconds(device, STAGE)?;
@@ -250,12 +342,15 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
         (!model.springs.is_empty(), "springs"),
         (!model.loads.is_empty(), "loads"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
-        (law(|l| l.cohesion != 0.0), "cohesion"),
-        (law(|l| l.rolling > 0.0 || l.spinning > 0.0), "rolling and spinning friction"),
+        (method == Method::GaussSeidel && law(|l| l.cohesion != 0.0), "cohesion by the method gauss_seidel"),
+        (
+            method == Method::GaussSeidel && law(|l| l.rolling > 0.0 || l.spinning > 0.0),
+            "rolling and spinning friction by the method gauss_seidel",
+        ),
         (method == Method::BarzilaiBorwein, "the method barzilai_borwein"),
         (
-            model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel,
-            "exact friction by another method than gauss_seidel",
+            method == Method::GaussSeidel && narrow_of(model) == Narrow::Any,
+            "the method gauss_seidel where bodies move that are no spheres",
         ),
         (model.solver.start_iterations.is_some() && model.solver.warm_start, "start_iterations"),
     ];

@@ -43,5 +43,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     contact[k].reach = select(reach, reach.yx, is_swapped);
     let materials = select(sides.materials, sides.materials.yx, sides.shapes.x > sides.shapes.y);
     contact[k].law = materials.x * params[0] + materials.y;
-    contact[k].pad = 0u;
+    contact[k].feature = 0u;
 }

@@ -1,26 +1,17 @@
-//! The shapes that never move and that spheres touch, as a column of a device: planes, boxes, and solids of
+//! The shapes that never move and that moving ones touch, as a column of a device: planes, boxes, and solids of
 //! revolution. Coordinates in the frame of a box are exact before they are rounded; those of the others are right to 2e-7 of their size.
 
 use super::fault::Fault;
 use super::fixed::Scale;
+use super::kinds::{BOX, CAPSULE, CONE, CYLINDER, PLANE};
 use super::rows::{Aabb, Fixture};
+use super::solids::{is_mover, unsupported};
 use crate::aabb;
 use crate::model::Model;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use glam::{DMat3, DVec3};
 use gpu::{Buffer, Device};
-
-/// Kind of a plane; its normal is the third axis of its frame.
-pub const PLANE: u32 = 0;
-/// Kind of a box.
-pub const BOX: u32 = 1;
-/// Kind of a capsule; its radius is the first, its half height the third of its half lengths, as of the kinds below.
-pub const CAPSULE: u32 = 2;
-/// Kind of a cylinder.
-pub const CYLINDER: u32 = 3;
-/// Kind of a cone.
-pub const CONE: u32 = 4;
 
 /// The column, and the boxes about it.
 pub struct Fixtures {
@@ -30,18 +21,20 @@ pub struct Fixtures {
     pub fixture: Buffer<Fixture>,
     /// Their AABBs, grown by the envelope, m; that of a plane is about its position (n_fixtures).
     pub aabb: Buffer<Aabb>,
+    /// Kinds (n_fixtures).
+    pub kinds: Vec<u32>,
     /// Ids of the shapes, and the same AABBs.
     pub boxes: Vec<(usize, Aabb)>,
 }
 
 impl Fixtures {
-    /// The fixtures of a model: all shapes that are no spheres.
+    /// The fixtures of a model: all shapes of bodies that never move, but for spheres and ellipsoids.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for shapes of other kinds, or of bodies that may move; [`Fault::Position`]; [`Fault::Gpu`].
+    /// [`Fault::Unsupported`] for shapes of other kinds; [`Fault::Position`]; [`Fault::Gpu`].
     pub fn new(device: &Device, model: &Model, state: &State, scale: Scale) -> Result<Fixtures, Fault> {
         let (mut rows, mut boxes) = (vec![], vec![]);
-        for s in (0..model.n_shapes()).filter(|s| model.shape_kind[*s] != ShapeKind::Sphere) {
+        for s in (0..model.n_shapes()).filter(|s| !is_mover(model, *s)) {
             let row = row(model, state, scale, s)?;
             let size = model.shape_size[s];
             let half = match row.kind {
@@ -55,6 +48,7 @@ impl Fixtures {
         }
         Ok(Fixtures {
             n: rows.len(),
+            kinds: rows.iter().map(|row| row.kind).collect(),
             fixture: Buffer::of(device, "fixture", &rows)?,
             aabb: Buffer::of(device, "fixture_aabb", &boxes.iter().map(|(_, b)| *b).collect::<Vec<_>>())?,
             boxes,
@@ -64,21 +58,13 @@ impl Fixtures {
 
 fn row(model: &Model, state: &State, scale: Scale, s: usize) -> Result<Fixture, Fault> {
     let body = model.shape_body[s];
-    let unsupported = |what: String| {
-        let label = model.body_label(body as usize);
-        Fault::Unsupported(format!("body {label} has a shape that no kernel is built for yet: {what}"))
-    };
-    let name = model.shape_kind[s].name();
-    if model.inv_mass[body as usize] > 0.0 {
-        return Err(unsupported(format!("a {name} that moves")));
-    }
     let kind = match model.shape_kind[s] {
         ShapeKind::Plane => PLANE,
         ShapeKind::Box => BOX,
         ShapeKind::Capsule => CAPSULE,
         ShapeKind::Cylinder => CYLINDER,
         ShapeKind::Cone => CONE,
-        _ => return Err(unsupported(name.into())),
+        kind => return Err(unsupported(model, s, kind.name())),
     };
     let place = state.shape_pose(model, s);
     let fix = |p: DVec3| scale.fix(p).ok_or(Fault::Position(body));

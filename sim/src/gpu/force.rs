@@ -1,5 +1,5 @@
 //! Velocities at the step's end without contacts: gravity.
-//! in   mass         [n_bodies]  1/kg, 1/(kg m²); zero for a body that does not move
+//! in   mass         [n_bodies]  1/kg, and principal, 1/(kg m²); zero for a body that does not move
 //! in   orientation  [n_bodies]
 //! in   velocity     [n_bodies]  m/s
 //! in   spin         [n_bodies]  rad/s, in the bodies' frames
@@ -7,7 +7,7 @@
 //! Kernel: force.wgsl. Twin: cpu/force.rs
 
 use super::bodies::Bodies;
-use super::parts::{bits, groups, kernel};
+use super::parts::{bits, groups, kernel_of};
 use super::rows::Body;
 use crate::model::Model;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels};
@@ -20,7 +20,7 @@ pub fn record(
     model: &Model,
     (bodies, free): (&Bodies, &Buffer<Body>),
 ) -> Result<(), GpuError> {
-    let force = kernel(device, kernels, "force", include_str!("force.wgsl"))?;
+    let force = kernel_of(bodies.layout, device, kernels, ("force", include_str!("force.wgsl")))?;
     let [mass, orientation] = [bodies.mass.bind(), bodies.orientation.bind()];
     let bound = [mass, orientation, bodies.velocity.bind(), bodies.spin.bind(), free.bind()];
     let fall = (model.gravity * model.step).to_array().map(bits);

@@ -1,5 +1,5 @@
 // Velocities at the step's end without contacts: gravity.
-// in   mass         [n_bodies]  1/kg, 1/(kg m²); zero for a body that does not move
+// in   mass         [n_bodies]  1/kg, and principal, 1/(kg m²); zero for a body that does not move
 // in   orientation  [n_bodies]
 // in   velocity     [n_bodies]  m/s
 // in   spin         [n_bodies]  rad/s, in the bodies' frames
@@ -10,7 +10,7 @@
 #import solve_row
 #import turn
 
-@group(0) @binding(0) var<storage, read> mass: array<vec2<f32>>;
+@group(0) @binding(0) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> orientation: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> velocity: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> spin: array<vec4<f32>>;

@@ -1,6 +1,7 @@
 //! Integrate the poses of the bodies with their new velocities, unless the step is undone.
 //! in     motion       [n_bodies]    m/s, rad/s, world
-//! in     displaced    [2 n_bodies]  m/s: recovery of overlaps over h; J s: what keeps the angular momentum
+//! in     displaced    [2 n_bodies]  m/s: recovery of overlaps over h; J s: what keeps the angular momentum; a third, rad/s, where arms
+//!                                   are of any direction
 //! inout  position     [n_bodies]    fine units
 //! inout  orientation  [n_bodies]
 //! out    velocity     [n_bodies]    m/s, world
@@ -9,7 +10,7 @@
 
 use super::bodies::Bodies;
 use super::overlaps::Overlaps;
-use super::parts::{bits, groups, kernel};
+use super::parts::{bits, groups, kernel_of};
 use super::problem::Problem;
 use crate::model::Model;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels};
@@ -22,7 +23,7 @@ pub fn record(
     (model, bodies): (&Model, &Bodies),
     (problem, overlaps, room): (&Problem, &Overlaps, &Buffer<u32>),
 ) -> Result<(), GpuError> {
-    let integrate = kernel(device, kernels, "integrate", include_str!("integrate.wgsl"))?;
+    let integrate = kernel_of(problem.layout, device, kernels, ("integrate", include_str!("integrate.wgsl")))?;
     let from = [bodies.mass.bind(), problem.motion.bind(), overlaps.displaced.bind(), overlaps.share.bind()];
     let state = [bodies.position.bind(), bodies.orientation.bind(), bodies.velocity.bind(), bodies.spin.bind()];
     let activity = bodies.activity.bind();

@@ -1,7 +1,8 @@
 // Integrate the poses of the bodies with their new velocities, unless the step is undone.
-// in    mass         [n_bodies]    1/kg, 1/(kg m²); zero for a body that does not move
+// in    mass         [n_bodies]    1/kg, and principal, 1/(kg m²); zero for a body that does not move
 // in    motion       [n_bodies]    m/s, rad/s: velocities at the step's end, world
-// in    displaced    [2 n_bodies]  m/s: recovery of overlaps over h; J s: what keeps the angular momentum
+// in    displaced    [2 n_bodies]  m/s: recovery of overlaps over h; J s: what keeps the angular momentum; a third, rad/s, where arms
+//                                  are of any direction
 // in    share        [1]           share of it that is made
 // in    room         [2]           whether there was room for all pairs, second
 // inout position     [n_bodies]    fine units
@@ -14,8 +15,10 @@
 #import sphere
 #import solve_row
 #import turn
+#import displaced
+#import spun
 
-@group(0) @binding(0) var<storage, read> mass: array<vec2<f32>>;
+@group(0) @binding(0) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
 @group(0) @binding(2) var<storage, read> displaced: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> share: array<f32>;
@@ -46,12 +49,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var now = move_fixed(position[b], v * h * units);
     let part = share[0] * h;
     if part > 0.0 {
-        now = move_fixed(now, displaced[2u * b].xyz * part * units);
-        w -= displaced[2u * b + 1u].xyz * (0.5 * part * mass[b].y);
+        now = move_fixed(now, displaced[DISPLACED * b].xyz * part * units);
+        w -= turned_by(b, motion[b], displaced[DISPLACED * b + 1u].xyz * (0.5 * part));
     }
     position[b] = now;
     velocity[b] = vec4(v, 0.0);
-    let after = normalize(product_of(rotation_by(w * h), orientation[b]));
-    orientation[b] = after;
-    spin[b] = vec4(turned_back(after, w), 0.0);
+    let after = spun(b, w, h, part);
+    orientation[b] = after.orientation;
+    spin[b] = vec4(after.spin, 0.0);
 }

@@ -11,7 +11,7 @@
 //! 48 each): 216 from memory. The velocities of the bodies, 32 bytes each, are read twice by a contact and written once; those of
 //! neighbours are near in memory and stay in the cache.
 
-use super::parts::{bits, kernel};
+use super::parts::{bits, kernel_of};
 use super::problem::Problem;
 use crate::settings::SolverSettings;
 use gpu::{Commands, Device, GpuError, Kernels, Work};
@@ -30,10 +30,11 @@ pub fn record(
     (settings, iterations): (&SolverSettings, u32),
     problem: &Problem,
 ) -> Result<(), GpuError> {
-    let contact = kernel(device, kernels, "jacobi_contact", include_str!("jacobi_contact.wgsl"))?;
-    let decide = kernel(device, kernels, "jacobi_decide", include_str!("jacobi_decide.wgsl"))?;
+    let contact = kernel_of(problem.layout, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
+    let decide = kernel_of(problem.layout, device, kernels, ("jacobi_decide", include_str!("jacobi_decide.wgsl")))?;
     let (n, scalars, sums) = (problem.n_contacts.n.bind(), problem.scalars.bind(), problem.of_contacts.bind());
-    let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n];
+    let [roll, roll_row] = problem.rolling();
+    let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row];
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let params = [bits(settings.tolerance), settings.omega.is_some() as u32];
     for _ in 0..iterations {

@@ -5,6 +5,8 @@
 // in    scalars  [1]
 // out   parts    [n_groups]    residual terms of γ squared, |γ⁺ − γ|²/η, |γ|²/η, summed over a workgroup
 // in    count    [1]           n_contacts
+// inout roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
+// in    roll_row [n_contacts]
 // in    params   [1]           as bits: λ
 // Twin: cpu/solve/jacobi.rs
 #import sphere
@@ -12,6 +14,7 @@
 #import residual_term
 #import scalars
 #import partial
+#import roll
 
 @group(0) @binding(0) var<storage, read> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
@@ -19,7 +22,21 @@
 @group(0) @binding(3) var<storage, read> scalars: array<Scalars>;
 @group(0) @binding(4) var<storage, read_write> parts: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> count: array<u32>;
-@group(0) @binding(6) var<storage, read> params: array<u32>;
+@group(0) @binding(6) var<storage, read_write> roll: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> params: array<u32>;
+
+// The step of the rolling impulse of a contact with the impulse γ, and what it adds to the sums.
+fn roll_step(k: u32, row: Row, gamma_k: vec3<f32>, lambda: f32) -> vec4<f32> {
+    let of_roll = roll_row[k];
+    let x = roll[k].xyz;
+    let gradient = roll_gradient(motion[row.bodies.x], motion[row.bodies.y]);
+    let z = project_roll(x - gradient * (scalars[0].omega * of_roll.z), row, gamma_k, of_roll);
+    let next = z * lambda + x * (1.0 - lambda);
+    roll[k] = vec4(next, 0.0);
+    let term = roll_term(x, gradient, row, gamma_k, of_roll);
+    return vec4(dot(term, term) * of_roll.w, dot(next - x, next - x) / of_roll.z, dot(x, x) / of_roll.z, 0.0);
+}
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -29,12 +46,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let row = rows[k];
         let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let x = gamma[k].xyz;
-        let z = project(x - gradient * (scalars[0].omega * row.eta), row.normal, row.friction);
+        let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
         let lambda = bitcast<f32>(params[0]);
         let next = z * lambda + x * (1.0 - lambda);
         gamma[k] = vec4(next, 0.0);
-        let term = residual_term(x, gradient, row.normal, row.friction, row.eta);
+        let term = residual_term(x, gradient, row);
         own = vec4(dot(term, term), dot(next - x, next - x) / row.eta, dot(x, x) / row.eta, 0.0);
+        if ROLLS {
+            own += roll_step(k, row, x, lambda);
+        }
     }
     let sum = group_total(thread, own);
     if thread == 0u {

@@ -43,7 +43,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         s.last_step2 = sums.y;
     }
     let tolerance = bitcast<f32>(params[0]);
-    let has_converged = tolerance > 0.0 && sqrt(sums.x) / f32(count[0]) <= tolerance;
+    let has_converged = tolerance > 0.0 && sqrt(sums.x) / f32(blocks_of(count[0])) <= tolerance;
     if has_converged || s.trials >= s.limit {
         s.goes_on = 0u;
         work[0] = vec4(0u, 0u, 1u, 0u);

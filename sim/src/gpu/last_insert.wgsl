@@ -1,12 +1,12 @@
-// Enter the contacts of the last step into a table by their shapes. Which slot a contact has may differ from run to run, what is found
+// Enter the contacts of the last step into a table by their shapes and features. Which slot a contact has may differ from run to run, what is found
 // there does not.
-// in    last_key  [n_last]   shapes
+// in    last_key  [n_last]   shapes and feature
 // inout table     [n_slots]  one more than the index of a contact; zeros in
 // in    count     [1]        n_last
 #import sphere
 #import contact_hash
 
-@group(0) @binding(0) var<storage, read> last_key: array<vec2<u32>>;
+@group(0) @binding(0) var<storage, read> last_key: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read_write> table: array<atomic<u32>>;
 @group(0) @binding(2) var<storage, read> count: array<u32>;
 

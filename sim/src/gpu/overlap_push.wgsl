@@ -4,18 +4,21 @@
 // out  push     [n_contacts]  N s, along the normal
 // out  parts    [n_groups]    J
 // in   count    [1]           n_contacts
+// in   row      [n_contacts]
 // in   params   [3]           as bits: 1 / h (1/s), overlap that is left as it is (m), maximum speed (m/s)
 // Twin: cpu/solve/overlaps.rs
 #import contact
 #import solve_row
 #import partial
+#import push
 
 @group(0) @binding(0) var<storage, read> contact: array<Contact>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
 @group(0) @binding(2) var<storage, read_write> push: array<f32>;
 @group(0) @binding(3) var<storage, read_write> parts: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> count: array<u32>;
-@group(0) @binding(5) var<storage, read> params: array<u32>;
+@group(0) @binding(5) var<storage, read> rows: array<Row>;
+@group(0) @binding(6) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -28,9 +31,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if c.gap < -least {
             let a = motion[c.bodies.x];
             let b = motion[c.bodies.y];
-            let speed = dot(b.v - a.v, c.normal);
-            let left = clamp(-(c.gap + least) * bitcast<f32>(params[0]) - speed, 0.0, bitcast<f32>(params[2]));
-            impulse = left / (a.inv_mass + b.inv_mass);
+            let pushed = pushed_by(k, c.normal, a, b);
+            let left = clamp(-(c.gap + least) * bitcast<f32>(params[0]) - pushed.x, 0.0, bitcast<f32>(params[2]));
+            impulse = left / pushed.y;
             own.x = impulse * left;
         }
         push[k] = impulse;

@@ -24,7 +24,8 @@ pub struct Pairs {
     pub pairs: Buffer<[u32; 2]>,
     /// Number of pairs; 0 where there is no room for all.
     pub n: Count,
-    /// Number of pairs that room is needed for, and whether there is room (2).
+    /// Number of pairs that room is needed for, whether there is room, and the number of contacts that it is needed for, where a pair may
+    /// have several (3).
     pub room: Buffer<u32>,
 }
 
@@ -35,7 +36,7 @@ impl Pairs {
             start: Buffer::zeros(device, "pair_start", n + 1)?,
             pairs: Buffer::zeros(device, "pairs", room)?,
             n: Count::found(device, room)?,
-            room: Buffer::of(device, "room", &[0, 1])?,
+            room: Buffer::of(device, "room", &[0, 1, 0])?,
         })
     }
 }
@@ -54,7 +55,7 @@ impl PairWrite {
     /// Compile the kernels.
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, n: usize) -> Result<PairWrite, GpuError> {
         let text = include_str!("pair_write.wgsl");
-        let pass = |name, part| kernel_with(device, kernels, (name, text), ("pair_pass", part));
+        let pass = |name, part| kernel_with(device, kernels, (name, text), &[("pair_pass", part)]);
         let passes = model.groups_pass.iter().map(|passes| *passes as u32);
         let rules: Vec<u32> = passes.chain(model.exclusions.iter().flatten().copied()).collect();
         Ok(PairWrite {

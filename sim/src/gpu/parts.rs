@@ -1,15 +1,18 @@
 //! The parts that the kernels of the stages import, and their compilation.
 
+use crate::plan::Narrow;
 use gpu::{Device, GpuError, Kernel, Kernels, Part, Work};
 
-/// The parts, by name: the file of each has the same name.
+/// Parts by name, with the end of their files' names.
 macro_rules! parts {
-    ($($name:literal),* $(,)?) => {
-        const PARTS: &[Part<'static>] = &[$(($name, include_str!(concat!($name, ".wgsl")))),*];
+    ($end:literal: $($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!($name, $end, ".wgsl")))),*]
     };
 }
 
-parts!(
+/// The parts of kernels.
+const PARTS: &[Part<'static>] = parts!(
+    "":
     "fixed",
     "sphere",
     "fixture",
@@ -27,7 +30,43 @@ parts!(
     "contact_hash",
     "scalars",
     "visit",
+    "row",
+    "inertia",
+    "contact_row",
+    "shape_box",
+    "push",
+    "displaced",
+    "spun",
+    "solid",
+    "kinds",
+    "placed",
+    "put_contact",
+    "clip",
+    "support",
+    "feature",
+    "nearest",
+    "ordered",
+    "creep",
+    "begin_solve",
+    "rolls",
+    "roll",
 );
+
+/// Those that stand in their stead for shapes of any kind.
+const ANY_PARTS: &[Part<'static>] =
+    parts!("_any": "row", "inertia", "contact_row", "shape_box", "push", "displaced", "spun");
+
+/// The part that stands in for its own for contacts with rolling friction.
+const ROLL_PARTS: &[Part<'static>] = parts!("_with": "rolls");
+
+/// What kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// The shapes that move.
+    pub narrow: Narrow,
+    /// Whether contacts have rolling and spinning friction.
+    pub rolls: bool,
+}
 
 /// Rows of a workgroup.
 pub const ROWS: usize = 256;
@@ -37,14 +76,27 @@ pub fn kernel(device: &Device, kernels: &Kernels, name: &'static str, text: &str
     kernels.get(device, name, text, PARTS)
 }
 
-/// A kernel of a stage, with one more part.
+/// A kernel of a stage, with more parts.
 pub fn kernel_with(
     device: &Device,
     kernels: &Kernels,
     (name, text): (&'static str, &str),
-    part: Part<'static>,
+    more: &[Part<'static>],
 ) -> Result<Kernel, GpuError> {
-    let parts: Vec<Part> = PARTS.iter().copied().chain([part]).collect();
+    let parts: Vec<Part> = PARTS.iter().chain(more).copied().collect();
+    kernels.get(device, name, text, &parts)
+}
+
+/// A kernel for what a model has.
+pub fn kernel_of(
+    layout: Layout,
+    device: &Device,
+    kernels: &Kernels,
+    (name, text): (&'static str, &str),
+) -> Result<Kernel, GpuError> {
+    let of_shapes = if layout.narrow == Narrow::Any { ANY_PARTS } else { &[] };
+    let of_rolling = if layout.rolls { ROLL_PARTS } else { &[] };
+    let parts: Vec<Part> = of_shapes.iter().chain(of_rolling).chain(PARTS).copied().collect();
     kernels.get(device, name, text, &parts)
 }
 

@@ -1,6 +1,6 @@
-//! The contact problem of spheres on a device: rows of the contacts, the contacts of each body, and what the methods share.
+//! The contact problem on a device: rows of the contacts, the contacts of each body, and what the methods share.
 //! in     contact     [n_contacts]    of `contact_write`
-//! in     mass        [n_bodies]      1/kg, 1/(kg m²)
+//! in     mass        [n_bodies]      1/kg, and principal, 1/(kg m²)
 //! in     velocity    [n_bodies]      m/s, at the step's start
 //! in     free        [n_bodies]      m/s, rad/s: velocities at the step's end without contacts
 //! inout  gamma       [n_contacts]    N s, world: the starting point, projected onto the cones
@@ -14,11 +14,12 @@
 use super::bodies::Bodies;
 use super::collision::Collision;
 use super::fault::Fault;
-use super::parts::{ROWS, bits, groups, kernel};
-use super::rows::{Body, Contact};
-use crate::model::Model;
+use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
+use super::rows::{Arms, Body, Contact};
+use crate::model::{ContactLaw, Model};
+use crate::plan::{Narrow, coheres};
 use gpu::radix_sort::RadixSort;
-use gpu::{Bound, Buffer, Commands, Count, Device, Groups, Kernel, Kernels, Work};
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
 /// The problem, with room for as many contacts as a collision has.
 pub struct Problem {
@@ -26,8 +27,12 @@ pub struct Problem {
     pub n_bodies: usize,
     /// Number of contacts, and the most that there can be.
     pub n_contacts: Count,
+    /// What the kernels are compiled for.
+    pub layout: Layout,
     /// The contacts (n_contacts).
     pub contact: Buffer<Contact>,
+    /// Their arms, where these are of any direction (n_contacts).
+    pub arms: Buffer<Arms>,
     /// Velocities without contacts, and masses (n_bodies).
     pub free: Buffer<Body>,
     /// Impulses on B, N s, world; the fourth numbers are not used (n_contacts).
@@ -44,18 +49,49 @@ pub struct Problem {
     pub of_bodies: Buffer<[f32; 4]>,
     /// The greatest overlap, m (1).
     pub worst: Buffer<u32>,
+    /// Rolling and spinning impulses on B, N m s, world, where there is rolling friction; else one row (n_contacts).
+    pub roll: Buffer<[f32; 4]>,
+    /// The rows of their blocks (n_contacts).
+    pub roll_row: Buffer<[f32; 4]>,
+    /// By Coulomb's law itself: offsets without slip, slips that are fed and measured, m/s; else one row (n_contacts).
+    pub slip: Buffer<[f32; 4]>,
     kernels: ProblemKernels,
     sort: RadixSort<u32>,
     contact_groups: Groups,
     side_groups: Groups,
     /// Rows of the contacts (n_contacts).
-    row: Buffer<[u32; 12]>,
+    row: Row,
+    /// Masses, and orientations at the step's start (n_bodies).
+    inertia: [Buffer<[f32; 4]>; 2],
     /// Bodies of the sides, and the sides (2 n_contacts).
     sides: [Buffer<u32>; 2],
     side_start: Buffer<[u32; 2]>,
     n_sides: Count,
+    /// Whether slip is fed back.
+    feeds: bool,
     all_bodies: Count,
-    law: Buffer<[f32; 2]>,
+    law: Buffer<[f32; 4]>,
+    /// Cohesion of each law, N (n_laws).
+    cohesion: Buffer<f32>,
+    /// Whether there is any.
+    pub coheres: bool,
+}
+
+/// The rows of the contacts.
+enum Row {
+    /// Of contacts whose arms lie along their normals.
+    Along(Buffer<[u32; 12]>),
+    /// Of any contacts.
+    Any(Buffer<[u32; 16]>),
+}
+
+impl Row {
+    fn new(device: &Device, narrow: Narrow, room: usize) -> Result<Row, GpuError> {
+        Ok(match narrow {
+            Narrow::Spheres => Row::Along(Buffer::zeros(device, "rows", room)?),
+            Narrow::Any => Row::Any(Buffer::zeros(device, "rows", room)?),
+        })
+    }
 }
 
 struct ProblemKernels {
@@ -69,16 +105,30 @@ struct ProblemKernels {
 
 impl Problem {
     /// For the contacts of a collision.
-    pub fn new(device: &Device, kernels: &Kernels, model: &Model, collision: &Collision) -> Result<Problem, Fault> {
+    /// `feeds` tells that slip is fed back to the rates of gaps.
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (model, feeds): (&Model, bool),
+        collision: &Collision,
+    ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
-        let law: Vec<[f32; 2]> = model.laws.iter().map(|l| [l.friction as f32, l.restitution as f32]).collect();
+        let law = |l: &ContactLaw| [l.friction, l.restitution, l.rolling, l.spinning].map(|x| x as f32);
+        let law: Vec<[f32; 4]> = model.laws.iter().map(law).collect();
+        let cohesion: Vec<f32> = model.laws.iter().map(|l| l.cohesion as f32).collect();
         let sides = || Buffer::zeros(device, "sides", 2 * room);
-        let get = |name, text| kernel(device, kernels, name, text);
+        let rolling = if collision.bodies.layout.rolls { room } else { 1 };
+        let bodies = &collision.bodies;
+        let layout = bodies.layout;
+        let get = |name, text| kernel_of(layout, device, kernels, (name, text));
+        let plain = |name, text| kernel(device, kernels, name, text);
         Ok(Problem {
             n_bodies,
             n_contacts: n_contacts.clone(),
+            layout,
             contact: contact.clone(),
+            arms: collision.arms().clone(),
             free: Buffer::zeros(device, "free", n_bodies)?,
             gamma: Buffer::zeros(device, "gamma", room)?,
             motion: Buffer::zeros(device, "motion", n_bodies)?,
@@ -87,10 +137,14 @@ impl Problem {
             of_contacts: Buffer::zeros(device, "sums of contacts", room.div_ceil(ROWS))?,
             of_bodies: Buffer::zeros(device, "sums of bodies", n_bodies.div_ceil(ROWS))?,
             worst: Buffer::zeros(device, "worst", 1)?,
+            slip: Buffer::zeros(device, "slip", if feeds { room } else { 1 })?,
+            feeds,
+            roll: Buffer::zeros(device, "rolling impulses", rolling)?,
+            roll_row: Buffer::zeros(device, "rolling rows", rolling)?,
             kernels: ProblemKernels {
                 rows: get("solve_rows", include_str!("solve_rows.wgsl"))?,
-                clear: get("bin_clear", include_str!("bin_clear.wgsl"))?,
-                start: get("bin_start", include_str!("bin_start.wgsl"))?,
+                clear: plain("bin_clear", include_str!("bin_clear.wgsl"))?,
+                start: plain("bin_start", include_str!("bin_start.wgsl"))?,
                 response: get("response", include_str!("response.wgsl"))?,
                 residual: get("residual", include_str!("residual.wgsl"))?,
                 residual_sum: get("residual_sum", include_str!("residual_sum.wgsl"))?,
@@ -98,12 +152,15 @@ impl Problem {
             sort: RadixSort::new(device, kernels, 2 * room)?,
             contact_groups: Groups::new(device, kernels, ROWS)?,
             side_groups: Groups::new(device, kernels, ROWS)?,
-            row: Buffer::zeros(device, "rows", room)?,
+            row: Row::new(device, layout.narrow, room)?,
+            inertia: [bodies.mass.clone(), bodies.orientation.clone()],
             sides: [sides()?, sides()?],
             side_start: Buffer::zeros(device, "side_start", n_bodies)?,
             n_sides: Count::found(device, 2 * room)?,
             all_bodies: Count::of(device, n_bodies)?,
             law: Buffer::of(device, "law", &law)?,
+            coheres: coheres(model),
+            cohesion: Buffer::of(device, "cohesion", &cohesion)?,
         })
     }
 
@@ -114,11 +171,24 @@ impl Problem {
         commands.clear(&self.worst);
         self.contact_groups.record(device, commands, n);
         let columns = [self.contact.bind(), bodies.mass.bind(), bodies.velocity.bind(), self.law.bind()];
-        let sides = [self.gamma.bind(), self.row.bind(), body.bind(), side.bind()];
+        let sides = [self.gamma.bind(), self.row(), body.bind(), side.bind()];
         let rest = [self.n_sides.n.bind(), self.worst.bind(), n.n.bind()];
-        let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).collect();
-        let least_speed = 1e-3f64.max(2.0 * model.gravity.length() * model.step);
-        let params = [model.step, 1.0 / model.step, least_speed].map(bits);
+        let of_any = [
+            self.arms.bind(),
+            bodies.orientation.bind(),
+            bodies.spin.bind(),
+            self.slip.bind(),
+            self.roll.bind(),
+            self.roll_row.bind(),
+            self.cohesion.bind(),
+        ];
+        let bound: Vec<Bound> = columns.into_iter().chain(sides).chain(rest).chain(of_any).collect();
+        let (h, g, settings) = (model.step, model.gravity.length(), &model.solver);
+        let least_speed = 1e-3f64.max(2.0 * g * h);
+        let speeds = [settings.recovery_speed, g * h];
+        let [a, b, c, d, e, f, s] =
+            [h, 1.0 / h, least_speed, settings.rest_gap, g * h * h, speeds[0], speeds[1]].map(bits);
+        let params = [a, b, c, d, e, f, s, self.feeds as u32, bits(model.envelope)];
         commands.dispatch(device, &self.kernels.rows, &bound, &params, self.contacts());
         self.sort.record(device, commands, (body, side), &self.n_sides, self.n_bodies as u32);
         let bound = [self.side_start.bind(), self.all_bodies.n.bind()];
@@ -132,14 +202,16 @@ impl Problem {
     /// Record the velocities with the impulses.
     pub fn record_response(&self, device: &Device, commands: &mut Commands, work: Work) {
         let [row, gamma, free, side, start] = self.sums_of_bodies(&self.gamma);
-        let bound = [row, gamma, free, side, start, self.motion.bind()];
+        let [mass, orientation] = self.inertia();
+        let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
         commands.dispatch(device, &self.kernels.response, &bound, &[], work);
     }
 
     /// Record the residual of the solution.
     pub fn record_residual(&self, device: &Device, commands: &mut Commands) {
         let n = self.n_contacts.n.bind();
-        let bound = [self.row(), self.motion.bind(), self.gamma.bind(), self.of_contacts.bind(), n];
+        let [roll, roll_row] = self.rolling();
+        let bound = [self.row(), self.motion.bind(), self.gamma.bind(), self.of_contacts.bind(), n, roll, roll_row];
         commands.dispatch(device, &self.kernels.residual, &bound, &[], self.contacts());
         let bound = [self.of_contacts.bind(), self.scalars.bind(), n];
         commands.dispatch(device, &self.kernels.residual_sum, &bound, &[], Work::Groups(1));
@@ -157,7 +229,25 @@ impl Problem {
 
     /// The rows of the contacts.
     pub fn row(&self) -> Bound<'_> {
-        self.row.bind()
+        match &self.row {
+            Row::Along(rows) => rows.bind(),
+            Row::Any(rows) => rows.bind(),
+        }
+    }
+
+    /// Masses, and orientations at the step's start.
+    pub fn inertia(&self) -> [Bound<'_>; 2] {
+        self.inertia.each_ref().map(Buffer::bind)
+    }
+
+    /// Impulses and rolling impulses.
+    pub fn impulses(&self) -> [&Buffer<[f32; 4]>; 2] {
+        [&self.gamma, &self.roll]
+    }
+
+    /// Rolling impulses, and the rows of their blocks.
+    pub fn rolling(&self) -> [Bound<'_>; 2] {
+        [self.roll.bind(), self.roll_row.bind()]
     }
 
     /// The contacts of each body: sides, starts.

@@ -17,7 +17,13 @@ fn project(y: vec3<f32>, n: vec3<f32>, mu: f32) -> vec3<f32> {
     return n * kept + tangent * (mu * kept / t);
 }
 
+// Project onto the cone of a contact, whose tip adhesion puts below zero.
+fn project_row(y: vec3<f32>, row: Row) -> vec3<f32> {
+    let tip = row.normal * row.adhesion;
+    return project(y + tip, row.normal, row.friction) - tip;
+}
+
 // Block of Nγ + r, from the velocities that γ gives the bodies.
 fn gradient_of(row: Row, a: Body, b: Body) -> vec3<f32> {
-    return b.v - a.v + cross(row.normal, a.w * row.reach.x + b.w * row.reach.y) + row.normal * row.offset;
+    return b.v - a.v + rolling_of(row, a.w, b.w) + row.normal * row.offset;
 }

@@ -17,6 +17,6 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     sums = group_total(thread, sums);
     if thread == 0u {
-        scalars[0].residual = sqrt(sums.x) / f32(max(count[0], 1u));
+        scalars[0].residual = sqrt(sums.x) / f32(max(blocks_of(count[0]), 1u));
     }
 }

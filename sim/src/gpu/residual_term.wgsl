@@ -1,9 +1,14 @@
 // The residual term of a contact, (γ − Π(γ − g (Nγ + r))) / g with g = 10⁻³ η, m/s, without the difference of nearly equal impulses that
 // single precision would lose.
 // Twin: cpu/solve/residual.rs
+#import solve_row
 
-fn residual_term(gamma: vec3<f32>, gradient: vec3<f32>, n: vec3<f32>, mu: f32, eta: f32) -> vec3<f32> {
-    let g = 1e-3 * eta;
+fn residual_term(impulse: vec3<f32>, gradient: vec3<f32>, row: Row) -> vec3<f32> {
+    let n = row.normal;
+    let mu = row.friction;
+    // From the tip of the cone, which adhesion puts below zero.
+    let gamma = impulse + n * row.adhesion;
+    let g = 1e-3 * row.eta;
     let y = gamma - gradient * g;
     let normal = dot(y, n);
     let tangent = y - n * normal;

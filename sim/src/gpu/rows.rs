@@ -25,6 +25,20 @@ gpu::wgsl_rows! {
         group: u32,
     }
 
+    /// A shape of any kind.
+    pub struct Solid {
+        /// Half lengths, m, as [`ShapeKind`](crate::ShapeKind) has them.
+        half: [f32; 3],
+        /// Kind, as [`kinds`](super::kinds) names them.
+        kind: u32,
+        /// Position in the body's frame, m.
+        offset: [f32; 3],
+        /// Distance of the farthest point from the centre of mass, m; 0 for a sphere about it.
+        lever: f32,
+        /// Orientation in the body's frame.
+        turn: [f32; 4],
+    }
+
     /// A shape that is held in place and that spheres touch in one point.
     pub struct Fixture {
         /// Position, fine units.
@@ -37,7 +51,7 @@ gpu::wgsl_rows! {
         z_axis: Fixed,
         /// Half lengths, fine units.
         half: Fixed,
-        /// Kind, as [`fixtures`](super::fixtures) names them.
+        /// Kind, as [`kinds`](super::kinds) names them.
         kind: u32,
         /// Id of the shape.
         shape: u32,
@@ -71,7 +85,7 @@ gpu::wgsl_rows! {
         inv_inertia: f32,
     }
 
-    /// A contact of a sphere with a sphere or a fixture.
+    /// A contact.
     pub struct Contact {
         /// Bodies A and B, the lower id first.
         bodies: [u32; 2],
@@ -81,10 +95,22 @@ gpu::wgsl_rows! {
         normal: [f32; 3],
         /// Gap, m.
         gap: f32,
-        /// Lengths of the arms on A and B along the normal, m.
+        /// Lengths of the arms on A and B along the normal, m, where they lie along it; else they are [`Arms`].
         reach: [f32; 2],
         /// Contact law, an index into [`Model::laws`](crate::Model::laws).
         law: u32,
+        /// Feature id, which identifies the point from step to step.
+        feature: u32,
+    }
+
+    /// The arms of a contact where they are of any direction.
+    pub struct Arms {
+        /// From the centre of mass of A, m, world.
+        a: [f32; 3],
+        /// Whether the contact is one of a shape with faces that moves.
+        is_face: u32,
+        /// From the centre of mass of B, m, world.
+        b: [f32; 3],
         /// Not used.
         pad: u32,
     }
@@ -119,5 +145,9 @@ gpu::wgsl_rows! {
         greatest: f32,
         /// The body that has it.
         most_energetic: u32,
+        /// Number of contacts that room is needed for, where a pair may have several.
+        needed: u32,
+        /// Not used.
+        pad: u32,
     }
 }

@@ -1,4 +1,5 @@
 // The scalars of a solve, which stay on the device.
+#import rolls
 
 // Of APGD: Nesterov's θ and the factor β of the extrapolation, the step length t, whether the last trial was taken, trials since one was
 // too long. Iterations so far and the most; whether the solve goes on. The least residual so far, whether it is that of the last iterate,
@@ -21,4 +22,9 @@ struct Scalars {
     omega: f32,
     last_step2: f32,
     residual: f32,
+}
+
+// Number of blocks of three multipliers of so many contacts.
+fn blocks_of(n_contacts: u32) -> u32 {
+    return select(n_contacts, 2u * n_contacts, ROLLS);
 }

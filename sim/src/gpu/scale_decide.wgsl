@@ -3,7 +3,7 @@
 // in    of_bodies   [n_groups]  J: γᵀNγ, energy of the bodies
 // inout scalars     [1]
 // in    count       [1]         n_contacts
-// in    params      [2]         n_bodies; the most iterations, 0 for the default
+// in    params      [3]         n_bodies; the most iterations, 0 for the default; whether the tips of cones are below zero
 // Twin: cpu/solve/scale.rs
 #import scalars
 #import partial
@@ -32,10 +32,10 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     if thread != 0u {
         return;
     }
-    let n = count[0];
+    let n = blocks_of(count[0]);
     let limit = select(params[1], max(50u, 50000u / max(n, 1u)), params[1] == 0u);
     let found = 1.0 - contacts.x / bodies.x;
-    var factor = select(1.0, max(found, 0.0), bodies.x > 0.0 && is_finite(found));
+    var factor = select(1.0, clamp(found, 0.0, select(3e38, 1.0, params[2] == 1u)), bodies.x > 0.0 && is_finite(found));
     if n > limit && abs(factor - 1.0) <= NEAR {
         factor = 1.0;
     }

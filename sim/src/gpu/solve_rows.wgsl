@@ -1,8 +1,8 @@
 // The rows of the contact problem, and the two sides of each contact with their bodies; the starting point is projected onto the cones.
 // in    contact   [n_contacts]
-// in    mass      [n_bodies]      1/kg, 1/(kg m²)
+// in    mass      [n_bodies]      1/kg, and principal, 1/(kg m²)
 // in    velocity  [n_bodies]      m/s, at the step's start
-// in    law       [n_laws]        coefficients of friction and of restitution
+// in    law       [n_laws]        coefficients of friction, of restitution, of rolling and of spinning friction (m)
 // inout gamma     [n_contacts]    N s, world
 // out   row       [n_contacts]
 // out   side_body [2 n_contacts]  body of each side; that of a body held in place comes after all others
@@ -10,15 +10,27 @@
 // out   n_sides   [1]
 // inout worst     [1]             as bits: the greatest overlap, m; zero in
 // in    count     [1]             n_contacts
-// in    params    [3]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s)
+// in    arms      [n_contacts]    m, where they are of any direction
+// in    orientation, spin [n_bodies]  rad/s, in the bodies' frames
+// out   slip      [n_contacts]    m/s, by Coulomb's law itself: the offset without slip, and the slip that is fed
+// inout roll      [n_contacts]    N m s, world, where there is rolling friction
+// out   roll_row  [n_contacts]
+// in    cohesions [n_laws]        N
+// in    params    [9]             as bits: h (s), 1 / h (1/s), the least speed that bounces (m/s), the gap of rest of faces (m), ten times
+//                                 the overlap that is left as it is (m), the maximum speed of recovery (m/s), the least slip over μ
+//                                 that is fed (m/s); whether slip is fed; range of cohesion (m)
 // Twin: cpu/contact_solve.rs
 #import contact
 #import project
+#import contact_row
+#import creep
+#import roll
+#import turn
 
 @group(0) @binding(0) var<storage, read> contact: array<Contact>;
-@group(0) @binding(1) var<storage, read> mass: array<vec2<f32>>;
+@group(0) @binding(1) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> velocity: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> law: array<vec2<f32>>;
+@group(0) @binding(3) var<storage, read> law: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> rows: array<Row>;
 @group(0) @binding(6) var<storage, read_write> side_body: array<u32>;
@@ -26,7 +38,29 @@
 @group(0) @binding(8) var<storage, read_write> n_sides: array<u32>;
 @group(0) @binding(9) var<storage, read_write> worst: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read> count: array<u32>;
-@group(0) @binding(11) var<storage, read> params: array<u32>;
+@group(0) @binding(11) var<storage, read> arms: array<Arms>;
+@group(0) @binding(12) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(13) var<storage, read> spin: array<vec4<f32>>;
+@group(0) @binding(14) var<storage, read_write> slip: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read_write> roll_row: array<vec4<f32>>;
+@group(0) @binding(17) var<storage, read> cohesions: array<f32>;
+@group(0) @binding(18) var<storage, read> params: array<u32>;
+
+// Φ/h of a contact: open gaps close within the step; impacts leave at their share of the speed.
+fn offset_of(c: Contact, opening: f32, speed: f32) -> f32 {
+    let restitution = law[c.law].y;
+    if restitution > 0.0 && speed < -bitcast<f32>(params[2]) && c.gap + bitcast<f32>(params[0]) * speed <= 0.0 {
+        return min(opening, restitution * speed);
+    }
+    return opening;
+}
+
+// Adhesion of a contact, N s: the depth of its cone's tip below zero.
+fn adhesion_of(c: Contact) -> f32 {
+    let cohesion = cohesions[c.law];
+    return select(0.0, cohesion * bitcast<f32>(params[0]), cohesion > 0.0 && c.gap <= bitcast<f32>(params[8]));
+}
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -35,27 +69,27 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let c = contact[k];
-    let a = mass[c.bodies.x];
-    let b = mass[c.bodies.y];
-    let turns = c.reach * c.reach;
-    let trace = 3.0 * (a.x + b.x) + 2.0 * (turns.x * a.y + turns.y * b.y);
-    // Open gaps close within the step; impacts leave at their share of the speed.
-    var offset = max(c.gap, 0.0) * bitcast<f32>(params[1]);
-    let restitution = law[c.law].y;
-    let speed = dot(velocity[c.bodies.y].xyz - velocity[c.bodies.x].xyz, c.normal);
-    if restitution > 0.0 && speed < -bitcast<f32>(params[2]) && c.gap + bitcast<f32>(params[0]) * speed <= 0.0 {
-        offset = min(offset, restitution * speed);
+    rows[k] = contact_row(k, c);
+    let start = project_row(gamma[k].xyz, rows[k]);
+    gamma[k] = vec4(start, 0.0);
+    if params[7] == 1u {
+        let fed = slip_of(velocity_between(k, c), start, c.normal, law[c.law].x, bitcast<f32>(params[6]));
+        slip[k] = vec4(rows[k].offset, fed, 0.0, 0.0);
+        rows[k].offset += fed;
     }
-    let friction = law[c.law].x;
-    rows[k] = Row(c.normal, offset, c.reach, c.bodies, friction, 3.0 / trace);
-    gamma[k] = vec4(project(gamma[k].xyz, c.normal, friction), 0.0);
+    if ROLLS {
+        let moments = mass[c.bodies.x].yzw + mass[c.bodies.y].yzw;
+        let eta = 3.0 / (moments.x + moments.y + moments.z);
+        roll_row[k] = vec4(law[c.law].zw, eta, eta / rows[k].eta);
+        roll[k] = vec4(project_roll(roll[k].xyz, rows[k], start, roll_row[k]), 0.0);
+    }
     let overlap = bitcast<u32>(max(-c.gap, 0.0));
     if overlap > atomicLoad(&worst[0]) {
         atomicMax(&worst[0], overlap);
     }
     let held = arrayLength(&mass);
-    side_body[2u * k] = select(held, c.bodies.x, a.x > 0.0);
-    side_body[2u * k + 1u] = select(held, c.bodies.y, b.x > 0.0);
+    side_body[2u * k] = select(held, c.bodies.x, mass[c.bodies.x].x > 0.0);
+    side_body[2u * k + 1u] = select(held, c.bodies.y, mass[c.bodies.y].x > 0.0);
     side[2u * k] = 2u * k;
     side[2u * k + 1u] = 2u * k + 1u;
     if k == 0u {

@@ -5,16 +5,13 @@
 // in    count    [1]         n_contacts
 // in    params   [2]         n_bodies, and as bits ω of Jacobi
 // Twin: cpu/solve/scale.rs
-#import scalars
-#import partial
+#import begin_solve
 
 @group(0) @binding(0) var<storage, read> parts: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> scalars: array<Scalars>;
 @group(0) @binding(2) var<storage, read_write> work: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> count: array<u32>;
 @group(0) @binding(4) var<storage, read> params: array<u32>;
-
-const MAX_STEP: f32 = 1e6;
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
@@ -28,27 +25,13 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     var s = scalars[0];
     let n = count[0];
-    if n > s.limit && lengths.x < lengths.y {
+    if blocks_of(n) > s.limit && lengths.x < lengths.y {
         s.factor = 1.0;
     }
     // Zero impulses may be the solution.
     let is_idle = s.last_step2 == 0.0 && lengths.x == 0.0;
     s.goes_on = select(1u, 0u, n == 0u || is_idle);
-    // In the metric of η the trace of N is 3 n_contacts: the least step is short enough for any direction.
-    let least = 1.0 / (3.0 * f32(max(n, 1u)));
-    s.step = select(1.0, s.step, s.step >= least && s.step <= MAX_STEP);
-    s.theta = 1.0;
-    s.beta = 0.0;
-    s.accepted = 0u;
-    s.kept = 1000u;
-    s.trials = 0u;
-    s.best = 3e38;
-    s.is_current = 1u;
-    s.keeps = 0u;
-    s.omega = bitcast<f32>(params[1]);
-    s.last_step2 = 3e38;
-    s.residual = 0.0;
-    scalars[0] = s;
+    scalars[0] = begun(s, n, bitcast<f32>(params[1]));
     let is_active = s.goes_on == 1u;
     work[0] = dispatch_of(select(0u, n, is_active));
     work[1] = dispatch_of(select(0u, params[0], is_active));

@@ -1,18 +1,23 @@
-//! The spheres of a model as columns of a device.
+//! The spheres of a model as columns of a device, or its moving shapes of any kind.
 
 use super::fault::Fault;
 use super::fixed::{MAX_RATIO, Scale};
-use super::rows::{Aabb, Sphere};
+use super::rows::{Aabb, Solid, Sphere};
+use super::solids;
 use crate::model::Model;
-use crate::shape::ShapeKind;
+use crate::plan::Narrow;
 use gpu::{Buffer, Device};
 
-/// The columns, a row for each sphere.
+/// The columns, a row for each sphere, or for each moving shape where these are of any kind.
 pub struct Spheres {
     /// Number of spheres.
     pub n: usize,
     /// The spheres, by ascending shape.
     pub sphere: Buffer<Sphere>,
+    /// The shapes, where they are of any kind; else one row that is not used.
+    pub solid: Buffer<Solid>,
+    /// The same.
+    pub rows: Vec<Solid>,
     /// Distance from the surface within which contacts are generated, m.
     pub margin: Buffer<f32>,
     /// Fat AABBs, m.
@@ -21,7 +26,7 @@ pub struct Spheres {
     pub shapes: Vec<usize>,
     /// Ids of the bodies.
     pub bodies: Vec<u32>,
-    /// Harmonic mean of the diameters, m.
+    /// Harmonic mean of the diameters, of other shapes of the widths of their boxes, m.
     pub width: f64,
 }
 
@@ -29,20 +34,28 @@ impl Spheres {
     /// The spheres of a model, with the units of its lengths.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for spheres off their bodies' centres of mass, no spheres, or too great a ratio of radii; [`Fault::Gpu`].
-    pub fn new(device: &Device, model: &Model) -> Result<(Spheres, Scale), Fault> {
-        let shapes = shapes(model)?;
-        let radii = || shapes.iter().map(|s| model.shape_size[*s].x);
-        let (least, most) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    /// [`Fault::Unsupported`] for shapes of other kinds, none, or too great a ratio of sizes; [`Fault::Gpu`].
+    pub fn new(device: &Device, model: &Model, narrow: Narrow) -> Result<(Spheres, Scale), Fault> {
+        let shapes: Vec<usize> = (0..model.n_shapes()).filter(|s| solids::is_mover(model, *s)).collect();
+        if shapes.is_empty() {
+            return Err(Fault::Unsupported("the model has no spheres and nothing that moves".into()));
+        }
+        let solids = match narrow {
+            Narrow::Spheres => vec![],
+            Narrow::Any => shapes.iter().map(|s| solids::row(model, *s)).collect::<Result<_, _>>()?,
+        };
+        let radii = || shapes.iter().map(|s| model.shape_size[*s].max_element());
+        let least = shapes.iter().map(|s| solids::least_of(model, *s)).fold(f64::INFINITY, f64::min);
+        let most = radii().fold(0.0, f64::max);
         if most > MAX_RATIO * least {
             let ratio = most / least;
             let message =
-                format!("the radii of the spheres differ by {ratio:.0} times; a device takes {MAX_RATIO} times");
+                format!("the sizes of the moving shapes differ by {ratio:.0} times; a device takes {MAX_RATIO} times");
             return Err(Fault::Unsupported(message));
         }
         let scale = Scale::of(least);
         let sphere = |s: &usize| Sphere {
-            radius: scale.radius(model.shape_size[*s].x),
+            radius: if model.is_centred_sphere(*s) { scale.radius(model.shape_size[*s].x) } else { 0 },
             shape: *s as u32,
             body: model.shape_body[*s],
             material: model.shape_material[*s],
@@ -54,6 +67,11 @@ impl Spheres {
         let spheres = Spheres {
             n,
             sphere: Buffer::of(device, "sphere", &rows)?,
+            solid: match solids.is_empty() {
+                true => Buffer::zeros(device, "solid", 1)?,
+                false => Buffer::of(device, "solid", &solids)?,
+            },
+            rows: solids,
             margin: Buffer::zeros(device, "margin", n)?,
             fat_aabb: Buffer::zeros(device, "fat_aabb", n)?,
             bodies: rows.iter().map(|s| s.body).collect(),
@@ -62,21 +80,4 @@ impl Spheres {
         };
         Ok((spheres, scale))
     }
-}
-
-/// The shapes that are spheres about their bodies' centres of mass.
-fn shapes(model: &Model) -> Result<Vec<usize>, Fault> {
-    let found: Vec<usize> = (0..model.n_shapes()).filter(|s| model.is_centred_sphere(*s)).collect();
-    if let Some(s) =
-        (0..model.n_shapes()).find(|s| model.shape_kind[*s] == ShapeKind::Sphere && !model.is_centred_sphere(*s))
-    {
-        let label = model.body_label(model.shape_body[s] as usize);
-        return Err(Fault::Unsupported(format!(
-            "body {label} has a shape that no kernel is built for yet: a sphere off its centre of mass"
-        )));
-    }
-    if found.is_empty() {
-        return Err(Fault::Unsupported("the model has no spheres".into()));
-    }
-    Ok(found)
 }

@@ -4,7 +4,7 @@
 // in   peaks      [2]         as bits: greatest speed squared, m²/s², and kinetic energy, J
 // in   body       [2]         the bodies that have them
 // in   worst      [1]         as bits: greatest overlap, m
-// in   room       [2]         number of pairs that room is needed for, whether there is room
+// in   room       [3]         number of pairs that room is needed for, whether there is room, and the number of contacts
 // in   count      [1]         n_contacts
 // out  summary    [1]
 // in   params     [1]         n_bodies
@@ -26,6 +26,8 @@ struct Summary {
     fastest: u32,
     greatest: f32,
     most_energetic: u32,
+    needed: u32,
+    pad: u32,
 }
 
 @group(0) @binding(0) var<storage, read> of_bodies: array<vec4<f32>>;
@@ -62,4 +64,5 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     summary[0].fastest = body[0];
     summary[0].greatest = bitcast<f32>(peaks[1]);
     summary[0].most_energetic = body[1];
+    summary[0].needed = room[2];
 }

@@ -1,5 +1,5 @@
 // What the watch over the run needs of the bodies: energies, summed over a workgroup, and the greatest speed and kinetic energy.
-// in    mass      [n_bodies]  1/kg, 1/(kg m²); zero for a body that does not move
+// in    mass      [n_bodies]  1/kg, and principal, 1/(kg m²); zero for a body that does not move
 // in    position  [n_bodies]  fine units
 // in    velocity  [n_bodies]  m/s
 // in    spin      [n_bodies]  rad/s
@@ -13,7 +13,7 @@
 #import sphere
 #import partial
 
-@group(0) @binding(0) var<storage, read> mass: array<vec2<f32>>;
+@group(0) @binding(0) var<storage, read> mass: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read> position: array<Fixed>;
 @group(0) @binding(2) var<storage, read> velocity: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> spin: array<vec4<f32>>;
@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let gravity = vec3(bitcast<f32>(params[0]), bitcast<f32>(params[1]), bitcast<f32>(params[2]));
         let at = fine_difference(position[b], level[0]);
         let height = -dot(gravity, real_fixed(at) * bitcast<f32>(params[4]));
-        let kinetic = 0.5 * (m * dot(v, v) + dot(w, w) / mass[b].y);
+        let kinetic = 0.5 * (m * dot(v, v) + dot(w, w / mass[b].yzw));
         lowest[b] = min(lowest[b], height);
         own = vec4(kinetic, m * height, m * (height - lowest[b]), m * abs(bitcast<f32>(params[3]) * dot(gravity, v)));
         // A state that is not finite, or as far as positions go, is told by an infinite speed.

@@ -1,12 +1,13 @@
 //! The collision of spheres on a device against the CPU back end's, on random and on adverse beds.
 
+mod solids;
 mod whole;
 
 use super::collision::{Collision, Fault};
 use super::contact_solve::ContactSolve;
 use super::fixed::{Scale, gap_cpu};
 use super::parts::kernel;
-use super::rows::{Aabb, Body, Contact, Fixed, Fixture, Sphere, Summary};
+use super::rows::{Aabb, Arms, Body, Contact, Fixed, Fixture, Solid, Sphere, Summary};
 use crate::fill::SplitMix64;
 use crate::shape::ShapeKind;
 use crate::simulation::Simulation;
@@ -141,13 +142,15 @@ fn rows_are_laid_out_as_in_the_kernels() {
     };
     let (fixed, sphere) = (include_str!("fixed.wgsl"), include_str!("sphere.wgsl"));
     check::<Fixture>(&text(&[fixed, include_str!("fixture.wgsl")])).unwrap();
-    let (scalars, partial) = (include_str!("scalars.wgsl"), include_str!("partial.wgsl"));
-    check::<Summary>(&text(&[scalars, partial, include_str!("summary.wgsl")])).unwrap();
+    let (rolls, scalars) = (include_str!("rolls.wgsl"), include_str!("scalars.wgsl"));
+    check::<Summary>(&text(&[rolls, scalars, include_str!("partial.wgsl"), include_str!("summary.wgsl")])).unwrap();
     check::<Fixed>(fixed).unwrap();
     check::<Sphere>(&text(&[fixed, sphere])).unwrap();
     check::<Aabb>(&text(&[fixed, sphere])).unwrap();
     check::<Contact>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();
-    check::<Body>(include_str!("solve_row.wgsl")).unwrap();
+    check::<Body>(&text(&[include_str!("row.wgsl"), include_str!("solve_row.wgsl")])).unwrap();
+    check::<Arms>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();
+    check::<Solid>(&text(&[fixed, include_str!("fixture.wgsl"), include_str!("solid.wgsl")])).unwrap();
 }
 
 /// Gaps of the kernels' fixed point, in units of the scale.
@@ -324,8 +327,9 @@ fn what_is_not_built_for_devices_is_refused() {
     state.position[body] = centre;
     model.shape_size[last] = DVec3::splat(100.0);
     assert!(refused(&model, &state).contains("1000 times"));
-    model.shape_kind[last] = ShapeKind::Box;
-    assert!(refused(&model, &state).contains("box"));
+    model.shape_size[last] = DVec3::splat(0.1);
+    model.shape_kind[last] = ShapeKind::Hull;
+    assert!(refused(&model, &state).contains("hull"));
     let (model, state) = spheres(0, |_| unreachable!());
     assert!(refused(&model, &state).contains("no spheres"));
 }
@@ -411,11 +415,22 @@ fn the_solver_refuses_what_it_has_no_kernel_for() {
         m.solver.impacts = crate::Impacts::Sequential;
     };
     assert!(refused(sequential).contains("impacts"));
-    assert!(refused(|m| m.laws[0].rolling = 0.1).contains("rolling"));
-    assert!(refused(|m| m.laws[0].cohesion = 1.0).contains("cohesion"));
-    assert!(refused(|m| m.solver.friction = crate::FrictionLaw::Exact).contains("exact"));
-    assert!(refused(|m| m.inv_inertia[7].x *= 2.0).contains("anisotropic"));
+    let rolling_tiles = |m: &mut Model| {
+        m.laws[0].rolling = 0.1;
+        m.solver.method = Some(Method::GaussSeidel);
+    };
+    assert!(refused(rolling_tiles).contains("rolling"));
+    let cohesive_tiles = |m: &mut Model| {
+        m.laws[0].cohesion = 1.0;
+        m.solver.method = Some(Method::GaussSeidel);
+    };
+    assert!(refused(cohesive_tiles).contains("cohesion"));
     assert!(refused(|m| m.solver.method = Some(Method::BarzilaiBorwein)).contains("method"));
+    let tiles_of_others = |m: &mut Model| {
+        m.inv_inertia[7].x *= 2.0;
+        m.solver.method = Some(Method::GaussSeidel);
+    };
+    assert!(refused(tiles_of_others).contains("gauss_seidel where bodies move"));
 }
 
 /// Velocities of the solution are unique: APGD on the device comes to those of the CPU's, each by its own steps, and in far fewer

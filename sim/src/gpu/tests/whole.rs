@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use gpu::{Choice, Device};
 
 /// A simulation on the device that tests have; none without an adapter.
-fn on_device(model: &Model, state: &State) -> Option<Simulation> {
+pub fn on_device(model: &Model, state: &State) -> Option<Simulation> {
     device()?;
     let device = Device::open(&Choice::Any).unwrap();
     Some(Simulation::on_device(model.clone(), state.clone(), device).unwrap())
@@ -36,11 +36,11 @@ fn settings(method: Method, iterations: u32, tolerance: f64) -> SolverSettings {
 }
 
 /// Greatest distance of a body's positions in two states, m.
-fn apart(a: &State, b: &State) -> f64 {
+pub fn apart(a: &State, b: &State) -> f64 {
     a.position.iter().zip(&b.position).map(|(p, q)| (*p - *q).length()).fold(0.0, f64::max)
 }
 
-fn steps(simulation: &mut Simulation, n: usize) {
+pub fn steps(simulation: &mut Simulation, n: usize) {
     for _ in 0..n {
         let report = simulation.step();
         assert!(report.warnings.is_empty() && report.broken.is_none(), "{report:?}");
@@ -94,7 +94,7 @@ fn a_run_repeats_bit_for_bit_also_from_its_middle() {
 }
 
 /// A state as a checkpoint has it: without what is not written.
-fn written(state: &State) -> State {
+pub fn written(state: &State) -> State {
     postcard::from_bytes(&postcard::to_stdvec(state).unwrap()).unwrap()
 }
 
@@ -148,6 +148,89 @@ fn a_state_goes_on_on_the_other_back_end() {
     for other in [&own_on_cpu, &cpu_on_own] {
         assert!(apart(&other.state, &cpu.state) < 1e-4);
         assert_eq!((other.state.steps, other.state.time), (cpu.state.steps, cpu.state.time));
+    }
+}
+
+/// A bed whose grains resist rolling, a ball that rolls to a stop and one that spins, by both methods that know this friction; and all of it
+/// from a checkpoint.
+#[test]
+fn rolling_and_spinning_friction_are_those_of_the_cpu() {
+    for method in [Method::Apgd, Method::Jacobi] {
+        let (mut model, mut state) = bed(300, settings(method, 300, 1e-6));
+        (model.laws[0].rolling, model.laws[0].spinning) = (0.01, 0.005);
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model.clone(), state.clone());
+        for _ in 0..10 {
+            let (a, b) = (own.step(), cpu.step());
+            assert!(a.contacts.abs_diff(b.contacts) * 50 <= b.contacts + 50, "{a:?}\n{b:?}");
+        }
+        own.fetch().unwrap();
+        let mut own = own.restart(written(&cpu.state)).unwrap();
+        for _ in 0..10 {
+            own.step();
+            cpu.step();
+        }
+        own.fetch().unwrap();
+        let off = apart(&own.state, &cpu.state);
+        let rolling = |s: &Simulation| s.state.contacts.rolling_impulse.iter().map(|z| z.length()).sum::<f64>();
+        assert!(off < 1e-4, "{method:?}: {off} m");
+        assert!(rolling(&cpu) > 0.0 && (rolling(&own) / rolling(&cpu) - 1.0).abs() < 0.02, "{method:?}");
+
+        // Two balls alone on the floor.
+        let balls: Vec<usize> = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0).collect();
+        for (k, b) in balls.iter().enumerate() {
+            let s = model.shape_body.iter().position(|body| *body as usize == *b).unwrap();
+            let radius = model.shape_size[s].x;
+            state.position[*b] = DVec3::new(0.3 + 3.0 * radius * k as f64, 1.0, radius);
+            (state.velocity[*b], state.angular_velocity[*b]) = (DVec3::ZERO, DVec3::ZERO);
+            if k > 1 {
+                state.position[*b].z = 100.0 + k as f64;
+            }
+        }
+        state.velocity[balls[0]] = DVec3::Y * 0.3;
+        state.orientation[balls[1]] = DQuat::IDENTITY;
+        state.angular_velocity[balls[1]] = DVec3::Z * 5.0;
+        let mut own = on_device(&model, &state).unwrap();
+        let mut cpu = Simulation::new(model, state);
+        steps(&mut own, 200);
+        steps(&mut cpu, 200);
+        let near = |k: usize| (own.state.velocity[balls[k]] - cpu.state.velocity[balls[k]]).length();
+        let spins = [&own, &cpu].map(|s| s.state.angular_velocity[balls[1]].z);
+        assert!(near(0) < 1e-4 && apart(&own.state, &cpu.state) < 1e-4, "{method:?}: {} m/s", near(0));
+        assert!(cpu.state.velocity[balls[0]].y < 0.19, "{}", cpu.state.velocity[balls[0]]);
+        assert!(spins[1] < 4.9 && (spins[0] - spins[1]).abs() < 1e-3, "{method:?}: {spins:?}");
+    }
+}
+
+/// A bed of grains that stick together, and a ball that hangs from another one that is held, by its cohesion alone.
+#[test]
+fn cohesion_is_that_of_the_cpu() {
+    for method in [Method::Apgd, Method::Jacobi] {
+        let (mut model, mut state) = bed(300, settings(method, 300, 1e-6));
+        model.laws[0].cohesion = 200.0;
+        let moving: Vec<usize> = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0).collect();
+        let [above, below] = [moving[0], moving[1]];
+        let size = |b: usize| model.shape_size[model.shape_body.iter().position(|s| *s as usize == b).unwrap()].x;
+        state.position[above].z = 50.0;
+        state.position[below] = state.position[above] - DVec3::Z * (size(above) + size(below));
+        for b in [above, below] {
+            (state.velocity[b], state.angular_velocity[b]) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        (model.inv_mass[above], model.inv_inertia[above]) = (0.0, DVec3::ZERO);
+        state.activity.clear();
+        state.wake(&model);
+        assert!(200.0 * model.inv_mass[below] > 9.81, "the ball is light enough");
+        let Some(mut own) = on_device(&model, &state) else { return };
+        let mut cpu = Simulation::new(model.clone(), state.clone());
+        for _ in 0..20 {
+            let (a, b) = (own.step(), cpu.step());
+            assert!(a.contacts.abs_diff(b.contacts) * 50 <= b.contacts + 50, "{a:?}\n{b:?}");
+        }
+        own.fetch().unwrap();
+        let off = apart(&own.state, &cpu.state);
+        assert!(off < 1e-4, "{method:?}: {off} m");
+        let fallen = (own.state.position[below] - state.position[below]).length();
+        assert!(fallen < 1e-5, "{method:?}: {fallen} m");
     }
 }
 

@@ -1,0 +1,162 @@
+//! Narrow phase of shapes of any kind: pairs are sorted into families, the contact points of each pair counted and the counts scanned, and
+//! the contacts written. Each family has kernels of its own, over the list of its pairs.
+//! in   position     [n_bodies]    fine units
+//! in   orientation  [n_bodies]
+//! in   margin       [n_spheres]   m
+//! in   solid        [n_spheres]
+//! in   fixture      [n_fixtures]
+//! in   pairs        [n_pairs]
+//! out  contact      [n_contacts]  in the order of the pairs
+//! out  arms         [n_contacts]  m
+//! out  room         [3]           whether there is room for all of them, and for how many it is needed
+//! Kernels: pair_family.wgsl and the compaction, place_due.wgsl, round_contacts.wgsl, solid_contacts.wgsl, the scan, contact_room.wgsl.
+//! Twin: cpu/contact_write.rs, cpu/collide.rs
+//!
+//! Points are found in single precision about the centre of mass of one of the bodies: gaps are right to 5e-7 of the pair's size.
+
+use super::bodies::Bodies;
+use super::fixtures::Fixtures;
+use super::pair_write::Pairs;
+use super::parts::{ROWS, bits, kernel, kernel_with};
+use super::rows::{Arms, Contact};
+use super::solids::{Family, families};
+use super::spheres::Spheres;
+use crate::model::Model;
+use gpu::compact::Compact;
+use gpu::scan::Scan;
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
+
+/// Pairs of a workgroup of a family's kernels.
+const PAIRS: usize = 64;
+
+/// The stage's kernels and columns.
+pub struct Manifolds {
+    /// Arms of the contacts, m (n_contacts).
+    pub arms: Buffer<Arms>,
+    due: Kernel,
+    round: [Kernel; 2],
+    room: Kernel,
+    scan: Scan,
+    groups: Groups,
+    /// Number of points of each pair, then of the contacts before it, and of all (n_pairs + 1).
+    place: Buffer<u32>,
+    n_places: Count,
+    families: Vec<OfFamily>,
+}
+
+/// What a family needs.
+struct OfFamily {
+    is_of: Kernel,
+    points: Kernel,
+    compact: Compact,
+    groups: Groups,
+    /// Whether each pair is of the family (n_pairs).
+    flag: Buffer<u32>,
+    /// The pairs of the family.
+    list: Buffer<u32>,
+    n: Count,
+}
+
+impl Manifolds {
+    /// With room for this many pairs and contacts.
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (at, fixtures): (&Spheres, &Fixtures),
+        [n_pairs, n_contacts]: [usize; 2],
+    ) -> Result<Manifolds, GpuError> {
+        let get = |name, text| kernel(device, kernels, name, text);
+        let text = include_str!("round_contacts.wgsl");
+        let round = |pass| kernel_with(device, kernels, ("round_contacts", text), &[("pair_pass", pass)]);
+        let kinds = families(&at.rows, &fixtures.kinds);
+        Ok(Manifolds {
+            arms: Buffer::zeros(device, "arms", n_contacts)?,
+            due: get("place_due", include_str!("place_due.wgsl"))?,
+            round: [round(include_str!("pair_count.wgsl"))?, round(include_str!("pair_pass.wgsl"))?],
+            room: get("contact_room", include_str!("contact_room.wgsl"))?,
+            scan: Scan::new(device, kernels, n_pairs + 1)?,
+            groups: Groups::new(device, kernels, ROWS)?,
+            place: Buffer::zeros(device, "contact places", n_pairs + 1)?,
+            n_places: Count::found(device, n_pairs + 1)?,
+            families: kinds
+                .into_iter()
+                .map(|f| OfFamily::new(device, kernels, f, n_pairs))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Record the stage.
+    pub fn record(
+        &self,
+        device: &Device,
+        c: &mut Commands,
+        model: &Model,
+        (bodies, at, fixtures): (&Bodies, &Spheres, &Fixtures),
+        (from, contact, n): (&Pairs, &Buffer<Contact>, &Count),
+    ) {
+        let of_pairs = self.groups.of_level(&from.n, 0);
+        self.groups.record(device, c, &from.n);
+        c.dispatch(
+            device,
+            &self.due,
+            &[self.place.bind(), self.n_places.n.bind(), from.n.n.bind()],
+            &[],
+            Work::Groups(1),
+        );
+        let shapes = [at.sphere.bind(), at.solid.bind(), fixtures.fixture.bind()];
+        for family in &self.families {
+            family.record_list(device, c, shapes, from, of_pairs);
+        }
+        let (n_materials, fine, unit) = (model.material_names.len() as u32, bodies.scale.fine(), bodies.scale.unit);
+        let [fine, envelope, unit] = [fine, model.envelope, unit].map(bits);
+        let place = [bodies.position.bind(), bodies.orientation.bind()];
+        let rest = [at.margin.bind(), bodies.activity.bind(), from.pairs.bind(), self.place.bind()];
+        let out = [contact.bind(), self.arms.bind(), n.n.bind()];
+        let bound: Vec<Bound> = place.into_iter().chain(shapes).chain(rest).chain(out).collect();
+        for pass in 0..2 {
+            let all: Vec<Bound> = bound.iter().copied().chain([from.n.n.bind()]).collect();
+            c.dispatch(device, &self.round[pass], &all, &[n_materials, fine, envelope, unit], of_pairs);
+            for family in &self.families {
+                let all: Vec<Bound> = bound.iter().copied().chain([family.list.bind(), family.n.n.bind()]).collect();
+                let params = [n_materials, fine, envelope, pass as u32];
+                c.dispatch(device, &family.points, &all, &params, family.groups.of_level(&family.n, 0));
+            }
+            if pass == 0 {
+                self.scan.record(device, c, &self.place, &self.n_places);
+                let bound = [self.place.bind(), from.room.bind(), n.n.bind(), from.n.n.bind()];
+                let rooms = [from.pairs.capacity() as u32, contact.capacity() as u32];
+                c.dispatch(device, &self.room, &bound, &rooms, Work::Groups(1));
+            }
+        }
+    }
+}
+
+impl OfFamily {
+    fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (name, family, points): Family,
+        n_pairs: usize,
+    ) -> Result<OfFamily, GpuError> {
+        let text = include_str!("solid_contacts.wgsl");
+        let is_of = include_str!("pair_family.wgsl");
+        Ok(OfFamily {
+            is_of: kernel_with(device, kernels, ("pair_family", is_of), &[("family", family)])?,
+            points: kernel_with(device, kernels, (name, text), &[("points", points)])?,
+            compact: Compact::new(device, kernels, n_pairs)?,
+            groups: Groups::new(device, kernels, PAIRS)?,
+            flag: Buffer::zeros(device, "family", n_pairs)?,
+            list: Buffer::zeros(device, "pairs of the family", n_pairs)?,
+            n: Count::found(device, n_pairs)?,
+        })
+    }
+
+    /// Record the list of the family's pairs.
+    fn record_list(&self, device: &Device, c: &mut Commands, shapes: [Bound; 3], from: &Pairs, of_pairs: Work) {
+        let [sphere, solid, fixture] = shapes;
+        let bound = [sphere, solid, fixture, from.pairs.bind(), self.flag.bind(), from.n.n.bind()];
+        c.dispatch(device, &self.is_of, &bound, &[], of_pairs);
+        self.compact.record(device, c, &self.flag, &from.n, &self.list, &self.n);
+        self.groups.record(device, c, &self.n);
+    }
+}

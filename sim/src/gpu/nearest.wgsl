@@ -1,0 +1,312 @@
+// The nearest points of two convex shapes (Gilbert, Johnson, Keerthi 1988), and the contact points of the features by which they meet.
+//
+// Single precision does not know the direction between cores that nearly touch. Such shapes are moved apart along an axis, the best of those
+// of their frames, and the direction between them then is the next axis: along that of the least overlap it stays what it is.
+// Twin: cpu/collide/convex.rs, cpu/collide/manifold.rs
+#import support
+#import feature
+#import clip
+
+const ROUNDS: u32 = 32u;
+// Distance of cores over their size that is none, and below which their direction is found by moving them apart, by a share of their size.
+const NOTHING: f32 = 1e-6;
+const NEAR_BY: f32 = 3e-3;
+const MOVED: f32 = 2e-2;
+// The most moves, and what the separation has to grow by over the size.
+const MOVES: u32 = 16u;
+const GROWS: f32 = 2e-7;
+// The greatest ratio of the length of a step to that of the last one that is made use of.
+const MOST_RATIO: f32 = 0.95;
+
+// A vertex of the Minkowski difference A − B, with its points on both.
+struct Vertex {
+    w: vec3<f32>,
+    a: vec3<f32>,
+    b: vec3<f32>,
+}
+
+// Up to four vertices, with the weights of the point nearest to the origin.
+var<private> simplex: array<Vertex, 4>;
+var<private> weight: vec4<f32>;
+var<private> n_simplex: u32;
+
+fn vertex_of(a: Placed, b: Placed, direction: vec3<f32>) -> Vertex {
+    let pa = support(a, direction);
+    let pb = support(b, -direction);
+    return Vertex(pa - pb, pa, pb);
+}
+
+// Weights of the point of a triangle nearest to the origin (Ericson 2005, §5.1.5).
+fn in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let ab = b - a;
+    let ac = c - a;
+    let d1 = -dot(ab, a);
+    let d2 = -dot(ac, a);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return vec3(1.0, 0.0, 0.0);
+    }
+    let d3 = -dot(ab, b);
+    let d4 = -dot(ac, b);
+    if d3 >= 0.0 && d4 <= d3 {
+        return vec3(0.0, 1.0, 0.0);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        return vec3(1.0 - t, t, 0.0);
+    }
+    let d5 = -dot(ab, c);
+    let d6 = -dot(ac, c);
+    if d6 >= 0.0 && d5 <= d6 {
+        return vec3(0.0, 0.0, 1.0);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        return vec3(1.0 - t, 0.0, t);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return vec3(0.0, 1.0 - t, t);
+    }
+    let sum = va + vb + vc;
+    return select(vec3(1.0, 0.0, 0.0), vec3(va, vb, vc) / sum, sum > 0.0);
+}
+
+fn nearest_of_simplex() -> vec3<f32> {
+    var sum = vec3(0.0);
+    for (var i = 0u; i < n_simplex; i++) {
+        sum += simplex[i].w * weight[i];
+    }
+    return sum;
+}
+
+// Leave out the vertices without weight.
+fn drop_unweighted() {
+    var n = 0u;
+    for (var i = 0u; i < n_simplex; i++) {
+        if weight[i] > 0.0 {
+            simplex[n] = simplex[i];
+            weight[n] = weight[i];
+            n++;
+        }
+    }
+    n_simplex = n;
+}
+
+// The faces of a tetrahedron, and the vertex that is not on each.
+fn face_of(i: u32) -> vec4<u32> {
+    return array<vec4<u32>, 4>(vec4(0u, 1u, 2u, 3u), vec4(0u, 3u, 1u, 2u), vec4(0u, 2u, 3u, 1u), vec4(1u, 3u, 2u, 0u))[i];
+}
+
+// Reduce a tetrahedron to the face nearest to the origin; false if the origin is inside.
+fn reduce_tetrahedron() -> bool {
+    var best = 3e38;
+    var weights = vec4(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let f = face_of(i);
+        let p = simplex[f.x].w;
+        let normal = cross(simplex[f.y].w - p, simplex[f.z].w - p);
+        let here = -dot(p, normal);
+        let there = dot(simplex[f.w].w - p, normal);
+        // The origin is beyond this face, or the tetrahedron is flat.
+        if here * there <= 0.0 || abs(there) <= 1e-6 * length(normal) * length(simplex[f.w].w) {
+            let own = in_triangle(p, simplex[f.y].w, simplex[f.z].w);
+            let at = p * own.x + simplex[f.y].w * own.y + simplex[f.z].w * own.z;
+            if dot(at, at) < best {
+                best = dot(at, at);
+                weights = vec4(0.0);
+                weights[f.x] = own.x;
+                weights[f.y] = own.y;
+                weights[f.z] = own.z;
+            }
+        }
+    }
+    weight = weights;
+    drop_unweighted();
+    return best < 3e38;
+}
+
+// Reduce the simplex to the least one with the point nearest to the origin; false if the origin is inside.
+fn reduce_simplex() -> bool {
+    if n_simplex == 4u {
+        return reduce_tetrahedron();
+    }
+    if n_simplex == 3u {
+        weight = vec4(in_triangle(simplex[0].w, simplex[1].w, simplex[2].w), 0.0);
+    } else if n_simplex == 2u {
+        let along = simplex[1].w - simplex[0].w;
+        let size = dot(along, along);
+        let t = select(0.0, clamp(-dot(simplex[0].w, along) / size, 0.0, 1.0), size > 0.0);
+        weight = vec4(1.0 - t, t, 0.0, 0.0);
+    }
+    drop_unweighted();
+    return true;
+}
+
+// What the search of the nearest points has found: cores apart by more than the reach, nearest points, or cores that touch.
+const APART: u32 = 0u;
+const KNOWN: u32 = 1u;
+const TOUCHING: u32 = 2u;
+
+// Search for the nearest points of the cores with a distance of at most `reach`, from a direction from A to B; `nearest` is their
+// difference.
+fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, nearest: ptr<function, vec3<f32>>) -> u32 {
+    n_simplex = 1u;
+    weight = vec4(1.0, 0.0, 0.0, 0.0);
+    simplex[0] = vertex_of(a, b, start);
+    var v = simplex[0].w;
+    for (var k = 0u; k < ROUNDS; k++) {
+        let distance2 = dot(v, v);
+        if distance2 <= NOTHING * NOTHING * scale * scale {
+            return TOUCHING;
+        }
+        let next = vertex_of(a, b, -v);
+        // v·w bounds the distance from below.
+        let lower = dot(v, next.w);
+        if lower > 0.0 && lower * lower > distance2 * reach * reach {
+            return APART;
+        }
+        if distance2 - lower <= 1e-6 * distance2 {
+            break;
+        }
+        let before = simplex;
+        let weights = weight;
+        let n = n_simplex;
+        simplex[n] = next;
+        n_simplex = n + 1u;
+        if !reduce_simplex() {
+            return TOUCHING;
+        }
+        let nearer = nearest_of_simplex();
+        if dot(nearer, nearer) >= distance2 {
+            simplex = before;
+            weight = weights;
+            n_simplex = n;
+            break;
+        }
+        v = nearer;
+    }
+    *nearest = v;
+    return KNOWN;
+}
+
+// Separation of the cores along a unit direction from A to B.
+fn separation(a: Placed, b: Placed, direction: vec3<f32>) -> f32 {
+    return -dot(vertex_of(a, b, direction).w, direction);
+}
+
+// Whether the separation along an axis is greater than that along the best one so far, which it then becomes.
+fn try_axis(a: Placed, b: Placed, axis: vec3<f32>, more: f32, best: ptr<function, vec4<f32>>) -> bool {
+    let apart = separation(a, b, axis);
+    if apart <= (*best).w + more {
+        return false;
+    }
+    *best = vec4(axis, apart);
+    return true;
+}
+
+// The nearest points, or those by which an overlap is least, in `found[0]`; false if the gap is above `reach`. `first_axis` is that of the
+// part that imports this one: an axis along which cores that touch or nearly do are apart, or overlap little.
+fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
+    let round = radius_of(a) + radius_of(b);
+    let away = b.position - a.position;
+    let scale = length(support(a, away) - a.position) + length(support(b, -away) - b.position) + round;
+    var best = vec4(away + vec3(1e-12), 0.0);
+    var shift = 0.0;
+    var last = vec3(0.0);
+    for (var k = 0u; k <= MOVES; k++) {
+        var moved = b;
+        moved.position += best.xyz * shift;
+        var v = vec3(0.0);
+        let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k == 0u), scale, &v);
+        let distance = length(v);
+        let next = -v / distance;
+        if k > 0u {
+            let before = best;
+            if outcome != KNOWN || !try_axis(a, b, next, GROWS * scale, &best) {
+                break;
+            }
+            // Steps become shorter by a ratio that is known from the second on: where they lead is tried at once.
+            let step = next - before.xyz;
+            let ratio = clamp(dot(step, last) / max(dot(last, last), 1e-30), 0.0, MOST_RATIO);
+            last = step;
+            if ratio > 0.0 {
+                try_axis(a, b, normalize(next + step * (ratio / (1.0 - ratio))), 0.0, &best);
+                last = vec3(0.0);
+            }
+        } else if outcome == APART {
+            return false;
+        } else if outcome == KNOWN && distance >= NEAR_BY * scale {
+            best = vec4(next, distance);
+            break;
+        } else {
+            best = first_axis(a, b, away);
+            if outcome == KNOWN {
+                try_axis(a, b, next, 0.0, &best);
+            }
+        }
+        shift = max(-best.w, 0.0) + MOVED * scale;
+    }
+    let normal = best.xyz;
+    var on_a = vec3(0.0);
+    var on_b = vec3(0.0);
+    for (var i = 0u; i < n_simplex; i++) {
+        on_a += simplex[i].a * weight[i];
+        on_b += simplex[i].b * weight[i];
+    }
+    // What the points lie beside each other by is rounding.
+    on_b = on_a + normal * (dot(on_b - on_a, normal) - shift);
+    let gap = best.w - round;
+    found[0] = Point(normal, on_a + normal * radius_of(a), on_b - normal * radius_of(b), gap, 1u << 16u);
+    return gap <= reach;
+}
+
+// The contact points of two convex shapes. Returns their count.
+fn nearest_points(a: Placed, b: Placed, reach: f32) -> u32 {
+    if !find_nearest(a, b, reach) {
+        return 0u;
+    }
+    let nearest = found[0];
+    var fa = feature_of(a, nearest.normal);
+    var fb = feature_of(b, -nearest.normal);
+    let size = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
+    return feature_points(&fa, &fb, nearest, reach, size);
+}
+
+// The corners of two clipped features, and the nearest point where none of them is as near. Returns the number of points.
+fn feature_points(fa: ptr<function, Feature>, fb: ptr<function, Feature>, nearest: Point, reach: f32, size: f32) -> u32 {
+    // What the nearest point may be nearer than all others by, and the points of parallel edges beside each other, over the size.
+    const NEAR: f32 = 1e-5;
+    const BESIDE: f32 = 1e-2;
+    let n = nearest.normal;
+    let of_a = abs(dot(face_normal(fa), n));
+    let of_b = abs(dot(face_normal(fb), n));
+    let has_face = max(of_a, of_b) > 0.5;
+    var kept = 0u;
+    if has_face || ((*fa).n == 2u && (*fb).n == 2u) {
+        kept = clip_either(*fa, *fb, n, reach, has_face && of_a < of_b - 1e-6);
+    }
+    if !has_face && kept > 0u {
+        // Edges that cross touch at their nearest points alone.
+        let p = (*fa).corner[0].xyz;
+        let side = cross((*fa).corner[1].xyz - p, n);
+        let across = select(vec3(0.0), normalize(side), length(side) > 0.0);
+        for (var k = 0u; k < kept; k++) {
+            if abs(dot(found[k].on_second - p, across)) > BESIDE * size {
+                kept = 0u;
+            }
+        }
+    }
+    var least = 3e38;
+    for (var k = 0u; k < kept; k++) {
+        least = min(least, found[k].gap);
+    }
+    if least > nearest.gap + NEAR * size {
+        kept = min(kept, MAX_POINTS - 1u);
+        found[kept] = nearest;
+        kept += 1u;
+    }
+    return kept;
+}

@@ -1,0 +1,74 @@
+// Shapes of any kind where they are, in single precision about the centre of mass of one of a pair's bodies, from the columns `position`,
+// `orientation`, `sphere`, `solid` and `fixture` of the kernel. Fixtures are numbered behind the moving shapes.
+#import sphere
+#import solid
+#import turn
+
+// A shape: kind, half lengths, m, position of its centre, m, and the axes of its frame.
+struct Placed {
+    kind: u32,
+    half: vec3<f32>,
+    position: vec3<f32>,
+    frame: mat3x3<f32>,
+}
+
+// A point of a contact: unit normal from the first shape to the second, the points on both, m, the gap, m, and the feature id.
+struct Point {
+    normal: vec3<f32>,
+    on_first: vec3<f32>,
+    on_second: vec3<f32>,
+    gap: f32,
+    feature: u32,
+}
+
+const MAX_POINTS: u32 = 8u;
+
+// The points of the pair.
+var<private> found: array<Point, 8>;
+
+// What a contact needs of a side of a pair.
+struct Side {
+    shape: u32,
+    body: u32,
+    material: u32,
+}
+
+fn side_of(at: u32) -> Side {
+    let n = arrayLength(&sphere);
+    if at >= n {
+        let f = at - n;
+        return Side(fixture[f].shape, fixture[f].body, fixture[f].material);
+    }
+    return Side(sphere[at].shape, sphere[at].body, sphere[at].material);
+}
+
+fn frame_of(q: vec4<f32>) -> mat3x3<f32> {
+    return mat3x3(turned(q, vec3(1.0, 0.0, 0.0)), turned(q, vec3(0.0, 1.0, 0.0)), turned(q, vec3(0.0, 0.0, 1.0)));
+}
+
+// A shape about an origin; `fine` is the fine unit, m.
+fn placed(at: u32, origin: Fixed, fine: f32) -> Placed {
+    let n = arrayLength(&sphere);
+    if at >= n {
+        let f = at - n;
+        let x = real_axis(fixture[f].x_axis);
+        let y = real_axis(fixture[f].y_axis);
+        let z = real_axis(fixture[f].z_axis);
+        let offset = real_fixed(fine_difference(fixture[f].position, origin)) * fine;
+        return Placed(fixture[f].kind, real_fixed(fixture[f].half) * fine, offset, mat3x3(x, y, z));
+    }
+    let own = solid[at];
+    let body = sphere[at].body;
+    let offset = real_fixed(fine_difference(position[body], origin)) * fine;
+    let q = orientation[body];
+    return Placed(own.kind, own.half, offset + turned(q, own.offset), frame_of(product_of(q, own.turn)));
+}
+
+// Swap the two shapes of the first points. Returns their count.
+fn swap_shapes(n: u32) -> u32 {
+    for (var k = 0u; k < n; k++) {
+        let p = found[k];
+        found[k] = Point(-p.normal, p.on_second, p.on_first, p.gap, p.feature);
+    }
+    return n;
+}

@@ -1,0 +1,153 @@
+// Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face is clipped to
+// it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing faces as well).
+// Boxes that are apart and have no faces in front of each other have their nearest points.
+// Twin: cpu/collide/boxes.rs
+#import clip
+#import nearest
+#import ordered
+
+// The least squared sine of the angle between edges of which a cross product is taken: that of edges more parallel is not known in single
+// precision, and lies between those of faces.
+const PARALLEL: f32 = 1e-4;
+// What the first box's face is kept by, over the sum of the boxes' greatest half lengths, more than the rounding of separations.
+const STABLE: f32 = 2e-6;
+// The reach, over the least half length, beyond which boxes that meet at edges may meet at their faces within the step.
+const FAST: f32 = 0.1;
+// The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone.
+const DEEP: f32 = 0.2;
+
+fn towards(axis: vec3<f32>, a: Placed, b: Placed) -> vec3<f32> {
+    return select(axis, -axis, dot(axis, b.position - a.position) < 0.0);
+}
+
+fn least_of(v: vec3<f32>) -> f32 {
+    return min(v.x, min(v.y, v.z));
+}
+
+fn greatest_of(v: vec3<f32>) -> f32 {
+    return max(v.x, max(v.y, v.z));
+}
+
+// The contact points of two boxes with a gap of at most `reach`. Returns their count.
+fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
+    // B in the frame of A: its rotation, and the place of its middle.
+    let r = transpose(a.frame) * b.frame;
+    let middle = (b.position - a.position) * a.frame;
+    let sizes = mat3x3(abs(r[0]), abs(r[1]), abs(r[2]));
+    let of_a = abs(middle) - a.half - sizes * b.half;
+    let of_b = abs(middle * r) - b.half - a.half * sizes;
+    let stable = STABLE * (greatest_of(a.half) + greatest_of(b.half));
+    var face = -3e38;
+    var face_at = 0u;
+    for (var i = 0u; i < 6u; i++) {
+        let s = select(of_b[i % 3u], of_a[i % 3u], i < 3u);
+        if s > reach {
+            return 0u;
+        }
+        if s > face + select(0.0, stable, i >= 3u && face_at < 3u) {
+            face = s;
+            face_at = i;
+        }
+    }
+    var edge = -3e38;
+    var edges = vec2(0u);
+    for (var i = 0u; i < 3u; i++) {
+        let k = (i + 1u) % 3u;
+        let l = (i + 2u) % 3u;
+        for (var j = 0u; j < 3u; j++) {
+            let column = r[j];
+            let sine2 = column[k] * column[k] + column[l] * column[l];
+            if sine2 < PARALLEL {
+                continue;
+            }
+            let apart = abs(middle[l] * column[k] - middle[k] * column[l]);
+            let reach_a = a.half[k] * sizes[j][l] + a.half[l] * sizes[j][k];
+            let m = (j + 1u) % 3u;
+            let n = (j + 2u) % 3u;
+            let reach_b = b.half[m] * sizes[n][i] + b.half[n] * sizes[m][i];
+            let s = (apart - reach_a - reach_b) / sqrt(sine2);
+            if s > reach {
+                return 0u;
+            }
+            if s > edge {
+                edge = s;
+                edges = vec2(i, j);
+            }
+        }
+    }
+    let size = min(least_of(a.half), least_of(b.half));
+    let is_crossing = edge > face + 1e-3 * size;
+    var n = 0u;
+    if !is_crossing || reach > FAST * size {
+        n = face_points(a, b, face_at, reach);
+    }
+    if is_crossing {
+        return with_edges(n, size, edge_point(a, b, edge, edges));
+    }
+    if n == 0u && face > 0.0 {
+        known_axis = vec4(face_normal_of(a, b, face_at), face);
+        return nearest_points(a, b, reach);
+    }
+    return n;
+}
+
+// The axis along which the boxes are farthest apart.
+var<private> known_axis: vec4<f32>;
+
+fn first_axis(a: Placed, b: Placed, away: vec3<f32>) -> vec4<f32> {
+    return known_axis;
+}
+
+// The normal of a face, of A for the first three, from A to B.
+fn face_normal_of(a: Placed, b: Placed, face_at: u32) -> vec3<f32> {
+    var axis = b.frame[face_at % 3u];
+    if face_at < 3u {
+        axis = a.frame[face_at];
+    }
+    return towards(axis, a, b);
+}
+
+// The points of the face of a box clipped to that of the other.
+fn face_points(a: Placed, b: Placed, face_at: u32, reach: f32) -> u32 {
+    let normal = face_normal_of(a, b, face_at);
+    return clip_either(box_face(a, normal), box_face(b, -normal), normal, reach, face_at >= 3u);
+}
+
+// The points of faces that are not deep, and that of crossing edges.
+fn with_edges(n: u32, size: f32, point: Point) -> u32 {
+    var kept = 0u;
+    for (var k = 0u; k < min(n, MAX_POINTS - 1u); k++) {
+        found[kept] = found[k];
+        kept += select(0u, 1u, found[k].gap > -DEEP * size);
+    }
+    found[kept] = point;
+    return kept + 1u;
+}
+
+// The middle of the edge of a box that is farthest in a direction.
+fn farthest_edge(shape: Placed, along: u32, direction: vec3<f32>) -> vec3<f32> {
+    let local = direction * shape.frame;
+    var p = select(shape.half, -shape.half, local < vec3(0.0));
+    p[along] = 0.0;
+    return shape.position + shape.frame * p;
+}
+
+// The contact point of two edges that cross, with the gap along their cross product.
+fn edge_point(a: Placed, b: Placed, gap: f32, edges: vec2<u32>) -> Point {
+    let da = a.frame[edges.x];
+    let db = b.frame[edges.y];
+    let normal = towards(normalize(cross(da, db)), a, b);
+    let pa = farthest_edge(a, edges.x, normal);
+    let pb = farthest_edge(b, edges.y, -normal);
+    // Nearest points of the two lines pa + s da and pb + t db.
+    let d = dot(da, db);
+    let w = pb - pa;
+    let across = cross(da, db);
+    let det = dot(across, across);
+    let s = (dot(w, da) - d * dot(w, db)) / det;
+    let t = (d * dot(w, da) - dot(w, db)) / det;
+    let half = vec2(a.half[edges.x], b.half[edges.y]);
+    let on_first = pa + da * clamp(s, -half.x, half.x);
+    let on_second = pb + db * clamp(t, -half.y, half.y);
+    return Point(normal, on_first, on_second, gap, (1u << 16u) | (edges.x * 3u + edges.y));
+}

@@ -1,0 +1,2 @@
+// Whether contacts have rolling and spinning friction: here some have.
+const ROLLS: bool = true;

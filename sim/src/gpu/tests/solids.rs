@@ -1,0 +1,298 @@
+//! The contact points of shapes of any kind on a device against the CPU's, and whole steps of them.
+
+use super::{device, vector};
+use crate::fill::SplitMix64;
+use crate::gpu::collision::Collision;
+use crate::model_file::ShapeFile;
+use crate::simulation::Simulation;
+use crate::{Arms, Method, Model, ModelBuilder, SolverSettings, State};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Shapes at random in a cube, each one of a list by turns, over a slope and about a block and a post that are held.
+fn heap(shapes: &[ShapeFile], n: usize, half: f64, seed: u64) -> (Model, State) {
+    let mut builder = ModelBuilder::new("heap");
+    builder.material("stone", 2600.0, 0.5);
+    builder.body("slope", "stone", ShapeFile::plane([0.1, -0.2, 1.0]));
+    builder.body("block", "stone", ShapeFile::cuboid([0.3, 0.2, 0.5])).fixed = true;
+    for k in 0..n {
+        builder.body(&format!("s{k}"), "stone", shapes[k % shapes.len()].clone()).position = [k as f64, 0.0, 1000.0];
+    }
+    let mut random = SplitMix64(seed);
+    let mut sim = builder.simulation().unwrap();
+    for (name, body) in &sim.model.body_names {
+        let b = *body as usize;
+        if name == "slope" {
+            sim.state.position[b] = DVec3::Z * -0.8 * half;
+            continue;
+        }
+        sim.state.orientation[b] = random.rotation();
+        if name != "block" {
+            sim.state.position[b] = vector(&mut random, half);
+            sim.state.velocity[b] = vector(&mut random, 0.2);
+            sim.state.angular_velocity[b] = vector(&mut random, 1.0);
+        }
+    }
+    (sim.model, sim.state)
+}
+
+/// The points of a pair: normal out of A, gap and the point, m, from A's centre of mass, with the feature.
+type Found = (DVec3, f64, DVec3, u32);
+
+/// The points that both back ends find, by shapes.
+fn both(model: &Model, state: &State) -> Option<[BTreeMap<[u32; 2], Vec<Found>>; 2]> {
+    let (device, kernels) = device()?;
+    let mut collision = Collision::new(device, kernels, model, state).unwrap();
+    let found = collision.run(device, kernels, model).unwrap();
+    let contacts = collision.contacts(device).unwrap();
+    let arms = collision.arms().read(device, found.contacts).unwrap();
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let mut own: BTreeMap<[u32; 2], Vec<Found>> = BTreeMap::new();
+    for (c, arm) in contacts.iter().zip(&arms) {
+        own.entry(c.shapes).or_default().push((vector(c.normal), c.gap as f64, vector(arm.a), c.feature));
+    }
+    collision.find_all(device);
+    assert_eq!(collision.run(device, kernels, model).unwrap(), found);
+    assert!(collision.contacts(device).unwrap() == contacts, "a run repeats bit for bit");
+
+    let mut cpu = Simulation::new(model.clone(), state.clone());
+    cpu.step();
+    let c = &cpu.state.contacts;
+    let Arms::Any(arms) = &c.arms else { panic!("shapes of any kind") };
+    let mut expected: BTreeMap<[u32; 2], Vec<Found>> = BTreeMap::new();
+    for i in 0..c.len() {
+        let found = (c.normal[i], c.gap[i], arms[i][0], c.key[i][2]);
+        expected.entry([c.key[i][0], c.key[i][1]]).or_default().push(found);
+    }
+    Some([own, expected])
+}
+
+/// Hold the points against each other: the least gap of every pair to `gap`, m, its normal to `turn`, unless another direction is as
+/// near; and of a share `same` of the pairs all points, by their features. Pairs deeper than `deep`, m, only overlap. Returns the number
+/// of pairs.
+fn hold(model: &Model, state: &State, [gap, turn, same, deep]: [f64; 4]) -> usize {
+    let Some([own, expected]) = both(model, state) else { return usize::MAX };
+    let least = |points: &[Found]| points.iter().copied().min_by(|p, q| p.1.total_cmp(&q.1)).unwrap();
+    let margin = |s: u32| {
+        let b = model.shape_body[s as usize] as usize;
+        let arm = model.shape_pose[s as usize].position.length() + model.shape_size[s as usize].length();
+        model.envelope + (state.velocity[b].length() + state.angular_velocity[b].length() * arm) * model.step
+    };
+    let (mut n_same, mut n_turned, mut n) = (0, 0, 0);
+    for (shapes, points) in &expected {
+        let reach = margin(shapes[0]) + margin(shapes[1]);
+        let e = least(points);
+        let Some(found) = own.get(shapes) else {
+            assert!((e.1 - reach).abs() < gap || e.1 > 0.5 * reach, "{shapes:?} is missing: {points:?}, reach {reach}");
+            continue;
+        };
+        let f = least(found);
+        if e.1 < -deep {
+            assert!(f.1 < -0.8 * deep, "{shapes:?}: {} for {}", f.1, e.1);
+            continue;
+        }
+        n += 1;
+        assert!((e.1 - f.1).abs() < gap, "{shapes:?}: gap {} for {}\n{found:?}\n{points:?}", f.1, e.1);
+        n_turned += ((e.0 - f.0).length() > turn) as usize;
+        let is_same = found.len() == points.len()
+            && points
+                .iter()
+                .all(|p| found.iter().any(|q| p.3 == q.3 && (p.1 - q.1).abs() < gap && (p.2 - q.2).length() < 1e-3));
+        n_same += is_same as usize;
+    }
+    for (shapes, points) in own.iter().filter(|(shapes, _)| !expected.contains_key(*shapes)) {
+        let reach = margin(shapes[0]) + margin(shapes[1]);
+        assert!(least(points).1 > reach - gap, "{shapes:?} are none: {points:?}, reach {reach}");
+    }
+    eprintln!("{n} pairs, {n_same} with the same points, {n_turned} with another normal");
+    let is_most = |k: usize| k as f64 >= same * n as f64;
+    assert!(is_most(n_same) && is_most(n - n_turned), "{n_same} of {n}, {n_turned} turned");
+    n
+}
+
+fn cone(radius: f64, length: f64) -> ShapeFile {
+    ShapeFile { cone: ShapeFile::cylinder(radius, length).cylinder, ..ShapeFile::default() }
+}
+
+#[test]
+fn boxes_have_the_contacts_of_the_cpu() {
+    let shapes = [[0.1, 0.1, 0.1], [0.2, 0.1, 0.06], [0.3, 0.02, 0.2]].map(ShapeFile::cuboid);
+    let (model, state) = heap(&shapes, 300, 0.45, 3);
+    let n = hold(&model, &state, [2e-6, 1e-3, 0.97, f64::INFINITY]);
+    assert!(n > 300, "{n}");
+}
+
+#[test]
+fn spheres_and_solids_have_the_contacts_of_the_cpu() {
+    let shapes = [
+        ShapeFile::sphere(0.06),
+        ShapeFile::cuboid([0.1, 0.16, 0.08]),
+        ShapeFile::sphere(0.05),
+        ShapeFile::capsule(0.04, 0.1),
+        ShapeFile::sphere(0.04),
+        ShapeFile::cylinder(0.06, 0.1),
+        ShapeFile::sphere(0.07),
+        cone(0.06, 0.12),
+    ];
+    let (model, state) = heap(&shapes, 800, 0.6, 4);
+    let n = hold(&model, &state, [2e-5, 1e-2, 0.9, 5e-3]);
+    assert!(n > 150, "{n}");
+}
+
+#[test]
+fn convex_shapes_have_the_contacts_of_the_cpu() {
+    let shapes = [
+        ShapeFile::capsule(0.04, 0.1),
+        ShapeFile::ellipsoid([0.06, 0.05, 0.08]),
+        ShapeFile::cylinder(0.06, 0.1),
+        cone(0.06, 0.12),
+        ShapeFile::cuboid([0.1, 0.12, 0.08]),
+        ShapeFile::sphere(0.05),
+    ];
+    let (model, state) = heap(&shapes, 1200, 0.8, 5);
+    let n = hold(&model, &state, [5e-5, 1e-2, 0.85, 5e-3]);
+    assert!(n > 150, "{n}");
+}
+
+/// Bricks in a wall that a ball hits, and the pieces as they fall.
+#[test]
+fn steps_of_boxes_are_those_of_the_cpu() {
+    let mut builder = ModelBuilder::new("wall");
+    builder.material("brick", 1900.0, 0.6);
+    builder.body("ground", "brick", ShapeFile::plane([0.0, 0.0, 1.0]));
+    for k in 0..24 {
+        let brick = builder.body(&format!("b{k}"), "brick", ShapeFile::cuboid([0.25, 0.12, 0.1]));
+        let (row, column) = (k / 4, k % 4);
+        brick.position = [0.252 * column as f64 + 0.126 * (row % 2) as f64, 0.0, 0.05 + 0.1 * row as f64];
+    }
+    let ball = builder.body("ball", "brick", ShapeFile::sphere(0.1));
+    (ball.position, ball.velocity) = ([0.5, -0.3, 0.4], [0.0, 6.0, 0.0]);
+    let mut sim = builder.simulation().unwrap();
+    for method in [Method::Apgd, Method::Jacobi] {
+        let iterations = Some(400);
+        sim.model.solver =
+            SolverSettings { method: Some(method), iterations, tolerance: 1e-6, ..sim.model.solver.clone() };
+        let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
+        let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
+        let mut n_contacts = 0;
+        for _ in 0..60 {
+            let (a, b) = (own.step(), cpu.step());
+            n_contacts = n_contacts.max(b.contacts);
+            assert!(a.broken.is_none(), "{a:?}");
+        }
+        own.fetch().unwrap();
+        let off = super::whole::apart(&own.state, &cpu.state);
+        let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
+        eprintln!("{method:?}: {n_contacts} contacts, {off} m, {energies:?} J");
+        assert!(n_contacts > 80 && off < 2e-3, "{method:?}: {off} m");
+        assert!((energies[0] / energies[1] - 1.0).abs() < 0.02, "{method:?}: {energies:?}");
+    }
+}
+
+/// Shapes of every kind that fall onto a slope: a run repeats bit for bit, also from a checkpoint, which the processor takes up, too.
+#[test]
+fn a_run_of_solids_repeats_bit_for_bit_also_from_its_middle() {
+    let shapes = [
+        ShapeFile::sphere(0.05),
+        ShapeFile::cuboid([0.1, 0.12, 0.08]),
+        ShapeFile::capsule(0.04, 0.1),
+        ShapeFile::cylinder(0.05, 0.1),
+        cone(0.06, 0.12),
+        ShapeFile::ellipsoid([0.06, 0.05, 0.08]),
+    ];
+    let mut builder = ModelBuilder::new("falling");
+    builder.material("stone", 2600.0, 0.5);
+    builder.body("slope", "stone", ShapeFile::plane([0.1, 0.0, 1.0]));
+    for k in 0..60 {
+        let body = builder.body(&format!("s{k}"), "stone", shapes[k % 6].clone());
+        body.position = [0.2 * (k % 5) as f64, 0.2 * (k / 5 % 4) as f64, 0.12 + 0.15 * (k / 20) as f64];
+        body.velocity = [0.0, 0.0, -2.0];
+    }
+    let sim = builder.simulation().unwrap();
+    let Some(mut first) = super::whole::on_device(&sim.model, &sim.state) else { return };
+    let mut second = super::whole::on_device(&sim.model, &sim.state).unwrap();
+    let mut cpu = Simulation::new(sim.model.clone(), sim.state);
+    super::whole::steps(&mut first, 60);
+    super::whole::steps(&mut second, 30);
+    let middle = super::whole::written(&second.state);
+    let mut on_cpu = Simulation::new(sim.model, middle.clone());
+    let mut second = second.restart(middle).unwrap();
+    super::whole::steps(&mut second, 30);
+    let bits = |s: &State| -> Vec<u64> {
+        let vectors = [&s.position, &s.velocity, &s.angular_velocity, &s.contacts.impulse];
+        let vectors = vectors.into_iter().flatten().flat_map(|v| v.to_array());
+        vectors.chain(s.orientation.iter().flat_map(|q| q.to_array())).map(f64::to_bits).collect()
+    };
+    assert!(first.state.contacts.len() > 60 && bits(&first.state) == bits(&second.state));
+    assert_eq!(first.state.contacts.key, second.state.contacts.key);
+    super::whole::steps(&mut cpu, 60);
+    super::whole::steps(&mut on_cpu, 30);
+    let apart = [&first, &on_cpu].map(|s| super::whole::apart(&s.state, &cpu.state));
+    eprintln!("{} contacts, {apart:?} m", cpu.state.contacts.len());
+    assert!(apart.iter().all(|off| *off < 5e-3), "{apart:?} m");
+}
+
+/// A body of three different moments turns over and over as on the CPU, far from the origin.
+#[test]
+fn what_tumbles_does_so_as_on_the_cpu() {
+    let mut builder = ModelBuilder::new("tumble");
+    builder.material("stone", 2600.0, 0.5);
+    let body = builder.body("box", "stone", ShapeFile::cuboid([0.1, 0.2, 0.3]));
+    (body.position, body.velocity) = ([1000.0, -1000.0, 1000.0], [1.0, 0.0, 0.5]);
+    let mut sim = builder.simulation().unwrap();
+    sim.state.angular_velocity[0] = DVec3::new(0.02, 10.0, 0.01);
+    let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
+    let mut cpu = Simulation::new(sim.model, sim.state);
+    let energy = |s: &Simulation| s.state.kinetic_energy(&s.model);
+    let spin = |s: &Simulation| -> f64 {
+        (s.state.angular_velocity[0] * s.state.angular_velocity[0] / s.model.inv_inertia[0]).element_sum()
+    };
+    let before = spin(&cpu);
+    for _ in 0..1000 {
+        own.step();
+        cpu.step();
+    }
+    own.fetch().unwrap();
+    let turn = (own.state.orientation[0].inverse() * cpu.state.orientation[0]).to_scaled_axis().length();
+    assert!(turn < 0.02, "{turn}");
+    assert!((spin(&own) / before - 1.0).abs() < 1e-4, "{} {before}", spin(&own));
+    assert!((energy(&own) / energy(&cpu) - 1.0).abs() < 1e-5);
+}
+
+/// Boxes that slide and stick on a slope by Coulomb's law itself, and a ball among them.
+#[test]
+fn exact_friction_has_the_motion_of_the_cpu() {
+    let mut builder = ModelBuilder::new("slope");
+    builder.material("smooth", 1000.0, 0.2);
+    builder.material("rough", 1000.0, 0.8);
+    let slope = builder.body("slope", "rough", ShapeFile::cuboid([6.0, 3.0, 0.1]));
+    (slope.fixed, slope.position) = (true, [0.0, 0.0, -0.05]);
+    for (k, material) in ["smooth", "rough", "smooth", "rough"].into_iter().enumerate() {
+        let block = builder.body(&format!("b{k}"), material, ShapeFile::cuboid([0.3, 0.3, 0.2]));
+        block.position = [0.0, -1.0 + 0.5 * k as f64, 0.1];
+    }
+    builder.body("ball", "rough", ShapeFile::sphere(0.15)).position = [0.0, 1.0, 0.15];
+    let mut sim = builder.simulation().unwrap();
+    let angle = 20f64.to_radians();
+    sim.model.gravity = DVec3::new(angle.sin(), 0.0, -angle.cos()) * 9.81;
+    for method in [Method::Apgd, Method::Jacobi] {
+        let (iterations, friction) = (Some(200), crate::FrictionLaw::Exact);
+        let solver = sim.model.solver.clone();
+        sim.model.solver = SolverSettings { method: Some(method), iterations, friction, tolerance: 1e-6, ..solver };
+        let Some(mut own) = super::whole::on_device(&sim.model, &sim.state) else { return };
+        let mut cpu = Simulation::new(sim.model.clone(), sim.state.clone());
+        for _ in 0..150 {
+            let (a, b) = (own.step(), cpu.step());
+            assert!(a.broken.is_none() && b.broken.is_none(), "{a:?}");
+        }
+        own.fetch().unwrap();
+        let off = super::whole::apart(&own.state, &cpu.state);
+        let body = |name: &str| own.model.body_names[name] as usize;
+        let [slides, sticks] = ["b0", "b1"].map(|name| own.state.velocity[body(name)].x);
+        // g (sin α − μ cos α) t.
+        let expected = 9.81 * (angle.sin() - 0.2 * angle.cos()) * own.state.time;
+        eprintln!("{method:?}: {off} m, {slides} m/s for {expected}, {sticks} m/s");
+        assert!(off < 1e-3 && sticks.abs() < 1e-3, "{method:?}: {off} m, {sticks} m/s");
+        assert!((slides / expected - 1.0).abs() < 0.03, "{method:?}: {slides} m/s for {expected}");
+    }
+}
