@@ -20,6 +20,10 @@ pub trait Scene {
     fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         None
     }
+    /// Times at which the shutter opens and closes.
+    fn shutter(&self) -> [f32; 2] {
+        [0.0; 2]
+    }
     /// Answer a query by name; `None` if the scene has no answer.
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
         None
@@ -109,8 +113,10 @@ pub struct MapQuery<'a> {
     pub change: [[f32; 3]; 2],
     /// Factor on the filter's width.
     pub width: f32,
-    /// Blur, as a fraction of the map's width.
-    pub blur: f32,
+    /// Blur along s and t, as fractions of the map's width.
+    pub blur: [f32; 2],
+    /// Value of channels that the map does not have.
+    pub fill: f32,
     /// Count of samples, for maps that are sampled.
     pub samples: f32,
     /// Bias of a shadow lookup.
