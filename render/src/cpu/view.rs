@@ -482,6 +482,13 @@ impl sl::machine::Scene for View<'_> {
         }
     }
 
+    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
+        for (ray, met) in rays.iter().zip(met) {
+            let dir = Vec3::from(ray.direction);
+            *met = self.rays.meets(self.item, self.start(ray.from.into(), dir), dir, self.bias);
+        }
+    }
+
     fn emitter(&self, light: usize, n: usize, place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         let (area, sample) = self.attributes.emitters.get(light).copied().flatten()?;
         let light = &self.scene.area_lights[area as usize];

@@ -36,6 +36,12 @@ pub trait Scene {
     fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
         distances.fill(None);
     }
+    /// Whether each ray meets a surface.
+    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
+        let mut distances = vec![None; rays.len()];
+        self.hit(rays, &mut distances);
+        met.iter_mut().zip(distances).for_each(|(met, distance)| *met = distance.is_some());
+    }
     /// Whether rays from this grid are traced: not where the maximum ray depth is reached. `_many` as for [`Scene::trace`].
     fn traces(&self, _many: bool) -> bool {
         false
