@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Version of the format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Most shards of an image.
 const MOST_PARTS: usize = 1_000_000;
 
@@ -43,6 +43,8 @@ pub struct Header {
     pixel_aspect: f32,
     /// Quantised value of 1.
     one: i32,
+    /// Least and greatest quantised value.
+    range: [i32; 2],
     /// Amplitude of the dither.
     dither: f32,
     /// Crop window: left, right, top and bottom, as fractions of the image.
@@ -91,6 +93,7 @@ pub fn write(result: &RenderResult, displays: &[&Display], image_path: &Path, sh
         about: options.about.clone(),
         pixel_aspect: options.pixel_aspect,
         one: options.quantize_one,
+        range: options.quantize_range,
         dither: options.dither,
         crop: options.crop,
         hash: String::new(),
@@ -174,6 +177,7 @@ impl Header {
             width: self.width,
             height: self.height,
             quantize_one: self.one,
+            quantize_range: self.range,
             dither: self.dither,
             crop: self.crop,
             about: self.about.clone(),

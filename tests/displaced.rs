@@ -1,5 +1,6 @@
 //! Displaced surfaces as rays meet them: shadows on displaced ground against the closed form, shadows and mirror images of others.
 
+use crate::cli::{scratch, scree};
 use crate::rendering::{ORTHO, Rendered, render_with};
 
 /// Waves of a height along a direction of the plane; `waves` of them a unit.
@@ -192,4 +193,20 @@ fn rays_of_shaders_meet_displaced_surfaces_where_they_are() {
         let near = (0..3).all(|c| expected[c].is_nan() || (found[c] - expected[c]).abs() < 0.03);
         assert!(near, "{what} of {above}: {found:?}, expected {expected:?}");
     }
+}
+
+#[test]
+fn displaced_surfaces_that_find_no_memory_end_the_image_and_say_what_helps() {
+    let work = scratch();
+    let path = work.path().join("t.rib");
+    let scene = "Display \"t.png\" \"png\" \"rgb\" Format 800 800 1 Projection \"orthographic\" Translate 0 0 5\nWorldBegin
+        LightSource \"distantlight\" 1 \"to\" [0.5 -0.5 1] Surface \"matte\" ShadingRate 0.05 Displacement \"rock\" \"float Km\" [0.05]
+        Attribute \"displacementbound\" \"float sphere\" [0.06] Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]\nWorldEnd\n";
+    std::fs::write(&path, scene).unwrap();
+    let out = work.path().to_str().unwrap();
+    let said = scree(&["--memory", "120MiB", "render", path.to_str().unwrap(), "-o", out]).fails(3);
+    assert!(
+        said.contains("no room for the displaced surfaces that rays meet") && said.contains("ShadingRate"),
+        "{said}"
+    );
 }

@@ -2,5 +2,5 @@
 //! flag, function, request, shader and scene that the program has, and no other.
 
 mod examples;
-mod pages;
+pub mod pages;
 mod reference;

@@ -145,3 +145,50 @@ fn the_sheet_of_effects_is_drawn() {
         eprintln!("{} is for {goal}", path.display());
     }
 }
+
+/// Scenes of the library, row by row of their sheet.
+const SCENES: [&str; 9] =
+    ["desert_noon", "desert_dusk", "lunar", "test_bench", "laboratory", "cutaway", "turntable", "studio", "quarry"];
+
+/// The stones of the heap as a table.
+fn table(gravel: &str) -> String {
+    let number = |line: &str, k: usize| line.split_whitespace().nth(k).unwrap().to_string();
+    let mut rows = "pos_x,pos_y,pos_z,r\n".to_string();
+    for stone in gravel.split_inclusive("AttributeEnd\n") {
+        let line = |word: &str| stone.lines().find(|l| l.trim().starts_with(word));
+        let (Some(place), Some(sphere)) = (line("Translate"), line("Sphere")) else { continue };
+        let [x, y, z] = [1, 2, 3].map(|k| number(place, k));
+        rows += &format!("{x},{y},{z},{}\n", number(sphere, 1));
+    }
+    rows
+}
+
+#[test]
+#[ignore = "draws docs/sheets/scenes.png, to be looked at and copied by hand"]
+fn the_sheet_of_scenes_is_drawn() {
+    let known = std::fs::read_dir(root().join("scenes")).unwrap().count();
+    assert_eq!(known, SCENES.len(), "a scene of the library is not on the sheet");
+    let (work, size) = (scratch(), [480, 300]);
+    let at = |name: &str| work.path().join(name);
+    std::fs::write(at("heap_0000.csv"), table(&gravel())).unwrap();
+    let mut sheet = RgbImage::new(3 * size[0], 3 * size[1]);
+    for (k, scene) in SCENES.iter().enumerate() {
+        let yaml = format!(
+            "data: {{csv: heap_0000.csv}}\nscene: {scene}.rib\ncamera: {{eye: [2.2, -4.8, 1.9], look_at: [0, 0, 0.3]}}\nobjects:
+  - {{name: stones, geometry: {{sphere: {{radius: r}}}}, color: [0.5, 0.47, 0.43],
+     surface: {{name: gravel, size: 0.02, variation: 0.45}}, displacement: {{name: rock, Km: 0.012, size: 0.06, bound: 0.02}}}}\noutput: {{resolution: [{}, {}], samples: [4, 4]}}\n",
+            size[0], size[1]
+        );
+        std::fs::write(at("sheet.yaml"), yaml).unwrap();
+        let out = at(scene);
+        scree(&["render", at("sheet.yaml").to_str().unwrap(), "-o", out.to_str().unwrap()]).ok();
+        let panel = image::open(out.join("000000.png")).unwrap().to_rgb8();
+        let [x, y] = place(k, size);
+        image::imageops::replace(&mut sheet, &panel, x.into(), y.into());
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sheets");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("scenes.png");
+    sheet.save(&path).unwrap();
+    eprintln!("{} is for docs/sheets/scenes.png", path.display());
+}

@@ -29,12 +29,13 @@ pub enum Wrap {
 }
 
 impl Wrap {
-    /// By its name; black if it is unknown.
-    pub fn of_name(name: &str) -> Wrap {
+    /// By its name.
+    pub fn of_name(name: &str) -> Option<Wrap> {
         match name {
-            "clamp" => Wrap::Clamp,
-            "periodic" => Wrap::Periodic,
-            _ => Wrap::Black,
+            "black" => Some(Wrap::Black),
+            "clamp" => Some(Wrap::Clamp),
+            "periodic" => Some(Wrap::Periodic),
+            _ => None,
         }
     }
 }
@@ -191,7 +192,7 @@ impl Textures {
         };
         let mut value = texture.filtered(at, change.map(|c| c.map(|d| d * q.width)), q.blur);
         if q.channel > 0 {
-            value = [0, 1, 2, 3].map(|k| value.get(k + q.channel).copied().unwrap_or(0.0));
+            value = [0, 1, 2, 3].map(|k| value.get(k + q.channel).copied().unwrap_or(q.fill));
         }
         value
     }
@@ -300,11 +301,19 @@ impl Texture {
 
     /// The mean about a place over the ellipse that the change to the next points spans, wider by a blur, all as parts of the image:
     /// between two levels that resolve its shorter axis, bilinear in each, and several along its longer one.
-    fn filtered(&self, at: [f32; 2], change: [[f32; 2]; 2], blur: f32) -> [f32; 4] {
+    fn filtered(&self, at: [f32; 2], change: [[f32; 2]; 2], blur: [f32; 2]) -> [f32; 4] {
         let (w, h) = self.levels.size(0);
         let (w, h) = (w as f32, h as f32);
-        let Ellipse { axis, long, short } = Ellipse::of(change.map(|[s, t]| [s * w, t * h]));
-        let blurred = |length: f32| (length + 2.0 * blur * (w * h).sqrt()).clamp(1.0, w.max(h).max(1.0));
+        let mut change = change.map(|[s, t]| [s * w, t * h]);
+        let even = blur[0].min(blur[1]).max(0.0);
+        let rest = [2.0 * w * (blur[0] - even), 2.0 * h * (blur[1] - even)];
+        if rest != [0.0; 2] {
+            // A blur along one axis alone: so much wider is the ellipse along it.
+            let grown = |axis: usize| (change[0][axis].hypot(change[1][axis]) + rest[axis]).max(0.0);
+            change = [[grown(0), 0.0], [0.0, grown(1)]];
+        }
+        let Ellipse { axis, long, short } = Ellipse::of(change);
+        let blurred = |length: f32| (length + 2.0 * even * (w * h).sqrt()).clamp(1.0, w.max(h).max(1.0));
         let (long, short) = (blurred(long), blurred(short));
         let ratio = (long / short).min(MAX_TAPS);
         let taps = ratio.ceil() as usize;
@@ -360,9 +369,9 @@ mod tests {
         let (long, short) = (12.0 / n as f32, 0.2 / n as f32);
         let (along, across) = ([long, long], [short, -short]);
         let at = [34.0 / n as f32, 32.5 / n as f32];
-        let inside = texture.filtered(at, [along, across], 0.0)[0];
+        let inside = texture.filtered(at, [along, across], [0.0; 2])[0];
         assert!(inside > 0.9, "{inside}");
-        let mean = texture.filtered(at, [[long, -long], [short, short]], 0.0)[0];
+        let mean = texture.filtered(at, [[long, -long], [short, short]], [0.0; 2])[0];
         assert!((mean - 0.5).abs() < 0.15, "{mean}");
         let ellipse = Ellipse::of([[3.0, 0.0], [0.0, 7.0]]);
         assert!((ellipse.long - 7.0).abs() < 1e-5 && (ellipse.short - 3.0).abs() < 1e-5 && ellipse.axis[1] > 0.999);

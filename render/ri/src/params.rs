@@ -180,6 +180,7 @@ impl Default for Declarations {
         for (names, class, ty) in [
             ("P", Class::Vertex, Type::Point),
             ("Pw", Class::Vertex, Type::HPoint),
+            ("Pz", Class::Vertex, Type::Float),
             ("N", Class::Varying, Type::Normal),
             ("Np", Class::Uniform, Type::Normal),
             ("Cs Os", Class::Varying, Type::Color),
@@ -193,7 +194,7 @@ impl Default for Declarations {
             ("texturename shadowname name shadinggroup depthfilter", Class::Uniform, Type::String),
             ("shader texture archive procedural display rib", Class::Uniform, Type::String),
             ("gridsize bucketsize texturememory eyesplits jitter binary endofframe", Class::Uniform, Type::Integer),
-            ("coordinatesystem space", Class::Uniform, Type::String),
+            ("coordinatesystem space sense", Class::Uniform, Type::String),
             ("sphere", Class::Uniform, Type::Float),
         ] {
             for name in names.split(' ') {

@@ -1,8 +1,9 @@
 //! Calls that set attributes and make lights.
 
 use crate::context::state::Context;
+use crate::gprim::bound::longest;
 use crate::scene::area::{Area, AreaLight};
-use crate::scene::attributes::Attribute;
+use crate::scene::attributes::{Attribute, DisplacementBound};
 use crate::scene::camera::Camera;
 use glam::Vec3;
 use ri::{Fail, Params, RiResult, Values};
@@ -37,10 +38,8 @@ impl Context {
             self.sets(Attribute::User);
             let number = param.numbers().first().copied();
             match (name, param.decl.name.as_str(), number) {
-                ("displacementbound", "sphere", Some(bound)) => {
-                    self.sets(Attribute::DisplacementBound);
-                    self.attributes.displacement_bound = Some(bound.max(0.0))
-                }
+                ("displacementbound", "sphere" | "coordinatesystem", _) => {}
+                ("trimcurve", "sense", _) => self.set_trim_sense(param.text())?,
                 ("light", "nsamples", Some(n)) => {
                     if !(1.0..=4096.0).contains(&n) {
                         return Err(Fail::new(format!("an area light of {n} samples, expected 1 to 4096")));
@@ -61,9 +60,48 @@ impl Context {
                     self.attributes.casts_shadows = param.text() != Some("transparent");
                     self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
-                _ => {}
+                ("user", ..) | ("identifier", "name" | "shadinggroup", _) => {}
+                (group, name, _) => self.scene.warn(format!(
+                    "attribute `{group}:{name}` is not supported: shaders may ask for it, it has no other effect"
+                )),
             }
         }
+        if name == "displacementbound" { self.set_displacement_bound(&params) } else { Ok(()) }
+    }
+
+    /// The greatest displacement: in object units, or in those of a coordinate system that is named.
+    fn set_displacement_bound(&mut self, params: &Params) -> RiResult {
+        let given = |name: &str| params.iter().find(|p| p.decl.name == name);
+        let Some(sphere) = given("sphere") else { return Ok(()) };
+        let bound = match *sphere.numbers() {
+            [bound] if bound >= 0.0 => bound,
+            [bound] => return Err(Fail::new(format!("the displacement bound is {bound}, expected 0 or more"))),
+            _ => return Err(Fail::new("the displacement bound: expected a number")),
+        };
+        let bound = match given("coordinatesystem").and_then(|p| p.text()) {
+            None | Some("object" | "shader") => DisplacementBound::Object(bound),
+            Some("current" | "world" | "camera" | "eye") => DisplacementBound::World(bound),
+            Some(name) => {
+                let space = self.scene.spaces.get(name);
+                let space = space.ok_or_else(|| Fail::new(format!("there is no coordinate system `{name}`")))?;
+                DisplacementBound::World(bound * longest(*space))
+            }
+        };
+        self.sets(Attribute::DisplacementBound);
+        self.attributes.displacement_bound = Some(bound);
+        Ok(())
+    }
+
+    /// Which side of the trim curves that follow is kept.
+    fn set_trim_sense(&mut self, sense: Option<&str>) -> RiResult {
+        self.geometry.trims_inside = match sense {
+            Some("inside") => false,
+            Some("outside") => true,
+            other => {
+                let other = other.unwrap_or("");
+                return Err(Fail::new(format!("unknown sense of trim curves `{other}`, expected inside or outside")));
+            }
+        };
         Ok(())
     }
 

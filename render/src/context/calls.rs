@@ -1,9 +1,12 @@
 //! The calls of the interface, each passed on to what it sets or makes.
 
+use crate::context::motion_block::Moving;
 use crate::context::state::{Context, positive};
 use crate::gprim::quadric::Outline;
 use crate::gprim::trim::trim;
+use crate::gprim::variables::weighted;
 use crate::scene::attributes::Attribute;
+use crate::scene::trim::Trim;
 use crate::texture::{self, Wrap};
 use glam::{Mat4, Vec3};
 use ri::{Fail, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves};
@@ -121,17 +124,14 @@ impl Ri for Context {
         self.options.imager = if name == "null" { None } else { Some(self.shader(name, "imager", params)?) };
         Ok(())
     }
-    fn quantize(&mut self, kind: &str, one: i32, _: i32, _: i32, dither: f32) -> RiResult {
-        if kind.starts_with("rgb") {
-            (self.options.quantize_one, self.options.dither) = (one, dither);
-        }
-        Ok(())
+    fn quantize(&mut self, kind: &str, one: i32, min: i32, max: i32, dither: f32) -> RiResult {
+        self.set_quantize(kind, [one, min, max], dither)
     }
     fn display(&mut self, name: &str, kind: &str, mode: &str, params: Params) -> RiResult {
         self.add_display(name, kind, mode, params)
     }
-    fn hider(&mut self, name: &str, _: Params) -> RiResult {
-        self.set_hider(name)
+    fn hider(&mut self, name: &str, params: Params) -> RiResult {
+        self.set_hider(name, &params)
     }
     fn option(&mut self, name: &str, params: Params) -> RiResult {
         self.set_option(name, params)
@@ -231,7 +231,10 @@ impl Ri for Context {
         self.options.relative_detail = factor;
         Ok(())
     }
-    fn geometric_approximation(&mut self, _: &str, _: f32) -> RiResult {
+    fn geometric_approximation(&mut self, kind: &str, _: f32) -> RiResult {
+        if kind != "flatness" {
+            self.scene.warn(format!("geometric approximation `{kind}` is not known, expected flatness"));
+        }
         Ok(())
     }
     fn texture_coordinates(&mut self, corners: [f32; 8]) -> RiResult {
@@ -248,11 +251,23 @@ impl Ri for Context {
         self.scene.warn(format!("deformation `{name}` is passed over"));
         Ok(())
     }
-    fn error_handler(&mut self, _: &str) -> RiResult {
+    fn error_handler(&mut self, name: &str) -> RiResult {
+        match name {
+            "print" => {}
+            "ignore" | "abort" => self.scene.warn(format!("error handler `{name}` has no effect: errors are printed")),
+            other => {
+                return Err(Fail::new(format!("unknown error handler `{other}`, expected ignore, print or abort")));
+            }
+        }
         Ok(())
     }
     fn make_texture(&mut self, from: &str, to: &str, wraps: [&str; 2], _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), texture::Source::Image(from.into(), wraps.map(Wrap::of_name)));
+        let known = wraps.map(Wrap::of_name);
+        let [Some(s), Some(t)] = known else {
+            let [s, t] = wraps;
+            return Err(Fail::new(format!("unknown wrap `{s}` `{t}`, expected black, clamp or periodic")));
+        };
+        self.made.insert(to.into(), texture::Source::Image(from.into(), [s, t]));
         Ok(())
     }
     fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
@@ -270,8 +285,8 @@ impl Ri for Context {
     ) -> RiResult {
         self.add_cube_map(from, to, fov)
     }
-    fn make_shadow(&mut self, _: &str, _: &str, _: Params) -> RiResult {
-        // Shadows are traced, whatever map is named.
+    fn make_shadow(&mut self, _: &str, to: &str, _: Params) -> RiResult {
+        self.scene.warn(format!("the shadow map `{to}` is not made: shadows are traced, whatever map a light names"));
         Ok(())
     }
     fn shading_rate(&mut self, size: f32) -> RiResult {
@@ -328,7 +343,11 @@ impl Ri for Context {
     }
     fn rotate(&mut self, angle: f32, axis: [f32; 3]) -> RiResult {
         let axis = Vec3::from(axis).try_normalize().ok_or(Fail::new("the axis of a rotation is zero"))?;
-        self.concat(Mat4::from_axis_angle(axis, angle.to_radians()), "`Rotate`")
+        match &mut self.motion {
+            Some(block) if angle.is_finite() => block.calls.push(Moving::Turn(axis, angle.to_radians())),
+            _ => return self.concat(Mat4::from_axis_angle(axis, angle.to_radians()), "`Rotate`"),
+        }
+        Ok(())
     }
     fn scale(&mut self, by: [f32; 3]) -> RiResult {
         self.concat(Mat4::from_scale(by.into()), &format!("`Scale {} {} {}`", by[0], by[1], by[2]))
@@ -342,10 +361,10 @@ impl Ri for Context {
         self.set_transform(*space)
     }
     fn polygon(&mut self, params: Params) -> RiResult {
-        self.draw_polygon(params)
+        self.draw_polygon(weighted(params)?)
     }
     fn general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
-        self.draw_general_polygon(n_vertices, params)
+        self.draw_general_polygon(n_vertices, weighted(params)?)
     }
     fn points_general_polygons(
         &mut self,
@@ -354,10 +373,10 @@ impl Ri for Context {
         vertices: Vec<i32>,
         params: Params,
     ) -> RiResult {
-        self.draw_points_general_polygons(n_loops, n_vertices, vertices, params)
+        self.draw_points_general_polygons(n_loops, n_vertices, vertices, weighted(params)?)
     }
     fn points_polygons(&mut self, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) -> RiResult {
-        self.draw_points_polygons(n_vertices, vertices, params)
+        self.draw_points_polygons(n_vertices, vertices, weighted(params)?)
     }
     fn basis(&mut self, u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) -> RiResult {
         if !(1..=4).contains(&u_step) || !(1..=4).contains(&v_step) {
@@ -377,7 +396,8 @@ impl Ri for Context {
         self.draw_nu_patch(u, v, params)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
-        self.geometry.trim = trim(&curves)?.map(Arc::new);
+        let outside = self.geometry.trims_inside;
+        self.geometry.trim = trim(&curves)?.map(|trim| Arc::new(Trim { outside, ..trim }));
         Ok(())
     }
     fn cone(&mut self, height: f32, radius: f32, sweep: f32, params: Params) -> RiResult {
@@ -400,10 +420,10 @@ impl Ri for Context {
         self.quadric(Outline::Circle([major, 0.0], minor, angles), sweep, params)
     }
     fn points(&mut self, params: Params) -> RiResult {
-        self.draw_points(params)
+        self.draw_points(weighted(params)?)
     }
     fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
-        self.draw_curves(kind, n_vertices, wrap, params)
+        self.draw_curves(kind, n_vertices, wrap, weighted(params)?)
     }
     fn subdivision_mesh(
         &mut self,
@@ -413,7 +433,7 @@ impl Ri for Context {
         tags: Tags,
         params: Params,
     ) -> RiResult {
-        self.draw_subdivision_mesh(scheme, n_vertices, vertices, tags, params)
+        self.draw_subdivision_mesh(scheme, n_vertices, vertices, tags, weighted(params)?)
     }
     fn blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, _: Vec<String>, params: Params) -> RiResult {
         self.draw_blobby(leaves, codes, floats, params)

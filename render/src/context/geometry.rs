@@ -12,4 +12,6 @@ pub struct Geometry {
     pub steps: [usize; 2],
     /// What is cut away of NURBS patches.
     pub trim: Option<Arc<Trim>>,
+    /// Whether what trim curves enclose is cut away, rather than what is around.
+    pub trims_inside: bool,
 }

@@ -1,9 +1,10 @@
 //! Open motion blocks: what their calls are kept as until `MotionEnd` (RISpec 6.3).
 
 use crate::gprim::quadric::Quadric;
+use crate::scene::attributes::Attributes;
 use crate::scene::patch::Patch;
 use crate::scene::variables::{VariableName, VariableNames};
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use ri::{Instances, Params};
 
 /// A transformation at rising times.
@@ -16,6 +17,10 @@ pub type Place = (Mat4, Keys);
 pub struct MotionBlock {
     pub times: Vec<f32>,
     pub calls: Vec<Moving>,
+    /// Attributes as the first request that sets one has left them, if a second one does.
+    pub first: Option<Box<Attributes>>,
+    /// Requests that set an attribute.
+    pub n_set: usize,
     /// How the first call cut its polygons, which the others do alike.
     pub cuts: Vec<PolygonCut>,
 }
@@ -30,6 +35,8 @@ pub struct PolygonCut {
 pub enum Moving {
     /// A transformation after the current one.
     Concat(Mat4),
+    /// A rotation after the current one: its axis, of unit length, and angle, radians.
+    Turn(Vec3, f32),
     /// One in its place.
     Set(Mat4),
     Patches(Vec<Patch>, VariableNames),

@@ -15,10 +15,49 @@ use ri::{Fail, Instances, Params, RiResult};
 /// What is said where a block's primitives cannot be matched.
 const CUT_DIFFERENTLY: &str = "the primitives of a motion block are cut differently: the first alone is drawn";
 
+/// The greatest angle between two times of a rotation, radians: straight in between, a point is off its circle by less than a
+/// hundredth of the radius.
+const STEP: f32 = 0.262;
+
+/// The most times between two of a rotation's own.
+const MAX_STEPS: f32 = 256.0;
+
+/// The times and calls of a motion block, of rotations about one axis with so many times between that the way is round: it is the
+/// angle that goes evenly from one to the next.
+fn turns(times: Vec<f32>, calls: Vec<Moving>) -> (Vec<f32>, Vec<Moving>) {
+    let angles = calls.iter().map(|call| match (&calls[0], call) {
+        (Moving::Turn(first, _), Moving::Turn(axis, angle)) if axis.dot(*first).abs() > 0.999_999 => {
+            Some((*first, angle * axis.dot(*first).signum()))
+        }
+        _ => None,
+    });
+    let Some(angles) = angles.collect::<Option<Vec<_>>>() else { return (times, calls) };
+    let (mut all, mut at) = (vec![times[0]], vec![Moving::Turn(angles[0].0, angles[0].1)]);
+    for (t, pair) in times.windows(2).zip(angles.windows(2)) {
+        let [(axis, a), (_, b)] = [pair[0], pair[1]];
+        let n = ((b - a).abs() / STEP).ceil().clamp(1.0, MAX_STEPS) as usize;
+        for k in 1..=n {
+            let part = k as f32 / n as f32;
+            all.push(if k == n { t[1] } else { t[0] + (t[1] - t[0]) * part });
+            at.push(Moving::Turn(axis, a + (b - a) * part));
+        }
+    }
+    (all, at)
+}
+
 impl Context {
     /// The end of a motion block.
     pub(super) fn close(&mut self, block: MotionBlock) -> RiResult {
-        let MotionBlock { times, calls, .. } = block;
+        let MotionBlock { times, calls, first, n_set, .. } = block;
+        if n_set > 0 {
+            if let Some(first) = first {
+                self.attributes = *first;
+            }
+            self.scene.warn("attributes do not move: the first of a motion block holds".into());
+            if calls.is_empty() {
+                return Ok(());
+            }
+        }
         if calls.len() != times.len() {
             return Err(Fail::new(format!(
                 "a motion block of {} times has {} calls that can move",
@@ -29,8 +68,10 @@ impl Context {
         if calls.is_empty() {
             return Ok(());
         }
-        let transforms = calls.iter().filter(|call| matches!(call, Moving::Concat(_) | Moving::Set(_))).count();
+        let is_transform = |call: &&Moving| matches!(call, Moving::Concat(_) | Moving::Turn(..) | Moving::Set(_));
+        let transforms = calls.iter().filter(is_transform).count();
         if transforms == calls.len() {
+            let (times, calls) = turns(times, calls);
             self.moving_transform(&times, &calls);
             return Ok(());
         }
@@ -50,7 +91,7 @@ impl Context {
             match call {
                 Moving::Patches(p, names) => patches.push((p, names)),
                 Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
-                Moving::Quadric(..) | Moving::Concat(_) | Moving::Set(_) => {}
+                Moving::Quadric(..) | Moving::Concat(_) | Moving::Turn(..) | Moving::Set(_) => {}
             }
         }
         if !patches.is_empty() && !spheres.is_empty() {
@@ -66,6 +107,7 @@ impl Context {
         let before = |time: f32| if self.moves.is_empty() { self.transform } else { motion::at(&self.moves, time) };
         let keys = times.iter().zip(calls).map(|(time, call)| match call {
             Moving::Concat(m) => (*time, before(*time) * *m),
+            Moving::Turn(axis, angle) => (*time, before(*time) * Mat4::from_axis_angle(*axis, *angle)),
             Moving::Set(m) => (*time, *m),
             _ => (*time, before(*time)),
         });
@@ -155,7 +197,7 @@ impl Context {
         if times.windows(2).any(|t| !(t[0] < t[1])) {
             return Err(Fail::new("the times of a motion block must rise"));
         }
-        self.motion = Some(MotionBlock { times, calls: vec![], cuts: vec![] });
+        self.motion = Some(MotionBlock { times, calls: vec![], first: None, n_set: 0, cuts: vec![] });
         Ok(())
     }
 }

@@ -72,7 +72,7 @@ impl Context {
             transform_stack: vec![],
             to_camera: None,
             camera_moves: vec![],
-            geometry: Geometry { bases: (BEZIER, BEZIER), steps: [3, 3], trim: None },
+            geometry: Geometry { bases: (BEZIER, BEZIER), steps: [3, 3], trim: None, trims_inside: false },
             changes: 0,
             known_lights: vec![],
             declared: HashMap::new(),

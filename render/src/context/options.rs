@@ -16,6 +16,17 @@ fn is_window(kind: &str) -> bool {
     matches!(kind, "framebuffer" | "it" | "x11" | "windows")
 }
 
+/// Whether an option has its effect, or none on the image.
+fn is_known_option(group: &str, name: &str) -> bool {
+    match group {
+        "limits" => matches!(name, "bucketsize" | "gridsize" | "texturememory"),
+        "trace" => matches!(name, "maxdepth" | "maxdiffusedepth"),
+        "texture" => name == "colorspace",
+        "searchpath" | "user" => true,
+        _ => false,
+    }
+}
+
 /// The maximum of pixels of an image: it is in memory whole, 16 bytes each.
 const MAX_PIXELS: i64 = 1 << 28;
 
@@ -69,6 +80,7 @@ impl Context {
                 return Err(Fail::new(format!("unknown projection `{other}`, expected perspective or orthographic")));
             }
         }
+        self.say_unused("projection", params.iter().filter(|p| p.decl.name != "fov"));
         // The projection starts the camera's transformation again (RISpec 4.1.1).
         (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
         Ok(())
@@ -138,6 +150,9 @@ impl Context {
             Some(Some("half")) => true,
             _ => return Err(Fail::new("the display's numbers: expected \"string type\" \"half\" or \"float\"")),
         };
+        let is_known =
+            |p: &&ri::Param| !matches!(p.decl.name.as_str(), "type" | "exrpixeltype" | "quantize" | "dither");
+        self.say_unused("display", params.iter().filter(is_known));
         let mode = Display::with_type(mode, &self.declared).map_err(Fail::new)?;
         let quantize = params.iter().find(|p| p.decl.name == "quantize").map(|p| match *p.numbers() {
             [zero, one, min, max] => Ok([zero, one, min, max].map(|x| x as i32)),
@@ -153,8 +168,36 @@ impl Context {
         Ok(())
     }
 
+    /// Say that parameters of a request have no effect.
+    fn say_unused<'a>(&mut self, what: &str, params: impl IntoIterator<Item = &'a ri::Param>) {
+        for param in params {
+            self.scene.warn(format!("parameter `{}` of the {what} has no effect", param.decl.name));
+        }
+    }
+
+    /// The levels of colours or of depths: the value of 1, the least, the greatest and the dither.
+    pub(super) fn set_quantize(&mut self, kind: &str, [one, min, max]: [i32; 3], dither: f32) -> RiResult {
+        if one < 0 || min < 0 || min > max || max > 65535 || one > 65535 {
+            return Err(Fail::new(format!(
+                "Quantize {one} {min} {max}: expected levels from 0 to 65535 that do not fall"
+            )));
+        }
+        match kind {
+            "rgba" | "rgb" => {
+                (self.options.quantize_one, self.options.dither) = (one, dither);
+                self.options.quantize_range = [min, max];
+            }
+            "z" if one == 0 => {}
+            "z" => self.scene.warn("`Quantize \"z\"` has no effect: depths in EXR files are floats".into()),
+            other => self.scene.warn(format!("`Quantize \"{other}\"` is not known, expected rgba or z")),
+        }
+        Ok(())
+    }
+
     /// The hider.
-    pub(super) fn set_hider(&mut self, name: &str) -> RiResult {
+    pub(super) fn set_hider(&mut self, name: &str, params: &Params) -> RiResult {
+        let has_effect = |p: &&ri::Param| p.decl.name != "jitter" || p.numbers().first() == Some(&0.0);
+        self.say_unused("hider", params.iter().filter(has_effect));
         self.options.hider = match name {
             "hidden" => Hider::Hidden,
             "z" | "zbuffer" | "depth" => Hider::Depth,
@@ -204,6 +247,12 @@ impl Context {
             }
         }
         for param in params {
+            if !is_known_option(name, &param.decl.name) {
+                let option = format!("{name}:{}", param.decl.name);
+                let message =
+                    format!("option `{option}` is not supported: shaders may ask for it, it has no other effect");
+                self.scene.warn(message);
+            }
             let answer = match param.values {
                 Values::Floats(v) => Answer::Numbers(v),
                 Values::Strings(v) => Answer::Text(v.first().cloned().unwrap_or_default()),

@@ -6,7 +6,7 @@ use crate::gprim::basis::BEZIER;
 use crate::gprim::basis::to_bezier;
 use crate::gprim::blobby::{Field, LeafVariable};
 use crate::gprim::curves::{self, Segment, curve, ribbon};
-use crate::gprim::nurbs::{nurbs, nurbs_variable};
+use crate::gprim::nurbs::{nurbs, nurbs_variable, span_of};
 use crate::gprim::patch_mesh::patch_mesh;
 use crate::gprim::perspective::is_projective;
 use crate::gprim::polygon::{polygon_cut, polygon_patches};
@@ -15,7 +15,7 @@ use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
     Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
-    set_varying, too_few, uniform_numbers,
+    set_varying, too_few, uniform_numbers, weighted,
 };
 use crate::scene::attached::Attached;
 use crate::scene::attributes::TEXTURE_CORNERS;
@@ -125,6 +125,11 @@ impl Context {
     }
 
     pub(super) fn draw_patch(&mut self, kind: &str, params: Params) -> RiResult {
+        if kind == "bicubic" && is_rational(&params) {
+            return self.draw_rational_patch(params);
+        }
+        let n = if kind == "bicubic" { 4 } else { 2 };
+        let params = self.with_heights(weighted(params)?, kind, [n; 2])?;
         let points = positions(&params)?;
         let wrong = |n: usize| Fail::new(format!("a {kind} patch has {} points, expected {n}", points.len()));
         let is_cubic = kind == "bicubic";
@@ -161,6 +166,10 @@ impl Context {
         }
         let sizes = [nu.max(0) as usize, nv.max(0) as usize];
         let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
+        if kind == "bicubic" && is_rational(&params) {
+            return Err(Fail::new("bicubic meshes of unequal weights in \"Pw\" are not supported: take `NuPatch`"));
+        }
+        let params = self.with_heights(weighted(params)?, kind, sizes)?;
         let points = positions(&params)?;
         let mesh = patch_mesh(kind == "bicubic", &points, sizes, wraps, &self.geometry.bases, self.geometry.steps)?;
         let mut patches = Vec::new();
@@ -171,6 +180,59 @@ impl Context {
             patches.push(patch);
         }
         self.add_patches(patches, names_of(&params))
+    }
+
+    /// A bicubic patch of homogeneous points of unequal weights: as a NURBS patch of one span.
+    fn draw_rational_patch(&mut self, params: Params) -> RiResult {
+        let bases = self.geometry.bases;
+        let as_bezier = |param: Param| -> Result<Param, Fail> {
+            let (width, v) = (param.decl.width(), param.numbers());
+            if param.decl.class != Class::Vertex {
+                return Ok(param);
+            }
+            if v.len() != 16 * width {
+                return Err(too_few(&param));
+            }
+            let mut all = vec![0.0; 16 * width];
+            for c in 0..width {
+                let net: [f32; 16] = std::array::from_fn(|k| v[k * width + c]);
+                to_bezier(net, &bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
+            }
+            Ok(Param { decl: param.decl, values: Values::Floats(all) })
+        };
+        let params = params.into_iter().map(as_bezier).collect::<Result<Params, Fail>>()?;
+        let knots = || Knots { n: 4, order: 4, knots: vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], range: [0.0, 1.0] };
+        self.draw_nu_patch(knots(), knots(), params)
+    }
+
+    /// Heights of a patch or a mesh, "Pz", as "P": x and y of the surface are its parameters (RISpec 5).
+    fn with_heights(&self, mut params: Params, kind: &str, [nu, nv]: [usize; 2]) -> Result<Params, Fail> {
+        let is_given = |name: &str| params.iter().position(|p| p.decl.name == name);
+        let (None, Some(k)) = (is_given("P"), is_given("Pz")) else { return Ok(params) };
+        let heights = params[k].numbers();
+        if heights.len() != nu * nv {
+            return Err(Fail::new(format!(
+                "a {kind} patch of {nu} × {nv} points has {} heights in \"Pz\"",
+                heights.len()
+            )));
+        }
+        let place = |axis: usize, i: usize, n: usize| -> Result<f32, Fail> {
+            let basis = if axis == 0 { &self.geometry.bases.0 } else { &self.geometry.bases.1 };
+            match self.geometry.steps[axis] {
+                _ if kind == "bilinear" => Ok(i as f32 / (n as f32 - 1.0)),
+                3 if *basis == BEZIER => Ok(i as f32 / (n as f32 - 1.0)),
+                1 if *basis != BEZIER => Ok((i as f32 - 1.0) / (n as f32 - 3.0)),
+                _ => {
+                    Err(Fail::new("\"Pz\" needs the basis bezier with step 3, or b-spline or catmull-rom with step 1"))
+                }
+            }
+        };
+        let mut points = Vec::with_capacity(3 * heights.len());
+        for (k, z) in heights.iter().enumerate() {
+            points.extend([place(0, k % nu, nu)?, place(1, k / nu, nv)?, *z]);
+        }
+        params[k] = Param::floats("P", Class::Vertex, Type::Point, points);
+        Ok(params)
     }
 
     pub(super) fn draw_nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
@@ -184,9 +246,25 @@ impl Context {
             let unit = |x: f32, r: [f32; 2]| (x - r[0]) / (r[1] - r[0]);
             patch.st = patch.uv.map(|[s, t]| [unit(s, u.range), unit(t, v.range)]);
         }
-        let (mut others, mut names) = (Params::new(), VariableNames::default());
+        let (mut others, mut names, mut of_spans) = (Params::new(), VariableNames::default(), vec![]);
         for param in params {
             let (width, values) = (param.decl.width(), param.numbers());
+            if param.decl.class == Class::Uniform && values.len() > width {
+                // One value a span.
+                for patch in &mut patches {
+                    let [span, n] = span_of(patch, &u, &v);
+                    let own = values.get(span * width..(span + 1) * width).filter(|_| values.len() == n * width);
+                    let Some(own) = own else {
+                        let (name, given) = (&param.decl.name, values.len() / width);
+                        return Err(Fail::new(format!(
+                            "`{name}` has {given} values, expected one for each of {n} spans"
+                        )));
+                    };
+                    patch.uniform.push(own.to_vec());
+                }
+                of_spans.push(VariableName::of(&param.decl));
+                continue;
+            }
             let own = !param.decl.class.is_whole()
                 && (values.len() > 4 * width || param.decl.class == Class::Vertex)
                 && !matches!(param.decl.name.as_str(), "P" | "Pw");
@@ -204,7 +282,7 @@ impl Context {
             note_varying(&mut names, &param.decl);
         }
         let VariableNames { uniform, varying } = attach_variables(&mut patches, &others)?;
-        names.uniform = uniform;
+        names.uniform = of_spans.into_iter().chain(uniform).collect();
         names.varying.extend(varying);
         self.add_patches(patches, names)
     }
@@ -215,9 +293,15 @@ impl Context {
         let widths = params.iter().find(|p| matches!(p.decl.name.as_str(), "width" | "constantwidth"));
         let width = |i: usize| match widths.map(|p| p.numbers()) {
             Some([one]) => *one,
-            Some(all) => all.get(i).copied().unwrap_or(1.0),
+            Some(all) => all[i],
             None => 1.0,
         };
+        if let Some(param) =
+            widths.filter(|p| p.numbers().len() > 1 && p.numbers().len() != n || p.numbers().is_empty())
+        {
+            let (name, given) = (&param.decl.name, param.numbers().len());
+            return Err(Fail::new(format!("`{name}` has {given} values for {n} points")));
+        }
         let columns: Vec<_> = params
             .iter()
             .filter(|p| !matches!(p.decl.name.as_str(), "P" | "width" | "constantwidth" | "N"))
@@ -334,6 +418,10 @@ impl Context {
             return Err(Fail::new(format!("unknown subdivision scheme `{scheme}`, expected catmull-clark")));
         }
         let points = positions(&params)?;
+        let known = ["hole", "crease", "corner", "interpolateboundary"];
+        for name in tags.names.iter().filter(|name| !known.contains(&name.as_str())) {
+            self.scene.warn(format!("tag `{name}` of a subdivision mesh has no effect, expected {}", known.join(", ")));
+        }
         let corners: usize = n_vertices.iter().map(|n| (*n).max(0) as usize).sum();
         // What is of class vertex is subdivided as the points are (RISpec 5.6).
         let is_smooth = |p: &Param| p.decl.class == Class::Vertex && !matches!(p.decl.name.as_str(), "P" | "N");
@@ -476,6 +564,13 @@ impl Context {
             }
         }
     }
+}
+
+/// Whether points are given as "Pw" with unequal weights.
+fn is_rational(params: &Params) -> bool {
+    let is_there = |name: &str| params.iter().find(|p| p.decl.name == name);
+    is_there("P").is_none()
+        && is_there("Pw").is_some_and(|p| p.numbers().chunks_exact(4).any(|q| q[3] != p.numbers()[3]))
 }
 
 /// The patches of a quadric, of so many pieces; an error if its numbers are none.

@@ -58,6 +58,9 @@ impl Context {
                 };
                 let program = sl::compile_with(&path, &source, &|name, from| self.files.include(name, from))
                     .map_err(|d| Fail::new(format!("in shader {d}")))?;
+                for what in &program.unsupported {
+                    self.scene.warn(format!("{kind} shader `{name}` {what}"));
+                }
                 self.programs.entry(key).or_insert(Arc::new(program)).clone()
             }
         };

@@ -100,6 +100,12 @@ impl Context {
 
     /// Note that an attribute is set.
     pub(super) fn sets(&mut self, attribute: Attribute) {
+        if let Some(block) = &mut self.motion {
+            block.n_set += 1;
+            if block.n_set == 2 {
+                block.first = Some(Box::new(self.attributes.clone()));
+            }
+        }
         self.changes += 1;
         self.attributes.set.note(attribute, self.changes);
     }

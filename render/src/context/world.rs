@@ -35,6 +35,7 @@ impl Context {
             solids: std::mem::take(&mut self.scene.solids),
             options: std::mem::take(&mut self.scene.options),
             clipping: self.options.clipping,
+            shutter: self.options.shutter,
             textures: Textures::new(
                 self.files.folders.clone(),
                 self.made.clone(),

@@ -188,6 +188,21 @@ impl Bvh {
         best
     }
 
+    /// Whether there is anything along a direction of unit length, as [`Bvh::nearest`] finds it.
+    pub fn meets(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2]) -> bool {
+        if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
+            return false;
+        }
+        let mut meets = false;
+        self.tree.leaves(from, dir, f32::INFINITY, |leaf, length| {
+            meets = self.occluders[leaf].iter().any(|(item, occluder)| {
+                self.distance(*item == own, occluder, from, dir, 0.0, bias).is_some_and(|t| t < length)
+            });
+            (!meets).then_some(length)
+        });
+        meets
+    }
+
     /// How far along a ray an occluder is met, from `least` on, and beyond what it cannot mean: the surface that the ray starts
     /// from, where it stands off what was shaded. `bias` as for [`Bvh::blocked`].
     fn distance(

@@ -136,6 +136,19 @@ impl<'a> Displaced<'a> {
             && bound.is_some_and(|b| (b.max.min(high) - b.min.max(low)).max(Vec2::ZERO).element_product() > LARGE)
     }
 
+    /// Whether there is no memory for more meshes, which ends the image.
+    fn is_full(&self) -> bool {
+        if self.scene.stopped().is_some() {
+            return true;
+        }
+        let Err(full) = guard::memory::check() else { return false };
+        self.scene.stop(&format!(
+            "no room for the displaced surfaces that rays meet: {full}, a greater `ShadingRate` takes less, and surfaces that \
+             cast no shadows (`Attribute \"visibility\" \"transmission\" [0]`) take none"
+        ));
+        true
+    }
+
     fn form<'s>(&'s self, entry: &'s Entry) -> &'s Form {
         entry.form.get_or_init(|| self.displace(entry.item, false))
     }
@@ -151,6 +164,7 @@ impl<'a> Displaced<'a> {
         dicer.dice(&subject, &mut sink);
         let most = if parallel { PIECES } else { usize::MAX };
         while dicer.queue.len() < most
+            && !self.is_full()
             && let Some(waiting) = dicer.queue.pop_before(None)
         {
             dicer.dice_waiting(&subject, &waiting, &mut sink);
@@ -160,7 +174,7 @@ impl<'a> Displaced<'a> {
         let piece = |waiting: &Waiting| {
             let (mut dicer, mut sink) = (Dicer::default(), Meshes::new(self, subject));
             dicer.dice_waiting(&subject, waiting, &mut sink);
-            while let Some(waiting) = dicer.queue.pop_before(None) {
+            while let Some(waiting) = dicer.queue.pop_before(None).filter(|_| !self.is_full()) {
                 dicer.dice_waiting(&subject, &waiting, &mut sink);
             }
             sink.meshes
@@ -292,6 +306,9 @@ impl Sink for Meshes<'_, '_> {
     }
 
     fn take(&mut self, grid: &mut Grid) {
+        if self.displaced.is_full() {
+            return;
+        }
         (self.displaced.displace)(&self.subject, grid, &mut self.machine);
         self.meshes.extend(Mesh::new(grid));
     }

@@ -13,6 +13,9 @@ impl sl::machine::Scene for ImagerScene<'_> {
     fn lights(&self) -> &[Arc<BoundShader>] {
         &[]
     }
+    fn shutter(&self) -> [f32; 2] {
+        self.0.shutter
+    }
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.0.matrix(from, to, &|_| None)
     }
@@ -55,7 +58,6 @@ pub fn run(
     points.refill(Global::Ci).extend((0..3).flat_map(|c| pixels.iter().map(move |p| p[c])));
     points.refill(Global::Oi).extend((0..3).flat_map(|_| pixels.iter().map(|p| p[3])));
     points.refill(Global::Alpha).extend(pixels.iter().map(|p| p[3]));
-    points.refill(Global::Ncomps).push(3.0);
     machine.run(imager, points, &ImagerScene(scene));
     let value = |global, c: usize, k: usize, width: usize| {
         let v = points.get(global).unwrap_or(&[]);

@@ -116,6 +116,15 @@ impl<'a> Rays<'a> {
         [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    /// Whether there is anything along a direction, as [`Rays::nearest`] finds it.
+    pub fn meets(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2]) -> bool {
+        self.surfaces.meets(own, from, dir, bias)
+            || self.displaced.as_ref().is_some_and(|displaced| displaced.blocked(from, dir, f32::INFINITY, |_| true))
+            || self.solids.as_ref().is_some_and(|hulls| {
+                hulls.first(own, from, dir, 0.0, bias, |item| hulls.casts[item.source as usize]).is_some()
+            })
+    }
+
     /// Whether the cross product of the directions along u and v of a primitive of a solid points out of it.
     pub fn is_outward(&self, item: Item) -> bool {
         let known =

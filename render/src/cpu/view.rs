@@ -87,7 +87,7 @@ impl<'a> View<'a> {
         let view = self.scene.view(item);
         let (mut machine, mut points) = SPARE.with(|s| s.borrow_mut().pop()).unwrap_or_default();
         let met: Vec<Met> = hits.iter().map(|hit| self.meet(item, &view, hit)).collect();
-        let is_alone = view.attributes.reads_neighbours();
+        let is_alone = view.attributes.reads_neighbours() || reads_displaced_neighbours(view.attributes);
         let mut answers = Vec::with_capacity(hits.len());
         let mut first = 0;
         for run in met.chunk_by(|a, b| !is_alone && a.has_uniform_of(b)) {
@@ -121,21 +121,38 @@ impl<'a> View<'a> {
         view.fill_variables(points);
         fill_patch_variables(points, met);
         view.to_current(points);
-        let side = if a.reversed { -1.0 } else { 1.0 };
-        fill_triples(points, Global::P, met.iter().map(|m| m.place));
-        fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
         fill_triples(points, Global::I, hits.iter().map(|hit| hit.dir * hit.distance));
         let numbers: [(Global, fn(&Met) -> f32); 4] =
             [(Global::U, |m| m.uv[0]), (Global::V, |m| m.uv[1]), (Global::S, |m| m.st[0]), (Global::T, |m| m.st[1])];
         for (global, of) in numbers {
             points.refill(global).extend(met.iter().map(of));
         }
+        self.displace(item, view, met, (machine, points));
+        let side = if a.reversed { -1.0 } else { 1.0 };
+        fill_triples(points, Global::P, met.iter().map(|m| m.place));
+        fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
         surface_globals(points, view, Vec3::ZERO);
         if a.surface.program.global(Global::E).is_some() {
             fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));
         }
         let scene = View { depth: self.depth + 1, diffuse, ..View::new(self.scene, self.rays, item, view, self.bias) };
         machine.run_with(&a.surface, &view.attached.surface, points, &scene);
+    }
+
+    /// Run the displacement shader of an item where rays meet it, if the surface shader asks what it leaves.
+    fn displace(&self, item: Item, view: &ItemView<'a>, met: &[Met], (machine, points): (&mut Machine, &mut Points)) {
+        let a = view.attributes;
+        let Some(displacement) = a.displacement.as_ref().filter(|_| a.surface.program.asks_displacement) else {
+            return;
+        };
+        let side = if a.reversed { -1.0 } else { 1.0 };
+        fill_triples(points, Global::P, met.iter().map(|m| m.before[0]));
+        fill_triples(points, Global::N, met.iter().map(|m| m.before[1] * side));
+        let own = View::new(self.scene, self.rays, item, view, self.bias);
+        // What it traces itself is found once, as the surface is displaced, and not at each ray.
+        let scene = View { depth: u32::MAX, shader_to_world: a.displacement_space, ..own };
+        machine.run_with(displacement, &view.attached.displacement, points, &scene);
+        machine.tell(Ask::Displacement, displacement, points);
     }
 
     /// Where a ray starts. From a flat surface it is lifted off a little, and begun a little earlier, so that in a corner it meets
@@ -162,12 +179,13 @@ impl<'a> View<'a> {
     /// How much light gets to a place from a light, whose `blur` is the radius of its disc by its distance.
     fn light_from(&self, query: &MapQuery, from: Vec3) -> f32 {
         let at = Vec3::from(query.at);
-        if !(query.blur > 0.0) {
+        let blur = query.blur[0].max(query.blur[1]);
+        if !(blur > 0.0) {
             return self.light_along(at, from)[0];
         }
         let way = from - at;
         let (across, up) = way.normalize_or(Vec3::Z).any_orthonormal_pair();
-        let radius = query.blur * way.length();
+        let radius = blur * way.length();
         let n = query.samples.clamp(1.0, 256.0) as usize;
         let ray = |k: usize| {
             let [r, turn] = sl::spread(k, query.at);
@@ -260,12 +278,39 @@ impl<'a> View<'a> {
     }
 }
 
+impl View<'_> {
+    /// The primitive's shader of a type, as `shadername` names them.
+    fn shader(&self, kind: &str) -> Option<Arc<BoundShader>> {
+        let a = self.attributes;
+        let of_volume = |volume: &Option<(Arc<BoundShader>, Mat4)>| Some(volume.as_ref()?.0.clone());
+        match kind {
+            "surface" => Some(a.surface.clone()),
+            "displacement" => a.displacement.clone(),
+            "atmosphere" => a.atmosphere.clone(),
+            "interior" => of_volume(&a.interior),
+            "exterior" => of_volume(&a.exterior),
+            "lightsource" => None,
+            other => {
+                let expected = "surface, displacement, atmosphere, interior, exterior or lightsource";
+                self.scene.warn(format!("shadername(\"{other}\") names no type of shader, expected {expected}"));
+                None
+            }
+        }
+    }
+}
+
 /// The normal of an item that is flat all over, world space.
 fn flat_normal(view: &ItemView<'_>) -> Option<Vec3> {
     let Shape::Patches(patches, _) = view.shape else { return None };
     let [patch] = patches.as_slice() else { return None };
     let corner = |k: usize| view.to_world.transform_point3(patch.p[k]);
     patch.flat.then(|| (corner(3) - corner(0)).cross(corner(12) - corner(0)).normalize_or_zero())
+}
+
+/// Whether what a displacement shader leaves to a surface shader that asks depends on the points beside.
+fn reads_displaced_neighbours(a: &Attributes) -> bool {
+    let displacement = a.displacement.as_ref().filter(|_| a.surface.program.asks_displacement);
+    displacement.is_some_and(|shader| shader.program.reads_neighbours)
 }
 
 /// Whether too little is left of a ray to follow it.
@@ -298,6 +343,8 @@ struct Path<'a> {
 struct Met<'a> {
     place: Vec3,
     normal: Vec3,
+    /// Place and normal before the surface was displaced.
+    before: [Vec3; 2],
     uv: [f32; 2],
     st: [f32; 2],
     /// The patch that was met, and where in its parameters.
@@ -342,7 +389,8 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
         Shape::Sphere => {
             let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
             let uv = sphere_uv(d);
-            Met { place, normal: (normals * d).normalize_or_zero(), uv, st: uv, on: None }
+            let normal = (normals * d).normalize_or_zero();
+            Met { place, normal, before: [place, normal], uv, st: uv, on: None }
         }
         Shape::Patches(patches, _) => {
             let inverse = view.to_world.inverse();
@@ -350,7 +398,7 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
             let at = inverse.transform_point3(place);
             let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
-                return Met { place, normal: -dir, uv: [0.0; 2], st: [0.0; 2], on: None };
+                return Met { place, normal: -dir, before: [place, -dir], uv: [0.0; 2], st: [0.0; 2], on: None };
             };
             let normal = patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v));
             met_on(patch, [u, v], place, (normals * normal).normalize_or_zero())
@@ -370,18 +418,24 @@ fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
     if let Some((k, uv)) = spot.on
         && let Some(patch) = patches.get(k as usize)
     {
-        return met_on(patch, uv, place, normal);
+        let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
+        let [u, v] = uv;
+        let before = (normals * patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v))).normalize_or_zero();
+        let before = [view.to_world.transform_point3(patch.at(u, v)), before];
+        return Met { before, ..met_on(patch, uv, place, normal) };
     }
     let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
     let uv = sphere_uv(d);
-    Met { place, normal, uv, st: uv, on: None }
+    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
+    let before = [view.to_world.transform_point3(d), (normals * d).normalize_or_zero()];
+    Met { place, normal, before, uv, st: uv, on: None }
 }
 
 /// A patch at parameters of it.
 fn met_on(patch: &Patch, [u, v]: [f32; 2], place: Vec3, normal: Vec3) -> Met<'_> {
     let of = |axis: usize| bilinear(patch.uv.map(|c| c[axis]), u, v);
     let st = [patch.st_at(0, u, v), patch.st_at(1, u, v)];
-    Met { place, normal, uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
+    Met { place, normal, before: [place, normal], uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
 }
 
 impl sl::machine::Scene for View<'_> {
@@ -389,6 +443,9 @@ impl sl::machine::Scene for View<'_> {
         self.lights
     }
 
+    fn shutter(&self) -> [f32; 2] {
+        self.scene.shutter
+    }
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.scene.matrix(from, to, &|space| match space {
             "object" => Some(self.object_to_world),
@@ -422,6 +479,13 @@ impl sl::machine::Scene for View<'_> {
             let dir = Vec3::from(ray.direction);
             let found = self.rays.nearest(self.item, self.start(ray.from.into(), dir), dir, 0.0, self.bias);
             *distance = found.map(|(t, _)| t);
+        }
+    }
+
+    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
+        for (ray, met) in rays.iter().zip(met) {
+            let dir = Vec3::from(ray.direction);
+            *met = self.rays.meets(self.item, self.start(ray.from.into(), dir), dir, self.bias);
         }
     }
 
@@ -502,6 +566,7 @@ impl sl::machine::Scene for View<'_> {
             (Ask::Atmosphere, [name]) => a.atmosphere.as_ref()?.parameter(name),
             (Ask::Incident, [name]) => a.exterior.as_ref()?.0.parameter(name),
             (Ask::Opposite, [name]) => a.interior.as_ref()?.0.parameter(name),
+            (Ask::ShaderName, [kind]) => Some(Answer::Text(self.shader(kind)?.program.name.clone())),
             (Ask::Attribute, ["ShadingRate"]) => numbers(&[a.shading_rate]),
             (Ask::Attribute, ["Sides"]) => numbers(&[if a.two_sided { 2.0 } else { 1.0 }]),
             (Ask::Attribute, ["Matte"]) => numbers(&[a.matte as u8 as f32]),

@@ -28,8 +28,10 @@ pub struct Encoding<'a> {
     pub window: [[usize; 2]; 2],
     /// Pixel aspect ratio: width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// Maximum quantized value: 255 for 8 bits, 65535 for 16, 0 for floats.
+    /// The value that 1 is quantized to: 255 for 8 bits, 65535 for 16, 0 for floats.
     pub quantize_one: i32,
+    /// Least and greatest quantized value.
+    pub quantize_range: [i32; 2],
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
     /// Metadata for the file, as keys and values.
@@ -75,7 +77,8 @@ impl Image {
             "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
             kind => {
                 let one = encoding.quantize_one;
-                let levels = display.quantize.unwrap_or([0, one, 0, one]);
+                let [min, max] = encoding.quantize_range;
+                let levels = display.quantize.unwrap_or([0, one, min, max]);
                 self.plain(kind, &channels, &pixels, size, (levels, encoding))
             }
         }
@@ -161,9 +164,8 @@ impl Image {
         }
         let deep = one.max(max) > 255;
         let most = if deep { 65535 } else { 255 };
-        // Without levels of its own an image has those of its depth.
-        let own = [zero, min] != [0; 2] || one != max;
-        let [zero, one, min, max] = if own { [zero, one, min, max] } else { [0, most, 0, most] };
+        // Of a file that cannot have floats they are bytes.
+        let [zero, one, min, max] = if one == 0 && max == 0 { [0, most, 0, most] } else { [zero, one, min, max] };
         let [zero, one, min, max] = [zero, one, min.max(0), max.min(most)].map(|x| x as f32);
         let quantize = |(i, c, x): (usize, usize, f32)| {
             // Dither is noise of the pixel's own, the same in every run.

@@ -1,5 +1,6 @@
 //! Bounds of items: on the raster, over all their moments, displacement included.
 
+use crate::scene::attributes::DisplacementBound;
 use crate::scene::camera::{Camera, RasterBound};
 use crate::scene::motion::Instant;
 use crate::scene::shape::Shape;
@@ -11,8 +12,16 @@ pub fn displacement_reach(view: &ItemView<'_>, size: f32) -> f32 {
     if view.attributes.displacement.is_none() {
         return 0.0;
     }
-    let scale = view.object_to_world.x_axis.truncate().length();
-    view.attributes.displacement_bound.map_or(0.1 * size, |b| b * scale)
+    match view.attributes.displacement_bound {
+        None => 0.1 * size,
+        Some(DisplacementBound::Object(bound)) => bound * longest(view.object_to_world),
+        Some(DisplacementBound::World(bound)) => bound,
+    }
+}
+
+/// The length that a matrix makes of a unit along the axis that it stretches most.
+pub fn longest(m: Mat4) -> f32 {
+    [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max)
 }
 
 /// The raster bound of an item over all its moments, displacement included; none where it is never in the depth range.

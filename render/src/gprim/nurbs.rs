@@ -126,6 +126,17 @@ pub fn nurbs_variable(param: &Param, points: &[Vec4], u: &Knots, v: &Knots, patc
     Some(Varying::new(width, patch.uv.into_iter().flat_map(at_corner).collect()))
 }
 
+/// The number of the span of a NURBS patch that one of its patches is in, counted along u first, and how many there are.
+pub fn span_of(patch: &Patch, u: &Knots, v: &Knots) -> [usize; 2] {
+    let spans = |k: &Knots| (k.n - k.order + 1) as usize;
+    let at = |k: &Knots, axis: usize| {
+        let [a, .., b] = patch.uv.map(|uv| uv[axis]);
+        let (first, middle) = (k.order as usize - 1, 0.5 * (a + b));
+        (0..spans(k)).rev().find(|i| k.knots[first + i] <= middle).unwrap_or(0)
+    };
+    [at(v, 1) * spans(u) + at(u, 0), spans(u) * spans(v)]
+}
+
 /// The values over a patch of a variable that follows the surface.
 fn following(values: &[f32], width: usize, points: &[Vec4], u: &Knots, v: &Knots, patch: &Patch) -> Varying {
     let [[u0, v0], .., [u1, v1]] = patch.uv;

@@ -97,7 +97,13 @@ impl Mesh {
                 known.ok_or(Fail::new(format!("tag `{name}` names vertex {v}, which does not exist")))
             };
             match name.as_str() {
-                "hole" => holes.extend(integers.iter().map(|f| *f as u32)),
+                "hole" => {
+                    let n = self.faces.len();
+                    if let Some(f) = integers.iter().find(|f| !usize::try_from(**f).is_ok_and(|f| f < n)) {
+                        return Err(Fail::new(format!("tag `hole` names face {f}, which does not exist")));
+                    }
+                    holes.extend(integers.iter().map(|f| *f as u32));
+                }
                 "crease" => {
                     for (e, pair) in integers.windows(2).enumerate() {
                         let sharp = floats.get(e).or(floats.first()).copied().unwrap_or(SHARP);

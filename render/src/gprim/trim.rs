@@ -35,5 +35,5 @@ pub fn trim(t: &TrimCurves) -> Result<Option<Trim>, Fail> {
             loops.push(line);
         }
     }
-    Ok((!loops.is_empty()).then_some(Trim { loops }))
+    Ok((!loops.is_empty()).then_some(Trim { loops, outside: false }))
 }

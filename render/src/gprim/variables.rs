@@ -4,7 +4,20 @@ use crate::gprim::basis::to_bezier;
 use crate::scene::patch::Patch;
 use crate::scene::variables::{VariableName, VariableNames, Varying};
 use glam::Vec3;
-use ri::{Class, Declaration, Fail, Param, Params, RiResult, Values};
+use ri::{Class, Declaration, Fail, Param, Params, RiResult, Type, Values};
+
+/// Points given as "Pw" as "P": homogeneous points by their weight, of which none may be 0 (RISpec 5).
+pub fn weighted(mut params: Params) -> Result<Params, Fail> {
+    let is_given = |name: &str| params.iter().position(|p| p.decl.name == name);
+    let (None, Some(k)) = (is_given("P"), is_given("Pw")) else { return Ok(params) };
+    let points = params[k].numbers().chunks_exact(4);
+    if let Some(i) = points.clone().position(|p| p[3] == 0.0) {
+        return Err(Fail::new(format!("vertex {i} of \"Pw\" has the weight 0")));
+    }
+    let values: Vec<f32> = points.flat_map(|p| [0, 1, 2].map(|c| p[c] / p[3])).collect();
+    params[k] = Param::floats("P", params[k].decl.class, Type::Point, values);
+    Ok(params)
+}
 
 /// The points of "P".
 pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {

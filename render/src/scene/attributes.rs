@@ -65,6 +65,15 @@ impl SetAttributes {
     }
 }
 
+/// The greatest displacement of a primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DisplacementBound {
+    /// In object units.
+    Object(f32),
+    /// In world units: it was given in a coordinate system.
+    World(f32),
+}
+
 /// Attributes of a primitive.
 #[derive(Clone)]
 pub struct Attributes {
@@ -82,8 +91,8 @@ pub struct Attributes {
     pub displacement: Option<Arc<BoundShader>>,
     /// The displacement shader's space.
     pub displacement_space: Mat4,
-    /// Greatest displacement, in object units; if not given, a tenth of the primitive.
-    pub displacement_bound: Option<f32>,
+    /// Greatest displacement; if not given, a tenth of the primitive.
+    pub displacement_bound: Option<DisplacementBound>,
     /// Atmosphere shader.
     pub atmosphere: Option<Arc<BoundShader>>,
     /// The atmosphere shader's space.

@@ -56,6 +56,8 @@ pub struct Options {
     pub gamma: f32,
     /// Maximum quantized value (`one` of `Quantize`): 255 for 8 bits, 65535 for 16, 0 for floats.
     pub quantize_one: i32,
+    /// Least and greatest quantized value.
+    pub quantize_range: [i32; 2],
     /// Amplitude of the dither, quantization steps.
     pub dither: f32,
     /// Displays.
@@ -102,6 +104,7 @@ impl Default for Options {
             gain: 1.0,
             gamma: 1.0,
             quantize_one: 255,
+            quantize_range: [0, 255],
             dither: 0.5,
             displays: vec![],
             unsupported_display: false,
@@ -137,6 +140,7 @@ impl Options {
             window: self.window(),
             pixel_aspect: self.pixel_aspect,
             quantize_one: self.quantize_one,
+            quantize_range: self.quantize_range,
             dither: self.dither,
             about: &self.about,
         }

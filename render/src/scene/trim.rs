@@ -5,6 +5,8 @@
 pub struct Trim {
     /// The points of each loop.
     pub loops: Vec<Vec<[f32; 2]>>,
+    /// Whether what is outside is kept instead (`Attribute "trimcurve" "sense"`).
+    pub outside: bool,
 }
 
 impl Trim {
@@ -19,6 +21,6 @@ impl Trim {
                 }
             }
         }
-        inside
+        inside != self.outside
     }
 }

@@ -29,6 +29,8 @@ pub struct Scene {
     pub camera_to_world: Mat4,
     /// Options for shaders that ask, by `group:name` and by their own names.
     pub options: Vec<(String, Answer)>,
+    /// When the shutter opens and closes.
+    pub shutter: [f32; 2],
     /// Near and far, for shaders that ask.
     pub clipping: [f32; 2],
     /// Images that shaders look up.

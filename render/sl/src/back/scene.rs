@@ -20,6 +20,10 @@ pub trait Scene {
     fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
         None
     }
+    /// Times at which the shutter opens and closes.
+    fn shutter(&self) -> [f32; 2] {
+        [0.0; 2]
+    }
     /// Answer a query by name; `None` if the scene has no answer.
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
         None
@@ -31,6 +35,12 @@ pub trait Scene {
     /// The distance along each ray to the nearest surface; `None` where it hits no surface.
     fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
         distances.fill(None);
+    }
+    /// Whether each ray meets a surface.
+    fn meets(&self, rays: &[Ray], met: &mut [bool]) {
+        let mut distances = vec![None; rays.len()];
+        self.hit(rays, &mut distances);
+        met.iter_mut().zip(distances).for_each(|(met, distance)| *met = distance.is_some());
     }
     /// Whether rays from this grid are traced: not where the maximum ray depth is reached. `_many` as for [`Scene::trace`].
     fn traces(&self, _many: bool) -> bool {
@@ -109,8 +119,10 @@ pub struct MapQuery<'a> {
     pub change: [[f32; 3]; 2],
     /// Factor on the filter's width.
     pub width: f32,
-    /// Blur, as a fraction of the map's width.
-    pub blur: f32,
+    /// Blur along s and t, as fractions of the map's width.
+    pub blur: [f32; 2],
+    /// Value of channels that the map does not have.
+    pub fill: f32,
     /// Count of samples, for maps that are sampled.
     pub samples: f32,
     /// Bias of a shadow lookup.

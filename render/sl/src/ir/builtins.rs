@@ -120,6 +120,8 @@ pub enum Form {
     Print,
     /// `match`
     Match,
+    /// `shadername`, of the shader itself or of another type.
+    ShaderName,
     /// A query by name, such as `attribute` or `rayinfo`.
     Ask(Ask),
     /// A lookup in a map: `texture`, `environment` or `shadow`.
@@ -342,7 +344,7 @@ pub const TABLE: &[Row] = &[
     binary("step", Binary::Step),
     grid("smoothstep", &[F, F, F], Is(Float), numbers::smooth_step),
     form("clamp", Form::Clamp, "clamp(value, low, high)"),
-    form("mix", Form::Mix, "mix(a, b, float)"),
+    form("mix", Form::Mix, "mix(a, b, float), or mix of three colours"),
     inner("mix", &[V, V, F], First, numbers::mix),
     form("spline", Form::Spline, "other arguments of `spline`"),
     prelude("filterstep", 2, "filterstep2_"),
@@ -441,6 +443,7 @@ pub const TABLE: &[Row] = &[
     form("lightsource", Form::Ask(Ask::LightSource), ""),
     form("incident", Form::Ask(Ask::Incident), ""),
     form("opposite", Form::Ask(Ask::Opposite), ""),
+    form("shadername", Form::ShaderName, "shadername() or shadername(type)"),
     form("attribute", Form::Ask(Ask::Attribute), ""),
     form("option", Form::Ask(Ask::Option), ""),
     form("rendererinfo", Form::Ask(Ask::RendererInfo), ""),

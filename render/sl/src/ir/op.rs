@@ -32,6 +32,8 @@ pub enum Ask {
     Incident,
     /// `opposite`: a parameter of the volume shader on the opposite side of the surface.
     Opposite,
+    /// `shadername`: the name of the primitive's shader of a type.
+    ShaderName,
     /// `attribute`: an attribute of the primitive.
     Attribute,
     /// `option`: an option of the image.

@@ -29,6 +29,7 @@ pub fn optimise(program: &mut Program) {
         }
     }
     (program.keeps_opacity, program.reads_neighbours) = (keeps_opacity(program), reads_neighbours(program));
+    program.asks_displacement = any(program, |op| matches!(op, Op::Ask { what: crate::ir::Ask::Displacement, .. }));
     program.traces = any(program, |op| match op {
         Op::Gather { .. } => true,
         Op::Map { how, .. } => matches!(how, Lookup::Shadow),

@@ -53,6 +53,10 @@ pub struct Program {
     pub reads_neighbours: bool,
     /// Where loops and elements of arrays stand: the byte of the source, as their operations have it, with file and line.
     pub places: Vec<(u32, String)>,
+    /// What the shader asks for that is not done: ends of the sentence “shader `x` …”.
+    pub unsupported: Vec<String>,
+    /// Whether the shader asks what a displacement shader has left.
+    pub asks_displacement: bool,
     /// Whether the shader sends rays.
     pub traces: bool,
 }

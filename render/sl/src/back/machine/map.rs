@@ -7,31 +7,62 @@ use crate::ir::*;
 use crate::shadeop::grid::differences;
 use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
 
+/// Options of lookups (RISpec 15.7); of `filter` there is one alone.
+const OPTIONS: [&str; 10] =
+    ["blur", "sblur", "tblur", "width", "swidth", "twidth", "fill", "samples", "bias", "filter"];
+
+/// The values of these options that a lookup gives, one or one a point.
+struct Given<'a>([Option<&'a [f32]>; OPTIONS.len()]);
+
+impl Given<'_> {
+    /// Set the options of a query at a point.
+    fn set(&self, query: &mut MapQuery<'_>, k: usize) {
+        let [blur, sblur, tblur, width, swidth, twidth, fill, samples, bias, _] = self.0;
+        let number = |values: Option<&[f32]>, otherwise: f32| values.map_or(otherwise, |v| at(v, k));
+        let (s, t) = (number(swidth, 1.0), number(twidth, 1.0));
+        query.change.iter_mut().for_each(|change| (change[0], change[1]) = (change[0] * s, change[1] * t));
+        query.blur = [sblur, tblur].map(|own| number(own, number(blur, 0.0)));
+        (query.width, query.fill) = (number(width, 1.0), number(fill, 0.0));
+        (query.samples, query.bias) = (number(samples, 16.0), number(bias, 0.0));
+    }
+}
+
 impl Machine {
+    /// The options of a lookup in a map; others than [`OPTIONS`] are warned of.
+    fn map_options(&self, map: &str, options: &[(TextReg, Operand)], scene: &dyn Scene) -> Given<'_> {
+        let mut given = Given([None; OPTIONS.len()]);
+        for (key, value) in options {
+            let key = &self.texts[key.index()];
+            let Some(k) = OPTIONS.iter().position(|option| option == key) else {
+                let known = OPTIONS.join(", ");
+                scene.warn(format!("a lookup in the map `{map}` has the unknown option `{key}`, expected {known}"));
+                continue;
+            };
+            given.0[k] = match value {
+                Operand::Number(r) if r.width() == 1 => Some(&self.regs[r.index()][..]).filter(|v| !v.is_empty()),
+                _ => None,
+            };
+        }
+        given
+    }
+
     pub(super) fn map(&mut self, op: &Op, scene: &dyn Scene) {
         let Op::Map { dst, how, name, channel, at: place, options } = op else { return };
         let n = self.n;
         let wd = dst.width();
         let name = self.texts[name.index()].clone();
-        let number = |key: &str, otherwise: f32| {
-            let found = options.iter().find(|(k, _)| self.texts[k.index()] == key);
-            match found {
-                Some((_, Operand::Number(r))) => self.regs[r.index()].first().copied().unwrap_or(otherwise),
-                _ => otherwise,
-            }
-        };
-        let width = [number("width", 1.0), number("swidth", 1.0), number("twidth", 1.0)].into_iter().product();
-        let blur = number("blur", 0.0).max(number("sblur", 0.0)).max(number("tblur", 0.0));
+        let given = self.map_options(&name, options, scene);
         let mut query = MapQuery {
             how: *how,
             name: &name,
             channel: at(&self.regs[channel.index()], 0).max(0.0) as usize,
             at: [0.0; 3],
             change: [[0.0; 3]; 2],
-            width,
-            blur,
-            samples: number("samples", 16.0),
-            bias: number("bias", 0.0),
+            width: 1.0,
+            blur: [0.0; 2],
+            fill: 0.0,
+            samples: 16.0,
+            bias: 0.0,
             light: None,
         };
         let ray = self.ray.map(|(l, sun)| (self.regs[l.index()].clone(), sun));
@@ -44,7 +75,8 @@ impl Machine {
                 _ => at(run_of(&self.regs[place[c].index()], 3, axis, n), k),
             }
         };
-        let uniform = place.iter().all(|r| self.regs[r.index()].len() == r.width());
+        let uniform = place.iter().all(|r| self.regs[r.index()].len() == r.width())
+            && given.0.iter().flatten().all(|v| v.len() <= 1);
         let lanes = if uniform { 1 } else { n };
         let (mut points, mut queries) = (Vec::with_capacity(lanes), Vec::with_capacity(lanes));
         for k in 0..lanes {
@@ -68,6 +100,7 @@ impl Machine {
                     (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
                 }
             }
+            given.set(&mut query, k);
             query.light = ray.as_ref().map(|(l, sun)| {
                 // The light's ray ends at the place; a sun's begins far away.
                 let (l, far) = (triple(l, k, n), if *sun { 1e6 } else { 1.0 });

@@ -80,7 +80,7 @@ impl Machine {
         if !hidden && !scene.traces(true) {
             return;
         }
-        let (mut rays, mut distances, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut rays, mut met, mut colors) = (Vec::new(), Vec::new(), Vec::new());
         for points in self.active().chunks((MAX_RAYS / samples).max(1)) {
             rays.clear();
             for k in points {
@@ -89,10 +89,9 @@ impl Machine {
             }
             colors.resize(rays.len(), [0.0; 3]);
             if hidden {
-                distances.resize(rays.len(), None);
-                scene.hit(&rays, &mut distances);
-                let is_hidden = |d: &Option<f32>| [d.is_some() as u8 as f32; 3];
-                colors.iter_mut().zip(&distances).for_each(|(c, d)| *c = is_hidden(d));
+                met.resize(rays.len(), false);
+                scene.meets(&rays, &mut met);
+                colors.iter_mut().zip(&met).for_each(|(c, met)| *c = [*met as u8 as f32; 3]);
             } else {
                 scene.trace(&rays, true, &mut colors);
             }

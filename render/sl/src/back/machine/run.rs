@@ -10,6 +10,16 @@ use crate::shadeop::color::convert;
 use crate::shadeop::matrix::triple16;
 use crate::shadeop::spline;
 
+/// A number of a global variable that nobody has set.
+fn unset(global: Global, scene: &dyn Scene) -> f32 {
+    match global {
+        Global::Ncomps => 3.0,
+        Global::Time => scene.shutter()[0],
+        Global::Dtime => scene.shutter()[1] - scene.shutter()[0],
+        _ => 0.0,
+    }
+}
+
 /// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
 const MAX_TURNS: usize = 1 << 25;
 
@@ -40,7 +50,7 @@ impl Machine {
             let reg = &mut self.regs[reg.index()];
             match points.get(*global) {
                 Some(values) => reg.extend_from_slice(values),
-                None => reg.resize(width, 0.0),
+                None => reg.resize(width, unset(*global, scene)),
             }
         }
         self.messages.clone_from(&points.messages);

@@ -38,6 +38,10 @@ impl Machine {
             (Ask::LightSource, name) => {
                 self.turn.and_then(|(light, lit)| self.light_parameter(scene.lights().get(light)?, lit, name))
             }
+            (Ask::ShaderName, "lightsource") => {
+                let light = self.turn.and_then(|(light, _)| scene.lights().get(light));
+                light.map(|light| Answer::Text(light.program.name.clone()))
+            }
             (Ask::RendererInfo, "renderer") => Some(Answer::Text("scree".into())),
             (Ask::RendererInfo, "versionstring") => Some(Answer::Text(env!("CARGO_PKG_VERSION").into())),
             (Ask::RendererInfo, "version") => {

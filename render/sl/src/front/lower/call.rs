@@ -14,6 +14,7 @@ impl<'a> Lower<'a> {
             How::Prelude(function, n) if n == plain => Some(function),
             _ => None,
         });
+        self.reads_over(name, form.is_some() && plain < args.len());
         let (name, args) = form.map_or((name, args), |form| (form, &args[..plain]));
         if let Some(function) = self.functions.get(name).copied() {
             return self.inline(at, function, args);
@@ -48,6 +49,7 @@ impl<'a> Lower<'a> {
         if first.usage.is_empty() {
             // Options by name that follow the arguments ask for nothing that would be done otherwise here.
             let options = values.iter().position(|v| v.ty == Ty::Text).unwrap_or(values.len());
+            self.reads_over(name, options < values.len());
             values.truncate(options);
         }
         // min and max of more than two are taken two at a time.
@@ -81,6 +83,13 @@ impl<'a> Lower<'a> {
             How::Component(c) => self.temp(at, ty, varying, |r| Op::Component(r.float(), values[0].triple(), c)),
             How::Grid(_) | How::Scene(_) => self.called(at, function, ty, varying, &values),
             How::Form(_) | How::Prelude(..) => unreachable!("done above"),
+        }
+    }
+
+    /// Note that a function is given options by name, if it is.
+    fn reads_over(&mut self, name: &str, is_given: bool) {
+        if is_given {
+            self.unsupported.push(format!("gives `{name}` options by name, which are read over"));
         }
     }
 

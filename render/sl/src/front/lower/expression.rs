@@ -104,6 +104,15 @@ impl<'a> Lower<'a> {
         self.temp(at, ty, value.varying, |r| Op::Transform(how, r.reg(), value.reg(), from.text(), to.text()))
     }
 
+    /// Two values to compare: a number beside a triple is one of three such numbers.
+    fn alike(&mut self, at: usize, a: Value, b: Value) -> Result<(Value, Value), Error> {
+        match (a.ty, b.ty) {
+            (Ty::Float, ty) if ty.is_triple() => Ok((self.convert(at, a, ty)?, b)),
+            (ty, Ty::Float) if ty.is_triple() => Ok((a, self.convert(at, b, ty)?)),
+            _ => Ok((a, b)),
+        }
+    }
+
     /// A binary operator.
     pub(super) fn arithmetic(&mut self, at: usize, op: &str, a: Value, b: Value) -> Result<Value, Error> {
         let varying = a.varying || b.varying;
@@ -131,6 +140,7 @@ impl<'a> Lower<'a> {
             }
             return self.of_matrices(at, op, a, b);
         }
+        let (a, b) = if matches!(op, "==" | "!=") { self.alike(at, a, b)? } else { (a, b) };
         let both_triples = a.ty.is_triple() && b.ty.is_triple();
         match op {
             "." | "^" if !both_triples => refuse("takes two vectors"),

@@ -73,6 +73,23 @@ impl Lower<'_> {
                 self.push(at, Op::Print(v.iter().copied().map(Value::operand).collect()))?;
                 Ok(Value::of(Ty::Void, 0, false))
             }
+            (Form::ShaderName, []) => {
+                let name = self.name.clone();
+                self.text(at, &name)
+            }
+            (Form::ShaderName, [Ty::Text]) => {
+                let (names, nothing) = (vec![v[0].text()], self.text(at, "")?);
+                let name = self.temp(at, Ty::Text, false, |r| Op::TextCopy(r.text(), nothing.text()))?;
+                let what = Ask::ShaderName;
+                self.temp(at, Ty::Float, false, |r| Op::Ask {
+                    dst: r.float(),
+                    what,
+                    names,
+                    out: name.operand(),
+                    len: 1,
+                })?;
+                Ok(name)
+            }
             (Form::Match, [Ty::Text, Ty::Text]) => {
                 self.temp(at, Ty::Float, false, |r| Op::Match(r.float(), v[0].text(), v[1].text()))
             }
@@ -83,6 +100,11 @@ impl Lower<'_> {
                 let ty = if *a == Ty::Float { *b } else { *a };
                 let (a, b) = (self.convert(at, v[0], ty)?, self.convert(at, v[1], ty)?);
                 self.called(at, Builtin::MIX, ty, varying, &[a, b, v[2]])
+            }
+            (Form::Mix, [a, b, c]) if [a, b, c].into_iter().all(|t| *t == Ty::Color) => {
+                let way = self.arithmetic(at, "-", v[1], v[0])?;
+                let part = self.arithmetic(at, "*", way, v[2])?;
+                self.arithmetic(at, "+", v[0], part)
             }
             (Form::Clamp, [a, lo, hi]) if [a, lo, hi].iter().all(|t| **t != Ty::Text) => {
                 let low = self.componentwise(at, Binary::Max, v[0], v[1])?;

@@ -22,6 +22,7 @@ impl<'a> Lower<'a> {
             Form::Map(how) => self.map(at, how, args, expected),
             Form::SetComponent(component) => self.set_component(at, name, component, args),
             _ => {
+                self.unsupported.push(format!("calls `{name}`: nothing is baked, and nothing is found that was"));
                 for arg in args {
                     self.expr(arg, None)?;
                 }

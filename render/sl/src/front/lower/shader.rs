@@ -12,7 +12,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         let hint = "a file of functions alone is for `#include`";
         return error_with(file.end, "the file has no shader: expected surface, displacement, light …", hint);
     };
-    let mut l = Lower { kind: Some(shader.kind), ..Lower::default() };
+    let mut l = Lower { kind: Some(shader.kind), name: shader.name.clone(), ..Lower::default() };
     for function in prelude.iter().chain(&file.functions) {
         l.functions.insert(&function.name, function);
     }
@@ -24,7 +24,10 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
     for statement in &shader.body {
         l.statement(statement)?;
     }
+    l.unsupported.sort();
+    l.unsupported.dedup();
     Ok(Program {
+        unsupported: l.unsupported,
         kind: shader.kind,
         name: shader.name.clone(),
         file: String::new(),
@@ -36,6 +39,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         is_ambient: shader.kind == ShaderKind::Light && !l.directed,
         keeps_opacity: false,
         reads_neighbours: true,
+        asks_displacement: true,
         traces: true,
         places: vec![],
     })

@@ -93,6 +93,10 @@ pub(super) struct Lower<'a> {
     /// What is lowered goes to a uniform variable.
     pub(super) for_uniform: bool,
     pub(super) kind: Option<ShaderKind>,
+    /// Name of the shader.
+    pub(super) name: String,
+    /// What the shader asks for that is not done, for a warning.
+    pub(super) unsupported: Vec<String>,
     pub(super) directed: bool,
     pub(super) loops: usize,
 }
@@ -162,6 +166,12 @@ impl<'a> Lower<'a> {
         if let Some((_, reg)) = self.globals.iter().find(|(g, _)| *g == global) {
             return Ok(Value::of(ty, reg.index() as u16, true));
         }
+        let lacks = match global {
+            Global::DPdtime => Some("uses `dPdtime`, which is 0: what moves is shaded as it is when the shutter opens"),
+            Global::Ol => Some("uses `Ol`, which has no effect"),
+            _ => None,
+        };
+        self.unsupported.extend(lacks.map(String::from));
         let value = Value::of(ty, self.reg(at, ty)?, true);
         self.globals.push((global, value.reg()));
         Ok(value)

@@ -1,0 +1,1 @@
+surface askd() { float h=9; float r = displacement("h",h); Oi=1; Ci=color(h,r,0); }

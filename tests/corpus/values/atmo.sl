@@ -1,0 +1,1 @@
+volume atmo(float k=.5;) { Ci = Ci*k; }

@@ -1,0 +1,1 @@
+displacement bump(output varying float h=0;) { h = s; P += .01*s*normalize(N); N = calculatenormal(P); }

@@ -1,0 +1,1 @@
+surface eye() { Oi = 1; Ci = -color(E); }

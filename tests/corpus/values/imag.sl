@@ -1,0 +1,1 @@
+imager imag() { Ci = color(alpha,1-alpha,.5); Oi=1; alpha=1; }

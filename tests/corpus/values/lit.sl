@@ -1,0 +1,1 @@
+surface lit() { Oi=1; Ci=diffuse(faceforward(normalize(N),I)); }

@@ -1,0 +1,1 @@
+surface mirror() { Oi=1; Ci=trace(P,reflect(normalize(I),normalize(faceforward(N,I)))); }

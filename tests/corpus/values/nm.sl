@@ -1,0 +1,1 @@
+surface nm() { Oi=1; Ci=0; if (shadername()=="nm") Ci+=color(1,0,0); if (shadername("displacement")=="ring") Ci+=color(0,1,0); string l=""; illuminance(P,normalize(N),PI){ l = shadername("lightsource"); } if (l=="distantlight") Ci+=color(0,0,1); if (shadername("what")!="") Ci=0; }

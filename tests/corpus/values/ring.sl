@@ -1,0 +1,1 @@
+displacement ring(float by=.2;) { P += by*normalize(N); N=calculatenormal(P); }

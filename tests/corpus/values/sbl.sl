@@ -1,0 +1,1 @@
+surface sbl(float a=0,b=0;) { Oi=1; Ci=texture("edge.png",s,t,"sblur",a,"tblur",b); }

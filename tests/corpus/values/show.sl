@@ -1,0 +1,1 @@
+surface show(varying float value = 0;) { Oi = 1; Ci = value; }

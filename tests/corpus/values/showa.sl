@@ -1,0 +1,1 @@
+surface showa(varying float a[3]={0,0,0};) { Oi=1; Ci=color(a[0],a[1],a[2]); }

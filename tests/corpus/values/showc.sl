@@ -1,0 +1,1 @@
+surface showc(varying color value = 0;) { Oi = 1; Ci = value; }

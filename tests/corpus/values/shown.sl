@@ -1,0 +1,1 @@
+surface shown() { Oi = 1; vector n=normalize(N); Ci = color(xcomp(n),ycomp(n),-zcomp(n)); }

@@ -1,0 +1,1 @@
+surface shows() { Oi = 1; Ci = color(s,t,0); }

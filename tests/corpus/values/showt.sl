@@ -1,0 +1,1 @@
+surface showt(float k=0;) { Oi=1; Ci=color(time,dtime,ncomps/4); }

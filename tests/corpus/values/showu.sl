@@ -1,0 +1,1 @@
+surface showu() { Oi = 1; Ci = color(u,v,0); }

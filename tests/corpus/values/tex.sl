@@ -1,0 +1,1 @@
+surface tex(string name="ramp.png"; float w=1;) { Oi=1; Ci=texture(name,s,t,"width",w); }

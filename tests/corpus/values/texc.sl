@@ -1,0 +1,1 @@
+surface texc(string name="ramp.png";) { Oi=1; Ci=color(texture(name[0],s,t),texture(name[1],s,t),texture(name[7],s,t,"fill",.25)); }

@@ -1,0 +1,1 @@
+surface vis() { Oi=Os; Ci=Cs*Os; }
