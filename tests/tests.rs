@@ -37,6 +37,7 @@ mod rendering;
 mod rest;
 mod runs;
 mod sheets;
+mod sky;
 mod solids;
 mod solver;
 mod stages;
