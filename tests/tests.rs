@@ -24,6 +24,7 @@ mod joints;
 mod lanes;
 mod language;
 mod light;
+mod looks;
 mod movies;
 mod outputs;
 mod pages;
