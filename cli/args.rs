@@ -15,7 +15,7 @@ pub use author::{
 pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
 pub use bench::{BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs, Workload};
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
-pub use image::{ImageArgs, MovieArgs, RenderArgs, RibArgs, StitchArgs};
+pub use image::{ImageArgs, MovieArgs, QualityChoice, RenderArgs, RibArgs, StitchArgs};
 pub use simulate::{Backend, Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
 pub use value::{Assignment, Interval, ShardArg};
 

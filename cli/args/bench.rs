@@ -90,6 +90,9 @@ pub struct BenchRenderArgs {
     /// radius.
     #[arg(long)]
     pub motion: bool,
+    /// Add light from the sky, hidden by what is in its way.
+    #[arg(long)]
+    pub sky: bool,
     /// f-stop of the lens, as 4, focused on the middle of the image
     /// [default: a pinhole, all in focus].
     #[arg(long, value_name = "F", value_parser = number::<f32>)]

@@ -1,7 +1,7 @@
 //! Arguments of the commands that make images and movies: `render`, `movie`, `rib` and `stitch`.
 
 use super::value::{Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::path::PathBuf;
 
@@ -15,6 +15,10 @@ pub struct ImageArgs {
     /// Width and height, pixels, as 1280x720 [default: as the metadata says].
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub res: Option<Resolution>,
+    /// Image quality: samples, shading rate and light
+    /// [default: as the metadata says, or normal].
+    #[arg(long, value_name = "QUALITY", value_enum)]
+    pub image_quality: Option<QualityChoice>,
     /// Samples along each side of a pixel, 1 to 64; 4 makes 16 per pixel
     /// [default: as the metadata says].
     #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=64))]
@@ -30,6 +34,17 @@ pub struct ImageArgs {
     /// Run every program that a scene asks for.
     #[arg(long, conflicts_with = "allow_program")]
     pub allow_programs: bool,
+}
+
+/// Image quality, as it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum QualityChoice {
+    /// Quick, to see where everything is.
+    Draft,
+    /// For films.
+    Normal,
+    /// For print.
+    Final,
 }
 
 /// Which images are drawn again.

@@ -1,5 +1,6 @@
 //! The plan of a film, as it stands in `plan/plan.json` of its folder: what is simulated and drawn, and how it is cut into tasks.
 
+use bind::binding::Quality;
 use frame::{Fault, FaultKind};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -55,6 +56,8 @@ pub struct Requests {
 pub struct ImageChoices {
     /// Width and height, pixels.
     pub res: Option<[u32; 2]>,
+    /// Image quality.
+    pub quality: Option<Quality>,
     /// Samples along each side of a pixel.
     pub samples: Option<u32>,
     /// Programs that scenes may run.

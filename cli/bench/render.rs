@@ -28,7 +28,7 @@ pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
     let s = result.stats;
     Ok(json!({
         "n": job.n, "backend": "cpu", "threads": rayon::current_num_threads(), "resolution": job.resolution,
-        "motion": job.motion, "f_stop": job.f_stop, "shading_rate": job.shading_rate,
+        "motion": job.motion, "sky": job.sky, "f_stop": job.f_stop, "shading_rate": job.shading_rate,
         "cpu_seconds": cpu_seconds() - cpu, "wall_seconds": wall.elapsed().as_secs_f64(),
         "micropolygons": s.micropolygons, "samples": s.samples, "shaded_points": s.shaded_points,
         "grids": s.grids, "grids_hidden": s.grids_hidden, "seconds": s.seconds, "peak_bytes": peak_bytes(),
@@ -103,7 +103,10 @@ fn request_bed(ri: &mut impl Ri, job: &RenderBench) -> Result<(), Fail> {
     ri.shading_rate(job.shading_rate)?;
     let (from, to) = (point("from", [0.0; 3]), point("to", [0.5, 0.4, -0.8]));
     ri.light_source("distantlight", "sun", vec![float("intensity", 1.0), from, to])?;
-    ri.surface("matte", vec![float("Ka", 0.0), float("Kd", 1.0)])?;
+    if job.sky {
+        ri.light_source("skylight", "sky", vec![])?;
+    }
+    ri.surface("matte", vec![float("Ka", job.sky as u8 as f32), float("Kd", 1.0)])?;
     ri.attribute_begin()?;
     ri.color([0.5; 3])?;
     let [x, y0, y1] = [8.0, 0.5, 12.0].map(|factor| (factor * bed.height) as f32);

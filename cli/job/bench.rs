@@ -40,6 +40,8 @@ pub struct RenderBench {
     pub n: usize,
     /// Whether the spheres move while the shutter is open.
     pub motion: bool,
+    /// Whether there is light from the sky.
+    pub sky: bool,
     /// The lens; a pinhole without.
     pub f_stop: Option<f32>,
     /// Area of a micropolygon, pixels.
@@ -134,6 +136,6 @@ fn settle(args: &BenchSimArgs, solver: &mut SolverSettings) {
 
 fn render_bench(args: BenchRenderArgs) -> Outcome<RenderBench> {
     cpu_only(args.backend)?;
-    let BenchRenderArgs { n, motion, f_stop, shading_rate, res, image, .. } = args;
-    Ok(RenderBench { n: n.max(1), motion, f_stop, shading_rate, resolution: res, image })
+    let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, image, .. } = args;
+    Ok(RenderBench { n: n.max(1), motion, sky, f_stop, shading_rate, resolution: res, image })
 }

@@ -7,8 +7,8 @@ use super::run_folder::{self, spare_link};
 use super::simulate::{SimulateJob, replacements};
 use super::sweep;
 use crate::args::{
-    Assignment, Backend, CutArgs, ImageArgs, PlanArgs, ResumeArgs, SchedulerArg, SimulateArgs, StatusArgs, SubmitArgs,
-    TaskArgs, VerifyArgs,
+    Assignment, Backend, CutArgs, ImageArgs, PlanArgs, QualityChoice, ResumeArgs, SchedulerArg, SimulateArgs,
+    StatusArgs, SubmitArgs, TaskArgs, VerifyArgs,
 };
 use crate::batch::{ImageChoices, MadeOf, Plan, Requests, Scheduler, Simulation, Task};
 use crate::report::{Exit, Failure, Outcome};
@@ -384,6 +384,7 @@ fn images_of_data(
     let args = ImageArgs {
         frames: frames.parse().ok(),
         res: choices.res,
+        image_quality: choices.quality.map(QualityChoice::from),
         samples: choices.samples,
         allow_program: choices.allow_program.clone(),
         allow_programs: choices.allow_programs,

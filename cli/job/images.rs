@@ -1,13 +1,13 @@
 //! Images to render of frames that exist: which frames, at which resolution, to which files.
 
 use super::run_folder::spare_link;
-use crate::args::ImageArgs;
+use crate::args::{ImageArgs, QualityChoice};
 use crate::batch::ImageChoices;
 use crate::ledger::Ledger;
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
-use bind::binding::{Binding, ImageFormat};
+use bind::binding::{Binding, ImageFormat, Quality};
 use bind::data::Source;
 use frame::Frame;
 use frame::list::FrameList;
@@ -21,6 +21,8 @@ pub struct ImageOptions {
     pub frames: Option<FrameList>,
     /// Width and height, pixels; those of the metadata if not given.
     pub resolution: Option<[u32; 2]>,
+    /// Image quality; that of the metadata if not given.
+    pub quality: Option<Quality>,
     /// Samples along each side of a pixel; those of the metadata if not given.
     pub samples: Option<u32>,
     /// Whether images that are up to date are rendered, too.
@@ -36,9 +38,11 @@ pub struct ImageOptions {
 impl ImageOptions {
     /// Check the arguments: find the programs that are allowed. Images that are up to date are kept unless `redraw` is set.
     pub fn check(args: ImageArgs, redraw: bool) -> Outcome<ImageOptions> {
-        let ImageArgs { frames, res, samples, allow_program, allow_programs, allow_outside } = args;
+        let ImageArgs { frames, res, image_quality: quality, samples, allow_program, allow_programs, allow_outside } =
+            args;
+        let quality = quality.map(Quality::from);
         let choices =
-            ImageChoices { res, samples, allow_program: allow_program.clone(), allow_programs, allow_outside };
+            ImageChoices { res, quality, samples, allow_program: allow_program.clone(), allow_programs, allow_outside };
         let find = |name: &String| {
             let missing = || Failure::new(Exit::Usage, format!("--allow-program {name}: there is no such program"));
             resolve(name).ok_or_else(missing)
@@ -48,7 +52,7 @@ impl ImageOptions {
             (false, true) => Permission::None,
             (false, false) => Permission::Named(allow_program.iter().map(find).collect::<Outcome<_>>()?),
         };
-        Ok(ImageOptions { frames, resolution: res, samples, redraw, programs, allow_outside, choices })
+        Ok(ImageOptions { frames, resolution: res, quality, samples, redraw, programs, allow_outside, choices })
     }
 }
 
@@ -84,6 +88,9 @@ impl ImageJob {
         let output = &mut binding.output;
         if let Some(resolution) = options.resolution {
             output.resolution = resolution;
+        }
+        if let Some(quality) = options.quality {
+            output.set_quality(quality);
         }
         if let Some(n) = options.samples {
             output.samples = [n; 2];
@@ -160,5 +167,25 @@ fn frames(binding: &Binding, source: &Source, options: &ImageOptions) -> Outcome
             Ok(selected.map_err(|m| binding.doc.fault("output.frames", m))?)
         }
         (None, None) => Ok(existing),
+    }
+}
+
+impl From<QualityChoice> for Quality {
+    fn from(choice: QualityChoice) -> Quality {
+        match choice {
+            QualityChoice::Draft => Quality::Draft,
+            QualityChoice::Normal => Quality::Normal,
+            QualityChoice::Final => Quality::Final,
+        }
+    }
+}
+
+impl From<Quality> for QualityChoice {
+    fn from(quality: Quality) -> QualityChoice {
+        match quality {
+            Quality::Draft => QualityChoice::Draft,
+            Quality::Normal => QualityChoice::Normal,
+            Quality::Final => QualityChoice::Final,
+        }
     }
 }

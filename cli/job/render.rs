@@ -90,8 +90,8 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         let message = "--frames, --missing and --redraw are for data: a RIB scene has no frames to choose from, and is always drawn";
         return Err(Failure::new(Exit::Usage, message));
     }
-    if args.image.res.is_some() || args.image.samples.is_some() {
-        let message = "--res and --samples are for data: a RIB scene has its own Format and PixelSamples";
+    if args.image.res.is_some() || args.image.samples.is_some() || args.image.image_quality.is_some() {
+        let message = "--res, --image-quality and --samples are for data: a RIB scene has its own Format, ShadingRate and PixelSamples";
         return Err(Failure::new(Exit::Usage, message));
     }
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;

@@ -12,6 +12,7 @@ pub mod imager;
 pub mod lanes;
 pub mod mesh;
 pub mod micropolygon;
+pub mod openness;
 pub mod raster;
 pub mod rays;
 pub mod render;

@@ -58,4 +58,22 @@ float ridges(point p; float n) {
     return sum;
 }
 
+// Heights of the unevenness at a place, in parts of its size: what is too fine to be seen has faded.
+float unevenness(float x, y, wide) {
+    float broad = fade(wide, 1), fine = fade(wide, 0.3), sum = 0.5;
+    if (broad > 0)
+        sum += 0.6 * broad * (noise(x, y) - 0.5);
+    if (fine > 0)
+        sum += 0.36 * fine * (noise(3.3 * x + 7.3, 3.3 * y) - 0.5);
+    return sum;
+}
+
+// How unevenness tilts a surface in the plane of world x and y, for its normal: bump says how steep.
+vector tilt(float x, y, wide, bump) {
+    float e = max(0.02, 0.5 * wide);
+    float h = unevenness(x, y, wide);
+    float hx = unevenness(x + e, y, wide) - h, hy = unevenness(x, y + e, wide) - h;
+    return bump / e * (vector "world" (1, 0, 0) * hx + vector "world" (0, 1, 0) * hy);
+}
+
 #endif

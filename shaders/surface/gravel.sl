@@ -1,8 +1,9 @@
 // Crushed stone: speckled and veined in the stone's own space, so that the pattern turns with it.
+// skylight: how much less ambient light faces get that are turned down, for scenes whose ambient light does not know.
 // size: the grain of the pattern, in the unit of the stone's space; variation: how much stones and spots differ.
 #include "grain.h"
-surface gravel(float Ka = 1; float Kd = 0.9; float size = 0.02; float variation = 0.35; float skylight = 0.6;) {
-    point Q = transform("object", P) / size;
+surface gravel(float Ka = 1; float Kd = 0.9; float size = 0.02; float variation = 0.35; float skylight = 0; uniform float id = 0;) {
+    point Q = transform("object", P) / size + 31 * vector(mod(id * 0.618034, 1), mod(id * 0.754878, 1), mod(id * 0.56984, 1));
     // What is too fine to be seen fades to its mean: of veins a third.
     float wide = pixelwidth(I, N) * objectunit() / size;
     float mottle = mix(0.5, noise(Q * 0.35), fade(wide, 1 / 0.35));

@@ -1,22 +1,49 @@
-// A floor of fine sand with a faint metre grid, for scale. spacing: m between lines; line: their width, m, 0 for none.
+// Dry soil with detail at every distance, pebbles, and, if wanted, a grid for scale. size: m, of the largest unevenness; bump: how steep it is;
+// stones: how many of the places for pebbles have one, 0 to 1; pebble: m between these places; spacing: m between lines; line: their width,
+// m, 0 for none.
 #include "grain.h"
-surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.008; float contrast = 0.22;) {
+
+surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.008; float contrast = 0.22; float size = 0.35; float bump = 0.12;
+               float stones = 0; float pebble = 0.06;) {
     point Q = transform("world", P);
-    // What is too fine to be seen fades to its mean.
-    float wide = apart(Q);
-    float fine = fade(wide, 1 / 55) * (noise(Q * 55) - 0.5);
-    float broad = fade(wide, 1 / 2.3) * (noise(Q * 2.3) - 0.5);
-    color sand = Cs * (1 + 0.16 * fine + 0.12 * broad);
-    if (line > 0) {
-        float x = abs(mod(xcomp(Q) / spacing + 0.5, 1) - 0.5) * spacing;
-        float y = abs(mod(ycomp(Q) / spacing + 0.5, 1) - 0.5) * spacing;
-        // Lines keep at least a pixel's width, and fade with it, so that they do not break up far away.
-        float pixel = max(0.0001, sqrt(area(P)));
-        float width = max(line, pixel);
-        float on = 1 - smoothstep(0.5 * width, 0.5 * width + pixel, min(x, y));
-        sand = sand * (1 - contrast * on * line / width);
-    }
+    float wide = pixelwidth(I, N);
+    float x = xcomp(Q), y = ycomp(Q);
     normal Nf = faceforward(normalize(N), I);
+    color soil = Cs * (1 + 0.15 * (noise(x / (9 * size) + 3.7, y / (9 * size)) - 0.5));
+    vector slope = 0;
+    float near = wide / size;
+    if (near < 0.9) {
+        slope = tilt(x / size, y / size, near, bump);
+    }
+    float middle = fade(wide, 0.09), fine = fade(wide, 0.02);
+    if (middle > 0)
+        soil *= 1 + 0.14 * middle * (noise(x * 13, y * 13) - 0.5);
+    if (fine > 0)
+        soil *= 1 + 0.12 * fine * (noise(x * 55, y * 55) - 0.5);
+    // A pebble in some of the cells of a grid, with a place and a size of its own.
+    float shown = fade(wide, 1.5 * pebble);
+    if (shown > 0) {
+        float cx = floor(x / pebble) + 0.5, cy = floor(y / pebble) + 0.5;
+        if (cellnoise(cx, cy) < stones) {
+            color own = cellnoise(cx + 37, cy);
+            float r = 0.12 + 0.26 * comp(own, 2) * comp(own, 2);
+            float dx = (x / pebble - cx + 0.5 - mix(r, 1 - r, comp(own, 0))) / r;
+            float dy = (y / pebble - cy + 0.5 - mix(r, 1 - r, comp(own, 1))) / r;
+            float on = shown * (1 - smoothstep(0.8, 1, sqrt(dx * dx + dy * dy)));
+            soil = mix(soil, Cs * (0.45 + 0.8 * mod(7 * comp(own, 0), 1)), on);
+            slope = mix(slope, -0.9 * (vector "world" (1, 0, 0) * dx + vector "world" (0, 1, 0) * dy), on);
+        }
+    }
+    Nf = normalize(Nf - slope);
+    if (line > 0) {
+        float lx = abs(mod(x / spacing + 0.5, 1) - 0.5) * spacing;
+        float ly = abs(mod(y / spacing + 0.5, 1) - 0.5) * spacing;
+        // Lines keep at least a pixel's width, and fade with it, so that they do not break up far away.
+        float pixel = max(0.0001, wide);
+        float width = max(line, pixel);
+        float on = 1 - smoothstep(0.5 * width, 0.5 * width + pixel, min(lx, ly));
+        soil = soil * (1 - contrast * on * line / width);
+    }
     Oi = Os;
-    Ci = Os * sand * (Ka * ambient() + Kd * diffuse(Nf));
+    Ci = Os * soil * (Ka * ambient() + Kd * diffuse(Nf));
 }

@@ -1,12 +1,16 @@
-// Lunar soil: dark and grey, brightest where the light comes from behind the eye (Lommel and Seeliger).
+// Lunar soil: dark and grey, brightest where the light comes from behind the eye (Lommel and Seeliger). grain: m, size of its crumbs;
+// bump: how steep its unevenness is.
 #include "grain.h"
-surface regolith(float Ka = 1; float Kd = 1.6; float grain = 0.01; color tint = color(0.36, 0.35, 0.33);) {
+surface regolith(float Ka = 1; float Kd = 1.6; float grain = 0.01; color tint = color(0.36, 0.35, 0.33); float bump = 0.12;) {
     normal Nf = faceforward(normalize(N), I);
     vector V = -normalize(I);
-    point q = transform("object", P);
-    float wide = apart(q);
-    float shade = 0.85 + 0.5 * fading_octaves(q / (20 * grain), 5, wide / (20 * grain));
-    shade += 0.15 * fade(wide, grain) * (cellnoise(q / grain) - 0.5);
+    point q = transform("object", P), w = transform("world", P);
+    float wide = pixelwidth(I, N), own = wide * objectunit();
+    float shade = 0.9 + 0.3 * fading_octaves(q / (20 * grain), 3, own / (20 * grain));
+    shade += 0.15 * fade(own, grain) * (cellnoise(q / grain) - 0.5);
+    float size = 30 * grain;
+    if (wide < 0.9 * size)
+        Nf = normalize(Nf - tilt(xcomp(w) / size, ycomp(w) / size, wide / size, bump));
     color sum = Ka * ambient();
     illuminance(P, Nf, PI / 2) {
         float mu0 = max(0, Nf . normalize(L));

@@ -16,7 +16,7 @@ mod instances;
 mod missing;
 mod shapes;
 
-use crate::binding::{Binding, Color, ImageFormat, Output};
+use crate::binding::{Binding, Color, ImageFormat, Output, Quality, Shape};
 pub use camera::Stand;
 use frame::{Fault, Frame};
 pub use instances::{Group, Prepared};
@@ -41,6 +41,9 @@ impl From<Fault> for EmitError {
     }
 }
 
+/// How much larger micropolygons of planes are than others.
+const SLANT: f32 = 4.0;
+
 /// What is left of settings that no directive has placed yet.
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
 
@@ -64,6 +67,7 @@ pub fn frame(
     if binding.output.shutter > 0.0 {
         ri.shutter(0.0, binding.output.shutter as f32).map_err(|f| binding.doc.fault("output.shutter", f.message))?;
     }
+    set_quality(&binding.output, ri).map_err(|f| binding.doc.fault("output.quality", f.message))?;
     let done = reader::read(&path, text.as_bytes(), files, ri, &mut |ri, directive| {
         let mut words = directive.split_whitespace();
         match (words.next(), words.next()) {
@@ -71,7 +75,7 @@ pub fn frame(
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
-                inject_objects(&prepared, &words.collect::<Vec<_>>(), has_ground, files, ri)
+                inject_objects(&prepared, &words.collect::<Vec<_>>(), has_ground, &binding.output, files, ri)
             }
             (Some("override"), Some(what)) if OVERRIDES.contains(&what) => {
                 override_setting(what, &binding.output, image, ri)
@@ -96,6 +100,15 @@ pub fn frame(
         return Err(binding.doc.fault("scene", message).into());
     }
     Ok(missing)
+}
+
+/// Tell the library's shaders the quality of the image, and whether it is data: then no film is in the way.
+fn set_quality(output: &Output, ri: &mut dyn Ri) -> RiResult {
+    let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
+    ri.option("limits", vec![number("bucketsize", output.quality.bucket_size())])?;
+    let [sky, sun] = output.quality.light();
+    ri.option("quality", vec![number("sky", sky), number("sun", sun)])?;
+    if output.format == ImageFormat::Exr { ri.option("film", vec![number("view", 0.0)]) } else { Ok(()) }
 }
 
 /// Check the values of a frame that the objects are drawn from; gives those that the rows lack. An error if a column is missing, or if a
@@ -189,11 +202,12 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
     }
     let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
     let triple = |name: &str, ty: Type, x: [f32; 3]| Param::floats(name, Class::Uniform, ty, x);
-    ri.light_source(
-        "ambientlight",
-        "scree:sky",
-        vec![number("intensity", 0.3), triple("lightcolor", Type::Color, [0.75, 0.87, 1.0])],
-    )?;
+    let sky = vec![
+        triple("zenith", Type::Color, [0.55, 0.62, 0.7]),
+        triple("horizon", Type::Color, [0.38, 0.42, 0.47]),
+        triple("beneath", Type::Color, [0.22, 0.21, 0.2]),
+    ];
+    ri.light_source("skylight", "scree:sky", sky)?;
     let sun = vec![
         number("intensity", 0.95),
         triple("lightcolor", Type::Color, [1.0, 0.95, 0.87]),
@@ -203,11 +217,21 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
     ri.light_source("distantlight", "scree:sun", sun)
 }
 
+/// The number by which shaders know a shape that has edges.
+fn kind_of(shape: &Shape) -> Option<f32> {
+    match shape {
+        Shape::Box(_) => Some(1.0),
+        Shape::Cylinder(_) => Some(2.0),
+        _ => None,
+    }
+}
+
 /// The objects of the given names, or all but those for which the scene has a ground of its own.
 fn inject_objects(
     prepared: &[Prepared<'_>],
     names: &[&str],
     has_ground: bool,
+    output: &Output,
     files: &Files,
     ri: &mut dyn Ri,
 ) -> RiResult {
@@ -231,6 +255,14 @@ fn inject_objects(
         for (name, params) in &p.object.attributes {
             ri.attribute(name, params.clone())?;
         }
+        if let Some(kind) = kind_of(&p.object.shape) {
+            // For edges and marks of the library's materials.
+            ri.attribute("shape", vec![Param::floats("kind", Class::Uniform, Type::Float, [kind])])?;
+        }
+        if let Shape::Plane(_) = p.object.shape {
+            // A plane is mostly seen at a slant, where micropolygons are slender: longer ones are as small.
+            ri.shading_rate(SLANT * output.shading_rate)?;
+        }
         match &p.object.surface {
             Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
             None => ri.surface("matte", vec![])?,
@@ -238,6 +270,10 @@ fn inject_objects(
         if let Some(displacement) = &p.object.displacement {
             if let Some(bound) = displacement.bound {
                 ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
+            }
+            if !displacement.traced || output.quality == Quality::Draft {
+                let no = vec![Param::floats("displacements", Class::Uniform, Type::Float, [0.0])];
+                ri.attribute("trace", no)?;
             }
             ri.displacement(&displacement.name, displacement.params.clone())?;
         }

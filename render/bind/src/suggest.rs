@@ -126,21 +126,22 @@ fn real_time(frames: &[Frame]) -> f64 {
     if (4.0..=120.0).contains(&rate) { rate } else { usual }
 }
 
-/// Colours of what people make, one after the other.
+/// Colours of what people make, one after the other: those of Okabe and Ito (2008), which the colour-blind tell apart, linear and a little
+/// paler.
 const PAINTS: [[f32; 3]; 6] = [
-    [0.26, 0.4, 0.56],
-    [0.66, 0.34, 0.2],
-    [0.36, 0.46, 0.28],
-    [0.6, 0.52, 0.28],
-    [0.42, 0.34, 0.48],
-    [0.3, 0.46, 0.46],
+    [0.03, 0.18, 0.42],
+    [0.62, 0.13, 0.03],
+    [0.03, 0.33, 0.18],
+    [0.75, 0.6, 0.08],
+    [0.12, 0.42, 0.72],
+    [0.55, 0.2, 0.36],
 ];
 
 fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
     let position = ["pos_x", "pos_y", "pos_z"].map(column);
     let shiny = [("Kd", 0.85), ("Ks", 0.25)].map(|(name, x)| (name.to_string(), Parameter::Number(x)));
     let parameters = if surface == "plastic" { shiny.into_iter().collect() } else { Default::default() };
-    let surface = Some(Shader { name: surface.into(), bound: None, parameters });
+    let surface = Some(Shader { name: surface.into(), bound: None, traced: None, parameters });
     Object {
         name: name.into(),
         select,

@@ -4,8 +4,8 @@ use crate::context::state::Context;
 use crate::texture;
 use glam::{Mat4, Vec3};
 use ri::{Fail, Params, Values};
-use sl::ir::Kind;
-use sl::machine::BoundShader;
+use sl::ir::{Ask, Kind};
+use sl::machine::{Answer, BoundShader};
 use std::sync::Arc;
 
 /// The shader of a kind that does nothing (RISpec A.1): of a surface, that its light leaves as it is.
@@ -31,6 +31,9 @@ impl sl::machine::Scene for BindScene<'_> {
             named => self.context.scene.spaces.get(named).copied(),
         };
         Some((to_world(to)?.inverse() * to_world(from)?).to_cols_array())
+    }
+    fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
+        self.context.scene.ask(what, names)
     }
 }
 

@@ -58,7 +58,7 @@ struct Form {
 /// Whether rays meet an item as displaced.
 pub fn is_meshed(scene: &Scene, camera: &Camera, item: Item) -> bool {
     let source = &scene.sources[item.source as usize];
-    source.attributes.displacement.is_some() && {
+    source.attributes.displacement.is_some() && source.attributes.traces_displaced() && {
         let view = scene.view(item);
         let (min, max) = camera_bounds(camera, &view);
         let nearest = if min.z > 0.0 { min.z } else { camera.near.max(1e-3 * (max - min).length()) };

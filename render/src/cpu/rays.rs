@@ -7,6 +7,7 @@
 use crate::cpu::bvh::{Bvh, Crossing};
 use crate::cpu::displaced::{Displace, Displaced, is_meshed};
 use crate::cpu::mesh::Spot;
+use crate::cpu::openness::Surroundings;
 use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
 use crate::scene::facets::facets_of;
@@ -16,6 +17,7 @@ use crate::scene::source::Item;
 use crate::scene::world::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// The part of the way to a light at whose end surfaces do not count.
 pub const BEFORE_END: f32 = 1.0 - 1e-4;
@@ -26,6 +28,8 @@ pub struct Rays<'a> {
     surfaces: Bvh,
     displaced: Option<Box<Displaced<'a>>>,
     solids: Option<Hulls<'a>>,
+    /// What closes the sky, once a shader asks for that.
+    surroundings: OnceLock<Surroundings>,
 }
 
 /// The surfaces of solids.
@@ -56,7 +60,7 @@ impl<'a> Rays<'a> {
         let hulls = || Hulls::new(scene, displaced(&is_part), |item| is_part(item) && !meshed(item));
         let solids = scene.sources.iter().any(|s| s.attributes.solid.is_some()).then(hulls);
         let surfaces = Bvh::build(scene, |item| open(item) && !meshed(item));
-        Rays { surfaces, displaced: displaced(&open), solids }
+        Rays { surfaces, displaced: displaced(&open), solids, surroundings: OnceLock::new() }
     }
 
     /// What displacement shaders meet, if any of a scene traces: what does not itself wait for such a shader.
@@ -76,6 +80,11 @@ impl<'a> Rays<'a> {
     /// Where a ray meets an item that is displaced, nearest to a distance.
     pub fn spot(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> Option<Spot> {
         self.all_displaced().find_map(|displaced| displaced.spot(item, from, dir, distance))
+    }
+
+    /// What closes the sky of a scene, which must be that of the rays.
+    pub fn surroundings(&self, scene: &Scene) -> &Surroundings {
+        self.surroundings.get_or_init(|| Surroundings::new(scene))
     }
 
     fn all_displaced(&self) -> impl Iterator<Item = &Displaced<'a>> {

@@ -65,6 +65,22 @@ impl Tree {
         self.nodes.is_empty()
     }
 
+    /// Visit the leaves whose boxes meet a box, in their order.
+    pub fn meeting(&self, lo: Vec3, hi: Vec3, mut visit: impl FnMut(Range<usize>)) {
+        let (lo, hi) = (Vec3A::from(lo), Vec3A::from(hi));
+        let mut stack: Vec<u32> = (!self.is_empty()).then_some(0).into_iter().collect();
+        while let Some(at) = stack.pop() {
+            let node = &self.nodes[at as usize];
+            let (min, max) = node.bounds();
+            if min.cmple(hi).all() && max.cmpge(lo).all() {
+                match node.count() {
+                    0 => stack.extend([node.at(), at + 1]),
+                    n => visit(node.at() as usize..(node.at() + n) as usize),
+                }
+            }
+        }
+    }
+
     /// Visit the leaves that a ray meets within a length; the visitor answers how much of the length still counts, or ends it.
     #[inline(always)]
     pub fn leaves(

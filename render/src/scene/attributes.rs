@@ -208,6 +208,12 @@ impl Attributes {
         shaders.chain([&self.surface]).any(|shader| shader.program.traces)
     }
 
+    /// Whether rays meet it as displaced: `Attribute "trace" "displacements"`.
+    pub fn traces_displaced(&self) -> bool {
+        let set = self.user.iter().find(|(name, _)| name == "trace:displacements");
+        !matches!(set, Some((_, sl::machine::Answer::Numbers(v))) if v.first() == Some(&0.0))
+    }
+
     /// Whether a shader of the primitive reads u, v, s or t.
     pub fn reads_parameters(&self) -> bool {
         let mut shaders =

@@ -23,13 +23,15 @@ fn facet_corners(patch: &Patch) -> impl Iterator<Item = ([f32; 2], f32)> + use<>
     (0..n * n).map(move |k| ([(k % n) as f32 * step, (k / n) as f32 * step], step))
 }
 
+/// The four corners of each of a patch's facets, around it, in world space.
+pub(crate) fn quads_of(patch: &Patch, to_world: Mat4) -> impl Iterator<Item = [Vec3; 4]> + '_ {
+    let at = move |u: f32, v: f32| to_world.transform_point3(patch.at(u, v));
+    facet_corners(patch).map(move |([u, v], w)| [at(u, v), at(u + w, v), at(u + w, v + w), at(u, v + w)])
+}
+
 /// The triangles of a patch's facets, corners in world space.
 pub(crate) fn facets_of(patch: &Patch, to_world: Mat4) -> impl Iterator<Item = [Vec3; 3]> + '_ {
-    let at = move |u: f32, v: f32| to_world.transform_point3(patch.at(u, v));
-    facet_corners(patch).flat_map(move |([u, v], w)| {
-        let [a, b, c, d] = [at(u, v), at(u + w, v), at(u + w, v + w), at(u, v + w)];
-        [[a, b, c], [a, c, d]]
-    })
+    quads_of(patch, to_world).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
 }
 
 /// Where a ray, in the space of a patch, meets its facets nearest to a place: the distance from the place squared, and u, v.

@@ -105,6 +105,8 @@ pub struct Shader {
     pub name: String,
     /// Maximum displacement, m (displacement shaders).
     pub bound: Option<f32>,
+    /// Whether rays meet what it displaces (displacement shaders).
+    pub traced: bool,
     /// Parameters of the shader, with their values.
     pub params: Params,
 }

@@ -7,6 +7,7 @@ use frame::csv::Layout;
 use frame::yaml::Document;
 use frame::{Fault, Frame, nearest, run, table};
 use ri::files::Files;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -123,6 +124,8 @@ pub struct Lens {
 pub struct Output {
     /// Width and height of the image, pixels.
     pub resolution: [u32; 2],
+    /// Image quality, which light goes by.
+    pub quality: Quality,
     /// Count of samples along x and y of a pixel.
     pub samples: [u32; 2],
     /// Shading rate: maximum area of a micropolygon on the raster, pixels.
@@ -141,6 +144,63 @@ pub struct Output {
     pub filter: (String, f32),
 }
 
+/// Image quality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quality {
+    /// Quick, to see where everything is: light from the sky as if nothing were in its way, rays that meet bodies undisplaced.
+    Draft,
+    /// For films.
+    Normal,
+    /// For print: shadows of the sun's disc, more samples.
+    Final,
+}
+
+impl Quality {
+    /// Samples along x and y of a pixel.
+    pub fn samples(self) -> [u32; 2] {
+        [match self {
+            Quality::Draft => 1,
+            Quality::Normal => 3,
+            Quality::Final => 5,
+        }; 2]
+    }
+
+    /// Area of a micropolygon, pixels.
+    pub fn shading_rate(self) -> f32 {
+        match self {
+            Quality::Draft => 16.0,
+            Quality::Normal => 2.0,
+            Quality::Final => 1.0,
+        }
+    }
+
+    /// Pixels along a bucket's edge: larger ones cost memory and less time, of which a draft takes little.
+    pub fn bucket_size(self) -> f32 {
+        match self {
+            Quality::Draft => 256.0,
+            Quality::Normal | Quality::Final => 128.0,
+        }
+    }
+
+    /// How the library's lights go by it: whether the sky's is hidden by what is in the way, and the samples of the sun's disc.
+    pub fn light(self) -> [f32; 2] {
+        match self {
+            Quality::Draft => [0.0, 1.0],
+            Quality::Normal => [1.0, 1.0],
+            Quality::Final => [1.0, 6.0],
+        }
+    }
+}
+
+impl Output {
+    /// Take a quality, with its samples and shading rate.
+    pub fn set_quality(&mut self, quality: Quality) {
+        self.quality = quality;
+        (self.samples, self.shading_rate) = (quality.samples(), quality.shading_rate());
+    }
+}
+
 /// File format of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageFormat {
@@ -154,8 +214,9 @@ impl Default for Output {
     fn default() -> Output {
         Output {
             resolution: [640, 360],
-            samples: [4, 4],
-            shading_rate: 1.0,
+            quality: Quality::Normal,
+            samples: Quality::Normal.samples(),
+            shading_rate: Quality::Normal.shading_rate(),
             format: ImageFormat::Png,
             bits: None,
             channels: vec![],

@@ -239,7 +239,8 @@ fn settings(job: &Job<'_>, key: &str, map: &Map, output: &mut Output) -> Result<
     let own = own.map(|one| shader(job, &format!("{key}.shader"), one)).transpose()?;
     match kind.as_str() {
         "ao" | "occlusion" | "envlight" => {
-            let shader = own.unwrap_or(Shader { name: "occlusionsurf".into(), bound: None, params: vec![] });
+            let shader =
+                own.unwrap_or(Shader { name: "occlusionsurf".into(), bound: None, traced: true, params: vec![] });
             Ok(Some(shader))
         }
         "" | "raytrace" | "shadow" | "beauty" | "default" => Ok(own),

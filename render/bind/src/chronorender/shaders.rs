@@ -34,6 +34,7 @@ pub(super) fn shader(job: &Job<'_>, key: &str, value: &Value) -> Result<Shader, 
     Ok(Shader {
         name: text(name).trim_end_matches(".sl").to_string(),
         bound: None,
+        traced: true,
         params: params.into_values().collect(),
     })
 }

@@ -182,6 +182,15 @@ impl<'a> Rows<'a> {
         Ok((Param::floats("Cs", Class::Uniform, Type::Color, colors), Lack { rows: missing.count(), first }))
     }
 
+    /// What tells bodies apart, for shaders with a parameter `id`: the column of that name, or the row's place.
+    fn ids(&self) -> Param {
+        let column = self.frame.column("id");
+        let id = |row: &usize| column.and_then(|ids| ids.number(*row)).unwrap_or(*row as f64);
+        // Numbers up to 2^20 are whole in single precision with room for halves.
+        let ids = self.rows.iter().map(|row| id(row).rem_euclid(1_048_576.0) as f32);
+        Param::floats("id", Class::Uniform, Type::Float, ids.collect::<Vec<f32>>())
+    }
+
     /// Quaternions (x, y, z, w), made unit; none if neither the object nor the data has any.
     fn orientation(&self, object: &Object) -> Result<Vec<[f32; 4]>, Fault> {
         let standard = ["quat_w", "quat_x", "quat_y", "quat_z"];
@@ -255,6 +264,9 @@ pub(super) fn prepare<'a>(
         let (colors, lack) = rows.colors(value, *map, *range)?;
         instances.params.push(colors);
         missing.uncolored = lack;
+    }
+    if object.surface.is_some() || object.displacement.is_some() {
+        instances.params.push(rows.ids());
     }
     let group = |handle: Option<String>, archive, instances| Group { handle, archive, instances: vec![instances] };
     let groups = match &object.shape {

@@ -4,7 +4,7 @@ use super::types;
 use super::types::{CameraSpec, Metadata, Parameter, Quantity, View};
 use crate::binding::{
     Archive, Binding, Camera, Color, Data, Formula, ImageFormat, Lens, Object, Output, Place, Placed, Projection,
-    Shader, Shape, delimiter, some_objects,
+    Quality, Shader, Shape, delimiter, some_objects,
 };
 use frame::Fault;
 use frame::csv::Layout;
@@ -57,10 +57,16 @@ fn output(o: types::Output) -> Output {
         types::ImageFormat::Png => ImageFormat::Png,
         types::ImageFormat::Exr => ImageFormat::Exr,
     };
+    let quality = match o.quality {
+        types::Quality::Draft => Quality::Draft,
+        types::Quality::Normal => Quality::Normal,
+        types::Quality::Final => Quality::Final,
+    };
     Output {
         resolution: o.resolution,
-        samples: o.samples,
-        shading_rate: o.shading_rate,
+        quality,
+        samples: o.samples.unwrap_or(quality.samples()),
+        shading_rate: o.shading_rate.unwrap_or(quality.shading_rate()),
         format,
         bits: o.bits,
         channels: o.channels,
@@ -212,5 +218,10 @@ fn shader(shader: types::Shader) -> Shader {
         Parameter::Triple(x) => Param::floats(&name, Class::Uniform, Type::Color, x),
         Parameter::Text(text) => Param::string(&name, &text),
     };
-    Shader { name: shader.name, bound: shader.bound, params: shader.parameters.into_iter().map(param).collect() }
+    Shader {
+        name: shader.name,
+        bound: shader.bound,
+        traced: shader.traced.unwrap_or(true),
+        params: shader.parameters.into_iter().map(param).collect(),
+    }
 }

@@ -290,6 +290,9 @@ pub struct Shader {
     /// Maximum displacement, m (displacement shaders).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<f32>,
+    /// Whether shadows and rays meet the displaced surface (displacement shaders); if not, they meet it as it was, which is faster.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traced: Option<bool>,
     /// Values of the shader's parameters, by name.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, Parameter>,
@@ -337,10 +340,15 @@ pub struct ColorBy {
 pub struct Output {
     /// Width and height of the image, pixels.
     pub resolution: [u32; 2],
-    /// Count of samples along x and y of a pixel.
-    pub samples: [u32; 2],
-    /// Shading rate: maximum area of a micropolygon on the raster, pixels.
-    pub shading_rate: f32,
+    /// Image quality: chooses samples, shading rate and light where these are not given.
+    #[serde(skip_serializing_if = "Quality::is_default")]
+    pub quality: Quality,
+    /// Count of samples along x and y of a pixel; if not given, as the quality says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<[u32; 2]>,
+    /// Shading rate: maximum area of a micropolygon on the raster, pixels; if not given, as the quality says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shading_rate: Option<f32>,
     /// File format, `png` or `exr`.
     pub format: ImageFormat,
     /// Bits of a colour component: 8 (default) or 16 in a PNG, 16 or 32 (default), both floats, in an EXR.
@@ -356,6 +364,25 @@ pub struct Output {
     pub frames: Option<String>,
     /// The pixel filter.
     pub filter: PixelFilter,
+}
+
+/// Image quality.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Quality {
+    /// Quick, to see where everything is.
+    Draft,
+    /// For films.
+    #[default]
+    Normal,
+    /// For print.
+    Final,
+}
+
+impl Quality {
+    fn is_default(&self) -> bool {
+        *self == Quality::default()
+    }
 }
 
 /// File format of images.
@@ -391,8 +418,9 @@ impl Default for Output {
     fn default() -> Output {
         Output {
             resolution: [640, 360],
-            samples: [4, 4],
-            shading_rate: 1.0,
+            quality: Quality::Normal,
+            samples: None,
+            shading_rate: None,
             shutter: 0.0,
             format: ImageFormat::Png,
             bits: None,

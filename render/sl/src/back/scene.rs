@@ -15,6 +15,13 @@ pub trait Scene {
     fn transmission(&self, _segments: &[Segment], light: &mut [[f32; 3]]) {
         light.fill([1.0; 3]);
     }
+    /// How much of the sky's light gets to places on a surface: of an even sky above the horizon, of one whose light grows with the
+    /// sine of the height, and of what is below the horizon; each as a part of what the upper side of a plane in the open gets of light
+    /// from all directions that is as bright as at the zenith, or below. By default nothing is in the way.
+    fn openness(&self, places: &[OpenPlace], open: &mut [[f32; 3]]) {
+        let height = |p: &OpenPlace| (0..3).map(|c| p.normal[c] * p.up[c]).sum::<f32>();
+        places.iter().zip(open).for_each(|(place, open)| *open = open_to(height(place)));
+    }
     /// Sample points on an area light, for `n` points that it lights: `_light` is the light's index in [`Scene::lights`], `_place`
     /// gives the position of a lit point by its index. `None` if the light is no area light.
     fn emitter(&self, _light: usize, _n: usize, _place: &dyn Fn(usize) -> [f32; 3]) -> Option<Emitter> {
@@ -61,6 +68,24 @@ pub trait Scene {
     fn warn(&self, _message: String) {}
     /// Take the text that `printf` prints; by default it is dropped.
     fn print(&self, _text: &str) {}
+}
+
+/// [`Scene::openness`] of a surface in the open, by the cosine of its normal and up: the second is 2/3 of a plane that faces up, 2/(3π)
+/// of one that faces the horizon, and interpolated between these and 0.
+pub fn open_to(cosine: f32) -> [f32; 3] {
+    let above = (0.5 + 0.5 * cosine).clamp(0.0, 1.0);
+    [above, 2.0 / 3.0 * above.powf(1.651_496), 1.0 - above]
+}
+
+/// A place on a surface that looks at the sky: position, unit normal and unit direction up, in the current space.
+#[derive(Clone, Copy, Debug)]
+pub struct OpenPlace {
+    /// Position.
+    pub at: [f32; 3],
+    /// Normal.
+    pub normal: [f32; 3],
+    /// Up.
+    pub up: [f32; 3],
 }
 
 /// A ray, in the current space.

@@ -77,6 +77,8 @@ pub enum SceneCall {
     Trace,
     /// `occlusion(P, N, samples)`: the fraction of the hemisphere about N that surfaces hide.
     Occlusion,
+    /// `openness(P, N, up)`: the parts of the sky's light that get to P.
+    Openness,
     /// `indirectdiffuse(P, N, samples)`: the mean colour of the surfaces that the hemisphere about N sees.
     IndirectDiffuse,
 }
@@ -423,6 +425,7 @@ pub const TABLE: &[Row] = &[
     scene("visibility", &[T, T], Is(Color), SceneCall::Transmission),
     scene("trace", &[T, T], FloatOrColor, SceneCall::Trace),
     scene("occlusion", &[T, T, F], Is(Float), SceneCall::Occlusion),
+    scene("openness", &[T, T, T], Is(Vector), SceneCall::Openness),
     scene("indirectdiffuse", &[T, T, F], Is(Color), SceneCall::IndirectDiffuse),
     // Maps.
     form("texture", Form::Map(Lookup::Texture), ""),

@@ -33,7 +33,9 @@ pub fn optimise(program: &mut Program) {
     program.traces = any(program, |op| match op {
         Op::Gather { .. } => true,
         Op::Map { how, .. } => matches!(how, Lookup::Shadow),
-        Op::Call(f, ..) => matches!(f.row().how, How::Scene(call) if call != SceneCall::Ambient),
+        Op::Call(f, ..) => {
+            matches!(f.row().how, How::Scene(call) if !matches!(call, SceneCall::Ambient | SceneCall::Openness))
+        }
         _ => false,
     });
 }

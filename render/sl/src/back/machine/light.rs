@@ -161,6 +161,8 @@ impl Machine {
             let mut machine = self.light_machine.take().unwrap_or_default();
             let mut points = Points::new(self.nu, n / self.nu.max(1), self.orientation);
             points.set(Global::Cl, vec![0.0; 3]);
+            points.set(Global::Ps, self.places.clone());
+            points.set(Global::Ns, self.facing.clone());
             machine.receiver = None;
             machine.run_where(light, &VariableSlots::default(), &mut points, scene, None);
             let cl = points.get(Global::Cl).unwrap_or(&[0.0; 3]);

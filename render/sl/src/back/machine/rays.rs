@@ -1,6 +1,6 @@
 //! Rays: `gather`, and the functions that send some.
 
-use super::super::scene::{Ray, Scene, Segment};
+use super::super::scene::{OpenPlace, Ray, Scene, Segment};
 use super::control::turn_of;
 use super::state::Machine;
 use crate::ir::builtins::SceneCall;
@@ -23,6 +23,7 @@ impl Machine {
         match call {
             SceneCall::Ambient => self.ambient(&mut out, scene),
             SceneCall::Transmission => self.transmission(&mut out, args, scene),
+            SceneCall::Openness => self.openness(&mut out, args, scene),
             SceneCall::Trace => self.trace(&mut out, args, width, scene),
             SceneCall::Occlusion | SceneCall::IndirectDiffuse => {
                 self.hemisphere(&mut out, args, width, call == SceneCall::Occlusion, scene)
@@ -47,6 +48,23 @@ impl Machine {
         let mut light = vec![[1.0; 3]; segments.len()];
         scene.transmission(&segments, &mut light);
         points.iter().zip(light).for_each(|(k, light)| put(out, *k, n, light));
+    }
+
+    /// How open every point is to the sky.
+    fn openness(&self, out: &mut Vec<f32>, args: &[Reg], scene: &dyn Scene) {
+        let n = self.n;
+        let [p, normal, up] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);
+        out.resize(3 * n, 0.0);
+        let points = self.active();
+        let place = |k: &usize| OpenPlace {
+            at: triple(p, *k, n),
+            normal: unit(triple(normal, *k, n)),
+            up: unit(triple(up, *k, n)),
+        };
+        let places: Vec<OpenPlace> = points.iter().map(place).collect();
+        let mut open = vec![[0.0; 3]; places.len()];
+        scene.openness(&places, &mut open);
+        points.iter().zip(open).for_each(|(k, open)| put(out, *k, n, open));
     }
 
     /// What a ray from every point brings back: its colour, or its length.

@@ -8,6 +8,7 @@ use super::state::{LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::convert;
 use crate::shadeop::matrix::triple16;
+use crate::shadeop::runs::{dot, put, triple};
 use crate::shadeop::spline;
 
 /// A number of a global variable that nobody has set.
@@ -58,6 +59,7 @@ impl Machine {
         if scene.lights().iter().any(|light| light.program.global(Global::Ns).is_some()) {
             self.normals.extend_from_slice(points.get(Global::N).unwrap_or(&[]));
         }
+        self.note_places(points, scene);
         self.defaults(shader, slots, points, scene);
         self.mask = mask;
         self.block(&program.body, scene);
@@ -76,6 +78,30 @@ impl Machine {
             if let Some(values) = points.get_mut(*global) {
                 std::mem::swap(values, &mut self.regs[reg.index()]);
             }
+        }
+    }
+
+    /// Where the points are and how their surface is turned, if an ambient light asks for that.
+    fn note_places(&mut self, points: &Points, scene: &dyn Scene) {
+        self.places.clear();
+        self.facing.clear();
+        let asks = |light: &BoundShader| {
+            light.program.is_ambient && [Global::Ps, Global::Ns].iter().any(|g| light.program.global(*g).is_some())
+        };
+        if !scene.lights().iter().any(|light| asks(light)) {
+            return;
+        }
+        let of = |global| points.get(global).unwrap_or(&[]);
+        let (p, normals, incident) = (of(Global::P), of(Global::N), of(Global::I));
+        self.places.extend_from_slice(p);
+        self.facing.resize(3 * self.n, 0.0);
+        if normals.len() < 3 {
+            return;
+        }
+        for k in 0..self.n {
+            let normal = triple(normals, k, self.n);
+            let away = incident.len() >= 3 && dot(normal, triple(incident, k, self.n)) > 0.0;
+            put(&mut self.facing, k, self.n, if away { normal.map(|x| -x) } else { normal });
         }
     }
 

@@ -52,6 +52,9 @@ pub struct Machine {
     pub(super) loop_turn: u32,
     /// Normals of the points, if a light asks for them.
     pub(super) normals: Vec<f32>,
+    /// The points, and the normals on the side that is seen, if an ambient light asks where they are.
+    pub(super) places: Vec<f32>,
+    pub(super) facing: Vec<f32>,
     /// The first index of this run that was in no array, the length of that, and the byte of the source.
     pub(super) beyond: Option<(f32, u16, u32)>,
     /// Of the loops of this run that were cut, that which had the most turns: these, and the byte of the source.

@@ -1,0 +1,26 @@
+// The sky behind everything, and the film that takes the picture: exposure, a filmic curve. As the scene's Option "sky" says.
+#include "sky.h"
+#include "film.h"
+imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposure = 1; float white = 4; float film = 1; color ground = color(0.3, 0.27, 0.23);
+           float disc = 1; vector way = suns_way(sun); float haziness = turbidity_of(turbidity); color sunshine = suns_color(suns_way(sun), turbidity_of(turbidity));
+           color lit = ground * (suns_color(suns_way(sun), turbidity_of(turbidity)) * max(0, zcomp(suns_way(sun)))
+                                 + sky_color(vector(0, 0, 1), suns_way(sun), turbidity_of(turbidity)));) {
+    if (alpha < 1) {
+        uniform point eye = transform("camera", "world", point(0, 0, 0));
+        vector look = normalize(transform("raster", "world", P) - eye);
+        float high = zcomp(look);
+        color behind = sky_color(vector(xcomp(look), ycomp(look), max(0.02, high)), way, haziness);
+        // Below the horizon there is far ground in haze.
+        behind = mix(behind, lit, smoothstep(0, 0.25, -high));
+        float off = degrees(acos(clamp(look . way, -1, 1)));
+        behind += disc * sunshine * 30 * (1 - smoothstep(0.26, 0.34, off)) * smoothstep(-0.002, 0.002, high);
+        Ci += (1 - alpha) * behind;
+    }
+    Oi = 1;
+    alpha = 1;
+    uniform float on = film;
+    option("film:view", on);
+    Ci *= exposure;
+    if (on != 0)
+        Ci = filmic(Ci, white);
+}

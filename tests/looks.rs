@@ -1,0 +1,129 @@
+//! How images from metadata look: the three qualities, film and data, stones by their ids, edges that catch light.
+
+use crate::cli::{scratch, scree};
+use crate::rendering::{ORTHO, render_with};
+use serde_json::Value;
+use std::path::Path;
+
+/// Two stones on a ground, in a scene of the library.
+fn metadata(folder: &Path, output: &str) -> String {
+    std::fs::write(folder.join("s_0.csv"), "id,pos_x,pos_y,pos_z,r\n1,0,0,0.3,0.3\n2,0.55,0.1,0.3,0.3\n").unwrap();
+    let text = format!(
+        "data: {{files: 's_0.csv'}}\nscene: desert_noon.rib\ncamera: {{eye: [1, -3, 1.4], look_at: [0.2, 0, 0.25]}}\nobjects:
+  - {{name: stones, geometry: {{sphere: {{radius: r}}}}, surface: {{name: gravel}}, displacement: {{name: stone, bound: 0.12, traced: false}}}}
+output: {{resolution: [96, 54]{output}}}\n"
+    );
+    let path = folder.join("m.yaml");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().into()
+}
+
+/// The image's bytes and its statistics.
+fn draw(output: &str, args: &[&str]) -> (Vec<u8>, Value) {
+    let work = scratch();
+    let (file, out) = (metadata(work.path(), output), work.path().join("o"));
+    scree(&[&["render", &file, "-o", out.to_str().unwrap(), "--stats"], args].concat()).ok();
+    let stats = std::fs::read(out.join("000000.png.stats.json")).unwrap();
+    let image = image::open(out.join("000000.png")).unwrap().to_rgb8().into_raw();
+    (image, serde_json::from_slice(&stats).unwrap())
+}
+
+/// The mean difference of two images, of 255.
+fn difference(a: &[u8], b: &[u8]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b) as f64).sum::<f64>() / a.len() as f64
+}
+
+#[test]
+fn the_qualities_cost_more_each_and_show_the_same() {
+    let all = ["draft", "normal", "final"].map(|q| draw("", &["--image-quality", q]));
+    let cost = |k: usize, what: &str| {
+        let stats = &all[k].1;
+        stats["stats"][what].as_u64().unwrap_or_else(|| panic!("no {what} in {stats}"))
+    };
+    for what in ["shaded_points", "samples"] {
+        assert!(cost(0, what) < cost(1, what) && cost(1, what) < cost(2, what), "{what} grow from draft to final");
+    }
+    let [draft, normal, last] = all.each_ref().map(|(image, _)| image);
+    assert!(difference(normal, last) < 6.0, "normal is near final: {}", difference(normal, last));
+    assert!(difference(draft, normal) < 20.0, "a draft shows the same scene: {}", difference(draft, normal));
+    assert!(draft != normal && normal != last);
+}
+
+#[test]
+fn a_quality_is_chosen_by_the_file_or_the_command_line() {
+    // The key and the option are the same; normal is what is taken without; what is given beside the key goes before it.
+    assert!(draw(", quality: draft", &[]).0 == draw("", &["--image-quality", "draft"]).0);
+    assert!(draw("", &[]).0 == draw(", quality: normal", &[]).0);
+    assert!(
+        draw(", quality: draft, samples: [3, 3], shading_rate: 2", &["--image-quality", "normal"]).0 == draw("", &[]).0
+    );
+    assert!(
+        draw(", quality: draft, samples: [2, 2]", &[]).0 == draw("", &["--image-quality", "draft", "--samples", "2"]).0
+    );
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    let file = metadata(work.path(), ", quality: fine");
+    let said = scree(&["render", &file, "-o", &at("o")]).fails(3);
+    assert!(said.contains("fine") && said.contains("draft") && said.contains("m.yaml:"), "{said}");
+    std::fs::write(at("t.rib"), "# A scene.\nDisplay \"t.png\" \"png\" \"rgb\"\nWorldBegin\nWorldEnd\n").unwrap();
+    let said = scree(&["render", &at("t.rib"), "--image-quality", "draft"]).fails(2);
+    assert!(said.contains("--image-quality"), "{said}");
+}
+
+/// The stone of an id from the eye: a picture of radius 0.8, over nothing.
+fn stone(id: u32, turn: &str) -> Vec<[f32; 4]> {
+    let world = format!(
+        "Surface \"constant\" Displacement \"stone\" Attribute \"displacementbound\" \"float sphere\" [0.35] {turn}
+         Sphere 0.8 -0.8 0.8 360 \"uniform float id\" [{id}]"
+    );
+    render_with(&[], ORTHO, &world).pixels
+}
+
+#[test]
+fn stones_differ_by_id_and_stay_within_their_sphere() {
+    let (first, again, other) = (stone(1, ""), stone(1, ""), stone(2, ""));
+    assert!(first == again && first != other, "an id has one shape");
+    assert!(first != stone(1, "Rotate 40 1 1 0"), "which turns with the body");
+    for shape in [&first, &other] {
+        let covered: f32 = shape.iter().map(|p| p[3]).sum();
+        let sphere = std::f32::consts::PI * 32.0 * 32.0;
+        assert!(covered > 0.6 * sphere && covered < 0.97 * sphere, "{covered} of {sphere} pixels");
+        for (k, p) in shape.iter().enumerate().filter(|(_, p)| p[3] > 0.0) {
+            let [x, y] = [k % 80, k / 80].map(|i| i as f32 + 0.5 - 40.0);
+            assert!(x.hypot(y) < 32.8, "({x}, {y}) is out of the sphere: {p:?}");
+        }
+    }
+}
+
+#[test]
+fn film_darkens_what_is_bright_and_leaves_data_alone() {
+    let value = |grey: f32, options: &str| {
+        let options = format!("{ORTHO} {options} Imager \"film\"");
+        let wall = "Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
+        let world = format!("Surface \"constant\" Color [{grey} {grey} {grey}] {wall}");
+        render_with(&[], &options, &world).at(40, 40)[0]
+    };
+    let [white, bright, grey, shadow] = [4.0, 2.0, 0.18, 0.02].map(|grey| value(grey, ""));
+    assert!((white - 1.0).abs() < 1e-3 && bright > 0.8 && bright < 1.0, "white and nearly so: {white}, {bright}");
+    assert!((grey - 0.18).abs() < 0.02, "grey stays grey: {grey}");
+    assert!(shadow < 0.016, "shadows are deep: {shadow}");
+    let data = "Option \"film\" \"float view\" [0]";
+    assert!((value(2.0, data) - 2.0).abs() < 1e-3 && (value(0.18, data) - 0.18).abs() < 1e-3, "data is as it was");
+}
+
+#[test]
+fn edges_of_boxes_turn_to_the_light() {
+    // A face that looks at the eye, and a light from beside it: the face is dark, its rounded edges are not.
+    let row = |kind: u32| {
+        let world = format!(
+            "LightSource \"distantlight\" \"lamp\" \"to\" [-1 0 0] Attribute \"shape\" \"float kind\" [{kind}]
+             Surface \"concrete\" \"float bevel\" [0.2] Scale 0.8 0.8 0.8 Polygon \"P\" [-1 -1 -1  -1 1 -1  1 1 -1  1 -1 -1]"
+        );
+        render_with(&[], ORTHO, &world)
+    };
+    let edged = row(1);
+    assert!(edged.at(40, 40)[0] < 0.02, "the face: {:?}", edged.at(40, 40));
+    assert!(edged.at(70, 40)[0] > 0.1, "its edge: {:?}", edged.at(70, 40));
+    assert!(row(0).at(70, 40)[0] < 0.02, "no box, no edge");
+}

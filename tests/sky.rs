@@ -1,0 +1,121 @@
+//! Light from the sky: how open points are to it, against answers known on paper, and that the sky and the sun agree.
+
+use crate::rendering::{ORTHO, Rendered, render_with};
+
+/// What `openness` answers: of an even sky, of one that brightens with the height, of what is below the horizon. The wall faces the eye,
+/// and up is towards it unless said.
+const OPEN: &str = "surface open(vector up = vector(0, 0, -1);) { Ci = color(openness(P, faceforward(normalize(N), I), up)); Oi = Os; }";
+
+const WALL: &str = "Polygon \"P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0]";
+
+fn render(options: &str, world: &str) -> Rendered {
+    let world = format!("Surface \"open\" {world}");
+    render_with(&[("open.sl", OPEN.as_bytes())], &ORTHO.replace("8 8", options), &world)
+}
+
+/// The answer in the middle of the wall, where the camera does not see what else is there.
+fn middle(others: &str) -> [f32; 3] {
+    let hidden = format!("AttributeBegin Attribute \"visibility\" \"int camera\" 0 {others} AttributeEnd");
+    let p = render("2 2", &format!("{hidden} {WALL}"));
+    [0, 1, 2].map(|c| p.at(40, 40)[c])
+}
+
+fn assert_near(found: f32, expected: f32, tolerance: f32, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found}, expected {expected} within {tolerance}");
+}
+
+#[test]
+fn in_the_open_a_plane_gets_what_its_tilt_lets_it() {
+    let [even, rising, beneath] = middle("");
+    assert_near(even, 1.0, 1e-3, "an even sky");
+    assert_near(rising, 2.0 / 3.0, 1e-3, "a sky that brightens with the height");
+    assert_near(beneath, 0.0, 1e-3, "the ground");
+    // Up is along the wall: half of the sky is behind it, and the ground fills half of what it sees.
+    let p = render("2 2", &format!("Surface \"open\" \"vector up\" [0 1 0] {WALL}"));
+    let side = p.at(40, 40);
+    assert_near(side[0], 0.5, 1e-3, "an even sky beside a wall");
+    assert_near(side[1], 2.0 / (3.0 * std::f32::consts::PI), 1e-3, "a rising sky beside a wall");
+    assert_near(side[2], 0.5, 1e-3, "the ground beside a wall");
+}
+
+#[test]
+fn a_sphere_hides_its_form_factor_of_the_sky() {
+    // Over the middle of the wall a sphere of radius R at distance d hides (R / d)² of the light; from 3 R on it fades. Cones with soft
+    // sides answer to within 0.1.
+    for d in [1.05f32, 1.3, 1.6, 2.0, 2.6, 3.0] {
+        let found = 1.0 - middle(&format!("Translate 0 0 -{} Sphere 0.4 -0.4 0.4 360", 0.4 * d))[0];
+        assert_near(found, 1.0 / (d * d), 0.1, &format!("a sphere at {d} radii"));
+    }
+    // The same as an ellipsoid of three equal axes but for a hair, and far away nothing.
+    let even = middle("Translate 0 0 -0.8 Sphere 0.4 -0.4 0.4 360")[0];
+    let uneven = middle("Translate 0 0 -0.8 Scale 1 1 1.002 Sphere 0.4 -0.4 0.4 360")[0];
+    assert_near(uneven, even, 5e-3, "a sphere that is hardly an ellipsoid");
+    assert_eq!(middle("Translate 0 0 -4 Sphere 0.4 -0.4 0.4 360")[0], 1.0, "a small sphere far away");
+}
+
+#[test]
+fn facets_hide_what_is_behind_them_and_nothing_else() {
+    let ceiling = middle("Translate 0 0 -0.5 Polygon \"P\" [-90 -90 0  90 -90 0  90 90 0  -90 90 0]");
+    assert_near(ceiling[0], 0.0, 0.06, "under a ceiling");
+    let half = middle("Translate 0 0 -0.5 Polygon \"P\" [0 -90 0  90 -90 0  90 90 0  0 90 0]");
+    assert_near(half[0], 0.5, 0.06, "under the edge of a ceiling");
+    let corner = middle("Polygon \"P\" [-0.001 -90 0  -0.001 90 0  -0.001 90 -90  -0.001 -90 -90]");
+    assert_near(corner[0], 0.5, 0.1, "at the foot of a high wall");
+    let behind = middle("Translate 0 0 0.5 Polygon \"P\" [-90 -90 0  90 -90 0  90 90 0  -90 90 0]");
+    assert_near(behind[0], 1.0, 1e-3, "over a floor");
+    // What lets light through, or casts no shadow, closes nothing.
+    let pane = "Translate 0 0 -0.5 Polygon \"P\" [-90 -90 0  90 -90 0  90 90 0  -90 90 0]";
+    assert_eq!(middle(&format!("Opacity [0.5 0.5 0.5] {pane}"))[0], 1.0);
+    assert_eq!(middle(&format!("Attribute \"visibility\" \"int transmission\" 0 {pane}"))[0], 1.0);
+}
+
+#[test]
+fn openness_depends_on_no_bucket() {
+    let heap =
+        "Sphere 0.2 -0.2 0.2 360 Translate 0.3 0.1 -0.1 Sphere 0.15 -0.15 0.15 360 Translate -0.5 0.2 0 Scale 1 2 1
+                Sphere 0.1 -0.1 0.1 360 Translate 0 -0.2 -0.2 Rotate 30 1 1 0 Cylinder 0.1 -0.2 0.2 360";
+    let with = |size: usize| {
+        let world = format!("Surface \"open\" TransformBegin {heap} TransformEnd {WALL}");
+        let options = format!("{}\nOption \"limits\" \"int bucketsize\" {size}\n", ORTHO.replace("8 8", "2 2"));
+        render_with(&[("open.sl", OPEN.as_bytes())], &options, &world).pixels
+    };
+    let whole = with(128);
+    assert!(whole.iter().any(|p| p[0] > 0.0 && p[0] < 0.9), "something is half hidden");
+    assert!(with(16) == whole && with(40) == whole, "the same bits however the image is cut");
+}
+
+#[test]
+fn an_ambient_light_knows_where_it_shines_and_which_way_the_surface_faces() {
+    let light = "light by_place() { Cl = color(0.5 + 0.25 * xcomp(Ps), 0, -zcomp(normalize(Ns))); }";
+    let surface = "surface lit() { Ci = ambient(); Oi = 1; }";
+    let sources = [("by_place.sl", light.as_bytes()), ("lit.sl", surface.as_bytes())];
+    // The wall's normal may face either way: the light is told the side that is seen.
+    for turn in ["", "ReverseOrientation"] {
+        let world = format!("LightSource \"by_place\" 1 Surface \"lit\" {turn} {WALL}");
+        let p = render_with(&sources, &ORTHO.replace("8 8", "2 2"), &world);
+        assert_near(p.at(40, 40)[2], 1.0, 1e-3, "the normal faces the eye");
+        assert!((p.at(60, 40)[0] - p.at(20, 40)[0]).abs() > 0.05, "the light changes along x");
+    }
+}
+
+#[test]
+fn the_sky_and_the_suns_light_agree() {
+    // The sky is blue overhead, brighter about the sun, and a low sun is redder and weaker than a high one.
+    let sky = "#include \"sky.h\"\nsurface sky(vector sun = vector(0, 0, 1); float of = 0;) {
+        vector way = normalize(sun);
+        if (of == 0) Ci = sky_color(vector(0, 0.6, 0.8), way, 3);
+        else if (of == 1) Ci = sky_color(way, way, 3);
+        else Ci = suns_color(way, 3);
+        Oi = 1; }";
+    let at = |sun: &str, of: u32| {
+        let world = format!("Surface \"sky\" \"vector sun\" [{sun}] \"float of\" [{of}] {WALL}");
+        render_with(&[("sky.sl", sky.as_bytes())], &ORTHO.replace("8 8", "1 1"), &world).at(40, 40)
+    };
+    let (high, low) = ("0.6 0 0.8", "0.98 0 0.2");
+    let blue = at(high, 0);
+    assert!(blue[2] > 1.2 * blue[0] && blue.iter().take(3).all(|c| *c > 0.02), "a blue sky: {blue:?}");
+    assert!(at(high, 1)[1] > 1.5 * blue[1], "brighter about the sun");
+    let (day, dusk) = (at(high, 2), at(low, 2));
+    assert!(day[1] > dusk[1], "a low sun is weaker");
+    assert!(dusk[2] / dusk[0] < 0.8 * day[2] / day[0], "a low sun is redder");
+}
