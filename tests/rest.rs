@@ -139,6 +139,39 @@ fn a_light_chain_swings_a_heavy_load() {
 }
 
 #[test]
+fn light_springs_swing_a_heavy_load() {
+    // Points of 10 g between springs of 1e7 N/m that are let go at 0.3 rad under 1000 kg.
+    for springs in [5, 20] {
+        let at = |i: usize| {
+            let way = 0.1 * i as f64;
+            format!("[{}, 0, {}]", way * 0.3f64.sin(), -way * 0.3f64.cos())
+        };
+        let (mut bodies, mut rows) = (String::new(), String::new());
+        for i in 0..springs {
+            let (mass, moment) = if i + 1 == springs { (1000.0, 1.0) } else { (0.01, 1e-5) };
+            let place = at(i + 1);
+            bodies += &format!(
+                "  - {{name: p{i}, shapes: [], mass: {mass}, inertia: [{moment}, {moment}, {moment}], position: {place}}}\n"
+            );
+            let before = if i == 0 { "world".to_string() } else { format!("p{}", i - 1) };
+            let from = at(i);
+            rows += &format!(
+                "  - {{name: s{i}, a: {before}, b: p{i}, position: {from}, position_b: {place}, stiffness: 1.0e+7}}\n"
+            );
+        }
+        let mut sim = simulation(&format!("bodies:\n{bodies}springs:\n{rows}"));
+        let length = 0.1 * springs as f64;
+        let most = 1000.0 * 9.81 * length * (1.0 - 0.3f64.cos());
+        for _ in 0..2_000 {
+            sim.step();
+            let (reach, speed) = (sim.state.position[springs - 1].length(), sim.state.velocity[springs - 1].length());
+            assert!((reach / length - 1.0).abs() < 0.05, "{springs} springs reach {reach} m");
+            assert!(500.0 * speed * speed < 1.2 * most, "{springs} springs: {speed} m/s");
+        }
+    }
+}
+
+#[test]
 fn the_reaction_of_a_container_is_the_weight() {
     let spheres: String = (0..8)
         .map(|i| {

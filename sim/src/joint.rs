@@ -218,7 +218,7 @@ impl Frames {
     }
 
     /// From the origin of A's frame to that of B's, m.
-    fn offset(&self) -> DVec3 {
+    pub fn offset(&self) -> DVec3 {
         self.b.position - self.a.position
     }
 

@@ -60,7 +60,10 @@ impl Context {
                     self.attributes.casts_shadows = param.text() != Some("transparent");
                     self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
-                ("user", ..) | ("identifier", "name" | "shadinggroup", _) => {}
+                ("user", ..)
+                | ("trace", "displacements", Some(_))
+                | ("shape", "kind", _)
+                | ("identifier", "name" | "shadinggroup", _) => {}
                 (group, name, _) => self.scene.warn(format!(
                     "attribute `{group}:{name}` is not supported: shaders may ask for it, it has no other effect"
                 )),

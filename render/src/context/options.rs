@@ -22,6 +22,9 @@ fn is_known_option(group: &str, name: &str) -> bool {
         "limits" => matches!(name, "bucketsize" | "gridsize" | "texturememory"),
         "trace" => matches!(name, "maxdepth" | "maxdiffusedepth"),
         "texture" => name == "colorspace",
+        "sky" => matches!(name, "sun" | "turbidity"),
+        "quality" => matches!(name, "sky" | "sun"),
+        "film" => name == "view",
         "searchpath" | "user" => true,
         _ => false,
     }

@@ -1,4 +1,4 @@
-//! Geometric stiffness of joints that carry loads too heavy for the step.
+//! Geometric stiffness of joints and springs that carry loads too heavy for the step.
 //!
 //! The force F of a joint on a body at the arm r turns with nothing while the arm turns with the body: its torque changes by −K δθ with
 //! K = (F·r) 1 − r Fᵀ. Light links under tension swing fast, and where h²K is above their inertia the explicit rows of a step shake them
@@ -10,7 +10,7 @@
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use crate::geometry::principal;
-use crate::joint::{Coordinate, Frames, Joint, Row};
+use crate::joint::{Coordinate, Frames, Joint, Row, Spring, SpringKind, SpringState};
 use crate::model::Model;
 use crate::state::State;
 use crate::twist::Twist;
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 /// Greatest h²K over the inertia: explicit motion is stable below 4.
 const BOUND: f64 = 2.0;
 
-/// The geometric stiffness of the joints of a step.
+/// The geometric stiffness of the joints and springs of a step.
 #[derive(Default)]
 pub struct Stiffness {
     /// That of the rotation of bodies, N m/rad, world.
@@ -35,26 +35,47 @@ impl Stiffness {
         if force_on_a == DVec3::ZERO {
             return;
         }
-        for ((body, force), arm) in joint.bodies.into_iter().zip([force_on_a, -force_on_a]).zip(f.arms()) {
+        self.turn(joint.bodies, f, force_on_a);
+        if joint.kind.coordinate() == Some(Coordinate::Length) {
+            self.swing(&joint.free_row(f, Coordinate::Length), f, force_on_a);
+        }
+    }
+
+    /// Add the stiffness of a spring between two points with the frames `f`, which had the force of the last step.
+    pub fn add_spring(&mut self, spring: &Spring, f: &Frames, known: &SpringState) {
+        if known.force == 0.0 || spring.kind == SpringKind::Angle {
+            return;
+        }
+        let pull = f.offset().normalize_or_zero() * known.force;
+        self.turn(spring.bodies, f, pull);
+        if spring.kind == SpringKind::Line {
+            spring.rows(f, known).for_each(|along| self.swing(&along, f, pull));
+        }
+    }
+
+    /// Stiffness of the rotation of two bodies at whose arms a force acts.
+    fn turn(&mut self, bodies: [u32; 2], f: &Frames, force_on_a: DVec3) {
+        for ((body, force), arm) in bodies.into_iter().zip([force_on_a, -force_on_a]).zip(f.arms()) {
             let product = DMat3::from_cols(arm * force.x, arm * force.y, arm * force.z);
             let stiffness = DMat3::IDENTITY * force.dot(arm) - (product + product.transpose()) * 0.5;
             *self.of_body.entry(body).or_insert(DMat3::ZERO) += stiffness;
         }
-        if joint.kind.coordinate() == Some(Coordinate::Length) {
-            let along = joint.free_row(f, Coordinate::Length);
-            let stiffness = along.linear.dot(force_on_a) / along.psi.max(f64::MIN_POSITIVE);
-            let (u, w) = along.linear.any_orthonormal_pair();
-            // The stiffness stands where the compliance over h² comes to be.
-            let [a, b] = f.arms();
-            self.transverse.extend([u, w].map(|e| Row {
-                bodies: joint.bodies,
-                linear: e,
-                angular_a: a.cross(e),
-                angular_b: b.cross(e),
-                softness: stiffness,
-                ..Row::default()
-            }));
-        }
+    }
+
+    /// Stiffness of a link across it: its force over its length.
+    fn swing(&mut self, along: &Row, f: &Frames, force_on_a: DVec3) {
+        let stiffness = along.linear.dot(force_on_a) / along.psi.max(f64::MIN_POSITIVE);
+        let (u, w) = along.linear.any_orthonormal_pair();
+        // The stiffness stands where the compliance over h² comes to be.
+        let [a, b] = f.arms();
+        self.transverse.extend([u, w].map(|e| Row {
+            bodies: along.bodies,
+            linear: e,
+            angular_a: a.cross(e),
+            angular_b: b.cross(e),
+            softness: stiffness,
+            ..Row::default()
+        }));
     }
 
     /// Let what is too stiff for the step `h` act at its end: on the inertia of bodies and their velocities without joints, and as rows.

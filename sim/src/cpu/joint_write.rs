@@ -14,7 +14,7 @@ use super::geometric_stiffness::Stiffness;
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
-use crate::joint::{Coordinate, JointState, Row, SpringState};
+use crate::joint::{Coordinate, JointState, Row, Spring, SpringState};
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::State;
@@ -90,9 +90,13 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         }
     }
     start.push(joints.rows.len() as u32);
+    let acting = |spring: &Spring| spring.acts(state.time) && present(spring.bodies);
+    for (spring, known) in model.springs.iter().zip(&state.springs).filter(|(spring, _)| acting(spring)) {
+        stiffness.add_spring(spring, &state.spring_frames(spring), known);
+    }
     stiffness.apply(model, state, h, masses, free, joints);
     for (i, spring) in model.springs.iter().enumerate() {
-        if !spring.acts(state.time) || !present(spring.bodies) {
+        if !acting(spring) {
             continue;
         }
         let f = state.spring_frames(spring);

@@ -9,6 +9,11 @@ use super::state::{Lit, Machine, Receiver};
 use crate::ir::*;
 use crate::shadeop::runs::{at, dot, run_of, triple};
 
+/// Cosines of the half angles of cones; less than -1 for those of all directions.
+pub(super) fn cosines(angle: &[f32]) -> Vec<f32> {
+    angle.iter().map(|a| if *a < std::f32::consts::PI { a.cos() } else { -2.0 }).collect()
+}
+
 impl Machine {
     /// A parameter of a light: what it gave to the grid if it is an output.
     pub(super) fn light_parameter(&self, light: &BoundShader, lit: usize, name: &str) -> Option<Answer> {
@@ -20,21 +25,29 @@ impl Machine {
     }
 
     /// What a light's `solar` or `illuminate` does: only for points in its cone and in the receiver's.
-    pub(super) fn light_body(&mut self, l: TripleReg, cone: Option<(Vec<f32>, f32)>, body: &[Op], scene: &dyn Scene) {
+    pub(super) fn light_body(
+        &mut self,
+        l: TripleReg,
+        cone: Option<(Vec<f32>, Vec<f32>)>,
+        body: &[Op],
+        scene: &dyn Scene,
+    ) {
         let n = self.n;
         let inside = {
             let l = &self.regs[l.index()][..];
             let reaches = |k: usize| {
                 let l = triple(l, k, n);
                 let length = dot(l, l).sqrt();
-                let in_cone = cone.as_ref().is_none_or(|(axis, angle)| {
+                let in_cone = cone.as_ref().is_none_or(|(axis, cos)| {
                     let axis = triple(axis, k, n);
-                    *angle >= std::f32::consts::PI || dot(l, axis) >= angle.cos() * length * dot(axis, axis).sqrt()
+                    let cos = at(cos, k);
+                    cos < -1.0 || dot(l, axis) >= cos * length * dot(axis, axis).sqrt()
                 });
                 in_cone
                     && self.receiver.as_ref().is_none_or(|r| {
                         let axis = triple(&r.axis, k, n);
-                        -dot(l, axis) > r.cos * length * dot(axis, axis).sqrt()
+                        let cos = at(&r.cos, k);
+                        cos < -1.0 || -dot(l, axis) > cos * length * dot(axis, axis).sqrt()
                     })
             };
             (0..n).map(|k| self.mask.as_ref().is_none_or(|m| m[k]) && reaches(k)).collect::<Vec<bool>>()
@@ -53,12 +66,12 @@ impl Machine {
         let Op::Illuminance { position, axis, angle, l, cl, category, wanted, body } = op else { return };
         let (l, cl) = (*l, *cl);
         let [position, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
-        let angle = self.regs[angle.index()][0];
+        let angle = self.regs[angle.index()].clone();
         for (i, light) in scene.lights().iter().enumerate() {
             if light.program.is_ambient || !category.is_none_or(|c| light.in_category(&self.texts[c.index()])) {
                 continue;
             }
-            let k = self.light(i, light, &position, &axis, angle, scene);
+            let k = self.light(i, light, &position, &axis, &angle, scene);
             let outer_turn = self.loop_turn;
             self.loop_turn = turn_of(outer_turn, i as u32 + 1);
             let outer = self.mask.take();
@@ -96,7 +109,7 @@ impl Machine {
         light: &BoundShader,
         position: &[f32],
         axis: &[f32],
-        angle: f32,
+        angle: &[f32],
         scene: &dyn Scene,
     ) -> usize {
         let covers = |asked: &Option<Vec<bool>>| match (asked, &self.mask) {
@@ -122,8 +135,8 @@ impl Machine {
             points.set(Global::P, emitter.points.clone());
             points.set(Global::N, emitter.normals.clone());
         }
-        machine.receiver =
-            Some(Receiver { axis: axis.to_vec(), cos: angle.cos() }).filter(|_| angle < std::f32::consts::PI);
+        let is_cone = angle.iter().any(|a| *a < std::f32::consts::PI);
+        machine.receiver = is_cone.then(|| Receiver { axis: axis.to_vec(), cos: cosines(angle) });
         machine.run_where(light, &VariableSlots::default(), &mut points, scene, self.mask.clone());
         let mut take = |global| points.get_mut(global).map(std::mem::take).unwrap_or_default();
         let (l, mut cl) = (take(Global::L), take(Global::Cl));
@@ -141,7 +154,7 @@ impl Machine {
             light: i,
             position: position.to_vec(),
             axis: axis.to_vec(),
-            angle,
+            angle: angle.to_vec(),
             asked: self.mask.clone(),
             on,
             l,

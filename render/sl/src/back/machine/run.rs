@@ -4,6 +4,7 @@ use super::super::bound::{Answer, BoundShader};
 use super::super::points::{Message, Points};
 use super::super::scene::Scene;
 use super::super::slots::VariableSlots;
+use super::light::cosines;
 use super::state::{LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::convert;
@@ -302,7 +303,7 @@ impl Machine {
             }
             Op::Illuminate { position, axis, angle, l, ps, body } => {
                 self.binary(Binary::Sub, (*l).into(), (*ps).into(), (*position).into());
-                let cone = (self.regs[axis.index()].clone(), self.regs[angle.index()][0]);
+                let cone = (self.regs[axis.index()].clone(), cosines(&self.regs[angle.index()]));
                 self.ray = Some((*l, false));
                 self.light_body(*l, Some(cone), body, scene);
                 self.ray = None;

@@ -7,7 +7,8 @@ use crate::shadeop::runs::run_of;
 /// The cone from which a surface takes light: only these points of the grid are lit.
 pub(super) struct Receiver {
     pub(super) axis: Vec<f32>,
-    pub(super) cos: f32,
+    /// Cosine of the cone's half angle; less than -1 for all directions.
+    pub(super) cos: Vec<f32>,
 }
 
 /// What a light gave, kept for the grid: later loops over the same cone take it from here.
@@ -15,7 +16,7 @@ pub(super) struct Lit {
     pub(super) light: usize,
     pub(super) position: Vec<f32>,
     pub(super) axis: Vec<f32>,
-    pub(super) angle: f32,
+    pub(super) angle: Vec<f32>,
     pub(super) asked: Option<Vec<bool>>,
     pub(super) on: Vec<bool>,
     pub(super) l: Vec<f32>,
