@@ -226,3 +226,25 @@ joints:
     (0..300).for_each(|_| drop(sim.step()));
     assert!(sim.state.joints[0].coordinate.abs() < 1e-6, "{}", sim.state.joints[0].coordinate);
 }
+
+#[test]
+fn equal_limits_make_a_beam_of_a_chain_of_hinges() {
+    let (mut bodies, mut joints) = (String::from("materials: {}\nbodies:\n"), String::from("joints:\n"));
+    for k in 0..30 {
+        let (x, before) = (0.1 * k as f64, if k == 0 { "world".into() } else { format!("l{}", k - 1) });
+        bodies += &format!(
+            "  - {{name: l{k}, shapes: [], mass: 0.1, inertia: [1e-5, 1e-4, 1e-4], position: [{}, 0, 0]}}\n",
+            x + 0.05
+        );
+        joints += &format!(
+            "  - {{name: j{k}, kind: revolute, a: {before}, b: l{k}, position: [{x}, 0, 0], axis: [0, 1, 0], limits: [0, 0]}}\n"
+        );
+    }
+    let mut sim = simulation(&(bodies + &joints));
+    (0..300).for_each(|_| drop(sim.step()));
+    let (end, v) = (sim.state.position[29], sim.state.velocity[29]);
+    assert!(end.z.abs() < 1e-4 && v.length() < 1e-9, "the end hangs at {end} and moves at {v}");
+    // Weight times arm: 30 links of 0.1 kg, 1.5 m from the wall.
+    let torque = sim.state.joints[0].torque;
+    assert!((torque.length() / (3.0 * 9.81 * 1.5) - 1.0).abs() < 1e-6, "{torque}");
+}

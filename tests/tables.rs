@@ -304,6 +304,27 @@ fn swapped_ranges_and_tabs_are_explained() {
     assert!(said.contains("m.yaml:2:1: a tab") && said.contains("use spaces"), "{said}");
 }
 
+#[test]
+fn a_joint_that_begins_beyond_its_limits_is_told_where_it_begins() {
+    let work = scratch();
+    let model = work.path().join("m.yaml");
+    let check = |joint: &str| {
+        let text_of = format!(
+            "duration: 0.01\nbodies:\n  - {{name: cart, shapes: [], mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}}\n\
+             joints:\n  - {{name: j, a: world, b: cart, {joint}}}\n"
+        );
+        std::fs::write(&model, text_of).unwrap();
+        scree(&["check", text(&model)])
+    };
+    let said = check("kind: prismatic, axis: [1, 0, 0], limits: [-0.5, -0.1]").fails(3);
+    assert!(said.contains("m.yaml:5:") && said.contains("from -0.5 to -0.1, but the joint begins at 0.0"), "{said}");
+    let said = check("kind: revolute, limits: [5, 90]").fails(3);
+    assert!(said.contains("angles and slides count from the start"), "{said}");
+    // What begins at its limit, and what acts only later, is well.
+    check("kind: revolute, limits: [0, 90]").ok();
+    check("kind: revolute, from: 0.005, limits: [5, 90]").ok();
+}
+
 /// The image of a table by the metadata that `inspect` wrote for it.
 fn image(name: &str, bytes: &[u8], more: &[(&str, &str)]) -> Vec<u8> {
     let work = scratch();

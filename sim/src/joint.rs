@@ -290,6 +290,14 @@ impl Joint {
         t >= self.from && t < self.until
     }
 
+    /// The coordinate at which equal limits lock the joint, rad or m. Those of a joint that a motor of prescribed rate or coordinate drives
+    /// lock nothing, nor do those of a length, which is given already: they stay unilateral.
+    pub fn locked_at(&self) -> Option<f64> {
+        let is_driven = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_)));
+        let is_length = self.kind.coordinate() == Some(Coordinate::Length);
+        self.limits.filter(|[lo, hi]| lo == hi && !is_driven && !is_length).map(|[at, _]| at)
+    }
+
     /// Append the rows of the locked motions and of a motor of prescribed rate or coordinate to `rows`. `f` are the frames at the step's
     /// start, `known` is the joint's state in the last step, and `t` the time at the step's end, s.
     pub fn rows(&self, f: &Frames, known: &JointState, t: f64, rows: &mut Vec<Row>) {
@@ -321,7 +329,11 @@ impl Joint {
                 let row = self.free_row(f, c);
                 rows.push(Row { psi: self.coordinate(f, known) - goal.at(t), ..row });
             }
-            _ => {}
+            (_, Some(c)) => {
+                let at = self.locked_at().into_iter();
+                rows.extend(at.map(|at| Row { psi: self.coordinate(f, known) - at, ..self.free_row(f, c) }));
+            }
+            (_, None) => {}
         }
         for row in &mut rows[first..] {
             row.bodies = self.bodies;

@@ -76,7 +76,8 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         joint.rows(&f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
-        if let (Some([min, max]), Some(c)) = (joint.limits, joint.kind.coordinate()) {
+        let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
+        if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
             let at = joint.coordinate(&f, &state.joints[i]);
             let row = joint.free_row(&f, c);
             let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);

@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// By what a joint may begin beyond its limits, degrees or m: the rounding of positions that are written by hand.
+const ROUNDING: f64 = 1e-6;
+
 impl Builder<'_> {
     /// Id of a body by name; the fixed body `world` is added at its first use.
     pub(super) fn find(&mut self, key: &str, name: &str) -> Result<u32, Fault> {
@@ -110,21 +113,12 @@ impl Builder<'_> {
             Some(m) => Some(self.motor(&at("motor"), file.kind, m)?),
             None => None,
         };
-        let angle = matches!(file.kind, JointKind::Revolute | JointKind::Cylindrical);
-        let limits = match file.limits {
-            Some(_) if file.kind.coordinate().is_none() => {
-                return Err(doc.fault(&at("limits"), "this kind of joint has no coordinate to limit"));
-            }
-            Some([lo, hi]) => {
-                if !(lo <= hi) {
-                    return Err(doc.fault(&at("limits"), format!("run from {lo} to {hi}, expected the smaller first")));
-                }
-                Some(if angle { [lo.to_radians(), hi.to_radians()] } else { [lo, hi] })
-            }
-            None => None,
-        };
         let orientation_b = self.shaft(key, file, orientation)?;
         let [from, until] = self.interval(key, file.from, file.until, begins)?;
+        let limits = file.limits.map(|limits| {
+            let begins_at = if long { (pb - pa).length() } else { 0.0 };
+            self.limits(&at("limits"), file.kind, limits, (from <= 0.0).then_some(begins_at))
+        });
         let joint = Joint {
             name: file.name.clone(),
             kind: file.kind,
@@ -132,7 +126,7 @@ impl Builder<'_> {
             frame_a: self.in_body(bodies[0], Pose { position: pa, orientation }),
             frame_b: self.in_body(bodies[1], Pose { position: pb, orientation: orientation_b }),
             length,
-            limits,
+            limits: limits.transpose()?,
             motor,
             from,
             until,
@@ -180,6 +174,28 @@ impl Builder<'_> {
                 Err(doc.fault(key, format!("needs exactly one of `speed`, `motion` and `{effort}`")))
             }
         }
+    }
+
+    /// Limits of a joint's coordinate, rad or m, which must hold `begins_at`, the coordinate with which it begins.
+    fn limits(
+        &self,
+        key: &str,
+        kind: JointKind,
+        [lo, hi]: [f64; 2],
+        begins_at: Option<f64>,
+    ) -> Result<[f64; 2], Fault> {
+        if kind.coordinate().is_none() {
+            return Err(self.doc.fault(key, "this kind of joint has no coordinate to limit"));
+        }
+        if !(lo <= hi) {
+            return Err(self.doc.fault(key, format!("run from {lo} to {hi}, expected the smaller first")));
+        }
+        if let Some(at) = begins_at.filter(|at| *at < lo - ROUNDING || *at > hi + ROUNDING) {
+            let message = format!("run from {lo} to {hi}, but the joint begins at {at:.6}");
+            return Err(self.doc.fault(key, message).hint("angles and slides count from the start, lengths from 0"));
+        }
+        let is_angle = matches!(kind, JointKind::Revolute | JointKind::Cylindrical);
+        Ok(if is_angle { [lo.to_radians(), hi.to_radians()] } else { [lo, hi] })
     }
 
     pub(super) fn spring(&mut self, key: &str, file: &SpringFile, begins: f64) -> Result<(), Fault> {
