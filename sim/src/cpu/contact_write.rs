@@ -69,10 +69,38 @@ pub struct Touching {
     n: Vec<usize>,
     /// Where the shapes are, where the plan has any shapes (n_shapes).
     places: Vec<Pose>,
+    /// Balls about the shapes with their margins, where the plan has any shapes (n_shapes).
+    balls: Vec<Ball>,
     /// Other pairs that touch, by tile.
     others: Vec<Others>,
     /// The manifolds that are kept for the next step.
     pub manifolds: Manifolds,
+}
+
+/// A ball about a shape with its margin, in single precision, rounded up: what most pairs of a dense pile are told apart by.
+#[derive(Clone, Copy, Default)]
+struct Ball {
+    centre: [f32; 3],
+    radius: f32,
+}
+
+impl Ball {
+    fn of(placed: &Placed, margin: f32) -> Ball {
+        // The rounding of two centres, and of the radius.
+        let rounding = 2.5e-7 * placed.position.abs().max_element();
+        Ball {
+            centre: placed.position.as_vec3().to_array(),
+            radius: ((placed.extent() + margin as f64) * (1.0 + 1e-6) + rounding) as f32,
+        }
+    }
+
+    /// Whether the balls may overlap.
+    #[inline(always)]
+    fn is_near(&self, other: &Ball) -> bool {
+        let reach = self.radius + other.radius;
+        let of = |k: usize| self.centre[k] - other.centre[k];
+        of(0) * of(0) + of(1) * of(1) + of(2) * of(2) <= reach * reach
+    }
 }
 
 /// The other pairs of a tile that touch.
@@ -89,6 +117,9 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
         (Narrow::Any, arms) => {
             touching.places.resize(at.model.n_shapes(), Pose::default());
             fill_rows(&mut touching.places, |s| at.state.shape_pose(at.model, s));
+            let Touching { balls, places, .. } = &mut *touching;
+            balls.resize(places.len(), Ball::default());
+            fill_rows(balls, |s| Ball::of(&Placed::of(at.model, &places[s], s), at.margin[s]));
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
             let arms_of = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
                 let contact = match at.surface_of(bodies, point.gap) {
@@ -143,7 +174,7 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_tiles = pairs.n_tiles();
     let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
     let min_len = if is_serial { n_tiles.max(1) } else { 1 };
-    let Touching { place, n, places, others, manifolds } = touching;
+    let Touching { place, n, places, balls, others, manifolds } = touching;
     manifolds.tiles.resize_with(n_tiles, TileManifolds::default);
     others.resize_with(n_tiles, Others::default);
     n.resize(n_tiles, 0);
@@ -156,7 +187,7 @@ fn find_and_write<A: Copy + Default + Send>(
         .enumerate();
     each.for_each(|(tile, (slots, n, others, kept))| {
         *n = find(pairs.spheres_of(tile), slots);
-        others.find(at, places, tile, pairs.others_of(tile), kept);
+        others.find(at, (places, balls), tile, pairs.others_of(tile), kept);
     });
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
@@ -212,7 +243,14 @@ impl Touching {
 
 impl Others {
     /// Find which of the other pairs touch, and their points.
-    fn find(&mut self, at: &Input, places: &[Pose], tile: usize, pairs: &[[u32; 3]], kept: &mut TileManifolds) {
+    fn find(
+        &mut self,
+        at: &Input,
+        (places, balls): (&[Pose], &[Ball]),
+        tile: usize,
+        pairs: &[[u32; 3]],
+        kept: &mut TileManifolds,
+    ) {
         self.touching.clear();
         self.point.clear();
         kept.clear();
@@ -228,9 +266,13 @@ impl Others {
             let place = places.get(s).copied().unwrap_or_else(|| at.state.shape_pose(at.model, s));
             Placed::of(at.model, &place, s)
         };
+        let is_near = |s: u32, t: u32| match (balls.get(s as usize), balls.get(t as usize)) {
+            (Some(a), Some(b)) => a.is_near(b),
+            _ => true,
+        };
         let mut out = [Point::default(); MAX_POINTS];
         for (k, &[s, t, triangle]) in pairs.iter().enumerate() {
-            if tight(s).overlaps(&tight(t)) {
+            if is_near(s, t) && tight(s).overlaps(&tight(t)) {
                 let n = points(at, (tile, k), [s, t, triangle], [s, t].map(placed), (kept, &mut found), &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
