@@ -3,7 +3,6 @@
 use crate::ShapeKind;
 use crate::farthest::Columns;
 use glam::{DMat3, DQuat, DVec3};
-use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// A convex polyhedron about its centroid.
@@ -68,72 +67,80 @@ fn hull_triangles(points: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     let normal = (points[b] - points[a]).cross(points[c] - points[a]).normalize();
     let d = farthest(&|p| (p - points[a]).dot(normal).abs())?;
     let (b, c) = if (points[d] - points[a]).dot(normal) > 0.0 { (c, b) } else { (b, c) };
-    let mut faces: Vec<[u32; 3]> = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(|f| f.map(|v| v as u32)).into();
-    let plane = |f: &[u32; 3]| {
-        let [p, q, r] = f.map(|v| points[v as usize]);
-        ((q - p).cross(r - p).normalize_or_zero(), p)
-    };
+    // Each face with its outward unit normal and a point on it.
+    let on_plane = |f: [u32; 3]| (f, normal_of(points, &f), points[f[0] as usize]);
+    let mut faces = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(|f| on_plane(f.map(|v| v as u32))).to_vec();
+    let mut seen = vec![];
     for (i, point) in points.iter().enumerate() {
-        let seen: Vec<bool> = faces
-            .iter()
-            .map(|f| {
-                let (n, p) = plane(f);
-                (*point - p).dot(n) > tiny
-            })
-            .collect();
-        if !seen.contains(&true) {
-            continue;
-        }
-        // The rim of what the point sees: edges of seen faces whose twins are not seen.
-        let edges: Vec<[u32; 2]> = faces
-            .iter()
-            .zip(&seen)
-            .filter(|(_, seen)| **seen)
-            .flat_map(|(f, _)| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]])
-            .collect();
-        let rim: Vec<[u32; 2]> = edges.iter().copied().filter(|[u, v]| !edges.contains(&[*v, *u])).collect();
-        let mut keep = seen.iter().map(|s| !s);
-        faces.retain(|_| keep.next().unwrap_or(true));
-        faces.extend(rim.iter().map(|[u, v]| [*u, *v, i as u32]));
+        seen.clear();
+        faces.retain(|(f, n, p)| {
+            let is_seen = (*point - *p).dot(*n) > tiny;
+            seen.extend(is_seen.then_some(*f));
+            !is_seen
+        });
+        faces.extend(rim(&seen).into_iter().map(|[u, v]| on_plane([u, v, i as u32])));
     }
-    Some(faces)
+    Some(faces.into_iter().map(|(f, ..)| f).collect())
+}
+
+/// The unit normal of a triangle of points, or zero.
+fn normal_of(points: &[DVec3], triangle: &[u32; 3]) -> DVec3 {
+    let [p, q, r] = triangle.map(|v| points[v as usize]);
+    (q - p).cross(r - p).normalize_or_zero()
+}
+
+/// The rim of triangles: edges whose twins are not among theirs.
+fn rim(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let edges: Vec<[u32; 2]> = triangles.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
+    edges.iter().copied().filter(|[u, v]| !edges.contains(&[*v, *u])).collect()
+}
+
+/// The polygon that coplanar triangles make, from its smallest vertex on.
+fn outline(triangles: &[[u32; 3]]) -> Vec<u32> {
+    if let [[a, b, c]] = *triangles {
+        return if a < b.min(c) {
+            vec![a, b, c]
+        } else if b < c {
+            vec![b, c, a]
+        } else {
+            vec![c, a, b]
+        };
+    }
+    let rim = rim(triangles);
+    let first = rim.iter().map(|[u, _]| *u).min().expect("a face has a rim");
+    let (mut at, mut polygon) = (first, vec![]);
+    loop {
+        polygon.push(at);
+        // Of several edges that begin here, where the face touches itself, the last.
+        at = rim.iter().rev().find(|[u, _]| *u == at).expect("the rim is closed")[1];
+        if at == first || polygon.len() > rim.len() {
+            return polygon;
+        }
+    }
 }
 
 /// Merge coplanar triangles to polygons, and renumber the vertices in use.
 fn merge_coplanar(points: &[DVec3], triangles: &[[u32; 3]]) -> Hull {
-    let normal = |t: &[u32; 3]| {
-        let [p, q, r] = t.map(|v| points[v as usize]);
-        (q - p).cross(r - p).normalize_or_zero()
-    };
     let extent = points.iter().fold(0f64, |h, p| h.max((*p - points[0]).length()));
-    let mut groups: Vec<(DVec3, f64, Vec<[u32; 3]>)> = Vec::new();
+    let mut groups: Vec<(DVec3, f64, Vec<[u32; 3]>)> = Vec::with_capacity(triangles.len());
     for t in triangles {
-        let (n, d) = (normal(t), normal(t).dot(points[t[0] as usize]));
+        let n = normal_of(points, t);
+        let d = n.dot(points[t[0] as usize]);
         match groups.iter_mut().find(|(m, e, _)| m.dot(n) > 1.0 - 1e-8 && (e - d).abs() < 1e-6 * extent) {
             Some(group) => group.2.push(*t),
             None => groups.push((n, d, vec![*t])),
         }
     }
-    let mut index_of: HashMap<u32, u32> = HashMap::new();
+    let mut index_of: Vec<Option<u32>> = vec![None; points.len()];
     let mut hull = Hull { vertices: vec![], faces: vec![], normals: vec![], radius: 0.0, columns: Default::default() };
     for (n, _, members) in groups {
-        let edges: Vec<[u32; 2]> = members.iter().flat_map(|f| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]).collect();
-        let rim: HashMap<u32, u32> =
-            edges.iter().filter(|[u, v]| !edges.contains(&[*v, *u])).map(|[u, v]| (*u, *v)).collect();
-        let first = *rim.keys().min().expect("a face has a rim");
-        let (mut at, mut face) = (first, vec![]);
-        loop {
-            let next_index = index_of.len() as u32;
-            face.push(*index_of.entry(at).or_insert_with(|| {
+        let face = outline(&members).into_iter().map(|at| {
+            *index_of[at as usize].get_or_insert_with(|| {
                 hull.vertices.push(points[at as usize]);
-                next_index
-            }));
-            at = rim[&at];
-            if at == first || face.len() > rim.len() {
-                break;
-            }
-        }
-        hull.faces.push(face);
+                hull.vertices.len() as u32 - 1
+            })
+        });
+        hull.faces.push(face.collect());
         hull.normals.push(n);
     }
     hull

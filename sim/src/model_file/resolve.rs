@@ -21,7 +21,7 @@ use frame::Fault;
 use frame::sequence::matches;
 use frame::yaml::Document;
 use glam::{DMat3, DQuat, DVec3};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 
 /// The most steps of a run: a million bodies, or one, take longer than anybody waits for.
@@ -188,24 +188,26 @@ struct Builder<'a> {
     probe_joints: Vec<u32>,
     probe_springs: Vec<u32>,
     warnings: Vec<String>,
+    class_names: Names,
     joint_names: Names,
     spring_names: Names,
 }
 
-/// The names of joints or springs so far, those of the first `n` of the model.
+/// The names of a column so far, those of its first `n` rows, with the row that was first to have each.
 #[derive(Default)]
 struct Names {
-    known: HashSet<String>,
+    known: HashMap<String, u32>,
     n: usize,
 }
 
 impl Names {
-    /// Whether a name is among those of the model's joints or springs, which may have become more.
-    fn have<'a>(&mut self, all: impl ExactSizeIterator<Item = &'a String>, name: &str) -> bool {
-        let n = all.len();
-        self.known.extend(all.skip(self.n).cloned());
-        self.n = n;
-        self.known.contains(name)
+    /// The first row with a name; the column may have become longer.
+    fn find<T>(&mut self, column: &[T], name_of: impl Fn(&T) -> &String, name: &str) -> Option<u32> {
+        for (i, row) in column.iter().enumerate().skip(self.n) {
+            self.known.entry(name_of(row).clone()).or_insert(i as u32);
+        }
+        self.n = column.len();
+        self.known.get(name).copied()
     }
 }
 
@@ -262,6 +264,7 @@ impl<'a> Builder<'a> {
             probe_joints: vec![],
             probe_springs: vec![],
             warnings: vec![],
+            class_names: Names::default(),
             joint_names: Names::default(),
             spring_names: Names::default(),
         }
@@ -323,7 +326,11 @@ impl<'a> Builder<'a> {
     }
 
     fn class(&mut self, name: &str) -> u32 {
-        index_of(&mut self.model.class_names, name)
+        let names = &mut self.model.class_names;
+        self.class_names.find(names, |name| name, name).unwrap_or_else(|| {
+            names.push(name.into());
+            names.len() as u32 - 1
+        })
     }
 
     fn group(&mut self, name: Option<&str>) -> u32 {

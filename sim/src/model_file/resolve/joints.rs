@@ -71,7 +71,7 @@ impl Builder<'_> {
     pub(super) fn joint(&mut self, key: &str, file: &JointFile, begins: f64) -> Result<(), Fault> {
         let doc = self.doc;
         let at = |part: &str| format!("{key}.{part}");
-        if self.joint_names.have(self.model.joints.iter().map(|j| &j.name), &file.name) {
+        if self.joint_names.find(&self.model.joints, |j| &j.name, &file.name).is_some() {
             return Err(doc.fault(&at("name"), format!("there is a joint `{}` already", file.name)));
         }
         let bodies = self.ends(key, &file.a, &file.b)?;
@@ -201,7 +201,7 @@ impl Builder<'_> {
     pub(super) fn spring(&mut self, key: &str, file: &SpringFile, begins: f64) -> Result<(), Fault> {
         let doc = self.doc;
         let at = |part: &str| format!("{key}.{part}");
-        if self.spring_names.have(self.model.springs.iter().map(|s| &s.name), &file.name) {
+        if self.spring_names.find(&self.model.springs, |s| &s.name, &file.name).is_some() {
             return Err(doc.fault(&at("name"), format!("there is a spring `{}` already", file.name)));
         }
         let bodies = self.ends(key, &file.a, &file.b)?;

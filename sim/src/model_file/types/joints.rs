@@ -227,10 +227,23 @@ pub struct SineFile {
 impl JointFile {
     /// A joint between two bodies by their names, with the defaults of all other keys.
     pub fn named(name: &str, kind: JointKind, a: &str, b: &str) -> JointFile {
-        let mut joint: JointFile = serde_yaml::from_str("{name: j, kind: fixed, a: a, b: b}")
-            .expect("all other keys of a joint have defaults");
-        (joint.name, joint.kind, joint.a, joint.b) = (name.into(), kind, a.into(), b.into());
-        joint
+        JointFile {
+            name: name.into(),
+            kind,
+            a: a.into(),
+            b: b.into(),
+            position: [0.0; 3],
+            position_b: None,
+            axis: default_axis(),
+            axis_x: None,
+            axis_b: None,
+            length: None,
+            limits: None,
+            motor: None,
+            collide: false,
+            from: None,
+            until: None,
+        }
     }
 }
 
