@@ -125,6 +125,28 @@ fn a_block_on_a_slope_stays_or_slides() {
 }
 
 #[test]
+fn what_begins_to_slide_presses_with_its_weight() {
+    for method in ["apgd", "gauss_seidel", "jacobi", "barzilai_borwein"] {
+        // Gravity of a slope of 45 degrees: the slip grows by 5.6 mm/s in a step, from below g h on.
+        let mut sim = simulation(&format!(
+            "gravity: [6.9367, 0, -6.9367]
+solver: {{friction: exact, method: {method}}}
+materials: {{m: {{density: 1000, friction: 0.2}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: block, material: m, mass: 1, box: {{size: [0.2, 0.2, 0.2]}}, position: [0, 0, 0.1]}}
+"
+        ));
+        for step in 0..30 {
+            let before = sim.state.velocity[1].z;
+            sim.step();
+            let force = (sim.state.velocity[1].z - before) / sim.model.step + 6.9367;
+            assert!((force / 6.9367 - 1.0).abs() < 2e-3, "{method}, step {step}: {force} N");
+        }
+    }
+}
+
+#[test]
 fn stacks_stand() {
     for (n, shape, height) in [(5, "sphere: {radius: 0.1}", 0.2), (10, "box: {size: [0.2, 0.2, 0.2]}", 0.2)] {
         let mut yaml = String::from(

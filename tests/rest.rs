@@ -248,3 +248,30 @@ fn equal_limits_make_a_beam_of_a_chain_of_hinges() {
     let torque = sim.state.joints[0].torque;
     assert!((torque.length() / (3.0 * 9.81 * 1.5) - 1.0).abs() < 1e-6, "{torque}");
 }
+
+#[test]
+fn a_distance_with_limits_is_a_rope() {
+    let rope = |limits: &str| {
+        simulation(&format!(
+            "materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies: [{{name: b, material: m, mass: 10, sphere: {{radius: 0.1}}, position: [0.6, 0, -0.8]}}]
+joints: [{{name: r, kind: distance, a: world, b: b, position: [0, 0, 0], position_b: [0.6, 0, -0.8], {limits}}}]
+"
+        ))
+    };
+    let mut sim = rope("limits: [0, 2]");
+    // It falls freely until the rope is taut.
+    (0..300).for_each(|_| drop(sim.step()));
+    let fall = 0.5 * 9.81 * 0.3 * 0.301;
+    assert!((sim.state.position[0].z + 0.8 + fall).abs() < 1e-9, "{}", sim.state.position[0]);
+    let mut longest = 0.0f64;
+    for _ in 0..2000 {
+        sim.step();
+        longest = longest.max(sim.state.position[0].length());
+    }
+    assert!((longest - 2.0).abs() < 1e-3, "{longest}");
+    // Equal limits are a rod.
+    let mut sim = rope("limits: [1, 1]");
+    (0..500).for_each(|_| drop(sim.step()));
+    assert!((sim.state.position[0].length() - 1.0).abs() < 1e-4, "{}", sim.state.position[0]);
+}

@@ -51,7 +51,10 @@ fn a_solver_that_has_not_converged_is_reported_and_counted() {
     let model = at("overloaded.yaml");
     std::fs::write(&model, format!("# A load.\n{OVERLOADED}")).unwrap();
     let said = scree(&["simulate", &model, "-o", &at("run")]).fails(5);
-    assert!(said.contains("warning: step ") && said.contains("residual") && said.contains("touches body"), "{said}");
+    assert!(
+        said.contains("warning: step ") && said.contains("residual") && said.contains("greatest between body"),
+        "{said}"
+    );
     assert_eq!(said.matches("warning: step").count(), said.matches("are counted").count(), "{said}");
     let index = RunReader::open(Path::new(&at("run"))).unwrap().index;
     assert!(index.complete);
@@ -104,6 +107,22 @@ joints:
   - {name: rod, kind: distance, a: a, b: b, position: [0.1, 0, 0], position_b: [0.9, 0, 0], length: {ramp: {times: [0, 0.1], values: [0.8, 1.6]}}}
 ";
     assert_eq!(kinds(actuator, 150), []);
+}
+
+#[test]
+fn what_is_well_is_not_reported() {
+    // A rate that goes through zero, where round-off is all of it.
+    let through_zero = "gravity: [0, 0, 0]
+materials: {m: {density: 1000, friction: 0.5}}
+bodies: [{name: a, material: m, box: {size: [0.2, 0.2, 0.2]}}]
+joints: [{name: j, kind: prismatic, a: world, b: a, axis: [1, 0, 0], motor: {speed: {sine: {amplitude: 1, frequency: 5}}}}]
+";
+    assert_eq!(kinds(through_zero, 500), []);
+    // A body without shapes that is held at first: the model has no extent.
+    let held = "bodies: [{name: a, shapes: [], mass: 10, inertia: [0.1, 0.1, 0.1], held_until: 0.1}]
+joints: [{name: j, kind: revolute, a: world, b: a, axis: [0, 1, 0]}]
+";
+    assert_eq!(kinds(held, 300), []);
 }
 
 #[test]

@@ -291,11 +291,15 @@ impl Joint {
     }
 
     /// The coordinate at which equal limits lock the joint, rad or m. Those of a joint that a motor of prescribed rate or coordinate drives
-    /// lock nothing, nor do those of a length, which is given already: they stay unilateral.
+    /// lock nothing: they stay unilateral.
     pub fn locked_at(&self) -> Option<f64> {
         let is_driven = matches!(self.motor, Some(Motor::Speed(_) | Motor::Position(_)));
-        let is_length = self.kind.coordinate() == Some(Coordinate::Length);
-        self.limits.filter(|[lo, hi]| lo == hi && !is_driven && !is_length).map(|[at, _]| at)
+        self.limits.filter(|[lo, hi]| lo == hi && !is_driven).map(|[at, _]| at)
+    }
+
+    /// Whether the joint has the length [`Joint::length`]; with limits it has any between them, as a rope.
+    fn has_length(&self) -> bool {
+        self.kind.coordinate() == Some(Coordinate::Length) && self.limits.is_none()
     }
 
     /// Append the rows of the locked motions and of a motor of prescribed rate or coordinate to `rows`. `f` are the frames at the step's
@@ -310,8 +314,10 @@ impl Joint {
             }
             JointKind::Prismatic | JointKind::Cylindrical => rows.extend([f.along(axes[0]), f.along(axes[1])]),
             JointKind::PointOnPlane => rows.push(f.along(axes[2])),
-            JointKind::Distance => rows.push(self.fixed_length(f, t)),
-            JointKind::RevoluteSpherical => rows.extend([self.fixed_length(f, t), f.along(axes[2])]),
+            JointKind::Distance | JointKind::RevoluteSpherical => {
+                rows.extend(self.has_length().then(|| self.fixed_length(f, t)));
+                rows.extend((self.kind == JointKind::RevoluteSpherical).then(|| f.along(axes[2])));
+            }
         }
         match self.kind {
             JointKind::Revolute | JointKind::Cylindrical => rows.extend([f.perpendicular(x, z), f.perpendicular(y, z)]),
@@ -345,7 +351,7 @@ impl Joint {
     /// prescribed at the step's start `t`, s.
     pub fn error(&self, row: &Row, k: usize, n: usize, t: f64, t_end: f64) -> (f64, bool) {
         let is_last = k + 1 == n;
-        let has_length = matches!(self.kind, JointKind::Distance | JointKind::RevoluteSpherical) && k == 0;
+        let has_length = self.has_length() && k == 0;
         let (prescribed, is_motor) = match &self.motor {
             Some(Motor::Position(goal)) if is_last => (Some(goal), true),
             Some(Motor::Speed(_)) if is_last => (None, true),

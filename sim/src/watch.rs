@@ -35,6 +35,8 @@ const JOINT_ANGLE: f64 = 1e-2;
 const MOTOR_RATE: [f64; 2] = [1e-2, 0.5];
 /// Tolerance of errors of driven rates within 1 s, over that of errors of joints.
 const MOTOR_DRIFT: f64 = 5.0;
+/// Prescribed rate up to which a motor is a brake, over that tolerance.
+const SLOWEST: f64 = 1e-3;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
 
@@ -141,7 +143,7 @@ impl WatchState {
             let place = state.shape_pose(model, s);
             include(place.position, DVec3::splat(model.shape_size[s].max_element()));
         }
-        for b in (0..model.n_bodies()).filter(|b| state.moves(*b)) {
+        for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
             let size = gyration(model.inv_mass[b], model.inv_inertia[b].min_element());
             include(state.position[b], DVec3::splat(size));
         }
@@ -153,7 +155,9 @@ impl WatchState {
         if !(min.cmple(max).all()) {
             (min, max) = (DVec3::ZERO, DVec3::ZERO);
         }
-        self.diagonal = (max - min).length().max(f64::MIN_POSITIVE);
+        let diagonal = (max - min).length();
+        // What has no extent, as a point on its joint, is taken for a metre.
+        self.diagonal = if diagonal > 0.0 { diagonal } else { 1.0 };
         let bottom = DVec3::select(model.gravity.cmpgt(DVec3::ZERO), max, min);
         self.lowest = vec![-model.gravity.dot(bottom); model.n_bodies()];
         let survey = Survey::of(model, state, &mut self.lowest);
@@ -204,7 +208,7 @@ impl WatchState {
         let (residual, bound) = (seen.solver.residual, residual_bound(model));
         (residual > bound).then(|| {
             let at = seen.worst.map_or(String::new(), |[a, b]| {
-                format!("; it is greatest where body {} touches body {}", label(model, a), label(model, b))
+                format!("; it is greatest between body {} and body {}", label(model, a), label(model, b))
             });
             format!("the solver has not converged: its residual is {residual:.3e} m/s, above {bound:.3e} m/s{at}")
         })
@@ -234,8 +238,10 @@ impl WatchState {
             let is_angle = joint.kind.coordinate() == Some(Coordinate::Angle);
             let scale = if is_angle { JOINT_ANGLE } else { JOINT_ERROR * self.diagonal };
             let [fast, slow] = MOTOR_RATE.map(|share| share * goal.abs());
-            let brake = if goal == 0.0 { f64::INFINITY } else { slow };
-            let bound = if is_rate { fast.max((MOTOR_DRIFT * scale).min(brake)) } else { scale };
+            let drift = MOTOR_DRIFT * scale;
+            // A brake, and what goes through zero, as a sine.
+            let slow = if goal.abs() < SLOWEST * drift { drift } else { slow };
+            let bound = if is_rate { fast.max(drift.min(slow)) } else { scale };
             let excess = (is - goal).abs() / bound;
             (excess > 1.0).then(|| (excess, lag_message(model, joint, now, [goal, is], bound)))
         };

@@ -81,7 +81,9 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             let at = joint.coordinate(&f, &state.joints[i]);
             let row = joint.free_row(&f, c);
             let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
-            if at - min <= reach {
+            // A length is never below 0, where it has no direction.
+            let is_bound = c != Coordinate::Length || min > 0.0;
+            if is_bound && at - min <= reach {
                 limits.push(i, Row { psi: at - min, ..row });
             }
             if max - at <= reach {

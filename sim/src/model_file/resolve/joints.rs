@@ -103,6 +103,9 @@ impl Builder<'_> {
             Some(_) => return Err(doc.fault(&at("length"), "is only for distance and revolute_spherical joints")),
             None => Function::Constant((pb - pa).length()),
         };
+        if file.length.is_some() && file.limits.is_some() {
+            return Err(doc.fault(&at("limits"), "bound the length that `length` gives: expected one of the two"));
+        }
         if long && !(length.at(0.0) > 0.0) {
             return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
         }
