@@ -7,6 +7,11 @@ const EYE: &str = "Format 160 120 1 PixelSamples 4 4 PixelFilter \"gaussian\" 2 
     ConcatTransform [1 0 0 0  0 0 1 0  0 1 0 0  0 0 0 1] Translate 0 0 -1.6";
 
 fn ground(files: &[(&str, &[u8])], surface: &str) -> Rendered {
+    turned(files, surface, "")
+}
+
+/// The same, the ground turned about the eye's foot.
+fn turned(files: &[(&str, &[u8])], surface: &str, turn: &str) -> Rendered {
     let texture = if files.is_empty() {
         ""
     } else {
@@ -14,7 +19,11 @@ fn ground(files: &[(&str, &[u8])], surface: &str) -> Rendered {
     };
     let light = "LightSource \"ambientlight\" 1 \"intensity\" [0.3] LightSource \"distantlight\" 2 \"intensity\" [0.7] \"from\" [0 0 0] \"to\" [0.3 0.2 -1]";
     let plane = "Polygon \"P\" [-5000 -10 0 5000 -10 0 5000 5000 0 -5000 5000 0] \"st\" [-5000 -10 5000 -10 5000 5000 -5000 5000]";
-    render_with(files, &format!("{EYE} {texture}"), &format!("{light} Color 0.6 0.6 0.6 Surface {surface} {plane}"))
+    render_with(
+        files,
+        &format!("{EYE} {texture}"),
+        &format!("{light} Color 0.6 0.6 0.6 {turn} Surface {surface} {plane}"),
+    )
 }
 
 /// Of rows of an image: the mean, and the mean difference of neighbours along a row and between rows, by the mean.
@@ -52,4 +61,19 @@ fn fine_textures_fade_to_their_mean() {
     let image = ground(&files, "\"show\"");
     let (mean, rough) = grain(&image, 62..72);
     assert!((mean - 0.5).abs() < 0.02 && rough < 0.02, "mean {mean}, grain {rough}");
+}
+
+#[test]
+fn textures_seen_askew_fade_to_their_mean() {
+    // A checkerboard of half a metre, seen along neither of its axes: rows and columns of the grid are near each other on the image.
+    let mut bytes = std::io::Cursor::new(vec![]);
+    let board =
+        image::GrayImage::from_fn(64, 64, |x, y| image::Luma([if (x / 32 + y / 32) % 2 == 0 { 255 } else { 0 }]));
+    board.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    let show = b"surface show() { Oi = 1; Ci = color texture(\"board\"); }";
+    let files: [(&str, &[u8]); 2] = [("board.png", bytes.get_ref()), ("show.sl", show)];
+    let image = turned(&files, "\"show\"", "Rotate 22 0 0 1");
+    // Nearer by there are rows of squares that line up, as they should.
+    let (mean, rough) = grain(&image, 62..64);
+    assert!((mean - 0.5).abs() < 0.02 && rough < 0.01, "mean {mean}, grain {rough}");
 }

@@ -102,7 +102,7 @@ fn every_function_variable_and_keyword_has_a_case_or_is_said_to_be_unsupported()
         ("transformation", "transformation t() { P = P; }"),
         ("bake", "surface t() { bake(\"a\", s, t, 1); Oi = 1; }"),
         ("texture3d", "surface t() { float x = 0; texture3d(\"a\", P, N, \"x\", x); Oi = 1; }"),
-        ("filterstep", "surface t() { Oi = 1; Ci = filterstep(0.5, s, \"filter\", \"box\"); }"),
+        ("filterstep", "surface t() { Oi = 1; Ci = filterstep(0.5, s, \"filter\", \"gaussian\"); }"),
         ("trace", "surface t() { Oi = 1; Ci = trace(P, N, \"samples\", 4); }"),
         ("blurr", "surface t() { Oi = 1; Ci = texture(\"a.png\", s, t, \"blurr\", 1); }"),
     ] {
@@ -212,4 +212,23 @@ fn names_that_requests_take_are_known_and_others_are_refused_or_warned_of() {
         let answer = said(&[], options, world);
         assert!(answer.contains(message), "{options} {world}: {answer}");
     }
+}
+
+#[test]
+fn what_is_given_in_vain_is_said() {
+    let square = "Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
+    for (told, options, world) in [
+        ("type `jpeg` is not known", "Display \"t.png\" \"jpeg\" \"rgb\"", String::new()),
+        ("`t.jpg` is written as png", "Display \"t.jpg\" \"file\" \"rgb\"", String::new()),
+        ("string `kind`", "", format!("{square} \"uniform string kind\" [\"a\"]")),
+        ("string `kind`", "", "Sphere 1 -1 1 360 \"constant string kind\" [\"a\"]".into()),
+        ("has no `AttributeEnd`", "", format!("AttributeBegin {square}")),
+        ("has no `SolidEnd`", "", "SolidBegin \"union\" Sphere 1 -1 1 360".into()),
+        ("has no `MotionEnd`", "", "MotionBegin [0 1] Translate 0 0 0".into()),
+        ("in a motion block of", "", "MotionBegin [0 1] Translate 0 0 0 Scale 1 1 1 MotionEnd".into()),
+    ] {
+        let answer = said(&[], options, &world);
+        assert!(answer.contains(told), "{options} {world} is silent: {answer}");
+    }
+    assert!(!said(&[], "", square).contains("warning"), "what is sound is not warned of");
 }

@@ -6,6 +6,7 @@ pub mod bvh;
 pub mod deferred;
 pub mod displace;
 pub mod displaced;
+pub mod footprint;
 pub mod frame;
 pub mod globals;
 pub mod imager;

@@ -225,7 +225,7 @@ fn is_for_screens(path: &Path) -> bool {
 }
 
 /// The most places along the longer axis of a filter.
-const MAX_TAPS: f32 = 32.0;
+const MAX_TAPS: f32 = 16.0;
 
 /// An ellipse: the direction of its longer axis, and the lengths of both.
 struct Ellipse {
@@ -313,8 +313,9 @@ impl Texture {
             change = [[grown(0), 0.0], [0.0, grown(1)]];
         }
         let Ellipse { axis, long, short } = Ellipse::of(change);
-        let blurred = |length: f32| (length + 2.0 * even * (w * h).sqrt()).clamp(1.0, w.max(h).max(1.0));
-        let (long, short) = (blurred(long), blurred(short));
+        let blurred = |length: f32, most: f32| (length + 2.0 * even * (w * h).sqrt()).clamp(1.0, most.max(1.0));
+        // A map may be met many times along the ellipse.
+        let (long, short) = (blurred(long, MAX_TAPS * w.max(h)), blurred(short, w.max(h)));
         let ratio = (long / short).min(MAX_TAPS);
         let taps = ratio.ceil() as usize;
         let level = (long / ratio).log2().clamp(0.0, (self.levels.len() - 1) as f32);
@@ -324,7 +325,8 @@ impl Texture {
         for k in 0..taps {
             let along = long * ((k as f32 + 0.5) / taps as f32 - 0.5);
             let place = [at[0] + axis[0] * along / w, at[1] + axis[1] * along / h];
-            let (a, b) = (self.bilinear(lower, place), self.bilinear(upper, place));
+            let a = self.bilinear(lower, place);
+            let b = if t == 0.0 || upper == lower { a } else { self.bilinear(upper, place) };
             (0..4).for_each(|c| sum[c] += (a[c] * (1.0 - t) + b[c] * t) / taps as f32);
         }
         sum
@@ -338,18 +340,21 @@ impl Texture {
         }
         let (i, j) = (x.floor(), y.floor());
         let wrapped = |k: f32, n: usize, wrap: Wrap| match wrap {
-            Wrap::Periodic => Some(k.rem_euclid(n as f32) as usize % n),
+            Wrap::Periodic if k >= 0.0 && k < n as f32 => Some(k as usize),
+            Wrap::Periodic => Some((k as i64).rem_euclid(n as i64) as usize),
             Wrap::Clamp => Some(k.clamp(0.0, n as f32 - 1.0) as usize),
             // Half a texel beyond the edge still belongs to it.
             Wrap::Black if k >= -1.0 && k <= n as f32 => Some(k.clamp(0.0, n as f32 - 1.0) as usize),
             Wrap::Black => None,
         };
-        let texel = |i: f32, j: f32| match (wrapped(i, w, self.wrap[0]), wrapped(j, h, self.wrap[1])) {
+        let columns = [i, i + 1.0].map(|i| wrapped(i, w, self.wrap[0]));
+        let rows = [j, j + 1.0].map(|j| wrapped(j, h, self.wrap[1]));
+        let texel = |i: usize, j: usize| match (columns[i], rows[j]) {
             (Some(i), Some(j)) => self.levels.at(level, i, j),
             _ => [0.0; 4],
         };
         let (s, t) = (x - i, y - j);
-        let (a, b, c, d) = (texel(i, j), texel(i + 1.0, j), texel(i, j + 1.0), texel(i + 1.0, j + 1.0));
+        let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
         [0, 1, 2, 3].map(|k| (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (c[k] * (1.0 - s) + d[k] * s) * t)
     }
 }

@@ -1,10 +1,12 @@
 // The sky behind everything, and the film that takes the picture: exposure, a filmic curve. As the scene's Option "sky" says.
+#include "exposure.h"
 #include "sky.h"
 #include "film.h"
 imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposure = 1; float white = 4; float film = 1; color ground = color(0.3, 0.27, 0.23);
            float disc = 1; vector way = suns_way(sun); float haziness = turbidity_of(turbidity); color sunshine = suns_color(suns_way(sun), turbidity_of(turbidity));
            color lit = ground * (suns_color(suns_way(sun), turbidity_of(turbidity)) * max(0, zcomp(suns_way(sun)))
                                  + sky_color(vector(0, 0, 1), suns_way(sun), turbidity_of(turbidity)));) {
+    Ci = unexposed(Ci);
     if (alpha < 1) {
         uniform point eye = transform("camera", "world", point(0, 0, 0));
         vector look = normalize(transform("raster", "world", P) - eye);
@@ -23,4 +25,5 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
     Ci *= exposure;
     if (on != 0)
         Ci = filmic(Ci, white);
+    Ci = exposed(Ci);
 }

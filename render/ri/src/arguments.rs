@@ -19,7 +19,7 @@ pub(crate) struct Known {
     /// The frame, and options that conditions ask for.
     pub(crate) conditions: Conditions,
     /// Where the stream is.
-    standing: Standing,
+    pub(crate) standing: Standing,
     /// What has been warned of.
     warned: HashSet<String>,
     /// Red, green and blue of each sample of a colour, if `ColorSamples` said that (RISpec 4.2.3); and before the frame.
@@ -103,8 +103,7 @@ impl<'a> Arguments<'a> {
             Request::FrameEnd => self.known.samples = self.known.samples_before.take(),
             _ => {}
         }
-        let place = || format!("{}:{}:{}", self.path.display(), self.request.0, self.request.1);
-        self.known.standing.note(request, place, &mut self.warnings)
+        self.known.standing.note(request, self.path, self.request, &mut self.warnings)
     }
 
     /// The token that was looked at and left in place.
@@ -320,9 +319,9 @@ impl<'a> Arguments<'a> {
             let token = self.text()?;
             let Some(decl) = self.known.declarations.resolve(&token).map_err(Fail::new)? else {
                 // What is not declared is read over, as the specification asks.
-                let message = self.undeclared(&token);
+                let ty = if self.pass_value()? { "string" } else { "float" };
+                let message = self.undeclared(&token, ty);
                 self.warn(&format!("parameter {token}"), &message);
-                self.pass_value()?;
                 continue;
             };
             let values = if decl.ty == Type::String {
@@ -359,17 +358,18 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    fn undeclared(&self, name: &str) -> String {
+    fn undeclared(&self, name: &str, ty: &str) -> String {
         let near =
             self.known.declarations.names().min_by_key(|n| (strsim::damerau_levenshtein(n, name), n.to_string()));
         let near = near
             .filter(|n| strsim::damerau_levenshtein(n, name) <= 2)
             .map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-        format!("parameter `{name}` is not declared: write \"uniform float {name}\" or `Declare` it before{near}")
+        format!("parameter `{name}` is not declared: write \"uniform {ty} {name}\" or `Declare` it before{near}")
     }
 
-    /// Read over the value of a parameter.
-    fn pass_value(&mut self) -> Result<(), Fail> {
+    /// Read over the value of a parameter: whether texts are in it.
+    fn pass_value(&mut self) -> Result<bool, Fail> {
+        let mut is_text = matches!(self.peek()?, Some(Token::Text(_)));
         match self.peek()? {
             Some(Token::Text(_) | Token::Number(_) | Token::Numbers(_)) => self.peeked = None,
             Some(Token::Open) => {
@@ -377,13 +377,14 @@ impl<'a> Arguments<'a> {
                     if !matches!(self.peek()?, Some(Token::Text(_) | Token::Number(_) | Token::Open)) {
                         return self.expected("a value or `]`");
                     }
+                    is_text |= matches!(self.peek()?, Some(Token::Text(_)));
                     self.peeked = None;
                 }
                 self.peeked = None;
             }
             _ => return self.expected("a value"),
         }
-        Ok(())
+        Ok(is_text)
     }
 }
 

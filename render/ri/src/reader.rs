@@ -70,14 +70,17 @@ pub fn read(
         text: String::new(),
         message,
     })?;
-    let arguments = Arguments::new(path, &unpacked, &mut known);
-    let bytes = &unpacked;
+    // Editors begin text with the mark of UTF-8, which says nothing here.
+    let bytes = unpacked.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&unpacked);
+    let arguments = Arguments::new(path, bytes, &mut known);
     let mut shared = Shared { read: bytes.len() as u64, ..Default::default() };
     let mut reader = Reader { path, bytes, line: 1, arguments, shared: &mut shared, files, depth: 0, branches: vec![] };
-    if unpacked.trim_ascii().is_empty() {
+    if bytes.trim_ascii().is_empty() {
         return Err(*reader.error((1, 1), "is empty, expected RIB requests"));
     }
-    reader.run(ri, on_directive).map_err(|e| *e)
+    reader.run(ri, on_directive).map_err(|e| *e)?;
+    known.standing.end().into_iter().for_each(|warning| ri.warn(warning));
+    Ok(())
 }
 
 /// A gzip file unpacked; anything else as it is.

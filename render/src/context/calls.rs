@@ -4,7 +4,6 @@ use crate::context::motion_block::Moving;
 use crate::context::state::{Context, positive};
 use crate::gprim::quadric::Outline;
 use crate::gprim::trim::trim;
-use crate::gprim::variables::weighted;
 use crate::scene::attributes::Attribute;
 use crate::scene::trim::Trim;
 use crate::texture::{self, Wrap};
@@ -361,10 +360,10 @@ impl Ri for Context {
         self.set_transform(*space)
     }
     fn polygon(&mut self, params: Params) -> RiResult {
-        self.draw_polygon(weighted(params)?)
+        self.draw_polygon(self.variables(params)?)
     }
     fn general_polygon(&mut self, n_vertices: Vec<i32>, params: Params) -> RiResult {
-        self.draw_general_polygon(n_vertices, weighted(params)?)
+        self.draw_general_polygon(n_vertices, self.variables(params)?)
     }
     fn points_general_polygons(
         &mut self,
@@ -373,10 +372,10 @@ impl Ri for Context {
         vertices: Vec<i32>,
         params: Params,
     ) -> RiResult {
-        self.draw_points_general_polygons(n_loops, n_vertices, vertices, weighted(params)?)
+        self.draw_points_general_polygons(n_loops, n_vertices, vertices, self.variables(params)?)
     }
     fn points_polygons(&mut self, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) -> RiResult {
-        self.draw_points_polygons(n_vertices, vertices, weighted(params)?)
+        self.draw_points_polygons(n_vertices, vertices, self.variables(params)?)
     }
     fn basis(&mut self, u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) -> RiResult {
         if !(1..=4).contains(&u_step) || !(1..=4).contains(&v_step) {
@@ -387,12 +386,15 @@ impl Ri for Context {
         Ok(())
     }
     fn patch(&mut self, kind: &str, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_patch(kind, params)
     }
     fn patch_mesh(&mut self, kind: &str, nu: i32, u_wrap: &str, nv: i32, v_wrap: &str, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_patch_mesh(kind, nu, u_wrap, nv, v_wrap, params)
     }
     fn nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_nu_patch(u, v, params)
     }
     fn trim_curve(&mut self, curves: TrimCurves) -> RiResult {
@@ -420,10 +422,10 @@ impl Ri for Context {
         self.quadric(Outline::Circle([major, 0.0], minor, angles), sweep, params)
     }
     fn points(&mut self, params: Params) -> RiResult {
-        self.draw_points(weighted(params)?)
+        self.draw_points(self.variables(params)?)
     }
     fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
-        self.draw_curves(kind, n_vertices, wrap, weighted(params)?)
+        self.draw_curves(kind, n_vertices, wrap, self.variables(params)?)
     }
     fn subdivision_mesh(
         &mut self,
@@ -433,18 +435,21 @@ impl Ri for Context {
         tags: Tags,
         params: Params,
     ) -> RiResult {
-        self.draw_subdivision_mesh(scheme, n_vertices, vertices, tags, weighted(params)?)
+        self.draw_subdivision_mesh(scheme, n_vertices, vertices, tags, self.variables(params)?)
     }
     fn blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, _: Vec<String>, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_blobby(leaves, codes, floats, params)
     }
     fn geometry(&mut self, name: &str, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_geometry(name, params)
     }
     fn warn(&mut self, message: String) {
         self.scene.warn(message);
     }
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
+        self.say_texts(&params);
         self.draw_sphere(radius, z_min, z_max, sweep, params)
     }
     fn instances(&mut self, instances: Instances) -> RiResult {

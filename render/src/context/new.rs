@@ -79,6 +79,7 @@ impl Context {
             motion: None,
             made: HashMap::new(),
             scene: Scene::default(),
+            outside: [0; 2],
             objects: HashMap::new(),
             open_object: None,
             progress: Box::new(|_, _| {}),

@@ -162,6 +162,9 @@ impl Context {
             _ => Err(Fail::new("the display's quantize: expected the values of 0 and 1, the least and the greatest")),
         });
         let display = Display { name: name.into(), kind: kind.into(), mode, half, quantize: quantize.transpose()? };
+        if let Some(message) = display.stands_in().filter(|_| !is_window(kind) && !is_own) {
+            self.scene.warn(message);
+        }
         if display.format() != "exr" && self.options.displays.iter().any(|d| d.name == name) {
             return Err(Fail::new(format!("two displays are named `{name}`: only EXR files have layers")));
         }

@@ -27,6 +27,21 @@ use ri::{Class, Fail, InstanceShape, Instances, Knots, Param, Params, RiResult, 
 use std::sync::Arc;
 
 impl Context {
+    /// The parameters of a primitive, with points by their weights.
+    pub(super) fn variables(&self, params: Params) -> Result<Params, Fail> {
+        self.say_texts(&params);
+        weighted(params)
+    }
+
+    /// Say that strings of a primitive do not reach shaders.
+    pub(super) fn say_texts(&self, params: &Params) {
+        for param in params.iter().filter(|param| matches!(param.values, Values::Strings(_))) {
+            let name = &param.decl.name;
+            self.scene
+                .warn(format!("the string `{name}` of a primitive does not reach its shaders: set their parameter"));
+        }
+    }
+
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {
         let n = params.iter().find(|p| p.decl.name == "P").map_or(0, |p| p.numbers().len() / 3);
         if n < 3 {
@@ -167,7 +182,7 @@ impl Context {
         let sizes = [nu.max(0) as usize, nv.max(0) as usize];
         let wraps = [periodic(u_wrap)?, periodic(v_wrap)?];
         if kind == "bicubic" && is_rational(&params) {
-            return Err(Fail::new("bicubic meshes of unequal weights in \"Pw\" are not supported: take `NuPatch`"));
+            return self.draw_rational_mesh(sizes, wraps, params);
         }
         let params = self.with_heights(weighted(params)?, kind, sizes)?;
         let points = positions(&params)?;
@@ -180,29 +195,6 @@ impl Context {
             patches.push(patch);
         }
         self.add_patches(patches, names_of(&params))
-    }
-
-    /// A bicubic patch of homogeneous points of unequal weights: as a NURBS patch of one span.
-    fn draw_rational_patch(&mut self, params: Params) -> RiResult {
-        let bases = self.geometry.bases;
-        let as_bezier = |param: Param| -> Result<Param, Fail> {
-            let (width, v) = (param.decl.width(), param.numbers());
-            if param.decl.class != Class::Vertex {
-                return Ok(param);
-            }
-            if v.len() != 16 * width {
-                return Err(too_few(&param));
-            }
-            let mut all = vec![0.0; 16 * width];
-            for c in 0..width {
-                let net: [f32; 16] = std::array::from_fn(|k| v[k * width + c]);
-                to_bezier(net, &bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
-            }
-            Ok(Param { decl: param.decl, values: Values::Floats(all) })
-        };
-        let params = params.into_iter().map(as_bezier).collect::<Result<Params, Fail>>()?;
-        let knots = || Knots { n: 4, order: 4, knots: vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], range: [0.0, 1.0] };
-        self.draw_nu_patch(knots(), knots(), params)
     }
 
     /// Heights of a patch or a mesh, "Pz", as "P": x and y of the surface are its parameters (RISpec 5).
@@ -236,6 +228,12 @@ impl Context {
     }
 
     pub(super) fn draw_nu_patch(&mut self, u: Knots, v: Knots, params: Params) -> RiResult {
+        let (patches, names) = self.nu_patches(u, v, params)?;
+        self.add_patches(patches, names)
+    }
+
+    /// The patches of a NURBS patch, and the names of their variables.
+    pub(super) fn nu_patches(&self, u: Knots, v: Knots, params: Params) -> Result<(Vec<Patch>, VariableNames), Fail> {
         let points: Vec<Vec4> = match params.iter().find(|p| p.decl.name == "Pw") {
             Some(p) => p.numbers().chunks_exact(4).map(Vec4::from_slice).collect(),
             None => positions(&params)?.into_iter().map(|p| p.extend(1.0)).collect(),
@@ -284,7 +282,7 @@ impl Context {
         let VariableNames { uniform, varying } = attach_variables(&mut patches, &others)?;
         names.uniform = of_spans.into_iter().chain(uniform).collect();
         names.varying.extend(varying);
-        self.add_patches(patches, names)
+        Ok((patches, names))
     }
 
     pub(super) fn draw_points(&mut self, params: Params) -> RiResult {
@@ -501,6 +499,7 @@ impl Context {
 
     /// A quadric: a profile, swept.
     pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
+        self.say_texts(&params);
         let quadric = Quadric { outline, sweep };
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Quadric(quadric, params));

@@ -59,6 +59,8 @@ pub struct Context {
     pub(super) motion: Option<MotionBlock>,
     pub(super) made: texture::Made,
     pub(super) scene: Scene,
+    /// Attributes and transformations that were kept when the world began.
+    pub(super) outside: [usize; 2],
     pub(super) objects: HashMap<String, Arc<Vec<Group>>>,
     pub(super) open_object: Option<OpenObject>,
     pub(super) progress: Progress,

@@ -4,7 +4,7 @@ use crate::context::result::RenderResult;
 use crate::context::state::Context;
 use crate::cpu::render::render;
 use crate::film::filter::FilterKind;
-use crate::film::image::Image;
+use crate::film::image::{Image, expose};
 use crate::scene::camera::Camera;
 use crate::scene::emitters;
 use crate::scene::motion;
@@ -50,6 +50,7 @@ impl Context {
         let camera = Camera::new(&self.options, to_camera, vec![]);
         let spaces = camera.image_spaces(&self.options).map(|(name, from_world)| (name.into(), from_world.inverse()));
         self.scene.spaces.extend(spaces);
+        self.outside = [self.attribute_stack.len(), self.transform_stack.len()];
         self.attribute_stack.push((self.attributes.clone(), self.place(), self.geometry.clone()));
         self.camera_moves = std::mem::take(&mut self.moves);
         self.transform = Mat4::IDENTITY;
@@ -63,13 +64,14 @@ impl Context {
         let own_aspect = format[0] * format[2] / format[1];
         let aspect = o.screen_window.map_or(own_aspect, |[left, right, bottom, top]| (right - left) / (top - bottom));
         let lens = o.lens.unwrap_or([f32::INFINITY; 3]);
-        let all: [(&str, &[f32]); 7] = [
+        let all: [(&str, &[f32]); 8] = [
             ("Format", &format),
             ("DeviceResolution", &format),
             ("FrameAspectRatio", &[aspect]),
             ("CropWindow", &o.crop),
             ("Shutter", &o.shutter),
             ("DepthOfField", &lens),
+            ("Exposure", &[o.gain, o.gamma]),
             ("PixelSamples", &o.samples.map(|n| n as f32)),
         ];
         let all: Vec<_> = all.into_iter().map(|(name, v)| (name.to_string(), Answer::Numbers(v.to_vec()))).collect();
@@ -114,7 +116,10 @@ impl Context {
         if let Some(message) = self.scene.stopped() {
             return Err(Fail::new(message));
         }
-        image.expose(self.options.gain, self.options.gamma);
+        // What an imager takes is exposed before it (RISpec 4.1.2, figure 4.2).
+        if self.options.imager.is_none() {
+            expose(&mut image.pixels, self.options.gain, self.options.gamma);
+        }
         let warnings = self.scene.take_warnings();
         self.results.push(RenderResult { frame: self.frame, options: self.options.clone(), image, stats, warnings });
         self.leave_world()
@@ -128,6 +133,10 @@ impl Context {
             ..Scene::default()
         };
         self.objects.clear();
+        // Blocks that are still open end here.
+        (self.motion, self.open_object) = (None, None);
+        self.attribute_stack.truncate(self.outside[0] + 1);
+        self.transform_stack.truncate(self.outside[1]);
         if let Some((attributes, place, geometry)) = self.attribute_stack.pop() {
             (self.attributes, self.geometry) = (attributes, geometry);
             (self.transform, self.moves) = place;

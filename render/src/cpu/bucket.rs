@@ -11,6 +11,7 @@ use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::samples::{SampledGrid, Samples};
 use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
 use crate::film::bucket::Bucket;
+use crate::film::image::expose;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
@@ -73,6 +74,7 @@ pub fn render_bucket(
     let mut pixels = samples.filter(&frame.filter, margin, &frame.aovs);
     if let Some(imager) = &frame.options.imager {
         let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
+        expose(&mut pixels.color, frame.options.gain, frame.options.gamma);
         imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
     }
     let seconds = &mut stats.seconds;

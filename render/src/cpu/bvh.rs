@@ -30,6 +30,9 @@ enum Occluder {
     },
 }
 
+/// How far beside a triangle of a solid, in parts of it, a ray still meets it: what rounding makes of a corner.
+const BESIDE: f32 = 1e-5;
+
 /// Where a ray meets something.
 pub struct Crossing {
     /// How far along it.
@@ -133,7 +136,8 @@ impl Bvh {
                     } else {
                         bias[is_own as usize].max(facet_room(size, is_own))
                     };
-                    let t = meet_triangle(from, dir, a, [ab, ac], 0.0).map(|(t, _)| t).filter(|t| *t > near);
+                    // A ray through a corner meets a triangle there, at least: of two that share an edge, one counts.
+                    let t = meet_triangle(from, dir, a, [ab, ac], BESIDE).map(|(t, _)| t).filter(|t| *t > near);
                     push(t, None, dir.dot(ab.cross(ac)));
                     continue;
                 }

@@ -133,7 +133,12 @@ impl Deferred {
             let range = layout.first..layout.first + grid.points.n();
             few.clear();
             few.extend(wanted[range.clone()].iter().enumerate().filter(|(_, w)| **w).map(|(k, _)| k as u32));
-            if few.is_empty() || layout.matte && !grid.shaded {
+            if few.is_empty() {
+                continue;
+            }
+            if layout.matte && !grid.shaded {
+                // What is not shaded is opaque.
+                opacity[range].fill(Vec3A::ONE);
                 continue;
             }
             let view = frame.scene.view(grid.item);

@@ -1,4 +1,4 @@
-//! Imager shaders: the filtered pixels of a bucket go through them before exposure (RISpec 4.1.2).
+//! Imager shaders: the filtered and exposed pixels of a bucket go through them (RISpec 4.1.2, figure 4.2).
 
 use crate::scene::world::Scene;
 use sl::Global;

@@ -12,7 +12,7 @@ use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
 use crate::scene::facets::facets_of;
 use crate::scene::shape::Shape;
-use crate::scene::solid::{Solids, Walk};
+use crate::scene::solid::{Met, Solids, Walk};
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
 use glam::Vec3;
@@ -174,11 +174,13 @@ impl<'a> Hulls<'a> {
     fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
         let (shape, to_world) = scene.place(item);
         let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
-        let facets: Vec<[Vec3; 3]> = match (displaced, shape) {
+        let mut facets: Vec<[Vec3; 3]> = match (displaced, shape) {
             (Some(facets), _) => facets,
             (None, Shape::Patches(patches, _)) => patches.iter().flat_map(|p| facets_of(p, to_world)).collect(),
             (None, Shape::Sphere) => return true,
         };
+        // At a pole a facet has no area, and so no normal.
+        facets.retain(|[a, b, c]| (b - a).cross(c - a).length_squared() > 0.0);
         if facets.is_empty() {
             return true;
         }
@@ -231,12 +233,14 @@ impl<'a> Hulls<'a> {
             return None;
         }
         met.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.item.source, a.item.index).cmp(&(b.item.source, b.item.index))));
-        let leaf = |m: &Crossing| self.leaves[m.item.source as usize];
+        let placed = |(name, m): (usize, &Crossing)| {
+            let leaf = self.leaves[m.item.source as usize]?;
+            Some(Met { at: m.t, leaf, enters: self.enters(m), name: name as u32 })
+        };
+        let mut line: Vec<Met> = met.iter().enumerate().filter_map(placed).collect();
         let mut walk = Walk::default();
-        walk.start(met.iter().filter_map(|m| Some((leaf(m)?, self.enters(m)))));
-        met.iter().find_map(|m| {
-            let is_surface = walk.cross(&self.solids, leaf(m)?, self.enters(m));
-            (is_surface && m.t > least && counts(m.item)).then_some((m.t, m.item))
-        })
+        let kept = walk.surfaces(&self.solids, &mut line);
+        let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
+        surfaces.filter(|m| m.t > least && counts(m.item)).min_by(|a, b| a.t.total_cmp(&b.t)).map(|m| (m.t, m.item))
     }
 }

@@ -33,6 +33,8 @@ struct Layer {
     next: u32,
     /// Of a solid, the primitive that is met, and whether the sample's line enters it.
     solid: Option<(u32, bool)>,
+    /// It leaves a hole, as far as it is opaque.
+    matte: bool,
 }
 
 const NONE: u32 = u32::MAX;
@@ -305,7 +307,7 @@ impl Samples {
         }
         let (primitive, next) = (grid.primitive, self.list[k]);
         let (color, opacity) = ([0.0; 3], [0.0; 3]);
-        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next, solid });
+        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next, solid, matte: false });
         self.list[k] = self.layers.len() as u32 - 1;
     }
 }

@@ -1,5 +1,6 @@
 //! Shading of points by their surface and atmosphere shaders.
 
+use crate::cpu::footprint;
 use crate::cpu::frame::Frame;
 use crate::cpu::globals::{fill_incident, surface_globals};
 use crate::cpu::view::View;
@@ -42,6 +43,9 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     let mut scene = View::new(frame.scene, &frame.rays, item, view, [bias, bias + 2.0 * reach]);
     fill_incident(points, &frame.camera);
     surface_globals(points, view, frame.camera.eye);
+    if a.reads_neighbours() {
+        footprint::fill(points, &frame.camera, a.shading_rate);
+    }
     shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     note_outputs(frame, item, view, points, shading);
     if let Some(atmosphere) = &a.atmosphere {
@@ -49,6 +53,7 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
         scene.shader_to_world = a.atmosphere_space;
         shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
     }
+    points.footprints.clear();
     stats.shaded_points += points.n() as u64;
     stats.seconds.shade += begun.elapsed().as_secs_f64();
 }

@@ -79,6 +79,16 @@ pub enum Layer {
     Aov(Aov),
 }
 
+/// The file format of a name or an ending.
+fn format_named(name: &str) -> Option<&'static str> {
+    match name.to_lowercase().as_str() {
+        "png" => Some("png"),
+        "exr" | "openexr" => Some("exr"),
+        "tif" | "tiff" => Some("tiff"),
+        _ => None,
+    }
+}
+
 /// A display (`Display`, RISpec 4.1.2): a file, and the layers that are written to it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Display {
@@ -98,14 +108,26 @@ pub struct Display {
 impl Display {
     /// The file format, `png`, `exr` or `tiff`: from the file name's extension, else from the type of the display, else `png`.
     pub fn format(&self) -> &'static str {
-        let of = |name: &str| match name.to_lowercase().as_str() {
-            "png" => Some("png"),
-            "exr" | "openexr" => Some("exr"),
-            "tif" | "tiff" => Some("tiff"),
-            _ => None,
-        };
         let ending = std::path::Path::new(&self.name).extension().and_then(|e| e.to_str()).unwrap_or_default();
-        of(ending).or(of(&self.kind)).unwrap_or("png")
+        format_named(ending).or(format_named(&self.kind)).unwrap_or("png")
+    }
+
+    /// What stands in the file, if it is of another kind than its name or the type of the display says.
+    pub fn stands_in(&self) -> Option<String> {
+        let ending = std::path::Path::new(&self.name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let (format, kind) = (self.format(), &self.kind);
+        if kind != "file" && format_named(kind).is_none() {
+            return Some(format!(
+                "the display type `{kind}` is not known, expected png, tiff, exr or file: `{}` is written as {format}",
+                self.name
+            ));
+        }
+        let images =
+            ["jpg", "jpeg", "bmp", "gif", "tga", "webp", "ppm", "pgm", "hdr", "dpx", "cin", "sgi", "rgb", "iff", "pic"];
+        let is_other = format_named(ending).is_none() && images.contains(&ending.to_lowercase().as_str());
+        is_other.then(|| {
+            format!("`{}` is written as {format}, whatever its name says: expected png, tif or exr", self.name)
+        })
     }
 
     /// Check a mode and return it with the type of its variable written out. `declared` has the types that `Declare` gave to names.

@@ -38,6 +38,18 @@ pub struct Encoding<'a> {
     pub about: &'a [(String, String)],
 }
 
+/// Expose the colours of pixels (`Exposure`): (gain · c)^(1/gamma), of negative ones with their sign.
+pub fn expose(pixels: &mut [[f32; 4]], gain: f32, gamma: f32) {
+    for p in pixels {
+        for c in &mut p[..3] {
+            *c *= gain;
+            if gamma != 1.0 {
+                *c = c.abs().powf(1.0 / gamma).copysign(*c);
+            }
+        }
+    }
+}
+
 impl Image {
     /// A black image without coverage.
     pub fn new(width: usize, height: usize, aovs: Vec<Aov>) -> Image {
@@ -49,18 +61,6 @@ impl Image {
     /// Count of numbers that the arbitrary output variables have in a pixel.
     pub fn depth(&self) -> usize {
         display::depth(&self.aovs)
-    }
-
-    /// Expose the colours (`Exposure`): (gain · c)^(1/gamma), of negative ones with their sign.
-    pub fn expose(&mut self, gain: f32, gamma: f32) {
-        for p in &mut self.pixels {
-            for c in &mut p[..3] {
-                *c *= gain;
-                if gamma != 1.0 {
-                    *c = c.abs().powf(1.0 / gamma).copysign(*c);
-                }
-            }
-        }
     }
 
     /// Encode the image as the bytes of the one file that these displays share; the first display gives the format. EXR stores

@@ -116,6 +116,15 @@ pub fn patch_variables(patch: &mut Patch, params: &Params, places: &Places<'_>) 
         }
         set_varying(patch, &param.decl.name, Varying::new(width, all));
     }
+    face_normal(patch, params, places.face)
+}
+
+/// Give a patch without normals that of its face, "Np" (RISpec 5.2).
+fn face_normal(patch: &mut Patch, params: &Params, face: usize) -> RiResult {
+    let Some(param) = params.iter().find(|p| p.decl.name == "Np" && p.decl.width() == 3) else { return Ok(()) };
+    let all = param.numbers();
+    let own = all.get(if all.len() > 3 { 3 * face..3 * face + 3 } else { 0..3 }).ok_or_else(|| too_few(param))?;
+    patch.normals.get_or_insert_with(|| Box::new(Varying::new(3, own.repeat(4))));
     Ok(())
 }
 

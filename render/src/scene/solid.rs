@@ -97,9 +97,26 @@ impl Solids {
     }
 }
 
+/// Places nearer to each other than this part of their distance coincide.
+const COINCIDENT: f32 = 1e-5;
+
+/// A place where a line meets a surface of a primitive.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    /// How far along the line.
+    pub at: f32,
+    /// The primitive.
+    pub leaf: u32,
+    /// Whether the line enters it.
+    pub enters: bool,
+    /// What the caller knows it by.
+    pub name: u32,
+}
+
 /// A walk along a line through solids, from what it meets first on.
 #[derive(Default)]
 pub struct Walk {
+    kept: Vec<bool>,
     /// Primitives that have been met, and those that the line is in.
     met: Vec<u32>,
     inside: Vec<u32>,
@@ -107,7 +124,7 @@ pub struct Walk {
 
 impl Walk {
     /// Begin another line. It begins inside what it is going to leave first: note what it meets, in order, before it is walked.
-    pub fn start(&mut self, met: impl Iterator<Item = (u32, bool)>) {
+    fn start(&mut self, met: impl Iterator<Item = (u32, bool)>) {
         self.met.clear();
         self.inside.clear();
         for (leaf, enters) in met {
@@ -120,8 +137,43 @@ impl Walk {
         }
     }
 
+    /// Walk all the way, along places that are sorted: which of them are surfaces of the whole that they are of. Surfaces that coincide are
+    /// none where the line is on the same side of the whole before and after all of them.
+    pub fn surfaces<'a>(&'a mut self, solids: &Solids, line: &mut [Met]) -> &'a [bool] {
+        self.start(line.iter().map(|met| (met.leaf, met.enters)));
+        self.kept.clear();
+        let mut first = 0;
+        while first < line.len() {
+            let reach = line[first].at * (1.0 + COINCIDENT);
+            let n = line[first..].iter().take_while(|met| met.at <= reach).count();
+            self.group(solids, &mut line[first..first + n]);
+            first += n;
+        }
+        &self.kept
+    }
+
+    /// Cross surfaces that coincide, in the order of the parts, so that one of them counts whichever was met first.
+    fn group(&mut self, solids: &Solids, group: &mut [Met]) {
+        let first = self.kept.len();
+        if group.iter().any(|met| met.leaf != group[0].leaf) {
+            group.sort_by_key(|met| met.leaf);
+        }
+        for met in &*group {
+            let is_surface = self.cross(solids, met.leaf, met.enters);
+            self.kept.push(is_surface);
+        }
+        // Each surface of a whole leads to its other side, and a second one back.
+        for i in 0..group.len() {
+            let whole = solids.root(group[i].leaf);
+            let later = (i + 1..group.len()).find(|k| self.kept[first + k] && solids.root(group[*k].leaf) == whole);
+            if let Some(k) = later.filter(|_| self.kept[first + i]) {
+                (self.kept[first + i], self.kept[first + k]) = (false, false);
+            }
+        }
+    }
+
     /// Enter or leave a primitive: whether the surface there is one of the whole that it is a part of.
-    pub fn cross(&mut self, solids: &Solids, leaf: u32, enters: bool) -> bool {
+    fn cross(&mut self, solids: &Solids, leaf: u32, enters: bool) -> bool {
         let root = solids.root(leaf);
         let before = solids.holds(root, &self.inside);
         match (enters, self.inside.iter().position(|l| *l == leaf)) {
@@ -148,14 +200,32 @@ mod tests {
         let a = solids.add(Operation::Primitive, Some(root));
         let union = solids.add(Operation::Union, Some(root));
         let (b, c) = (solids.add(Operation::Primitive, Some(union)), solids.add(Operation::Primitive, Some(union)));
-        let met = [(a, true), (b, true), (b, true), (c, true), (b, false), (c, false), (a, false)];
+        let line = |met: &[(f32, u32, bool)]| -> Vec<Met> {
+            met.iter().map(|(at, leaf, enters)| Met { at: *at, leaf: *leaf, enters: *enters, name: 0 }).collect()
+        };
+        let mut met = line(&[
+            (1.0, a, true),
+            (2.0, b, true),
+            (2.0, b, true),
+            (3.0, c, true),
+            (4.0, b, false),
+            (5.0, c, false),
+            (6.0, a, false),
+        ]);
         let mut walk = Walk::default();
-        walk.start(met.into_iter());
-        let kept: Vec<bool> = met.iter().map(|(leaf, enters)| walk.cross(&solids, *leaf, *enters)).collect();
-        assert_eq!(kept, [true, true, false, false, false, true, true]);
+        assert_eq!(walk.surfaces(&solids, &mut met), [true, true, false, false, false, true, true]);
         // One that begins in a leaves it first.
-        walk.start([(a, false)].into_iter());
-        assert!(walk.cross(&solids, a, false) && !walk.cross(&solids, a, false));
+        assert_eq!(walk.surfaces(&solids, &mut line(&[(1.0, a, false), (2.0, a, false)])), [true, false]);
+        // Where a and b begin and end together, there is a hole, in whichever order they are met.
+        for [one, other] in [[a, b], [b, a]] {
+            let mut met = line(&[(1.0, one, true), (1.000_001, other, true), (2.0, other, false), (2.0, one, false)]);
+            assert_eq!(walk.surfaces(&solids, &mut met), [false; 4]);
+        }
+        // Where b ends as a begins, there is one surface.
+        for [one, other] in [[(a, true), (b, false)], [(b, false), (a, true)]] {
+            let mut met = line(&[(0.5, b, true), (1.0, one.0, one.1), (1.0, other.0, other.1), (2.0, a, false)]);
+            assert_eq!(walk.surfaces(&solids, &mut met).iter().filter(|kept| **kept).count(), 2);
+        }
         // A copy is another solid with the same parts.
         let mut copied = HashMap::new();
         let other = solids.copy(b, None, &mut copied);

@@ -31,6 +31,9 @@ pub struct Points {
     /// values and keep their memory.
     variables: Vec<Vec<f32>>,
     n_variables: usize,
+    /// What each point stands for, if that is more than its micropolygon: the symmetric matrix uu, uv, vv that takes the changes of a
+    /// value to the next points of the row and of the column to those over what the point stands for; none for all, or one a point.
+    pub footprints: Vec<[f32; 3]>,
     /// What shaders that ran before tell.
     pub messages: Vec<Message>,
 }

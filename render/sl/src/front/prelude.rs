@@ -83,4 +83,12 @@ float filterstep3_(float edge, float a, float b) {
     float w = max(abs(b - a), 1e-6);
     return clamp((lo + w - edge) / w, 0, 1);
 }
+float filterstep2_width_(float edge, float x, float width) {
+    float w = max(width * filterwidth(x), 1e-6);
+    return clamp((x + 0.5 * w - edge) / w, 0, 1);
+}
+float filterstep3_width_(float edge, float a, float b, float width) {
+    float w = max(width * abs(b - a), 1e-6);
+    return clamp((0.5 * (a + b + w) - edge) / w, 0, 1);
+}
 ";

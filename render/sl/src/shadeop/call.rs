@@ -27,6 +27,8 @@ pub struct Call<'a> {
     pub nu: usize,
     /// 1, or −1 where the rows' cross product points into the surface.
     pub orientation: f32,
+    /// What points stand for, as in the points of the grid.
+    pub footprints: &'a [[f32; 3]],
     /// Active points; `None` is all. What comes out at the others is not read.
     pub mask: Option<&'a [bool]>,
     /// P of the grid, if the shader reads it.

@@ -19,6 +19,12 @@ pub fn differences(x: &[f32], k: usize, nu: usize, n: usize) -> [f32; 2] {
     [slope(i, nu, 1), slope(j, nv, nu)]
 }
 
+/// The changes of a value to the next points, as those over what the point stands for.
+#[inline]
+pub fn over([a, b]: [f32; 2], footprint: Option<&[f32; 3]>) -> [f32; 2] {
+    footprint.map_or([a, b], |[uu, uv, vv]| [a * uu + b * uv, a * uv + b * vv])
+}
+
 /// Derivative along u: of a value, by u and v.
 pub fn along_u(call: &Call<'_>, out: &mut Vec<f32>) {
     parametric(call, out, |[xi, xj], _, [vi, vj]| xi * vj - xj * vi);
@@ -66,11 +72,11 @@ fn spanned(call: &Call<'_>, k: usize) -> [f32; 3] {
     cross(d.map(|d| d[0]), d.map(|d| d[1]))
 }
 
-/// How much a value changes from point to point of the grid.
+/// How much a value changes from point to point of the grid, and over a pixel at least.
 pub fn width(call: &Call<'_>, out: &mut Vec<f32>) {
     let x = call.arg(0);
     let change = |k: usize| {
-        let [a, b] = differences(x, k, call.nu, call.n);
+        let [a, b] = over(differences(x, k, call.nu, call.n), call.footprints.get(k));
         a.abs().max(b.abs())
     };
     out.extend((0..if x.len() == 1 { 1 } else { call.n }).map(change));

@@ -2,14 +2,14 @@
 
 use crate::cpu::samples::{Layer, NONE, Samples};
 use crate::film::display::{Aov, placed};
-use crate::scene::solid::{Solids, Walk};
+use crate::scene::solid::{Met, Solids, Walk};
 use sl::ir::Kind;
 
 impl Samples {
     /// Composite the lists: each sample's colour, premultiplied, and its coverage. Of solids, the surfaces of the wholes count.
     pub fn resolve(&mut self, aovs: &[Aov], solids: &Solids) {
         let mut stack: Vec<(u32, Layer)> = Vec::new();
-        let mut walk = Walk::default();
+        let (mut walk, mut line, mut dropped) = (Walk::default(), vec![], vec![]);
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -26,17 +26,24 @@ impl Samples {
             // Farthest first; what is equally far keeps the order in which it came.
             stack.sort_by(|a, b| b.1.z.total_cmp(&a.1.z));
             if stack.iter().any(|(_, v)| v.solid.is_some()) {
-                walk.start(stack.iter().rev().filter_map(|(_, v)| v.solid));
-                stack.reverse();
-                stack.retain(|(_, v)| v.solid.is_none_or(|(leaf, enters)| walk.cross(solids, leaf, enters)));
-                stack.reverse();
+                let met = |(name, (_, v)): (usize, &(u32, Layer))| {
+                    v.solid.map(|(leaf, enters)| Met { at: v.z, leaf, enters, name: name as u32 })
+                };
+                line.clear();
+                line.extend(stack.iter().enumerate().rev().filter_map(met));
+                let kept = walk.surfaces(solids, &mut line);
+                dropped.clear();
+                dropped.resize(stack.len(), false);
+                line.iter().zip(kept).for_each(|(met, kept)| dropped[met.name as usize] = !kept);
+                let mut dropped = dropped.iter();
+                stack.retain(|_| dropped.next() == Some(&false));
             }
             for (layer, v) in &stack {
                 for c in 0..3 {
                     self.color[k][c] = v.color[c] + self.color[k][c] * (1.0 - v.opacity[c]);
                 }
                 let mean = (v.opacity[0] + v.opacity[1] + v.opacity[2]) / 3.0;
-                self.alpha[k] = mean + self.alpha[k] * (1.0 - mean);
+                self.alpha[k] = if v.matte { 0.0 } else { mean } + self.alpha[k] * (1.0 - mean);
                 if self.depth > 0 {
                     let own = &self.layer_outputs[*layer as usize * self.depth..][..self.depth];
                     let under = &mut self.outputs[k * self.depth..][..self.depth];

@@ -103,7 +103,13 @@ impl Samples {
                     let w = triangle.weights(layer.weights);
                     let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
                     (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));
-                    triangle.outputs(outputs, w, own);
+                    layer.matte = triangle.matte;
+                    if triangle.matte {
+                        layer.color = [0.0; 3];
+                        own.fill(0.0);
+                    } else {
+                        triangle.outputs(outputs, w, own);
+                    }
                 }
                 at = layer.next;
             }

@@ -38,6 +38,7 @@ impl Machine {
             n: self.n,
             nu: self.nu,
             orientation: self.orientation,
+            footprints: &self.footprints,
             mask: self.mask.as_deref(),
             place: self.place.map(|p| &self.regs[p.index()][..]),
             turn: self.loop_turn,

@@ -4,7 +4,7 @@ use super::super::scene::MapQuery;
 use super::super::scene::Scene;
 use super::state::Machine;
 use crate::ir::*;
-use crate::shadeop::grid::differences;
+use crate::shadeop::grid::{differences, over};
 use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
 
 /// Options of lookups (RISpec 15.7); of `filter` there is one alone.
@@ -97,6 +97,7 @@ impl Machine {
                     let r = &self.regs[place[if each == 2 { axis.min(1) } else { 0 }].index()];
                     let run = if each == 2 { &r[..] } else { run_of(r, 3, axis, n) };
                     let d = if each == 2 && axis == 2 { [0.0; 2] } else { differences(run, k, self.nu, n) };
+                    let d = over(d, self.footprints.get(k));
                     (query.change[0][axis], query.change[1][axis]) = (d[0], d[1]);
                 }
             }

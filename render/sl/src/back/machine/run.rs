@@ -131,6 +131,7 @@ impl Machine {
         self.n = points.n();
         self.nu = points.nu;
         self.orientation = points.orientation;
+        self.footprints.clone_from(&points.footprints);
         self.place = program.global(Global::P);
         self.mask = None;
         self.loops.clear();

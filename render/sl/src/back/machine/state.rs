@@ -40,6 +40,8 @@ pub struct Machine {
     pub(super) n: usize,
     pub(super) nu: usize,
     pub(super) orientation: f32,
+    /// What points stand for, as the grid says.
+    pub(super) footprints: Vec<[f32; 3]>,
     /// The register of P, if the program reads it.
     pub(super) place: Option<Reg>,
     pub(super) regs: Vec<Vec<f32>>,

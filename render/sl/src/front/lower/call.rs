@@ -8,12 +8,10 @@ use crate::ir::*;
 
 impl<'a> Lower<'a> {
     pub(super) fn call(&mut self, at: usize, name: &str, args: &[Expr], expected: Option<Ty>) -> Result<Value, Error> {
-        // Functions of several forms, written in the language: the number of arguments tells.
-        let plain = args.iter().take_while(|a| !matches!(a.kind, ExprKind::Text(_))).count();
-        let form = rows(name).find_map(|(_, row)| match row.how {
-            How::Prelude(function, n) if n == plain => Some(function),
-            _ => None,
-        });
+        let (form, plain) = form_of(name, args);
+        if let Some(form) = form.filter(|form| form.starts_with("filterstep")) {
+            return self.filter_step(at, form, args, plain);
+        }
         self.reads_over(name, form.is_some() && plain < args.len());
         let (name, args) = form.map_or((name, args), |form| (form, &args[..plain]));
         if let Some(function) = self.functions.get(name).copied() {
@@ -86,6 +84,27 @@ impl<'a> Lower<'a> {
         }
     }
 
+    /// A step under a box: its form, and its arguments, of which the options by name begin at `plain` (RISpec 15.1).
+    fn filter_step(&mut self, at: usize, form: &str, args: &[Expr], plain: usize) -> Result<Value, Error> {
+        let (mut own, mut is_other) = (args[..plain].to_vec(), false);
+        for option in args[plain..].chunks(2) {
+            match option {
+                [Expr { kind: ExprKind::Text(key), .. }, width] if key == "width" && own.len() == plain => {
+                    own.push(width.clone());
+                }
+                [Expr { kind: ExprKind::Text(key), .. }, Expr { kind: ExprKind::Text(filter), .. }]
+                    if key == "filter" && filter == "box" => {}
+                _ => is_other = true,
+            }
+        }
+        self.reads_over("filterstep", is_other);
+        let name = if own.len() > plain { format!("{form}width_") } else { form.into() };
+        match self.functions.get(name.as_str()).copied() {
+            Some(function) => self.inline(at, function, &own),
+            None => error(at, format!("`{name}` is not known")),
+        }
+    }
+
     /// Note that a function is given options by name, if it is.
     fn reads_over(&mut self, name: &str, is_given: bool) {
         if is_given {
@@ -104,6 +123,17 @@ impl<'a> Lower<'a> {
     ) -> Result<Value, Error> {
         self.temp(at, ty, varying, |r| Op::Call(function, r.reg(), args.iter().map(|v| v.reg()).collect()))
     }
+}
+
+/// The function that a call of one of several forms, written in the language, stands for: the number of arguments tells, which is the
+/// second; options by name follow them.
+fn form_of(name: &str, args: &[Expr]) -> (Option<&'static str>, usize) {
+    let plain = args.iter().take_while(|a| !matches!(a.kind, ExprKind::Text(_))).count();
+    let form = rows(name).find_map(|(_, row)| match row.how {
+        How::Prelude(function, n) if n == plain => Some(function),
+        _ => None,
+    });
+    (form, plain)
 }
 
 /// Whether a function's arguments are values; those of questions and maps are names and variables.

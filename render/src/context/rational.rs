@@ -1,0 +1,103 @@
+//! Bicubic patches and meshes of homogeneous points of unequal weights: each patch as a NURBS patch of one span (RISpec 5.3).
+
+use crate::context::state::Context;
+use crate::gprim::basis::to_bezier;
+use crate::gprim::patch_mesh::patch_mesh;
+use crate::gprim::variables::{positions, too_few, weighted};
+use crate::scene::variables::VariableNames;
+use ri::{Class, Fail, Knots, Param, Params, RiResult, Type, Values};
+
+/// Where a patch of a mesh has its values.
+struct Part {
+    face: usize,
+    corners: [usize; 4],
+    controls: [usize; 16],
+}
+
+impl Part {
+    /// Its part of a variable of the mesh, vertex ones as they are at the control points of Bézier curves.
+    fn of(&self, param: &Param, bases: &([f32; 16], [f32; 16])) -> Result<Param, Fail> {
+        let (width, v) = (param.decl.width(), param.numbers());
+        let pick = |places: &[usize]| -> Result<Vec<f32>, Fail> {
+            let value = |i: &usize| v.get(i * width..(i + 1) * width).ok_or_else(|| too_few(param));
+            Ok(places.iter().map(value).collect::<Result<Vec<_>, Fail>>()?.concat())
+        };
+        let mut decl = param.decl.clone();
+        let values = match decl.class {
+            _ if v.is_empty() => return Ok(param.clone()),
+            Class::Constant => return Ok(param.clone()),
+            Class::Uniform => pick(&[if v.len() > width { self.face } else { 0 }])?,
+            Class::Varying => pick(&self.corners)?,
+            Class::FaceVarying => {
+                decl.class = Class::Varying;
+                pick(&[0, 1, 2, 3].map(|k| 4 * self.face + k))?
+            }
+            Class::Vertex => {
+                let own = pick(&self.controls)?;
+                let mut all = vec![0.0; 16 * width];
+                for c in 0..width {
+                    let net: [f32; 16] = std::array::from_fn(|k| own[k * width + c]);
+                    to_bezier(net, bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
+                }
+                all
+            }
+        };
+        Ok(Param { decl, values: Values::Floats(values) })
+    }
+}
+
+impl Context {
+    /// A bicubic mesh of points "Pw".
+    pub(super) fn draw_rational_mesh(&mut self, sizes: [usize; 2], wraps: [bool; 2], params: Params) -> RiResult {
+        let bases = self.geometry.bases;
+        let points = positions(&weighted(params.clone())?)?;
+        let mesh = patch_mesh(true, &points, sizes, wraps, &bases, self.geometry.steps)?;
+        let (mut all, mut names) = (vec![], VariableNames::default());
+        for (face, (patch, corners, controls)) in mesh.into_iter().enumerate() {
+            let Some(controls) = controls else { continue };
+            let part = Part { face, corners, controls };
+            // Parameters go over the mesh, and so do texture coordinates unless they are given.
+            let [from, until] = [patch.uv[0], patch.uv[3]];
+            let coordinate = |name: &str, k: usize| {
+                let ends = [from[k], until[k]];
+                let values = [0, 1, 2, 3].map(|corner| ends[corner >> k & 1]);
+                Param::floats(name, Class::Varying, Type::Float, values)
+            };
+            let mut own = vec![coordinate("s", 0), coordinate("t", 1)];
+            for param in &params {
+                own.push(part.of(param, &bases)?);
+            }
+            let knots = |k: usize| {
+                let knots = [[from[k]; 4], [until[k]; 4]].concat();
+                Knots { n: 4, order: 4, knots, range: [from[k], until[k]] }
+            };
+            let (patches, own) = self.nu_patches(knots(0), knots(1), own)?;
+            all.extend(patches);
+            names = own;
+        }
+        self.add_patches(all, names)
+    }
+
+    /// A bicubic patch of homogeneous points of unequal weights: as a NURBS patch of one span.
+    pub(super) fn draw_rational_patch(&mut self, params: Params) -> RiResult {
+        let bases = self.geometry.bases;
+        let as_bezier = |param: Param| -> Result<Param, Fail> {
+            let (width, v) = (param.decl.width(), param.numbers());
+            if param.decl.class != Class::Vertex {
+                return Ok(param);
+            }
+            if v.len() != 16 * width {
+                return Err(too_few(&param));
+            }
+            let mut all = vec![0.0; 16 * width];
+            for c in 0..width {
+                let net: [f32; 16] = std::array::from_fn(|k| v[k * width + c]);
+                to_bezier(net, &bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
+            }
+            Ok(Param { decl: param.decl, values: Values::Floats(all) })
+        };
+        let params = params.into_iter().map(as_bezier).collect::<Result<Params, Fail>>()?;
+        let knots = || Knots { n: 4, order: 4, knots: vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], range: [0.0, 1.0] };
+        self.draw_nu_patch(knots(), knots(), params)
+    }
+}

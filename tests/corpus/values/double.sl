@@ -1,0 +1,1 @@
+imager double() { Ci = 2 * Ci; }
