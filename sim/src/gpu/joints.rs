@@ -6,7 +6,8 @@
 //! Kernels: joint_response.wgsl, joint_scale.wgsl, joint_trial.wgsl, joint_displace.wgsl. Twin: cpu/solve/joints.rs
 //!
 //! Bytes that come from the processor in a step: 64 for a row and body, 16 for a row, 4 for a number of the factor. A product with N reads
-//! these once: twice the numbers, with 8 bytes of indices for each.
+//! these once: twice the numbers, with 8 bytes of indices for each. The model `tracked_vehicle` has 139 bodies, 814 rows on 1,628 of them and
+//! 21,638 numbers in 29,906 terms of 9 phases: 224 kB to the device in a step, 11 kB back.
 
 use super::parts::{Layout, ROWS, kernel_of};
 use super::rows::{JointRow, JointSide, Member};

@@ -166,10 +166,10 @@ fn joints_among_contacts_are_those_of_the_cpu() {
         (Method::Apgd, FrictionLaw::Exact),
     ];
     for (method, friction) in laws {
-        let iterations = Some(if method == Method::Jacobi { 1000 } else { 400 });
+        let (iterations, n_steps) = if method == Method::Jacobi { (Some(1000), 40) } else { (Some(400), 80) };
         model.solver =
             SolverSettings { iterations, tolerance: 1e-7, method: Some(method), friction, ..model.solver.clone() };
-        let Some(pair) = both(&model, &state, 100) else { return };
+        let Some(pair) = both(&model, &state, n_steps) else { return };
         let (off, forces) = (apart(&pair[0].state, &pair[1].state), reactions(&pair));
         let n = pair[1].state.contacts.len();
         eprintln!("{method:?} {friction:?}: {n} contacts, {off} m, reactions to {forces}");
