@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 if [ ${#models[@]} = 0 ]; then
-    models=(card_house crater heap hopper incline pour quickstart wall)
+    models=(anchor card_house crater heap hopper incline pendulums pour quickstart tracked_vehicle wall)
     REQUIRE_GPU=1 cargo test --release -p sim --lib -- --ignored --nocapture gpu::
 fi
 # Mean of each coordinate of the last frame, and the root mean square distance from there: bodies that collide go other ways in time, so that

@@ -16,6 +16,7 @@ mod impacts;
 mod integrate;
 mod joint_write;
 pub(crate) mod masses;
+pub(crate) mod mechanism;
 mod pair_write;
 mod recycle;
 pub(crate) mod solve;

@@ -23,8 +23,10 @@ mod force;
 mod gauss_seidel;
 mod integrate;
 mod jacobi;
+mod joints;
 pub mod kinds;
 mod manifolds;
+mod mechanism;
 mod overlaps;
 mod pair_write;
 mod parts;
@@ -46,7 +48,7 @@ use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
 use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
-use crate::plan::{ContactMethod, Narrow, StepPlan};
+use crate::plan::{ContactMethod, Narrow, StepPlan, has_joints};
 use crate::settings::Method;
 use crate::stages::Stage;
 use crate::state::State;
@@ -56,8 +58,11 @@ use contact_solve::ContactSolve;
 use exact::Rounds;
 use glam::DVec3;
 use gpu::{Commands, Device, Kernels, Timings};
+use joints::Joints;
+use mechanism::Mechanism;
 use overlaps::Overlaps;
 use rows::Summary;
+use std::time::Instant;
 use survey::Survey;
 use warm_start::WarmStart;
 
@@ -70,6 +75,8 @@ pub struct Gpu {
     solve: ContactSolve,
     overlaps: Overlaps,
     survey: Survey,
+    /// The bodies that joints, springs and loads act on.
+    mechanism: Option<Mechanism>,
     recorded: Recorded,
     /// Mass of the moving bodies, kg.
     mass: f64,
@@ -120,7 +127,9 @@ impl Gpu {
         let room = collision.columns().0.capacity();
         let warm_start = WarmStart::new(&device, &kernels, collision.bodies.layout, room)?;
         warm_start.place(&device, &state.contacts);
-        let solve = ContactSolve::new(&device, &kernels, (model, method), &collision)?;
+        let mechanism = Mechanism::new(&device, &kernels, (model, state), &collision.bodies)?;
+        let joints = joints_of(model, mechanism.as_ref());
+        let solve = ContactSolve::with_joints(&device, &kernels, (model, method), (&collision, joints))?;
         solve.place_step_length(&device, state.step_length);
         let overlaps = Overlaps::new(&device, &solve.problem)?;
         let survey = Survey::new(&device, model, state, &collision.bodies)?;
@@ -134,6 +143,7 @@ impl Gpu {
             solve,
             overlaps,
             survey,
+            mechanism,
             recorded,
             mass,
             n_contacts,
@@ -166,8 +176,17 @@ impl Gpu {
         if method_of(plan) == Method::GaussSeidel {
             self.collision.make_tiles(&self.device, &self.kernels)?;
         }
+        if let Some(mechanism) = &mut self.mechanism {
+            mechanism.prepare(&self.device, model, state)?;
+        }
+        self.renew_solve(model, plan)
+    }
+
+    /// Make the solver again, for columns that have grown or settings that have changed, and record the step.
+    fn renew_solve(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
         let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
+        let columns = (&self.collision, joints_of(model, self.mechanism.as_ref()));
+        self.solve = ContactSolve::with_joints(&self.device, &self.kernels, (model, method_of(plan)), columns)?;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
         self.record(model, plan)
@@ -178,6 +197,7 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
+        let joint_ms = self.begin_joints(model, plan, state)?;
         let (summary, rounds, times) = loop {
             let (rounds, times) = self.submit(state)?;
             let summary = self.survey.summary.read(&self.device, 1)?[0];
@@ -193,14 +213,29 @@ impl Gpu {
                 stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
             }
         }
-        state.steps += 1;
-        state.time = state.steps as f64 * model.step;
         self.n_contacts = summary.contacts as usize;
         self.is_stale = true;
         let survey = self.survey.of_watch(&summary, self.mass);
         let mut outcome = outcome(&summary);
+        if let Some(mechanism) = &mut self.mechanism {
+            let started = Instant::now();
+            mechanism.finish(&self.device, model, state, &mut outcome)?;
+            stage_ms[Stage::JointWrite as usize] += joint_ms + 1e3 * started.elapsed().as_secs_f64();
+        }
+        state.steps += 1;
+        state.time = state.steps as f64 * model.step;
         outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
         Ok(Stepped { outcome, survey, stage_ms })
+    }
+
+    /// Hand the bodies that joints, springs and loads act on to the device. Returns the wall time, ms.
+    fn begin_joints(&mut self, model: &Model, plan: &StepPlan, state: &State) -> Result<f64, Fault> {
+        let Some(mechanism) = &mut self.mechanism else { return Ok(0.0) };
+        let started = Instant::now();
+        if mechanism.begin(&self.device, model, state, &self.collision.bodies)? {
+            self.renew_solve(model, plan)?;
+        }
+        Ok(1e3 * started.elapsed().as_secs_f64())
     }
 
     /// Bring a state up to date: its columns are those on the device.
@@ -211,7 +246,11 @@ impl Gpu {
         if !self.is_stale {
             return Ok(());
         }
-        self.collision.bodies.fetch(&self.device, state)?;
+        let fetch = |state: &mut State| self.collision.bodies.fetch(&self.device, state);
+        match &self.mechanism {
+            Some(mechanism) => mechanism.keep(state, fetch)?,
+            None => fetch(state)?,
+        }
         state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
         self.survey.fetch(&self.device, state)?;
         state.step_length = self.solve.step_length(&self.device)?;
@@ -267,17 +306,17 @@ impl Gpu {
     fn make_room(&mut self, model: &Model, plan: &StepPlan, needed: [usize; 2]) -> Result<(), Fault> {
         self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
-        let step_length = self.solve.step_length(&self.device)?;
-        self.solve = ContactSolve::new(&self.device, &self.kernels, (model, method_of(plan)), &self.collision)?;
-        self.solve.place_step_length(&self.device, step_length);
-        self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
-        self.record(model, plan)
+        self.renew_solve(model, plan)
     }
 
     /// Record a step.
     fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
         let Gpu { device, kernels, collision, warm_start, solve, .. } = &*self;
         let mut start = Commands::new();
+        if let Some(mechanism) = &self.mechanism {
+            start.stage(Stage::JointWrite.name());
+            mechanism.record_pose(device, &mut start, &collision.bodies);
+        }
         collision.record(device, &mut start, model);
         start.stage(Stage::WarmStart.name());
         match plan.warm_starts {
@@ -286,6 +325,11 @@ impl Gpu {
         }
         start.stage(Stage::Force.name());
         force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
+        if let Some(mechanism) = &self.mechanism {
+            start.stage(Stage::JointWrite.name());
+            solve.problem.record_inertia(&mut start, &collision.bodies);
+            mechanism.record_free(device, &mut start, &solve.problem);
+        }
         solve.record_start(device, kernels, &mut start, (model, collision))?;
         let part = solve.record(device, kernels)?;
         let period = recovery_period(plan);
@@ -306,6 +350,9 @@ impl Gpu {
             None => overlaps.record_none(c),
         }
         c.stage(Stage::Integrate.name());
+        if let Some(mechanism) = &self.mechanism {
+            mechanism.record_effect(device, c, (problem, overlaps));
+        }
         let bodies = &collision.bodies;
         integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
         warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
@@ -319,6 +366,11 @@ impl Recorded {
         let none = Commands::new;
         Recorded { start: none(), solve: Default::default(), end: none(), recovery: none(), period: 1 }
     }
+}
+
+/// The joints that the contacts are solved with; loads alone need none.
+fn joints_of<'a>(model: &Model, mechanism: Option<&'a Mechanism>) -> Option<&'a Joints> {
+    mechanism.filter(|_| has_joints(model)).map(|mechanism| &mechanism.joints)
 }
 
 fn outcome(summary: &Summary) -> StepOutcome {

@@ -130,6 +130,11 @@ pub fn rolls(model: &Model) -> bool {
     model.laws.iter().any(|l| l.rolling > 0.0 || l.spinning > 0.0)
 }
 
+/// Whether joints or springs connect bodies of a model.
+pub fn has_joints(model: &Model) -> bool {
+    !(model.joints.is_empty() && model.springs.is_empty())
+}
+
 /// Whether a contact law of a model has cohesion.
 pub fn coheres(model: &Model) -> bool {
     model.laws.iter().any(|l| l.cohesion != 0.0)

@@ -26,7 +26,6 @@ use glam::DVec3;
 /// The stage.
 pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, free: &mut Vec<Twist>) {
     masses.rotate(model, state);
-    let h = model.step;
     if !plan.has_free_column {
         // Sweeps on packed contacts read it twice a step, which is not worth a column; the other methods read it in every iteration.
         *free = vec![];
@@ -38,6 +37,12 @@ pub fn run(model: &Model, plan: &StepPlan, state: &State, masses: &mut Masses, f
     if plan.has_sequential_impacts {
         impacts::run(model, state, masses, free);
     }
+    apply(model, state, masses, free);
+}
+
+/// Let loads and efforts of motors act on the velocities.
+pub fn apply(model: &Model, state: &State, masses: &Masses, free: &mut [Twist]) {
+    let h = model.step;
     // A load acts with its value in the middle of the step.
     let middle = state.time + 0.5 * h;
     for load in &model.loads {

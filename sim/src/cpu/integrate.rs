@@ -18,6 +18,7 @@
 use super::solve::overlaps::Displacement;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
+use crate::pose::Pose;
 use crate::rows::CHUNK;
 use crate::state::{Activity, State};
 use crate::twist::Twist;
@@ -46,31 +47,45 @@ pub fn run(model: &Model, motion: &[Twist], displacement: &Displacement, state: 
                 // It begins with the velocity that it has.
                 Activity::Inactive => continue,
             }
-            let Twist { v, w } = motion[b];
-            let before = orientation[k];
-            position[k] += v * h;
-            velocity[k] = v;
-            let inverse = model.inv_inertia[b];
-            (orientation[k], spin[k]) = if is_isotropic(inverse) {
-                let after = (rotation(w * h) * before).normalize();
-                (after, after.inverse() * w)
-            } else {
-                tumble(before, w, inverse, h)
-            };
-            if let Some(moved) = displacement.twist.get(b) {
-                position[k] += moved.v * part;
-                if moved.w != DVec3::ZERO {
-                    // What is turned keeps its angular momentum, too.
-                    let momentum = orientation[k] * (spin[k] / inverse);
-                    orientation[k] = (rotation(moved.w * part) * orientation[k]).normalize();
-                    let into = orientation[k].inverse();
-                    spin[k] = if is_isotropic(inverse) { into * w } else { (into * momentum) * inverse };
-                }
-            }
+            velocity[k] = motion[b].v;
+            let from = Pose { position: position[k], orientation: orientation[k] };
+            let moved = displacement.twist.get(b).map(|moved| (moved, part));
+            let (to, turning) = moved_pose(&from, &motion[b], model.inv_inertia[b], h, moved);
+            (position[k], orientation[k], spin[k]) = (to.position, to.orientation, turning);
         }
     });
     state.steps += 1;
     state.time = state.steps as f64 * h;
+}
+
+/// The pose of a body after a step `h`, s, with the velocities `motion`, and its angular velocity in its own frame, rad/s. `inverse` has the
+/// inverse principal moments, 1/(kg m²); `moved` a displacement over h, and the time that it goes on for, s.
+#[inline(always)]
+pub fn moved_pose(
+    from: &Pose,
+    &Twist { v, w }: &Twist,
+    inverse: DVec3,
+    h: f64,
+    moved: Option<(&Twist, f64)>,
+) -> (Pose, DVec3) {
+    let mut position = from.position + v * h;
+    let (mut orientation, mut spin) = if is_isotropic(inverse) {
+        let after = (rotation(w * h) * from.orientation).normalize();
+        (after, after.inverse() * w)
+    } else {
+        tumble(from.orientation, w, inverse, h)
+    };
+    if let Some((moved, part)) = moved {
+        position += moved.v * part;
+        if moved.w != DVec3::ZERO {
+            // What is turned keeps its angular momentum, too.
+            let momentum = orientation * (spin / inverse);
+            orientation = (rotation(moved.w * part) * orientation).normalize();
+            let into = orientation.inverse();
+            spin = if is_isotropic(inverse) { into * w } else { (into * momentum) * inverse };
+        }
+    }
+    (Pose { position, orientation }, spin)
 }
 
 /// The orientation of a body of anisotropic inertia after a step without torque, and its angular velocity in its own frame, rad/s; it

@@ -7,7 +7,7 @@ use crate::joint::Row;
 use crate::model::Model;
 use crate::state::State;
 use crate::twist::Twist;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// Masses and inertia tensors in the world frame; those of bodies that do not move are infinite.
 #[derive(Default)]
@@ -56,14 +56,30 @@ impl Masses {
 
     /// Rotate the inertia tensors to the bodies' orientations.
     pub fn rotate(&mut self, model: &Model, state: &State) {
+        self.rotate_bodies(model, state, 0..model.n_bodies());
+    }
+
+    /// [`Masses::rotate`] of some bodies: all that are asked for in the step.
+    pub fn rotate_bodies(&mut self, model: &Model, state: &State, bodies: impl Iterator<Item = usize>) {
         for (b, inv_moment) in self.stiffened.drain(..) {
             self.inv_moment[b] = inv_moment;
         }
         let InertiaTensors::Some { slot, tensor } = &mut self.tensors else { return };
-        for (b, slot) in slot.iter().enumerate().filter(|(_, s)| **s != ISOTROPIC) {
+        for b in bodies.filter(|b| slot[*b] != ISOTROPIC) {
             let of = |inv_inertia: DVec3| world_inv_inertia(state.orientation[b], inv_inertia);
-            tensor[*slot as usize] = [of(model.inv_inertia[b]), of(model.inv_inertia[b].recip())];
+            tensor[slot[b] as usize] = [of(model.inv_inertia[b]), of(model.inv_inertia[b].recip())];
         }
+    }
+
+    /// Inverse principal moments, 1/(kg m²), and principal frame of the inertia that a body has in this step.
+    pub fn principal(&self, model: &Model, state: &State, body: usize) -> (DVec3, DQuat) {
+        let (inverse, orientation) = (model.inv_inertia[body], state.orientation[body]);
+        let now = self.inv_inertia(body);
+        if !state.moves(body) || now == world_inv_inertia(orientation, inverse) {
+            return (inverse, orientation);
+        }
+        let (values, axes) = principal(self.inertia(body));
+        (values.recip(), axes)
     }
 
     /// Add to the inertia of a body for this step, kg m²; isotropic inertia stays isotropic.

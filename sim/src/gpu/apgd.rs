@@ -109,7 +109,10 @@ impl Apgd {
         for trial in 1..=trials {
             commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
             commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
-            let params = [problem.n_bodies as u32];
+            if let Some(joints) = &problem.joints {
+                joints.record_trial(device, commands, &problem.of_joints(), [next, y]);
+            }
+            let params = [problem.n_sums()];
             commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
             commands.dispatch(device, &self.extrapolate, &of_motion, &[], over_bodies);
             if trial % interval == 0 {

@@ -34,7 +34,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if body < arrayLength(&free) {
         let own = response_of(body);
         motion_next[body] = own;
-        if own.inv_mass > 0.0 {
+        if own.inv_mass > 0.0 && !is_joined(own) {
             let v = own.v - motion_y[body].v;
             let w = own.w - motion_y[body].w;
             energy.x = dot(v, v) / own.inv_mass + turning_energy(body, own, w);

@@ -36,7 +36,9 @@ fn contact_row(k: u32, c: Contact) -> Row {
     let arm = arms[k];
     let sums = turning(c.bodies.x, arm.a, c.normal) + turning(c.bodies.y, arm.b, c.normal);
     let speed = dot(velocity_between(k, c), c.normal);
-    let opening = select(max(c.gap, 0.0) * bitcast<f32>(params[1]), lifting_rate(c.gap), arm.is_face == 1u);
+    // Bodies on joints are lifted as faces are.
+    let is_lifted = arm.is_face == 1u || spin[c.bodies.x].w > 0.0 || spin[c.bodies.y].w > 0.0;
+    let opening = select(max(c.gap, 0.0) * bitcast<f32>(params[1]), lifting_rate(c.gap), is_lifted);
     let eta = 3.0 / (3.0 * inverse + sums.x);
     return Row(c.normal, offset_of(c, opening, speed), arm.a, law[c.law].x, arm.b, eta, c.bodies, inverse + sums.y, adhesion_of(c));
 }

@@ -15,12 +15,13 @@ use super::collision::Collision;
 use super::exact::{self, Exact, Rounds};
 use super::fault::Fault;
 use super::gauss_seidel::{self, GaussSeidel};
+use super::joints::Joints;
 use super::problem::Problem;
 use super::rows::Body;
 use super::solids::narrow_of;
 use super::{force, jacobi, scale};
 use crate::model::{ContactLaw, Model};
-use crate::plan::Narrow;
+use crate::plan::{Narrow, has_joints};
 use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
 use gpu::{Commands, Device, GpuError, Kernels, Timings};
 
@@ -80,16 +81,32 @@ impl ContactSolve {
     /// For the contacts of a collision, as many as it has room for now: after more room has been made, the solver is made again.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for a model with joints, springs, loads, or laws or settings that no kernel is built for; [`Fault::Gpu`].
+    /// [`Fault::Unsupported`] for a model with joints, laws or settings that no kernel is built for; [`Fault::Gpu`].
     pub fn new(
         device: &Device,
         kernels: &Kernels,
         (model, method): (&Model, Method),
         collision: &Collision,
     ) -> Result<ContactSolve, Fault> {
+        if has_joints(model) {
+            return Err(Fault::Unsupported("joints are solved in whole steps alone".into()));
+        }
+        ContactSolve::with_joints(device, kernels, (model, method), (collision, None))
+    }
+
+    /// The same for a model whose joints have columns.
+    ///
+    /// # Errors
+    /// Those of [`ContactSolve::new`].
+    pub(super) fn with_joints(
+        device: &Device,
+        kernels: &Kernels,
+        (model, method): (&Model, Method),
+        (collision, joints): (&Collision, Option<&Joints>),
+    ) -> Result<ContactSolve, Fault> {
         supported(model, method)?;
         let feeds = model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
-        let problem = Problem::new(device, kernels, (model, feeds), collision)?;
+        let problem = Problem::new(device, kernels, (model, feeds), (collision, joints))?;
         let exact = if feeds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
@@ -217,6 +234,10 @@ impl ContactSolve {
         self.record_solution(device, measure);
         exact.record_measure(device, measure, &self.problem, self.fall);
         exact.record_again(device, again, (&self.problem, &self.settings));
+        if self.problem.joints.is_some() {
+            // The multipliers of the joints are those of the round's solution.
+            self.problem.record_response(device, again, self.problem.bodies());
+        }
         if let Columns::Apgd(apgd) = &self.method {
             apgd.record_start(again, &self.problem);
         }
@@ -314,6 +335,7 @@ impl ContactSolve {
         (model, collision): (&Model, &Collision),
     ) -> Result<(f64, usize), Fault> {
         let mut commands = Commands::new();
+        self.problem.record_inertia(&mut commands, &collision.bodies);
         force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
         commands.clear(&self.problem.gamma);
         commands.clear(&self.problem.roll);
@@ -333,14 +355,13 @@ impl ContactSolve {
     }
 }
 
-/// Refuse joints, loads, laws and methods that no kernel is built for.
+/// Refuse joints, laws and methods that no kernel is built for.
 pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
     let law = |has: fn(&ContactLaw) -> bool| model.laws.iter().any(has);
     let bounces = law(|l| l.restitution > 0.0);
     let faults = [
-        (!model.joints.is_empty(), "joints"),
-        (!model.springs.is_empty(), "springs"),
-        (!model.loads.is_empty(), "loads"),
+        (model.joints.iter().any(|joint| joint.limits.is_some()), "limits of joints"),
+        (method == Method::GaussSeidel && has_joints(model), "joints and springs by the method gauss_seidel"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
         (method == Method::GaussSeidel && law(|l| l.cohesion != 0.0), "cohesion by the method gauss_seidel"),
         (

@@ -64,6 +64,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             displaced[DISPLACED * b + 2u] = vec4(moved, 0.0);
             energy.x += dot(moved, torque);
         }
+        if is_joined(motion[b]) {
+            energy.x = 0.0;
+        }
     }
     let sum = group_total(thread, energy);
     if thread == 0u && b / 256u < arrayLength(&parts) {

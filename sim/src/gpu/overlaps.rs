@@ -18,7 +18,8 @@ pub struct Overlaps {
     pub displaced: Buffer<[f32; 4]>,
     /// Share of them that is made (1).
     pub share: Buffer<f32>,
-    push: Buffer<f32>,
+    /// Impulses along the normals, N s (n_contacts).
+    pub push: Buffer<f32>,
 }
 
 impl Overlaps {
@@ -60,9 +61,12 @@ impl Overlaps {
         let ([mass, orientation], row) = (problem.inertia(), problem.row());
         let bound = [contact, push, motion, side, start, self.displaced.bind(), of_bodies, row, mass, orientation];
         commands.dispatch(device, &kernel, &bound, &[(least == 0.0) as u32], problem.bodies());
+        if let Some(joints) = &problem.joints {
+            joints.record_displace(device, commands, (&problem.of_joints(), self.displaced.bind()));
+        }
         let kernel = get("overlap_share", include_str!("overlap_share.wgsl"))?;
         let bound = [of_contacts, of_bodies, self.share.bind(), n];
-        commands.dispatch(device, &kernel, &bound, &[problem.n_bodies as u32], Work::Groups(1));
+        commands.dispatch(device, &kernel, &bound, &[problem.n_sums()], Work::Groups(1));
         Ok(())
     }
 }

@@ -14,6 +14,7 @@
 use super::bodies::Bodies;
 use super::collision::Collision;
 use super::fault::Fault;
+use super::joints::{Joints, Solve};
 use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::rows::{Arms, Body, Contact};
 use crate::model::{ContactLaw, Model};
@@ -55,13 +56,15 @@ pub struct Problem {
     pub roll_row: Buffer<[f32; 4]>,
     /// By Coulomb's law itself: offsets without slip, slips that are fed and measured, m/s; else one row (n_contacts).
     pub slip: Buffer<[f32; 4]>,
+    /// The joints, if there are any.
+    pub joints: Option<Joints>,
     kernels: ProblemKernels,
     sort: RadixSort<u32>,
     contact_groups: Groups,
     side_groups: Groups,
     /// Rows of the contacts (n_contacts).
     row: Row,
-    /// Masses, and orientations at the step's start (n_bodies).
+    /// Masses, and orientations at the step's start; of bodies on joints, those of their inertia in the step (n_bodies).
     inertia: [Buffer<[f32; 4]>; 2],
     /// Bodies of the sides, and the sides (2 n_contacts).
     sides: [Buffer<u32>; 2],
@@ -110,7 +113,7 @@ impl Problem {
         device: &Device,
         kernels: &Kernels,
         (model, feeds): (&Model, bool),
-        collision: &Collision,
+        (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
@@ -135,7 +138,7 @@ impl Problem {
             scalars: Buffer::zeros(device, "scalars", 1)?,
             work: Buffer::zeros(device, "work", 5)?,
             of_contacts: Buffer::zeros(device, "sums of contacts", room.div_ceil(ROWS))?,
-            of_bodies: Buffer::zeros(device, "sums of bodies", n_bodies.div_ceil(ROWS))?,
+            of_bodies: Buffer::zeros(device, "sums of bodies", n_bodies.div_ceil(ROWS) + 1)?,
             worst: Buffer::zeros(device, "worst", 1)?,
             slip: Buffer::zeros(device, "slip", if feeds { room } else { 1 })?,
             feeds,
@@ -153,7 +156,14 @@ impl Problem {
             contact_groups: Groups::new(device, kernels, ROWS)?,
             side_groups: Groups::new(device, kernels, ROWS)?,
             row: Row::new(device, layout.narrow, room)?,
-            inertia: [bodies.mass.clone(), bodies.orientation.clone()],
+            inertia: match joints {
+                None => [bodies.mass.clone(), bodies.orientation.clone()],
+                Some(_) => [
+                    Buffer::zeros(device, "masses of the step", n_bodies)?,
+                    Buffer::zeros(device, "principal frames of the step", n_bodies)?,
+                ],
+            },
+            joints: joints.cloned(),
             sides: [sides()?, sides()?],
             side_start: Buffer::zeros(device, "side_start", n_bodies)?,
             n_sides: Count::found(device, 2 * room)?,
@@ -205,6 +215,38 @@ impl Problem {
         let [mass, orientation] = self.inertia();
         let bound = [row, gamma, free, side, start, self.motion.bind(), mass, orientation, self.roll.bind()];
         commands.dispatch(device, &self.kernels.response, &bound, &[], work);
+        if let Some(joints) = &self.joints {
+            joints.record_response(device, commands, &self.of_joints(), matches!(work, Work::Indirect(..)));
+        }
+    }
+
+    /// Record the masses and principal frames of the step, before those of bodies on joints.
+    pub fn record_inertia(&self, commands: &mut Commands, bodies: &Bodies) {
+        if self.joints.is_some() {
+            commands.copy(&bodies.mass, &self.inertia[0], self.n_bodies);
+            commands.copy(&bodies.orientation, &self.inertia[1], self.n_bodies);
+        }
+    }
+
+    /// What the joints have a part in.
+    pub fn of_joints(&self) -> Solve<'_> {
+        Solve {
+            motion: self.motion.bind(),
+            free: self.free.bind(),
+            scalars: self.scalars.bind(),
+            groups: self.work.bind(),
+            of_bodies: self.of_bodies.bind(),
+            inertia: self.inertia(),
+            n_bodies: self.n_bodies,
+        }
+    }
+
+    /// The number of bodies whose workgroups have the sums over bodies; those on joints have one to themselves.
+    pub fn n_sums(&self) -> u32 {
+        match self.joints {
+            None => self.n_bodies as u32,
+            Some(_) => (self.n_bodies.div_ceil(ROWS) * ROWS + 1) as u32,
+        }
     }
 
     /// Record the residual of the solution.

@@ -115,6 +115,80 @@ gpu::wgsl_rows! {
         pad: u32,
     }
 
+    /// A body that joints, springs or loads act on.
+    pub struct Member {
+        /// Id of the body.
+        body: u32,
+        /// The first side of rows on it.
+        first: u32,
+        /// The end of these.
+        end: u32,
+        /// Not used.
+        pad: u32,
+    }
+
+    /// The row of a joint on one of its bodies.
+    pub struct JointSide {
+        /// Jacobian: linear part.
+        linear: [f32; 3],
+        /// Index of the row.
+        row: u32,
+        /// Jacobian: angular part.
+        angular: [f32; 3],
+        /// Id of the body.
+        body: u32,
+        /// Velocity that a unit impulse along the row gives the body.
+        to_linear: [f32; 3],
+        /// Not used.
+        pad: u32,
+        /// Its angular velocity.
+        to_angular: [f32; 3],
+        /// Not used.
+        last: u32,
+    }
+
+    /// The row of a joint.
+    pub struct JointRow {
+        /// Its sides, on bodies that move.
+        sides: [u32; 2],
+        /// Place among the rows of the factor.
+        place: u32,
+        /// Compliance, 1/kg or 1/(kg m²).
+        softness: f32,
+    }
+
+    /// The state of a body that the processor keeps.
+    pub struct MemberPose {
+        /// Position, fine units.
+        position: Fixed,
+        /// Id of the body.
+        body: u32,
+        /// Whether a joint holds it.
+        is_held: u32,
+        /// Orientation, x, y, z, w.
+        orientation: [f32; 4],
+        /// Velocity, m/s, world.
+        velocity: [f32; 4],
+        /// Angular velocity, rad/s, in the body's frame.
+        spin: [f32; 4],
+    }
+
+    /// Its velocities without contacts, and its inertia in the step.
+    pub struct MemberFree {
+        /// Velocity, m/s.
+        v: [f32; 3],
+        /// Reciprocal mass, 1/kg.
+        inv_mass: f32,
+        /// Angular velocity, rad/s, world.
+        w: [f32; 3],
+        /// Id of the body.
+        body: u32,
+        /// Reciprocal principal moments, 1/(kg m²).
+        moments: [f32; 4],
+        /// The principal frame, x, y, z, w.
+        axes: [f32; 4],
+    }
+
     /// What comes back of a step.
     pub struct Summary {
         /// Number of pairs that room is needed for.

@@ -30,8 +30,11 @@ pub fn record(
     let body = get("scale_body", include_str!("scale_body.wgsl"))?;
     let [mass, orientation] = problem.inertia();
     commands.dispatch(device, &body, &[free, motion, of_bodies, mass, orientation], &[], problem.bodies());
+    if let Some(joints) = &problem.joints {
+        joints.record_scale(device, commands, &problem.of_joints());
+    }
     let decide = get("scale_decide", include_str!("scale_decide.wgsl"))?;
-    let params = [n_bodies, iterations.unwrap_or(0), problem.coheres as u32];
+    let params = [problem.n_sums(), iterations.unwrap_or(0), problem.coheres as u32];
     commands.dispatch(device, &decide, &[of_contacts, of_bodies, scalars, n], &params, one);
     let compare = get("scale_compare", include_str!("scale_compare.wgsl"))?;
     let bound = [row, gamma, motion, free, scalars, of_contacts, n, roll, roll_row];

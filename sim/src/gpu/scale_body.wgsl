@@ -24,7 +24,7 @@ fn energy(body: u32, own: Body, v: vec3<f32>, w: vec3<f32>) -> f32 {
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let b = row_of(group, thread);
     var own = vec4(0.0);
-    if b < arrayLength(&free) && free[min(b, arrayLength(&free) - 1u)].inv_mass > 0.0 {
+    if b < arrayLength(&free) && free[min(b, arrayLength(&free) - 1u)].inv_mass > 0.0 && !is_joined(free[min(b, arrayLength(&free) - 1u)]) {
         let now = motion[b];
         own = vec4(energy(b, now, now.v - free[b].v, now.w - free[b].w), energy(b, now, now.v, now.w), 0.0, 0.0);
     }

@@ -5,14 +5,16 @@ use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, PLANE, SPHERE}
 use super::rows::Solid;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
-use crate::plan::Narrow;
+use crate::plan::{Narrow, has_joints};
 use crate::shape::ShapeKind;
 
 /// The shapes that the kernels of a model are for: spheres about the centres of mass of bodies of isotropic inertia, among fixtures, or any.
 pub fn narrow_of(model: &Model) -> Narrow {
     let has_spheres_only = (0..model.n_shapes()).all(|s| model.is_centred_sphere(s) || !is_mover(model, s));
     let is_turned = |b: usize| model.inv_mass[b] > 0.0 && !is_isotropic(model.inv_inertia[b]);
-    if has_spheres_only && !(0..model.n_bodies()).any(is_turned) { Narrow::Spheres } else { Narrow::Any }
+    // Joints have arms of any direction, and turn bodies.
+    let is_turned = (0..model.n_bodies()).any(is_turned) || has_joints(model);
+    if has_spheres_only && !is_turned { Narrow::Spheres } else { Narrow::Any }
 }
 
 /// Whether a shape is one of those that are binned; the others are fixtures.

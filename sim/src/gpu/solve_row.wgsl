@@ -8,3 +8,8 @@ struct Body {
     w: vec3<f32>,
     inv_inertia: f32,
 }
+
+// Whether joints act on a body, whose energy they then sum.
+fn is_joined(body: Body) -> bool {
+    return body.inv_inertia < 0.0;
+}

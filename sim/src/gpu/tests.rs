@@ -1,5 +1,6 @@
 //! The collision of spheres on a device against the CPU back end's, on random and on adverse beds.
 
+mod joints;
 mod solids;
 mod whole;
 
@@ -7,7 +8,10 @@ use super::collision::{Collision, Fault};
 use super::contact_solve::ContactSolve;
 use super::fixed::{Scale, gap_cpu};
 use super::parts::kernel;
-use super::rows::{Aabb, Arms, Body, Contact, Fixed, Fixture, Solid, Sphere, Summary};
+use super::rows::{
+    Aabb, Arms, Body, Contact, Fixed, Fixture, JointRow, JointSide, Member, MemberFree, MemberPose, Solid, Sphere,
+    Summary,
+};
 use crate::fill::SplitMix64;
 use crate::shape::ShapeKind;
 use crate::simulation::Simulation;
@@ -149,6 +153,16 @@ fn rows_are_laid_out_as_in_the_kernels() {
     check::<Aabb>(&text(&[fixed, sphere])).unwrap();
     check::<Contact>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();
     check::<Body>(&text(&[include_str!("row.wgsl"), include_str!("solve_row.wgsl")])).unwrap();
+    let joints = "fn change_of(body: u32) -> Twist { return Twist(vec3(0.0), vec3(0.0)); }
+fn change_body(body: u32, change: Twist) {}
+";
+    let joints = text(&[include_str!("joint_solve.wgsl"), joints]);
+    check::<Member>(&joints).unwrap();
+    check::<JointSide>(&joints).unwrap();
+    check::<JointRow>(&joints).unwrap();
+    check::<MemberPose>(&text(&[fixed, sphere, include_str!("member_pose.wgsl")])).unwrap();
+    let solve_row = [include_str!("row.wgsl"), include_str!("solve_row.wgsl")];
+    check::<MemberFree>(&text(&[fixed, sphere, solve_row[0], solve_row[1], include_str!("member_free.wgsl")])).unwrap();
     check::<Arms>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();
     check::<Solid>(&text(&[fixed, include_str!("fixture.wgsl"), include_str!("solid.wgsl")])).unwrap();
 }

@@ -17,6 +17,8 @@ use crate::joint::Row;
 use crate::twist::Twist;
 use glam::DMat3;
 
+pub use super::sparse::Phases;
+
 /// Compliance of a rigid row, relative to its diagonal. It distributes the load over redundant rows (two pins of a hinge, a closed ring
 /// of hinges); a chain that carries a thousand times its links' weight gives way by some 10⁻⁸ m.
 const REGULARIZATION: f64 = 1e-6;
@@ -33,6 +35,22 @@ pub struct Joints {
     pattern: Pattern,
     factor: Factor,
     softness: Vec<f64>,
+}
+
+/// Pivot over the diagonal below which a row follows from those before it: thirty times the trace of compliance that lets it be there at
+/// all. Single precision would lose the others in the great numbers of its inverse.
+const DEPENDENT: f64 = 3e-5;
+
+/// The rows of a step and their factorisation for single precision: what they let the bodies do is the same, but rows that follow from
+/// others have no multipliers.
+#[derive(Default)]
+pub struct Reduced {
+    /// The factor.
+    pub factor: Factor,
+    /// Compliance of the rows, 1/kg or 1/(kg m²) (n_rows).
+    pub softness: Vec<f64>,
+    /// The least pivot over its diagonal of the other rows.
+    pub weakest: f64,
 }
 
 /// The sparsity pattern: rows that act on the same moving bodies are a group.
@@ -66,7 +84,7 @@ const HUB: usize = 24;
 const MOST_HUBS: usize = 64;
 
 /// A row's Jacobian on one of its bodies.
-fn on_body(row: &Row, body: u32) -> Twist {
+pub fn on_body(row: &Row, body: u32) -> Twist {
     if row.bodies[1] == body {
         Twist { v: row.linear, w: row.angular_b }
     } else {
@@ -75,14 +93,15 @@ fn on_body(row: &Row, body: u32) -> Twist {
 }
 
 impl Joints {
-    /// Factorise S for the rows of a step.
-    pub fn prepare(&mut self, masses: &Masses) {
+    /// Factorise S for the rows of a step. Returns whether its structure is another.
+    pub fn prepare(&mut self, masses: &Masses) -> bool {
         let n = self.rows.len();
         if n == 0 {
-            return;
+            return false;
         }
         let known = &self.pattern.bodies;
-        if known.len() != n || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p) {
+        let is_new = known.len() != n || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p);
+        if is_new {
             self.analyse(masses);
         }
         let Joints { rows, pattern, factor, softness, .. } = self;
@@ -96,6 +115,7 @@ impl Joints {
             on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
         factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
+        is_new
     }
 
     fn analyse(&mut self, masses: &Masses) {
@@ -109,6 +129,39 @@ impl Joints {
     /// Numbers of the factor, and multiplications that it takes.
     pub fn size(&self) -> (usize, u64) {
         (self.factor.n_numbers(), self.factor.work())
+    }
+
+    /// Factorise S for single precision: rows that follow from others give way.
+    pub fn reduce(&self, masses: &Masses, reduced: &mut Reduced) {
+        let Joints { rows, pattern, factor, softness, .. } = self;
+        reduced.factor.clone_from(factor);
+        reduced.softness.clone_from(softness);
+        reduced.weakest = f64::INFINITY;
+        if rows.is_empty() {
+            return;
+        }
+        let pivots = factor.pivots();
+        let mut largest = f64::MIN_POSITIVE;
+        for (k, (row, place)) in rows.iter().zip(&pattern.place).enumerate() {
+            let response = masses.response(row).max(f64::MIN_POSITIVE);
+            let share = pivots[*place as usize] / (response + softness[k]);
+            largest = response.max(largest);
+            if share < DEPENDENT {
+                reduced.softness[k] = response / DEPENDENT.powi(2);
+            } else {
+                reduced.weakest = share.min(reduced.weakest);
+            }
+            reduced.factor.diagonal()[*place as usize] = reduced.softness[k];
+        }
+        if reduced.softness != *softness {
+            let fill = |front: &mut Front, element, first: &[u32]| pattern.fill(front, element, first, rows, masses);
+            reduced.factor.factorise(1e-14 * largest, fill);
+        }
+    }
+
+    /// The rows, and the place of each among those of the factor.
+    pub fn placed(&self) -> impl Iterator<Item = (&Row, u32)> {
+        self.rows.iter().zip(self.pattern.place.iter().copied())
     }
 
     /// Whether a joint acts on a moving body.

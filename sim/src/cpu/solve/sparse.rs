@@ -7,6 +7,7 @@
 mod bisection;
 mod front;
 mod order;
+mod phases;
 mod supernodes;
 
 use crate::lanes::{LaneLoop, Lanes4, widest};
@@ -16,6 +17,7 @@ use std::ops::Range;
 use supernodes::{Node, TILE};
 
 pub use order::order;
+pub use phases::Phases;
 pub use supernodes::Structure;
 
 /// Work of a tree whose supernodes are eliminated one after the other, multiplications.
@@ -111,6 +113,28 @@ impl Factor {
     pub fn work(&self) -> u64 {
         let roots = self.structure.nodes.iter().filter(|n| n.rows.is_empty());
         roots.map(|n| n.work).sum()
+    }
+
+    /// The pivots of the rows of [`Factor::rows`]: what the rows before a row leave of its diagonal.
+    pub fn pivots(&self) -> Vec<f64> {
+        let mut pivots = vec![0.0; self.structure.n_rows];
+        for node in &self.structure.nodes {
+            let panel = &self.panels[node.panel..];
+            // The tiles on the diagonal are inverses of those of L.
+            let reciprocal = |i: usize| panel[(i / TILE * node.own + i) * TILE + i % TILE];
+            (0..node.own).for_each(|i| pivots[node.first + i] = reciprocal(i).powi(-2));
+        }
+        pivots
+    }
+
+    /// The phases of a solve.
+    pub fn phases(&self) -> Phases {
+        phases::phases(&self.structure)
+    }
+
+    /// The numbers of the phases' terms.
+    pub fn numbers(&self, out: &mut Vec<f32>) {
+        phases::numbers(&self.structure, &self.panels, out);
     }
 
     /// What is added to the diagonal of S, by the rows of [`Factor::rows`].

@@ -85,8 +85,28 @@ impl System {
         let b = self.product(&factor, &x, softness);
         factor.rows().copy_from_slice(&b);
         factor.solve();
+        let by_phases = solve_by_phases(&factor, &b);
+        let off = by_phases.iter().zip(factor.rows()).map(|(a, b)| (a - *b).abs()).fold(0.0, f64::max);
+        assert!(off < 2e-3, "{off} by phases, with numbers of single precision");
         factor.rows().iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
+}
+
+/// Solve by phases for a right-hand side.
+fn solve_by_phases(factor: &Factor, b: &[f64]) -> Vec<f64> {
+    let phases = factor.phases();
+    let mut numbers = vec![];
+    factor.numbers(&mut numbers);
+    let mut x = [b, &vec![0.0; b.len()]].concat();
+    for rows in phases.start.windows(2) {
+        for [row, first, end] in &phases.row[rows[0] as usize..rows[1] as usize] {
+            let terms = &phases.term[*first as usize..*end as usize];
+            let sum: f64 = terms.iter().map(|[row, n]| x[*row as usize] * f64::from(numbers[*n as usize])).sum();
+            let is_added = (*row as usize) < phases.n_rows;
+            x[*row as usize] = sum + if is_added { x[*row as usize] } else { 0.0 };
+        }
+    }
+    x.split_off(b.len())
 }
 
 /// Bodies and joints of a grid whose first bodies hang on the world.

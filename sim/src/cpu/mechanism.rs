@@ -1,0 +1,167 @@
+//! The bodies that joints, springs and loads act on, for a back end that solves the contacts elsewhere: their state stays here, in double
+//! precision, with the rows of their joints, factorised. [`Mechanism::begin`] is all that comes before the contacts; with the impulses of
+//! the contacts, [`Mechanism::finish`] is all that comes after them.
+//! in     position, orientation, velocity, angular_velocity  of these bodies
+//! out    joint_row, joint_bias  [n_rows]     as of `joint_write`
+//! out    free                   [n_members]  m/s, rad/s: velocities with joints and without contacts
+//! inout  joints, springs        of the state
+//! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
+
+use super::integrate::moved_pose;
+use super::masses::Masses;
+use super::solve::bodies::Falling;
+use super::solve::joints::{Joints, Reduced, on_body};
+use super::solve::response::Response;
+use super::{force, joint_write};
+use crate::joint::Row;
+use crate::model::Model;
+use crate::outcome::StepOutcome;
+use crate::state::State;
+use crate::twist::Twist;
+use glam::{DQuat, DVec3};
+
+/// The bodies, with the columns of their stages.
+#[derive(Default)]
+pub struct Mechanism {
+    /// Ids of the bodies, ascending: those that move.
+    pub bodies: Vec<u32>,
+    masses: Masses,
+    /// Velocities without contacts and joints (n_bodies; of these bodies alone).
+    free: Vec<Twist>,
+    joint_start: Vec<u32>,
+    /// The rows of the joints.
+    pub joints: Joints,
+    /// Their factorisation for single precision.
+    pub reduced: Reduced,
+    limits: joint_write::Limits,
+    /// Velocities with joints (n_bodies; of these bodies alone).
+    response: Response,
+    /// Displacements over the step (the same).
+    moved: Response,
+}
+
+/// What the contacts do to a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Effect {
+    /// Impulse, N s, and angular impulse, N m s.
+    pub impulse: Twist,
+    /// The same of the pushes that recover overlaps.
+    pub push: Twist,
+    /// Sum of pushes × relative velocities, J s, where that keeps the angular momentum.
+    pub turn: DVec3,
+}
+
+impl Mechanism {
+    /// For the bodies that move now.
+    pub fn prepare(&mut self, model: &Model, state: &State) {
+        let joints = model.joints.iter().flat_map(|joint| joint.bodies);
+        let springs = model.springs.iter().flat_map(|spring| spring.bodies);
+        let loads = model.loads.iter().map(|load| load.body);
+        let all = joints.chain(springs).chain(loads).filter(|b| state.moves(*b as usize));
+        self.bodies = all.collect();
+        self.bodies.sort_unstable();
+        self.bodies.dedup();
+        self.masses.prepare(model, state);
+        self.joints.invalidate();
+        self.free = vec![Twist::default(); model.n_bodies()];
+        self.response.twist = self.free.clone();
+        self.moved.twist = self.free.clone();
+    }
+
+    /// Forces, rows of the joints and their factorisation, and the velocities without contacts. Returns whether the structure of the
+    /// factor is another.
+    pub fn begin(&mut self, model: &Model, state: &State) -> bool {
+        let Mechanism { bodies, masses, free, joint_start: start, joints, limits, .. } = self;
+        masses.rotate_bodies(model, state, bodies.iter().map(|b| *b as usize));
+        let falling = Falling { model, state };
+        bodies.iter().for_each(|b| free[*b as usize] = falling.twist(*b as usize));
+        force::apply(model, state, masses, free);
+        joint_write::run(model, state, masses, joint_write::Output { start, joints, limits, free });
+        let is_new = joints.prepare(masses);
+        self.joints.reduce(&self.masses, &mut self.reduced);
+        self.respond(&[]);
+        is_new
+    }
+
+    /// The velocities that impulses on the bodies give, with their joints.
+    fn respond(&mut self, effects: &[Effect]) {
+        let Mechanism { bodies, masses, free, joints, response, .. } = self;
+        bodies.iter().for_each(|b| response.twist[*b as usize] = free[*b as usize]);
+        for (b, effect) in bodies.iter().zip(effects) {
+            masses.apply_impulse(&mut response.twist, *b, effect.impulse.v, effect.impulse.w);
+        }
+        joints.reset(response);
+        joints.solve(masses, response);
+    }
+
+    /// Velocities of a body with joints, m/s, rad/s.
+    pub fn twist(&self, body: u32) -> Twist {
+        self.response.twist[body as usize]
+    }
+
+    /// Inverse principal moments, 1/(kg m²), and principal frame of the inertia that a body has in this step: with the geometric stiffness
+    /// of its joints.
+    pub fn inertia(&self, model: &Model, state: &State, body: u32) -> (DVec3, DQuat) {
+        self.masses.principal(model, state, body as usize)
+    }
+
+    /// The Jacobian of a row on one of its bodies, and the velocities that a unit impulse along it gives the body; none of a body that does
+    /// not move.
+    pub fn side(&self, row: &Row, body: u32) -> Option<[Twist; 2]> {
+        let jacobian = on_body(row, body);
+        let moves = self.masses.inv_mass[body as usize] > 0.0;
+        moves.then(|| [jacobian, self.masses.change::<false>(body as usize, &jacobian)])
+    }
+
+    /// The end of the step, with what the contacts do to each of the bodies; of the displacement by the pushes a share is made. Records the
+    /// joints and springs, and moves the bodies.
+    pub fn finish(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        (effects, share): (&[Effect], f64),
+        outcome: &mut StepOutcome,
+    ) {
+        self.respond(effects);
+        if share > 0.0 {
+            self.displace(effects);
+        }
+        if share > 0.0 && model.gravity == DVec3::ZERO {
+            self.keep_angular_momentum(effects, 0.5 * share * model.step);
+        }
+        let rows = (&self.joint_start[..], &self.joints.rows[..]);
+        joint_write::record(model, state, rows, &self.limits, &self.response, outcome);
+        for b in self.bodies.iter().map(|b| *b as usize) {
+            let (motion, inverse, h) = (&self.response.twist[b], model.inv_inertia[b], model.step);
+            let moved = (share > 0.0).then(|| (&self.moved.twist[b], share * h));
+            let (pose, spin) = moved_pose(&state.pose(b), motion, inverse, h, moved);
+            (state.position[b], state.orientation[b]) = (pose.position, pose.orientation);
+            (state.velocity[b], state.angular_velocity[b]) = (motion.v, spin);
+        }
+    }
+
+    /// The displacement by the pushes, over the step.
+    fn displace(&mut self, effects: &[Effect]) {
+        let Mechanism { bodies, masses, joints, moved, .. } = self;
+        bodies.iter().for_each(|b| moved.twist[*b as usize] = Twist::default());
+        for (b, effect) in bodies.iter().zip(effects) {
+            masses.apply_impulse(&mut moved.twist, *b, effect.push.v, effect.push.w);
+        }
+        joints.reset(moved);
+        joints.solve_at_rest(masses, moved);
+    }
+
+    /// Turn the bodies so that the displacement leaves the angular momentum as it is: by the pushes of contacts, and by those of joints.
+    fn keep_angular_momentum(&mut self, effects: &[Effect], half: f64) {
+        let Mechanism { bodies, masses, joints, response, moved, .. } = self;
+        for (b, effect) in bodies.iter().zip(effects) {
+            masses.apply_impulse(&mut response.twist, *b, DVec3::ZERO, effect.turn * -half);
+        }
+        let move_both = |row: &Row| row.bodies.iter().all(|b| masses.inv_mass[*b as usize] > 0.0);
+        for (row, impulse) in joints.rows.iter().zip(&moved.lambda).filter(|(row, _)| move_both(row)) {
+            let [a, b] = row.bodies.map(|b| response.twist[b as usize].v);
+            let turn = (row.linear * *impulse).cross(b - a) * -half;
+            row.bodies.iter().for_each(|b| masses.apply_impulse(&mut response.twist, *b, DVec3::ZERO, turn));
+        }
+    }
+}

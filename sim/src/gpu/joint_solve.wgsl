@@ -1,0 +1,124 @@
+// Solve the joints for what impulses have changed, by one workgroup: the multipliers λ with Bᵀ(Δv + M⁻¹Bλ) + Cλ = 0, and what these give
+// the bodies. The kernel has `change_of`, Δv of a body, and `change_body`.
+// in    joint_sizes  [5]          n_members, n_rows, n_phases, and the rows of the factor; rounds of a trial
+// in    member       [n_members]  the bodies, and the sides of rows on them
+// in    joint_side   [n_sides]    sorted by members
+// in    joint_row    [n_rows]
+// in    joint_phase  [n_phases + 1]  first row of each phase of a solve, and the end
+// in    phase_row    [n_phase_rows]  row of b′ or, beyond those, of x; its terms: the first, and the end
+// in    joint_term   [n_terms]    row and number
+// in    joint_number [n_numbers]  of the factor
+// inout joint_work   [2 n_factor] b′, x
+// out   lambda       [n_rows]     N s, N m s; the second and third are those of the iterates x and y
+// Twin: cpu/solve/joints.rs, cpu/solve/sparse/phases.rs
+
+struct Member {
+    body: u32,
+    first: u32,
+    end: u32,
+    pad: u32,
+}
+
+// A row on one of its bodies: its Jacobian, and the velocities that a unit impulse along it gives.
+struct JointSide {
+    linear: vec3<f32>,
+    row: u32,
+    angular: vec3<f32>,
+    body: u32,
+    to_linear: vec3<f32>,
+    pad: u32,
+    to_angular: vec3<f32>,
+    last: u32,
+}
+
+// The sides of a row on bodies that move, its place among the rows of the factor, and its compliance.
+struct JointRow {
+    sides: vec2<u32>,
+    place: u32,
+    softness: f32,
+}
+
+struct Twist {
+    v: vec3<f32>,
+    w: vec3<f32>,
+}
+
+@group(0) @binding(0) var<storage, read> joint_sizes: array<u32>;
+@group(0) @binding(1) var<storage, read> member: array<Member>;
+@group(0) @binding(2) var<storage, read> joint_side: array<JointSide>;
+@group(0) @binding(3) var<storage, read> joint_row: array<JointRow>;
+@group(0) @binding(4) var<storage, read> joint_phase: array<u32>;
+@group(0) @binding(5) var<storage, read> phase_row: array<vec4<u32>>;
+@group(0) @binding(6) var<storage, read> joint_term: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> joint_number: array<f32>;
+@group(0) @binding(8) var<storage, read_write> joint_work: array<f32>;
+@group(0) @binding(9) var<storage, read_write> lambda: array<vec4<f32>>;
+
+const NO_SIDE: u32 = 0xffffffffu;
+
+fn speed_of(side: u32) -> f32 {
+    if side == NO_SIDE {
+        return 0.0;
+    }
+    let own = joint_side[side];
+    let change = change_of(own.body);
+    return dot(own.linear, change.v) + dot(own.angular, change.w);
+}
+
+// What is left of the rows, as a right-hand side.
+fn fill_rows(thread: u32) {
+    for (var i = thread; i < joint_sizes[3]; i += 256u) {
+        joint_work[i] = 0.0;
+    }
+    storageBarrier();
+    for (var r = thread; r < joint_sizes[1]; r += 256u) {
+        let row = joint_row[r];
+        joint_work[row.place] = -(speed_of(row.sides.x) + speed_of(row.sides.y) + row.softness * lambda[r].x);
+    }
+    storageBarrier();
+}
+
+fn run_phases(thread: u32) {
+    let n = joint_sizes[3];
+    for (var p = 0u; p < joint_sizes[2]; p++) {
+        for (var k = joint_phase[p] + thread; k < joint_phase[p + 1u]; k += 256u) {
+            let row = phase_row[k];
+            var sum = 0.0;
+            if row.x < n {
+                sum = joint_work[row.x];
+            }
+            for (var t = row.y; t < row.z; t++) {
+                sum += joint_work[joint_term[t].x] * joint_number[joint_term[t].y];
+            }
+            joint_work[row.x] = sum;
+        }
+        storageBarrier();
+    }
+}
+
+// Solve; each round after the first takes away what rounding has left of the rows.
+fn solve_joints(thread: u32, rounds: u32) {
+    for (var r = thread; r < joint_sizes[1]; r += 256u) {
+        lambda[r].x = 0.0;
+    }
+    for (var round = 0u; round < rounds; round++) {
+        fill_rows(thread);
+        run_phases(thread);
+        for (var r = thread; r < joint_sizes[1]; r += 256u) {
+            let more = joint_work[joint_sizes[3] + joint_row[r].place];
+            lambda[r].x += more;
+            lambda[r].w = more;
+        }
+        storageBarrier();
+        for (var m = thread; m < joint_sizes[0]; m += 256u) {
+            var change = Twist(vec3(0.0), vec3(0.0));
+            for (var s = member[m].first; s < member[m].end; s++) {
+                let own = joint_side[s];
+                change.v += own.to_linear * lambda[own.row].w;
+                change.w += own.to_angular * lambda[own.row].w;
+            }
+            change_body(member[m].body, change);
+        }
+        storageBarrier();
+    }
+}
