@@ -11,8 +11,10 @@
 mod batch;
 mod call;
 mod control;
+mod gather;
 mod kernel;
 mod light;
+mod map;
 mod module;
 mod op;
 mod query;

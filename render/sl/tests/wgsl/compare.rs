@@ -78,6 +78,7 @@ pub struct Found {
     pub faults: Vec<Fault>,
 }
 
+/// A device that answers all queries.
 pub fn host(world: &World) -> Host<'_> {
     Host { group: 256, functions: &FUNCTIONS, scene: world }
 }

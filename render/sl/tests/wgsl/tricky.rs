@@ -1,10 +1,10 @@
 //! Shaders that try what is hard for a kernel: control flow around derivatives, loops that are left from deep within, arrays, strings,
 //! lights within lights; and what is found wrong at run time.
 
-use crate::compare::compare;
+use crate::compare::{compare, host};
 use crate::world::{World, bind};
 use sl::machine::BoundShader;
-use sl::wgsl::Fault;
+use sl::wgsl::{Fault, Host, Kernel};
 use std::sync::Arc;
 
 /// A surface's body, between functions and the end of the file.
@@ -149,6 +149,10 @@ const SHADERS: &[(&str, &str, &str)] = &[
     ("time", "", "Ci = time + 10 * dtime + ncomps;"),
     ("rays", "", "Ci = occlusion(P, N, 32) + transmission(P, P + N) + float trace(P, N) + rgb(openness(P, N, vector(0, 0, 1)));"),
     ("rays in a condition with derivatives", "", "if (s > 0.4) { Ci = occlusion(P, N, 8) * filterwidth(s) + transmission(P, P + 2 * N); }"),
+    ("texture maps", "", "Ci = texture(\"a.tx\") + color texture(\"wood\"[1], 2 * s, t * s, \"blur\", 0.1 * s, \"swidth\", 2, \"tblur\", 0.3, \"fill\", t) + float texture(\"a.tx\", s, t, s + 0.1, t, s, t + 0.2, s + 0.1, t + 0.3);"),
+    ("texture maps in conditions", "", "if (s > 0.5) { float i; for (i = 0; i < 3 * t + 1; i += 1) Ci += texture(\"wood\", s * i, t); } else Ci = environment(\"sky\", N, \"width\", 2) * float shadow(\"sun.sm\", P, \"samples\", 4, \"bias\", 0.1);"),
+    ("a loop over rays", "", "float far = 0; vector w = 0; gather(\"\", P, N, 0.4, 5, \"ray:length\", far, \"ray:direction\", w) { Ci += 0.1 * far + rgb(w); } else { Ci += 0.01 + random() * 0.1; if (s > 0.6) Ci += 0.3; }"),
+    ("a loop over rays beside derivatives", "", "if (t > 0) { gather(\"\", P, -N, 1.2, 3) { Ci += 0.1; } } Ci += Du(comp(Ci, 0));"),
     ("words that WGSL keeps", "float let(float var) { return var * 2; }", "float fn = 1, loop = 2, vec3 = 3, ptr = s; float work = let(fn + loop), point_ = 1, on = 3, base = 4, lights = 5; Ci = work * vec3 + ptr + point_ + on + base + lights;"),
     ("swapped variables in loops", "", "float a = s, b = t, i; for (i = 0; i < 3; i += 1) { float c = a; a = b + 0.1 * i; b = c; if (a > b) { float d = a; a = b; b = d; } } Ci = color(a, b, a - b);"),
     ("while", "", "float x = s, n = 0; while (x < 10) { x = x * 1.7 + 0.1; n += 1; if (n > 30) break; } Ci = n + x * 0.1;"),
@@ -163,6 +167,14 @@ fn what_is_hard_is_the_same_on_a_device() {
     };
     let found: String = SHADERS.iter().filter_map(wrong).collect();
     assert!(found.is_empty(), "{found}");
+}
+
+#[test]
+fn lights_look_up_maps() {
+    let slide = "light slide() { illuminate(point(0.2, 0, -3)) { Cl = texture(\"slide\", xcomp(Ps), ycomp(Ps)) * (1 - shadow(\"s.sm\", Ps)); } }";
+    let sky = "light sky() { solar(vector(0.2, 0.4, 1), 0) { Cl = 0.1 + 0.1 * environment(\"sky\", L) + 0.01 * float shadow(\"raytrace\", Ps); } }";
+    let lit = world(&[slide, sky]);
+    holds("maps in lights", &surface("", "illuminance(P) { Ci += Cl; }"), &lit);
 }
 
 #[test]
@@ -227,17 +239,26 @@ fn what_has_no_kernel_is_named() {
         compare(&bind(source), &world(lights)).err().expect("it is refused").to_string()
     };
     let body = |b: &str| refused(&format!("surface t() {{ {b} }}"), &[]);
+    let alone = World::default();
+    let without = |source: &str| {
+        let host = Host { functions: &[], ..host(&alone) };
+        Kernel::new(&bind(source), &[], host).err().expect("it is refused").to_string()
+    };
     assert_eq!(
-        body("Ci = texture(\"wood.tex\");"),
+        without("surface t() { Ci = texture(\"wood.tex\"); }"),
         "the shader `t` looks up the texture map `wood.tex`, which is not built for graphics devices"
     );
     assert!(body("Ci = trace(P, N);").contains("colours of rays by `trace`"));
-    assert!(body("gather(\"\", P, N, 1, 4) { Ci += 1; }").contains("gathers rays"));
+    assert!(without("surface t() { gather(\"\", P, N, 1, 4) { Ci += 1; } }").contains("gathers rays"));
+    assert!(without("surface t() { Ci = occlusion(P, N, 4); }").contains("calls `occlusion`"));
+    assert!(without("surface t() { Ci = transmission(P, P + N); }").contains("calls `transmission`"));
+    assert!(body("color c; gather(\"\", P, N, 1, 4, \"surface:Ci\", c) { Ci += c; }").contains("colours of rays"));
+    assert!(body("gather(\"\", P, N, 1, 4) { Ci += filterwidth(s); }").contains("in a loop over rays"));
     assert!(body("printf(\"%f\", s);").contains("prints"));
     assert!(
         body("string a = \"x\"; if (s > 0.5) a = \"y\"; if (a == \"x\") Ci = 1;").contains("only known while it runs")
     );
     assert!(refused("light l() { Cl = 1; }", &[]).contains("is a light's"));
-    let dark = "light l() { Cl = texture(\"slide.tex\", xcomp(Ps), 0); }";
-    assert!(refused("surface t() { Ci = ambient(); }", &[dark]).contains("`l` looks up the texture map `slide.tex`"));
+    let dark = "light l() { Cl = trace(Ps, Ns); }";
+    assert!(refused("surface t() { Ci = ambient(); }", &[dark]).contains("`l` asks for the colours of rays"));
 }

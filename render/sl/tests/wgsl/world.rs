@@ -63,8 +63,16 @@ impl Scene for World {
         }
     }
     fn map(&self, queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
-        assert!(queries.iter().all(|q| q.how == Lookup::Texture || !q.name.is_empty()));
-        values.fill([0.0; 4]);
+        for (q, values) in queries.iter().zip(values) {
+            let light = q.light.map_or(0.0, |l| l[0] - 0.5 * l[2]);
+            let a = Vec3::from(q.at) + 3.0 * Vec3::from(q.change[0]) - 2.0 * Vec3::from(q.change[1]);
+            let x = self.map_number(q.how, q.name) as f32 + a.dot(Vec3::new(0.3, 0.7, -0.2)) * q.width + 0.01 * light;
+            let others = q.blur[0] - 2.0 * q.blur[1] + q.fill + 0.1 * q.samples + q.bias;
+            *values = [x, x + others, x * 0.5 + q.channel as f32, 1.0 + q.how as usize as f32];
+        }
+    }
+    fn map_number(&self, how: Lookup, name: &str) -> u32 {
+        name.len() as u32 + if how == Lookup::Shadow { 3 } else { 0 }
     }
     fn warn(&self, message: String) {
         self.warnings.lock().unwrap().push(message);
@@ -75,7 +83,17 @@ impl Scene for World {
 }
 
 /// The same as WGSL.
-pub const FUNCTIONS: [(Query, &str); 3] = [
+pub const FUNCTIONS: [(Query, &str); 4] = [
+    (
+        Query::Map,
+        "fn scene_map(map: u32, q: Lookup) -> vec4<f32> {
+    let light = select(0.0, q.light.x - 0.5 * q.light.z, q.has_light);
+    let a = q.at + 3.0 * q.row - 2.0 * q.column;
+    let x = f32(map) + dot(a, vec3<f32>(0.3, 0.7, -0.2)) * q.width + 0.01 * light;
+    let others = q.blur.x - 2.0 * q.blur.y + q.fill + 0.1 * q.samples + q.bias;
+    return vec4<f32>(x, x + others, x * 0.5 + f32(q.channel), 1.0 + f32(q.how));
+}",
+    ),
     (
         Query::Transmission,
         "fn scene_transmission(start: vec3<f32>, end: vec3<f32>) -> vec3<f32> {

@@ -218,6 +218,7 @@ impl<'k> Batch<'k> {
                 let m = Mat3::from_mat4(matrix(from, to)).inverse().transpose();
                 (Mat4::from_mat3(m).to_cols_array().to_vec(), 1)
             }
+            Slot::Map { how, name } => (vec![scene.map_number(*how, name) as f32], 1),
             Slot::Answer { what, names, width, len } => {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 let Some(values) = numbers(*what, &names, points, scene) else { return NONE };

@@ -18,6 +18,8 @@ impl Writer<'_, '_> {
                     f.row().neighbours || (light && matches!(f.row().how, How::Scene(SceneCall::Ambient)))
                 }
                 Op::Illuminance { .. } => light,
+                // The filter's area follows from the neighbours.
+                Op::Map { .. } => true,
                 _ => false,
             }
         });

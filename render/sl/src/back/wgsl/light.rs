@@ -172,7 +172,7 @@ impl Writer<'_, '_> {
     pub fn solar(&mut self, axis: TripleReg, l: TripleReg, body: &[Op]) -> Done {
         let axis = self.registers.value(axis);
         self.assign(l.into(), &axis);
-        self.reached(l, "vec3<f32>(), -2.0", body)
+        self.reached(l, true, "vec3<f32>(), -2.0", body)
     }
 
     /// `illuminate`
@@ -181,11 +181,12 @@ impl Writer<'_, '_> {
         let [position, axis, ps] = [position, axis, ps].map(|r| self.registers.value(*r));
         self.set((*l).into(), format!("{ps} - {position}"))?;
         let cone = format!("{axis}, sl_cone({})", self.registers.value(*angle));
-        self.reached(*l, &cone, body)
+        self.reached(*l, false, &cone, body)
     }
 
     /// What a light does at the points in its cone and in the receiver's.
-    fn reached(&mut self, l: TripleReg, cone: &str, body: &[Op]) -> Done {
+    fn reached(&mut self, l: TripleReg, is_sun: bool, cone: &str, body: &[Op]) -> Done {
+        self.ray = Some((l, is_sun));
         let reaches = format!("sl_reaches({}, {cone}, receiver, receiver_cosine)", self.registers.name(l));
         let before = self.texts.clone();
         if self.grid {
@@ -206,6 +207,7 @@ impl Writer<'_, '_> {
             self.close();
         }
         self.texts.merge(&before);
+        self.ray = None;
         Ok(())
     }
 }

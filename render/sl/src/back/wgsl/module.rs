@@ -1,7 +1,7 @@
 //! What the shaders of a kernel share: what the host offers and what they use of it, helper functions, categories of lights.
 
 use super::super::scene::Scene;
-use crate::ir::Ask;
+use crate::ir::{Ask, Lookup};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter};
 
@@ -15,6 +15,9 @@ pub enum Query {
     /// `fn scene_hit(start: vec3<f32>, direction: vec3<f32>) -> f32`: the distance along a ray to the nearest surface, negative if
     /// there is none.
     Hit,
+    /// `fn scene_map(map: u32, lookup: Lookup) -> vec4<f32>`: four channels of the map that [`Scene::map_number`] gives the number of.
+    /// The kernel declares the struct `Lookup` (`parts/kernel.wgsl`).
+    Map,
 }
 
 /// The host of kernels: the limits of its device, and how it answers queries.
@@ -52,6 +55,8 @@ pub(super) enum Slot {
     Matrix { from: String, to: String },
     /// The inverse transpose of its upper left part.
     NormalMatrix { from: String, to: String },
+    /// The number of a map.
+    Map { how: Lookup, name: String },
     /// The answer to a query by name: `len` values of `width` numbers.
     Answer { what: Ask, names: Vec<String>, width: usize, len: usize },
 }

@@ -37,18 +37,14 @@ impl Writer<'_, '_> {
             Op::Spline(dst, basis, args) => self.spline(*dst, *basis, args),
             Op::Print(_) => self.refuse("prints"),
             Op::Ask { dst, what, names, out, len } => self.ask(*dst, *what, names, *out, *len),
-            Op::Map { how, name, .. } => {
-                let kind = format!("{how:?}").to_lowercase();
-                let name = self.texts.get(*name).unwrap_or("").to_string();
-                self.refuse(format!("looks up the {kind} map `{name}`"))
-            }
+            Op::Map { .. } => self.map(op),
             Op::Call(f, dst, args) => self.call(*f, *dst, args),
             Op::Transform(how, dst, a, from, to) => self.transform(*how, *dst, *a, *from, *to),
             Op::If(..) | Op::Loop(..) | Op::Inline(_) => self.control(op),
             Op::Break(levels) => self.leave(*levels as usize, true),
             Op::Continue(levels) => self.leave(*levels as usize, false),
             Op::Return => self.leave_function(),
-            Op::Gather { .. } => self.refuse("gathers rays"),
+            Op::Gather { .. } => self.gather(op),
             Op::Illuminance { .. } => self.illuminance(op),
             Op::Solar { axis, l, body, .. } => self.solar(*axis, *l, body),
             Op::Illuminate { .. } => self.illuminate(op),

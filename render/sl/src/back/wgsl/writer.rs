@@ -4,7 +4,7 @@ use super::super::bound::BoundShader;
 use super::module::{Module, Refused, Slot};
 use super::registers::{Registers, constants};
 use super::texts::Texts;
-use crate::ir::{Global, Op, Program, Reg, visit};
+use crate::ir::{Global, Op, Program, Reg, TripleReg, visit};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fmt::Display;
 
@@ -46,6 +46,8 @@ pub(super) struct Writer<'w, 'a> {
     pub masks: usize,
     /// Of the current light of `illuminance`.
     pub of_light: Option<OfLight>,
+    /// In `solar` or `illuminate`: the register of the light's ray, and whether it is a sun's.
+    pub ray: Option<(TripleReg, bool)>,
     /// What is read of the host besides globals and parameters.
     pub slots: Vec<Slot>,
     /// Registers that have been assigned to.
@@ -76,6 +78,7 @@ impl<'w, 'a> Writer<'w, 'a> {
             frames: vec![],
             masks: 0,
             of_light: None,
+            ray: None,
             slots: vec![],
             written: HashSet::new(),
             text: String::new(),

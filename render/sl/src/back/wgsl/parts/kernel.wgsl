@@ -31,6 +31,24 @@ struct Lit {
     cl: vec3<f32>,
 }
 
+// A lookup in a map at a point: 0 texture, 1 environment, 2 shadow; the first of four channels; s and t, a direction or a position,
+// and its change to the next point of the row and of the column; the factor on the filter's width; blur along s and t; the value of
+// channels that the map does not have; samples and bias; whether a light looks it up that has a place, and the place.
+struct Lookup {
+    how: u32,
+    channel: u32,
+    at: vec3<f32>,
+    row: vec3<f32>,
+    column: vec3<f32>,
+    width: f32,
+    blur: vec2<f32>,
+    fill: f32,
+    samples: f32,
+    bias: f32,
+    has_light: bool,
+    light: vec3<f32>,
+}
+
 var<private> point: u32;
 var<private> turns_left: u32 = 60000u;
 

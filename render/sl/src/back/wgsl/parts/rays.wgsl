@@ -6,17 +6,35 @@ fn sl_spread(i: u32, p: vec3<f32>) -> vec2<f32> {
     return fract(vec2<f32>(k * 0.7548777 + sl_cell(at, 0u), k * 0.5698403 + sl_cell(at, 1u)));
 }
 
-fn sl_in_hemisphere(n: vec3<f32>, i: u32, p: vec3<f32>) -> vec3<f32> {
-    let at = sl_spread(i, p);
-    let cosine = sqrt(1.0 - at.x);
+// The direction at a cosine from a unit axis, turned about it by a part of a whole turn.
+fn sl_around(n: vec3<f32>, cosine: f32, part: f32) -> vec3<f32> {
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
     let side = select(1.0, -1.0, n.z < 0.0);
     let a = -1.0 / (side + n.z);
     let b = n.x * n.y * a;
     let u = vec3<f32>(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
     let v = vec3<f32>(b, side + n.y * n.y * a, -n.y);
-    let turn = at.y * 6.28318531;
+    let turn = part * 6.28318531;
     return n * cosine + (u * sl_cos(turn) + v * sl_sin(turn)) * sine;
+}
+
+fn sl_in_hemisphere(n: vec3<f32>, i: u32, p: vec3<f32>) -> vec3<f32> {
+    let at = sl_spread(i, p);
+    return sl_around(n, sqrt(1.0 - at.x), at.y);
+}
+
+// Direction `i` of `n` about an axis within an angle.
+fn sl_in_cone(axis: vec3<f32>, angle: f32, i: u32, n: u32, p: vec3<f32>) -> vec3<f32> {
+    let l = sqrt(dot(axis, axis));
+    var about = vec3<f32>(0.0, 0.0, 1.0);
+    if l > 0.0 {
+        about = axis / l;
+    }
+    if n == 1u || angle <= 0.0 {
+        return about;
+    }
+    let at = sl_spread(i, p);
+    return sl_around(about, 1.0 - at.x * (1.0 - sl_cos(min(angle, 3.14159274))), at.y);
 }
 
 // The part of the rays over a hemisphere that meet a surface.
