@@ -104,10 +104,6 @@ pub fn run(bench: &Bench, kernel: &Kernel, batch: &Batch<'_>) -> (Vec<f32>, Vec<
 
 /// Compare a shader's kernel with the grid machine; an error if it has none, none without an adapter.
 pub fn compare(shader: &Arc<BoundShader>, world: &World) -> Result<Option<Found>, Refused> {
-    let kernel = Kernel::new(shader, &world.lights, host(world))?;
-    let Some(bench) = bench() else { return Ok(None) };
-    let mut batch = Batch::new(&kernel, &world.lights, world)?;
-    let slots = VariableSlots::default();
     // Two grids, the second without some of its globals.
     let all = points();
     let mut few = Points::new(5, 3, 1.0);
@@ -118,16 +114,28 @@ pub fn compare(shader: &Arc<BoundShader>, world: &World) -> Result<Option<Found>
     }
     few.set(Global::Ci, vec![0.25; 3]);
     few.set(Global::Oi, vec![0.5; 3]);
-    let grids = [all, few];
+    compare_grids(shader, &VariableSlots::default(), vec![all, few], world)
+}
+
+/// Compare over grids whose primitive variables go before parameters.
+pub fn compare_grids(
+    shader: &Arc<BoundShader>,
+    slots: &VariableSlots,
+    grids: Vec<Points>,
+    world: &World,
+) -> Result<Option<Found>, Refused> {
+    let kernel = Kernel::new(shader, &world.lights, host(world))?;
+    let mut batch = Batch::new(&kernel, &world.lights, world)?;
     for grid in &grids {
-        batch.add(shader, &slots, grid, world)?;
+        batch.add(shader, slots, grid, world)?;
     }
+    let Some(bench) = bench() else { return Ok(None) };
     let (results, status) = run(bench, &kernel, &batch);
     let mut found = Found { difference: 0.0, place: String::new(), numbers: [0; 2], faults: batch.faults(&status) };
     for (k, grid) in grids.into_iter().enumerate() {
         let (mut cpu, mut device) = (grid.clone(), grid);
         let mut machine = Machine::new();
-        machine.run(shader, &mut cpu, world);
+        machine.run_with(shader, slots, &mut cpu, world);
         batch.take(k, &results, &mut device);
         let n = cpu.n();
         for global in Global::all() {

@@ -1,10 +1,13 @@
 //! Shaders that try what is hard for a kernel: control flow around derivatives, loops that are left from deep within, arrays, strings,
 //! lights within lights; and what is found wrong at run time.
 
-use crate::compare::{compare, host};
-use crate::world::{World, bind};
-use sl::machine::BoundShader;
-use sl::wgsl::{Fault, Host, Kernel};
+use crate::compare::{compare, compare_grids, host, points};
+use crate::world::{World, bind, program};
+use sl::Global;
+use sl::ir::Ask;
+use sl::machine::{BoundShader, Lights, Message, Points, VariableSlots};
+use sl::wgsl::{Batch, Fault, Host, Kernel};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A surface's body, between functions and the end of the file.
@@ -210,6 +213,64 @@ fn other_kinds_of_shaders() {
 }
 
 #[test]
+fn what_is_given_goes_before_defaults() {
+    let source = "surface t(float a = 0.1; float b = sqrt(2) + 1; color c = color(0.1, 0.2, 0.3); float d[2] = {3, 4}; string e = \"object\";) {
+        float h = 9, k = 9; displacement(\"height\", h); displacement(\"unknown\", k);
+        Ci = color(a, b, d[1]) + c * h + k + xcomp(transform(e, P)) + d[floor(1.9 * u)];
+    }";
+    let program = Arc::new(program(Path::new("test.sl"), source).unwrap());
+    // Defaults that are not computed when the shader is bound are computed where it runs.
+    let given = BoundShader::given(program.clone(), vec![(0, vec![0.7])], vec![(4, "shader".into())]);
+    let names = ["other", "b", "d", "c"].map(String::from);
+    let slots = VariableSlots::of(&program, &names);
+    let n = points().n();
+    let varying = |width: usize| (0..width * n).map(|k| 0.01 * k as f32).collect::<Vec<f32>>();
+    for variables in [
+        vec![vec![5.0], varying(1), varying(2), vec![0.5, 0.6, 0.7]],
+        vec![vec![5.0], vec![0.25], vec![7.0, 8.0], varying(3)],
+        vec![vec![5.0]],
+    ] {
+        let mut grid = points();
+        variables.into_iter().for_each(|v| *grid.next_variable() = v);
+        grid.messages.push(Message { from: Ask::Displacement, name: "height".into(), values: varying(1) });
+        let found = compare_grids(&Arc::new(given.clone()), &slots, vec![grid, points()], &world(&LIGHTS)).unwrap();
+        if let Some(found) = found {
+            assert!(found.difference <= 1e-4 && found.faults.is_empty(), "{} {:?}", found.place, found.faults);
+        }
+    }
+}
+
+#[test]
+fn a_grid_that_is_too_large_is_refused() {
+    let large = || {
+        let mut points = Points::new(20, 15, 1.0);
+        points.set(Global::S, (0..300).map(|k| k as f32).collect());
+        points.set(Global::Ci, vec![0.0; 3]);
+        vec![points]
+    };
+    let compared = |body: &str| compare_grids(&surface("", body), &VariableSlots::default(), large(), &world(&[]));
+    let why = compared("Ci = filterwidth(s);").err().expect("it is refused").to_string();
+    assert!(why.contains("300 points, more than 256"), "{why}");
+    if let Some(found) = compared("Ci = 2 * s;").unwrap() {
+        assert!(found.difference == 0.0, "points that run alone may be any number: {}", found.place);
+    }
+}
+
+#[test]
+fn a_kernel_is_not_used_where_the_scene_answers_by_other_strings() {
+    let shader =
+        surface("", "string name = \"none\"; attribute(\"identifier:name\", name); if (name == \"pebble\") Ci = 1;");
+    let world = world(&[]);
+    let kernel = Kernel::new(&shader, &[], host(&world)).unwrap();
+    let nameless = Lights(vec![]);
+    let mut batch = Batch::new(&kernel, &[], &nameless).unwrap();
+    let slots = VariableSlots::default();
+    assert_eq!(batch.add(&shader, &slots, &points(), &world), Ok(0));
+    let why = batch.add(&shader, &slots, &points(), &nameless).expect_err("it is refused").to_string();
+    assert!(why.contains("`identifier:name`"), "{why}");
+}
+
+#[test]
 fn an_index_outside_is_told_of() {
     let shader = surface("", "float a[3] = {1, 2, 3};\nCi = a[9 * s]; a[2 - 9 * s] = 4; Ci += a[2];");
     let world = world(&[]);
@@ -242,7 +303,7 @@ fn what_has_no_kernel_is_named() {
     let alone = World::default();
     let without = |source: &str| {
         let host = Host { functions: &[], ..host(&alone) };
-        Kernel::new(&bind(source), &[], host).err().expect("it is refused").to_string()
+        Kernel::new(&bind(source), &[], host).expect_err("it is refused").to_string()
     };
     assert_eq!(
         without("surface t() { Ci = texture(\"wood.tex\"); }"),

@@ -6,6 +6,7 @@ use super::super::scene::Scene;
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
+use super::texts::ask;
 use crate::ir::{Ask, Global, Operand, Parameter};
 use glam::{Mat3, Mat4};
 use std::sync::Arc;
@@ -70,7 +71,8 @@ impl<'k> Batch<'k> {
     /// Add a grid; its index.
     ///
     /// # Errors
-    /// A grid that is too large for the kernel.
+    /// A grid that is too large for the kernel, or one for which the scene answers a query by another string than it did when the
+    /// kernel was written.
     pub fn add(
         &mut self,
         shader: &BoundShader,
@@ -80,6 +82,13 @@ impl<'k> Batch<'k> {
     ) -> Result<usize, Refused> {
         assert!(self.kernel.is_of(shader), "`{}` is not the kernel's shader", shader.program.name);
         let (n, index) = (points.n(), self.grids.len() / 2);
+        for (what, names, answer) in &self.kernel.asked {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            if ask(*what, &names, scene) != *answer {
+                let reason = format!("has a kernel for another answer to what it asks by `{}`", names.join("`, `"));
+                return Err(Refused { shader: shader.program.name.clone(), reason });
+            }
+        }
         if self.kernel.grid && n > self.kernel.group as usize {
             let reason = format!("looks at neighbours in a grid of {n} points, more than {}", self.kernel.group);
             return Err(Refused { shader: shader.program.name.clone(), reason });

@@ -1,7 +1,7 @@
 //! Kernels: a shader with the shaders of the lights that shine on it, as one text.
 
 use super::super::bound::{Answer, BoundShader};
-use super::module::{Host, LightShader, Module, Refused, Slot};
+use super::module::{Asked, Host, LightShader, Module, Refused, Slot};
 use super::registers::type_of;
 use super::specialise::specialised;
 use super::writer::Writer;
@@ -55,6 +55,8 @@ pub struct Kernel {
     pub(super) of_light: Vec<usize>,
     /// Categories of lights that are asked for, by their bits.
     pub(super) categories: Vec<String>,
+    /// Queries whose answers are strings, with the answers that the kernel was written for.
+    pub(super) asked: Vec<Asked>,
 }
 
 /// Points of a workgroup that shades points each on its own, as `parts/flat.wgsl` has it.
@@ -80,6 +82,7 @@ impl Kernel {
             grid,
             lights: vec![],
             categories: vec![],
+            asked: vec![],
             queries: BTreeSet::new(),
             functions: String::new(),
         };
@@ -96,7 +99,8 @@ impl Kernel {
         }
         let group = if grid { host.group } else { FLAT_GROUP };
         let text = assemble(&module, shader, &text, group);
-        Ok(Kernel { text, group, grid, shaders, of_light, categories: module.categories })
+        let Module { categories, asked, .. } = module;
+        Ok(Kernel { text, group, grid, shaders, of_light, categories, asked })
     }
 
     /// Count of results of a point.
@@ -175,6 +179,8 @@ fn function(
     let is_light = index > 0;
     let mut w = Writer::new(module, program, bound, index);
     w.grid = if is_light { program.reads_neighbours } else { w.module.grid };
+    // A light runs for the points that ask for it.
+    w.masks = is_light as usize;
     read_globals(&mut w, is_light);
     read_parameters(&mut w)?;
     w.block(&program.body)?;

@@ -1,5 +1,6 @@
 //! What the shaders of a kernel share: what the host offers and what they use of it, helper functions, categories of lights.
 
+use super::super::bound::Answer;
 use super::super::scene::Scene;
 use crate::ir::{Ask, Lookup};
 use std::collections::BTreeSet;
@@ -61,6 +62,9 @@ pub(super) enum Slot {
     Answer { what: Ask, names: Vec<String>, width: usize, len: usize },
 }
 
+/// A query by name whose answer is a string, and the answer.
+pub(super) type Asked = (Ask, Vec<String>, Option<Answer>);
+
 /// A shader of a light, as others call it.
 pub(super) struct LightShader {
     /// Whether its points look at their neighbours.
@@ -78,6 +82,7 @@ pub(super) struct Module<'a> {
     pub lights: Vec<LightShader>,
     /// Categories that `illuminance` asks for.
     pub categories: Vec<String>,
+    pub asked: Vec<Asked>,
     pub queries: BTreeSet<Query>,
     /// Functions that shaders call.
     pub functions: String,

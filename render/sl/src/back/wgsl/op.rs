@@ -208,7 +208,9 @@ impl Writer<'_, '_> {
             (Ask::RayInfo, Operand::Text(_)) => self.refuse("asks for the type of a ray"),
             (_, Operand::Text(_)) => {
                 let of: Vec<&str> = names.iter().map(String::as_str).collect();
-                let found = matches!(texts::ask(what, &of, self.module.host.scene), Some(Answer::Text(_)));
+                let answer = texts::ask(what, &of, self.module.host.scene);
+                let found = matches!(answer, Some(Answer::Text(_)));
+                self.module.asked.push((what, names, answer));
                 self.set(dst.into(), literal(found as u8 as f32))
             }
             (_, Operand::Number(out)) => {
