@@ -20,7 +20,7 @@ mod register;
 mod show;
 mod types;
 mod validate;
-mod walk;
+pub(crate) mod walk;
 
 pub use crate::shadeop::number::{Binary, Unary};
 pub use globals::Global;

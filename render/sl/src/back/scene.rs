@@ -39,6 +39,10 @@ pub trait Scene {
     fn map(&self, _queries: &[MapQuery<'_>], values: &mut [[f32; 4]]) {
         values.fill([0.0; 4]);
     }
+    /// The number by which the functions of a device know a map ([`crate::wgsl::Query::Map`]), below 2²⁴.
+    fn map_number(&self, _how: Lookup, _name: &str) -> u32 {
+        0
+    }
     /// The distance along each ray to the nearest surface; `None` where it hits no surface.
     fn hit(&self, _rays: &[Ray], distances: &mut [Option<f32>]) {
         distances.fill(None);
@@ -127,6 +131,16 @@ impl Scene for Lights {
     fn matrix(&self, _: &str, _: &str) -> Option<[f32; 16]> {
         None
     }
+}
+
+/// Options of lookups (RISpec 15.7); of `filter` there is one alone.
+pub(super) const OPTIONS: [&str; 10] =
+    ["blur", "sblur", "tblur", "width", "swidth", "twidth", "fill", "samples", "bias", "filter"];
+
+/// The warning of an option that is none of these.
+pub(super) fn unknown_option(map: &str, key: &str) -> String {
+    let known = OPTIONS.join(", ");
+    format!("a lookup in the map `{map}` has the unknown option `{key}`, expected {known}")
 }
 
 /// A lookup in a map at one point.

@@ -26,7 +26,7 @@ impl VariableSlots {
     }
 
     /// The slot of the variable that goes before a parameter.
-    pub(super) fn of_parameter(&self, parameter: usize) -> Option<usize> {
+    pub(in crate::back) fn of_parameter(&self, parameter: usize) -> Option<usize> {
         self.of_parameter.get(parameter).copied().flatten()
     }
 }

@@ -1,7 +1,7 @@
 //! Splines of numbers and triples (RISpec 15.1): the value runs from the second knot to the last but one.
 
 /// The basis matrix of a name, rows by falling powers, and the knots from one segment to the next.
-fn basis(name: &str) -> ([[f32; 4]; 4], usize) {
+pub(crate) fn basis(name: &str) -> ([[f32; 4]; 4], usize) {
     let scale = |m: [[f32; 4]; 4], s: f32| m.map(|r| r.map(|x| x * s));
     match name {
         "bezier" => ([[-1.0, 3.0, -3.0, 1.0], [3.0, -6.0, 3.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]], 3),

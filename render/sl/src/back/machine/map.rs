@@ -1,15 +1,10 @@
 //! Maps, and changes of space.
 
-use super::super::scene::MapQuery;
-use super::super::scene::Scene;
+use super::super::scene::{MapQuery, OPTIONS, Scene, unknown_option};
 use super::state::Machine;
 use crate::ir::*;
 use crate::shadeop::grid::{differences, over};
 use crate::shadeop::runs::{at, dot, run_of, triple, triples2};
-
-/// Options of lookups (RISpec 15.7); of `filter` there is one alone.
-const OPTIONS: [&str; 10] =
-    ["blur", "sblur", "tblur", "width", "swidth", "twidth", "fill", "samples", "bias", "filter"];
 
 /// The values of these options that a lookup gives, one or one a point.
 struct Given<'a>([Option<&'a [f32]>; OPTIONS.len()]);
@@ -34,8 +29,7 @@ impl Machine {
         for (key, value) in options {
             let key = &self.texts[key.index()];
             let Some(k) = OPTIONS.iter().position(|option| option == key) else {
-                let known = OPTIONS.join(", ");
-                scene.warn(format!("a lookup in the map `{map}` has the unknown option `{key}`, expected {known}"));
+                scene.warn(unknown_option(map, key));
                 continue;
             };
             given.0[k] = match value {

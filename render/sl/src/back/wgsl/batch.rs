@@ -1,0 +1,275 @@
+//! The grids that a kernel shades in one dispatch, as the rows of its buffers; and what comes back.
+
+use super::super::bound::{Answer, BoundShader};
+use super::super::points::Points;
+use super::super::scene::Scene;
+use super::super::slots::VariableSlots;
+use super::kernel::{Kernel, Shader, Target};
+use super::module::{Refused, Slot};
+use super::texts::ask;
+use crate::ir::{Ask, Global, Operand, Parameter};
+use glam::{Mat3, Mat4};
+use std::sync::Arc;
+
+/// What a kernel found wrong while it ran.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The loops of a shader do not end: name, file and line. Its values are not to be used.
+    Endless(String, String),
+    /// A shader uses an element that its array does not have, which is read as 0 and not written: name, file and line.
+    Outside(String, String),
+}
+
+/// Where a slot's numbers begin; 0 none, 1 one value, 2 a value a point.
+type Row = [u32; 2];
+
+/// A slot without values.
+const NONE: Row = [0, 0];
+
+/// Grids to be shaded by a kernel: the rows of its input buffers, in the order of their bindings.
+pub struct Batch<'k> {
+    kernel: &'k Kernel,
+    /// Of each workgroup: its grid, and the first of the points that it shades.
+    pub groups: Vec<[u32; 2]>,
+    /// Two rows a grid.
+    pub grids: Vec<[u32; 4]>,
+    /// Where inputs begin, and of which kind they are.
+    pub slots: Vec<Row>,
+    /// Lights; one row more than there are lights, so that it is never empty.
+    pub lights: Vec<[u32; 4]>,
+    /// Numbers of all inputs; at least one.
+    pub values: Vec<f32>,
+    n_results: usize,
+}
+
+impl<'k> Batch<'k> {
+    /// No grids yet, and the lights that shine on all of them: those that the kernel was made for, or others that differ from these in
+    /// numbers alone.
+    ///
+    /// # Errors
+    /// A light that kernels do not have.
+    pub fn new(kernel: &'k Kernel, lights: &[Arc<BoundShader>], scene: &dyn Scene) -> Result<Batch<'k>, Refused> {
+        let (groups, grids, slots, rows, values) = (vec![], vec![], vec![], vec![], vec![0.0]);
+        let mut batch = Batch { kernel, groups, grids, slots, lights: rows, values, n_results: 0 };
+        let asked = if kernel.of_light.is_empty() { &[] } else { lights };
+        assert_eq!(asked.len(), kernel.of_light.len(), "lights of another kernel");
+        for (k, (light, index)) in asked.iter().zip(&kernel.of_light).enumerate() {
+            if scene.emitter(k, 0, &|_| [0.0; 3]).is_some() {
+                return Err(Refused { shader: light.program.name.clone(), reason: "is that of an area light".into() });
+            }
+            let first = batch.slots.len() as u32;
+            let none = Points::new(1, 1, 1.0);
+            batch.inputs(&kernel.shaders[*index], light, &VariableSlots::default(), &none, scene)?;
+            let has = |(bit, category): (usize, &String)| (light.in_category(category) as u32) << bit;
+            let categories = kernel.categories.iter().enumerate().map(has).sum();
+            batch.lights.push([*index as u32, first, categories, light.program.is_ambient as u32]);
+        }
+        batch.lights.push([0; 4]);
+        Ok(batch)
+    }
+
+    /// Add a grid; its index.
+    ///
+    /// # Errors
+    /// A grid that is too large for the kernel, or one for which the scene answers a query by another string than it did when the
+    /// kernel was written.
+    pub fn add(
+        &mut self,
+        shader: &BoundShader,
+        variables: &VariableSlots,
+        points: &Points,
+        scene: &dyn Scene,
+    ) -> Result<usize, Refused> {
+        assert!(self.kernel.is_of(shader), "`{}` is not the kernel's shader", shader.program.name);
+        let (n, index) = (points.n(), self.grids.len() / 2);
+        for (what, names, answer) in &self.kernel.asked {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            if ask(*what, &names, scene) != *answer {
+                let reason = format!("has a kernel for another answer to what it asks by `{}`", names.join("`, `"));
+                return Err(Refused { shader: shader.program.name.clone(), reason });
+            }
+        }
+        if self.kernel.grid && n > self.kernel.group as usize {
+            let reason = format!("looks at neighbours in a grid of {n} points, more than {}", self.kernel.group);
+            return Err(Refused { shader: shader.program.name.clone(), reason });
+        }
+        let first = self.slots.len() as u32;
+        self.inputs(&self.kernel.shaders[0], shader, variables, points, scene)?;
+        let n_lights = self.lights.len() as u32 - 1;
+        self.grids.push([n as u32, points.nu as u32, points.orientation.to_bits(), first]);
+        self.grids.push([0, n_lights, self.n_results as u32, 0]);
+        let each = if self.kernel.grid { n } else { self.kernel.group as usize };
+        self.groups.extend((0..n).step_by(each.max(1)).map(|k| [index as u32, k as u32]));
+        self.n_results += n * self.kernel.n_results();
+        // Places are numbers of 32 bits.
+        if self.values.len().max(self.n_results) > u32::MAX as usize / 4 {
+            let reason = "has more values than a kernel can count".into();
+            return Err(Refused { shader: shader.program.name.clone(), reason });
+        }
+        Ok(index)
+    }
+
+    /// Count of numbers that the kernel writes.
+    pub fn n_results(&self) -> usize {
+        self.n_results
+    }
+
+    /// Rows of the buffer `status`, which begin as zeros.
+    pub fn n_status(&self) -> usize {
+        2 * self.kernel.shaders.len()
+    }
+
+    /// Set the globals that the kernel changed at the points of a grid, as the grid machine does: those that the points have.
+    pub fn take(&self, grid: usize, results: &[f32], points: &mut Points) {
+        for output in self.kernel.outputs() {
+            if let Target::Global(global) = output.target
+                && let Some(buffer) = points.get_mut(global)
+            {
+                buffer.clear();
+                buffer.extend_from_slice(self.values_of(grid, output.offset, output.width, results));
+            }
+        }
+    }
+
+    /// The values of an output parameter at the points of a grid, a triple as three runs.
+    pub fn output<'r>(&self, grid: usize, name: &str, results: &'r [f32]) -> Option<&'r [f32]> {
+        let params = &self.kernel.shaders[0].bound.program.params;
+        let is_it = |target| matches!(target, Target::Parameter(k) if params[k].name == name);
+        let output = self.kernel.outputs().iter().find(|o| is_it(o.target))?;
+        Some(self.values_of(grid, output.offset, output.width, results))
+    }
+
+    fn values_of<'r>(&self, grid: usize, offset: usize, width: usize, results: &'r [f32]) -> &'r [f32] {
+        let (n, first) = (self.grids[2 * grid][0] as usize, self.grids[2 * grid + 1][2] as usize);
+        &results[first + offset * n..first + (offset + width) * n]
+    }
+
+    /// What the kernel found wrong.
+    pub fn faults(&self, status: &[u32]) -> Vec<Fault> {
+        let mut faults = vec![];
+        for (shader, status) in self.kernel.shaders.iter().zip(status.chunks_exact(2)) {
+            let program = &shader.bound.program;
+            let place = |at: u32| (program.name.clone(), program.place(at - 1).to_string());
+            if status[0] > 0 {
+                let (name, place) = place(status[0]);
+                faults.push(Fault::Endless(name, place));
+            }
+            if status[1] > 0 {
+                let (name, place) = place(status[1]);
+                faults.push(Fault::Outside(name, place));
+            }
+        }
+        faults
+    }
+
+    /// The inputs of a shader: globals, parameters, and what else it asks for.
+    fn inputs(
+        &mut self,
+        shader: &Shader,
+        bound: &BoundShader,
+        variables: &VariableSlots,
+        points: &Points,
+        scene: &dyn Scene,
+    ) -> Result<(), Refused> {
+        let n = points.n();
+        for global in Global::all() {
+            let width = global.kind().width();
+            let row = match points.get(global) {
+                Some(values) => self.push(values, width, n),
+                None => unset(global, scene).map(|x| self.push(&[x], 1, n)).unwrap_or(Some(NONE)),
+            };
+            let row = row.ok_or_else(|| odd(bound, global.name()))?;
+            self.slots.push(row);
+        }
+        for (slot, param) in bound.program.params.iter().enumerate() {
+            let given = variables.of_parameter(slot).and_then(|k| points.variable(k));
+            let row = self.parameter(param, given, bound.value(slot), n).ok_or_else(|| odd(bound, &param.name))?;
+            self.slots.push(row);
+        }
+        for slot in &shader.slots {
+            let row = self.answer(slot, points, scene);
+            self.slots.push(row);
+        }
+        Ok(())
+    }
+
+    /// Values of a width, one or one a point; none if there are as many as neither.
+    fn push(&mut self, values: &[f32], width: usize, n: usize) -> Option<Row> {
+        let kind = if values.len() == width {
+            1
+        } else if values.len() == width * n {
+            2
+        } else {
+            return None;
+        };
+        let first = self.values.len() as u32;
+        self.values.extend_from_slice(values);
+        Some([first, kind])
+    }
+
+    /// A parameter: a primitive variable, else what is bound, else none.
+    fn parameter(&mut self, param: &Parameter, given: Option<&[f32]>, own: Option<&Answer>, n: usize) -> Option<Row> {
+        let Operand::Number(r) = param.reg else { return Some(NONE) };
+        let own = own.and_then(|own| if let Answer::Numbers(v) = own { Some(v.as_slice()) } else { None });
+        match given.or(own) {
+            Some(values) => self.push(values, r.width() * param.array.unwrap_or(1) as usize, n),
+            None => Some(NONE),
+        }
+    }
+
+    /// What a shader asks of the scene.
+    fn answer(&mut self, slot: &Slot, points: &Points, scene: &dyn Scene) -> Row {
+        let matrix =
+            |from: &str, to: &str| scene.matrix(from, to).map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
+        let (values, kind) = match slot {
+            Slot::Matrix { from, to } => (matrix(from, to).to_cols_array().to_vec(), 1),
+            Slot::NormalMatrix { from, to } => {
+                let m = Mat3::from_mat4(matrix(from, to)).inverse().transpose();
+                (Mat4::from_mat3(m).to_cols_array().to_vec(), 1)
+            }
+            Slot::Map { how, name } => (vec![scene.map_number(*how, name) as f32], 1),
+            Slot::Answer { what, names, width, len } => {
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                let Some(values) = numbers(*what, &names, points, scene) else { return NONE };
+                let varying = values.len() == width * points.n() && *len == 1;
+                if !varying && values.len() < width * len {
+                    return NONE;
+                }
+                (values, if varying { 2 } else { 1 })
+            }
+        };
+        let first = self.values.len() as u32;
+        self.values.extend_from_slice(&values);
+        [first, kind]
+    }
+}
+
+/// The answer in numbers to a query by name: what shaders that ran before tell, else what the scene says.
+fn numbers(what: Ask, names: &[&str], points: &Points, scene: &dyn Scene) -> Option<Vec<f32>> {
+    if let (Ask::RendererInfo, ["version"]) = (what, names) {
+        let parts = env!("CARGO_PKG_VERSION").split('.').map(|p| p.parse().unwrap_or(0.0));
+        return Some(parts.chain([0.0]).collect());
+    }
+    let told = points.messages.iter().find(|told| told.from == what && told.name == names[0]);
+    let told = told.map(|told| Answer::Numbers(told.values.clone()));
+    match told.or_else(|| scene.ask(what, names))? {
+        Answer::Numbers(values) => Some(values),
+        Answer::Text(_) => None,
+    }
+}
+
+/// The number of a global variable that nobody has set, if it is not 0.
+fn unset(global: Global, scene: &dyn Scene) -> Option<f32> {
+    let shutter = scene.shutter();
+    match global {
+        Global::Ncomps => Some(3.0),
+        Global::Time => Some(shutter[0]),
+        Global::Dtime => Some(shutter[1] - shutter[0]),
+        _ => None,
+    }
+}
+
+fn odd(shader: &BoundShader, name: &str) -> Refused {
+    let reason = format!("is given neither one value nor one a point for `{name}`");
+    Refused { shader: shader.program.name.clone(), reason }
+}

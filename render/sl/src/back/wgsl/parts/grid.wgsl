@@ -1,0 +1,122 @@
+// A grid that a workgroup shades together: values of neighbouring points, and masks. All calls stand in uniform control flow.
+
+var<workgroup> work: Grid;
+var<workgroup> neighbours: array<vec4<f32>, GROUP>;
+var<workgroup> some: atomic<u32>;
+var<workgroup> shared_number: u32;
+var<private> lane: u32;
+
+// A number that all points have, known to be the same for all.
+fn sl_uniform(x: u32) -> u32 {
+    workgroupBarrier();
+    if lane == 0u {
+        shared_number = x;
+    }
+    return workgroupUniformLoad(&shared_number);
+}
+
+// Whether any point is active.
+fn sl_any(on: bool) -> bool {
+    workgroupBarrier();
+    if lane == 0u {
+        atomicStore(&some, 0u);
+    }
+    workgroupBarrier();
+    if on {
+        atomicStore(&some, 1u);
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        shared_number = atomicLoad(&some);
+    }
+    return workgroupUniformLoad(&shared_number) != 0u;
+}
+
+fn sl_difference(here: u32, count: u32, stride: u32) -> vec4<f32> {
+    let low = max(here, 1u) - 1u;
+    let high = min(here + 1u, count - 1u);
+    if high <= low {
+        return vec4<f32>();
+    }
+    let first = point - here * stride;
+    return (neighbours[first + high * stride] - neighbours[first + low * stride]) / f32(high - low);
+}
+
+// Differences of values to the next point of the row, and of the column; central where there are two neighbours.
+struct Differences {
+    row: vec4<f32>,
+    column: vec4<f32>,
+}
+
+fn sl_differences(x: vec4<f32>) -> Differences {
+    workgroupBarrier();
+    neighbours[lane] = x;
+    workgroupBarrier();
+    let nu = max(work.nu, 1u);
+    return Differences(sl_difference(point % nu, nu, 1u), sl_difference(point / nu, work.n / nu, nu));
+}
+
+// The value of the grid's first point.
+fn sl_first3(v: vec3<f32>) -> vec3<f32> {
+    workgroupBarrier();
+    neighbours[lane] = vec4<f32>(v, 0.0);
+    workgroupBarrier();
+    return neighbours[0].xyz;
+}
+
+fn sl_width(x: f32) -> f32 {
+    let d = sl_differences(vec4<f32>(x, 0.0, 0.0, 0.0));
+    return max(abs(d.row.x), abs(d.column.x));
+}
+
+fn sl_du(x: f32, u: f32, v: f32) -> f32 {
+    let d = sl_differences(vec4<f32>(x, u, v, 0.0));
+    return sl_divide(d.row.x * d.column.z - d.column.x * d.row.z, d.row.y * d.column.z - d.column.y * d.row.z);
+}
+
+fn sl_dv(x: f32, u: f32, v: f32) -> f32 {
+    let d = sl_differences(vec4<f32>(x, u, v, 0.0));
+    return sl_divide(d.column.x * d.row.y - d.column.y * d.row.x, d.row.y * d.column.z - d.column.y * d.row.z);
+}
+
+fn sl_du3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
+    return vec3<f32>(sl_du(x.x, u, v), sl_du(x.y, u, v), sl_du(x.z, u, v));
+}
+
+fn sl_dv3(x: vec3<f32>, u: f32, v: f32) -> vec3<f32> {
+    return vec3<f32>(sl_dv(x.x, u, v), sl_dv(x.y, u, v), sl_dv(x.z, u, v));
+}
+
+// The cross product of the ways to the next point of the row and of the column.
+fn sl_spanned(p: vec3<f32>) -> vec3<f32> {
+    let d = sl_differences(vec4<f32>(p, 0.0));
+    return cross(d.row.xyz, d.column.xyz);
+}
+
+fn sl_area(p: vec3<f32>) -> f32 {
+    let m = sl_spanned(p);
+    return sqrt(dot(m, m));
+}
+
+fn sl_calculatenormal(p: vec3<f32>) -> vec3<f32> {
+    return sl_spanned(p) * work.orientation;
+}
+
+@compute @workgroup_size(GROUP)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let at = group.x + group.y * n_groups.x;
+    if at >= arrayLength(&groups) {
+        return;
+    }
+    lane = local;
+    if local == 0u {
+        work = sl_grid(groups[at].x);
+    }
+    workgroupBarrier();
+    point = min(local, max(work.n, 1u) - 1u);
+    shader_0(work.slots, local < work.n);
+}
