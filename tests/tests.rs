@@ -3,6 +3,7 @@
 mod analytic;
 mod blur;
 mod broad_phase;
+mod cameras;
 mod cli;
 mod command_line;
 mod corpus;

@@ -14,4 +14,4 @@ mod resolved;
 
 pub use check::{delimiter, some_objects};
 pub use object::{Archive, Color, Formula, Object, Shader, Shape};
-pub use resolved::{Binding, Camera, Data, ImageFormat, Lens, Output, Place, Placed, Projection, Quality};
+pub use resolved::{Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality};

@@ -13,6 +13,7 @@
 mod archive;
 mod camera;
 mod instances;
+mod keys;
 mod missing;
 mod shapes;
 
