@@ -1,4 +1,4 @@
-//! Cameras of metadata files: keyframes, cuts and stereo pairs.
+//! Cameras of metadata files: keyframes, cuts and stereo pairs, and a floor that is as large as the data.
 
 use crate::cli::{scratch, scree};
 use image::RgbImage;
@@ -68,6 +68,24 @@ fn a_stereo_pair_sees_what_it_looks_at_at_one_place_and_the_rest_aside() {
     let aside = middle(&left[0], 205, 320)[0] - middle(&right[0], 205, 320)[0];
     let expected = 0.1 * (1.0 / 2.0 - 1.0 / 4.0) * 90.0 / 20f64.to_radians().tan();
     assert!((aside - expected).abs() < 0.4, "{aside}, expected {expected}");
+}
+
+#[test]
+fn a_floor_is_as_large_as_the_data() {
+    let at = |scale: f32| {
+        let spheres = [[0.3f32, 0.0, 0.3, 0.3], [-0.4, 0.2, 0.2, 0.2]].map(|s| s.map(|x| x * scale));
+        let [x, y, z] = [1.5, -3.0, 1.4].map(|c: f32| c * scale);
+        draw(&format!("{{eye: [{x}, {y}, {z}], look_at: [0, 0, 0]}}"), "seamless.rib", &spheres)[0][0].clone()
+    };
+    let metres = at(1.0);
+    let corner = metres.get_pixel(5, 175);
+    assert!(metres.pixels().any(|p| p[0] as i32 + 40 < corner[0] as i32), "there is a shadow");
+    for scale in [0.01, 100.0] {
+        let other = at(scale);
+        let strays = metres.as_raw().iter().zip(other.as_raw()).map(|(a, b)| a.abs_diff(*b) as f64);
+        let mean = strays.sum::<f64>() / metres.as_raw().len() as f64;
+        assert!(mean < 0.3, "at a scale of {scale}: {mean} of 255");
+    }
 }
 
 #[test]

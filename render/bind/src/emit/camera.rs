@@ -23,6 +23,19 @@ pub struct Stand {
     pub projection: Projection,
 }
 
+impl Stand {
+    /// The middle and the size of a floor under what the camera looks at: the distance of the eye, in parallel projection at least the
+    /// extent.
+    pub(super) fn floor(self) -> ([f32; 2], f32) {
+        let far = (Vec3::from(self.at) - Vec3::from(self.eye)).length();
+        let size = match self.projection {
+            Projection::Parallel(height) => height,
+            Projection::Perspective(_) => far,
+        };
+        ([self.at[0], self.at[1]], size)
+    }
+}
+
 /// Projection and world-to-camera matrix.
 pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files: &Files, ri: &mut dyn Ri) -> RiResult {
     let (camera, Stand { mut eye, mut at, projection }) = match (&binding.camera, stand) {
