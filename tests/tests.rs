@@ -28,6 +28,7 @@ mod light;
 mod looks;
 mod movies;
 mod outputs;
+mod overlays;
 mod pages;
 mod pipeline;
 mod plots;

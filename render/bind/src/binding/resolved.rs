@@ -1,6 +1,7 @@
 //! A binding's parts: data, camera, images, and what finds files and columns for them.
 
 use super::object::{Formula, Object};
+use super::overlays::Overlays;
 use crate::data::{Source, Store};
 use crate::expr::Expr;
 use frame::csv::Layout;
@@ -30,6 +31,8 @@ pub struct Binding {
     pub ground_height: f32,
     /// The objects to draw, at least one.
     pub objects: Vec<Object>,
+    /// What is written over the images.
+    pub overlays: Overlays,
     /// Resolution, sampling and file format of the images.
     pub output: Output,
     /// Frame rate of the movie, 1/s.

@@ -30,6 +30,8 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
         placed.follow = Some(Formula::compile(&doc, "camera.follow".into(), &text)?);
     }
+    let mut overlays = metadata.overlays;
+    overlays.check(&doc, matches!(camera, Some(Camera::Placed(_))), &objects)?;
     let (model, scene, lights, ground_height) =
         (metadata.model, metadata.scene, metadata.lights, metadata.ground_height);
     if !ground_height.is_finite() {
@@ -45,6 +47,7 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
         lights,
         ground_height,
         objects,
+        overlays,
         output,
         frame_rate,
         made,

@@ -1,5 +1,6 @@
 //! The metadata file as types, just as it is written.
 
+use crate::binding::Overlays;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -28,6 +29,9 @@ pub struct Metadata {
     pub ground_height: f32,
     /// The objects to draw.
     pub objects: Vec<Object>,
+    /// What is written over the images: title, time, scale bar, legend, axes, plot.
+    #[serde(default, skip_serializing_if = "Overlays::is_empty")]
+    pub overlays: Overlays,
     /// The images.
     #[serde(default)]
     pub output: Output,
