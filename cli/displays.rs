@@ -2,12 +2,13 @@
 
 use crate::job::Statistics;
 use crate::machine::peak_bytes;
+use crate::overlay::Overlay;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{image_file, shard_file};
 use render::film::bucket::Shard;
 use render::film::display;
 use render::ri::files::Files;
-use render::{Context, RenderResult};
+use render::{Context, Display, RenderResult};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -21,8 +22,8 @@ pub fn written(image: &Path, shard: Option<Shard>) -> PathBuf {
     shard.map_or_else(|| image.into(), |shard| shard_file::path_of(image, shard))
 }
 
-/// Write the images of a context to their displays, and print its warnings.
-pub fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> {
+/// Write the images of a context to their displays, the frame's own with its overlays, and print its warnings.
+pub fn write(mut context: Context, folder: &Path, overlay: Option<&Overlay<'_>>) -> Outcome<Vec<RenderResult>> {
     let mut results = std::mem::take(&mut context.results);
     let (image, allow_outside) = (context.image.clone(), context.allow_outside);
     for warning in context.warnings() {
@@ -35,9 +36,13 @@ pub fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> 
         }
         if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
-            result.options.displays.push(render::Display { name, kind, mode, half: false, quantize: None });
+            result.options.displays.push(Display { name, kind, mode, half: false, quantize: None });
         }
-        for (name, displays) in display::files(&result.options.displays) {
+        let all = result.options.displays.clone();
+        let mut files: Vec<(&str, Vec<&Display>)> = display::files(&all);
+        // The frame's own image comes last: the others are without overlays.
+        files.sort_by_key(|(name, _)| image.as_deref() == Some(*name));
+        for (name, mut displays) in files {
             let path = match &image {
                 Some(image) if *image == name => PathBuf::from(&name),
                 _ => display_path(folder, name, allow_outside)?,
@@ -45,6 +50,15 @@ pub fn write(mut context: Context, folder: &Path) -> Outcome<Vec<RenderResult>> 
             if !written.insert(path.clone()) {
                 eprintln!("warning: {} is written again: an earlier image of the scene is replaced", path.display());
             }
+            let mut layers = None;
+            if let Some(overlay) = overlay.filter(|o| !o.is_empty() && image.as_deref() == Some(name)) {
+                if displays[0].format() == "exr" {
+                    layers = Some(overlay.add_layers(&mut result.image, displays[0])?);
+                } else {
+                    overlay.draw_into(&mut result.image)?;
+                }
+            }
+            displays.extend(layers.iter().flatten());
             if let Some(shard) = result.options.shard {
                 shard_file::write(result, &displays, &path, shard)?;
                 continue;

@@ -6,6 +6,7 @@ use crate::failed::{FailedFrames, MissingValues};
 use crate::interrupt;
 use crate::job::{ImageJob, Statistics};
 use crate::ledger::{Hashes, Ledger, Standing};
+use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
@@ -45,7 +46,7 @@ pub fn standings(job: &mut ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<S
 
 fn standings_of(job: &ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standing>)>> {
     let progress = Progress::start("checking", job.frames.len() as u64, "images");
-    let mut work = Work::new(job, None, Statistics::default());
+    let mut work = Work::new(job, None, Statistics::default())?;
     let mut found = vec![];
     for (done, frame) in job.frames.iter().enumerate() {
         let imprint = job.source.read(*frame).map_err(Failure::from).and_then(|table| {
@@ -95,7 +96,7 @@ fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, fai
     frame::atomic::sweep(&ledger.folder());
     let claims = ledger.claims();
     let progress = Progress::start("rendering", n as u64, "frames");
-    let mut work = Work::new(job, shard, statistics);
+    let mut work = Work::new(job, shard, statistics)?;
     let (mut tally, mut proven, mut done) = (Tally::default(), false, 0);
     // Images that another process is drawing are looked at again when it is done with them.
     while !frames.is_empty() {
@@ -150,16 +151,18 @@ struct Work<'a> {
     ledger: Ledger,
     hashes: Hashes,
     values: MissingValues,
+    overlays: Prepared,
     /// The images that are done, and the hash of what each was made of.
     made: Vec<(String, String)>,
 }
 
 impl<'a> Work<'a> {
     /// No image yet.
-    fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Work<'a> {
+    fn new(job: &'a ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<Work<'a>> {
         let ledger = Ledger::made_from(&job.folder, &job.binding.folder());
         let (hashes, values) = (Hashes::default(), MissingValues::default());
-        Work { job, shard, statistics, ledger, hashes, values, made: vec![] }
+        let overlays = Prepared::find(&job.binding, &job.source)?;
+        Ok(Work { job, shard, statistics, ledger, hashes, values, overlays, made: vec![] })
     }
 
     /// Name of the file that is written of a frame.
@@ -239,9 +242,15 @@ impl<'a> Work<'a> {
         let mut hasher = blake3::Hasher::new();
         hasher.update(env!("CARGO_PKG_VERSION").as_bytes()).update(self.job.library.as_bytes());
         hasher.update(format!("{about:?}").as_bytes());
+        hasher.update(self.overlay(table)?.imprint().as_bytes());
         let mut ri = Imprint::new(hasher);
         emit::frame(&self.job.binding, table, "image", &self.job.files, &mut ri)?;
         Ok(ri.into_inner().finalize().to_hex().to_string())
+    }
+
+    /// What is written over the image of a frame.
+    fn overlay(&self, table: &Frame) -> Outcome<Overlay<'a>> {
+        Ok(Overlay::of(&self.job.binding, &self.overlays, table)?)
     }
 
     /// Render a frame and write its image.
@@ -255,7 +264,7 @@ impl<'a> Work<'a> {
         let missing = emit::frame(&job.binding, table, &image, &job.files, &mut context)?;
         self.values.add(table.number, &missing);
         let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
-        write(context, &job.folder)?.pop().ok_or_else(no_world)
+        write(context, &job.folder, Some(&self.overlay(table)?))?.pop().ok_or_else(no_world)
     }
 }
 

@@ -39,6 +39,7 @@ pub use init::{InitJob, Starter};
 pub use inspect::{InspectJob, Suggestion};
 pub use movie::{MovieFile, MovieJob, MovieKind};
 pub use page::{MARK, PAGE, ReportJob, RunData, Subject};
+pub use plot::table as time_table;
 pub use plot::{Curve, Plot, PlotJob};
 pub use preview::PreviewJob;
 pub use render::{RenderFrames, RenderJob, RenderScene, Statistics};

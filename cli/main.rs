@@ -27,6 +27,7 @@ mod library;
 mod machine;
 mod model_run;
 mod movie;
+mod overlay;
 mod page;
 mod plan;
 mod plot;

@@ -1,6 +1,6 @@
 //! `scree plot`: the probes and the report of runs as plots, PNG and SVG.
 
-mod axis;
+pub mod axis;
 mod draw;
 mod layout;
 mod pen;

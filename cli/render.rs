@@ -45,7 +45,7 @@ fn scene(job: &RenderScene) -> Outcome {
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
     reader::read(&job.path, &job.rib, &job.files, &mut context, &mut |_, _| Ok(()))?;
     let is_open = context.is_world_open();
-    let results = write(context, &job.folder)?;
+    let results = write(context, &job.folder, None)?;
     progress.finish();
     if is_open {
         let message = "the WorldBegin of the scene has no WorldEnd: what it holds is not drawn";

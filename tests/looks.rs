@@ -127,3 +127,81 @@ fn edges_of_boxes_turn_to_the_light() {
     assert!(edged.at(70, 40)[0] > 0.1, "its edge: {:?}", edged.at(70, 40));
     assert!(row(0).at(70, 40)[0] < 0.02, "no box, no edge");
 }
+
+/// A heap of stones against a pale block on soil, in the morning, with as many frames as there are places for a stone that moves.
+fn heap(folder: &Path, places: &[f32]) -> String {
+    for (frame, x) in places.iter().enumerate() {
+        let mut rows = format!("id,kind,pos_x,pos_y,pos_z,r\n0,block,0.9,0.5,0.3,0.3\n99,stone,{x},-1.2,0.1,0.1\n");
+        for k in 0..40 {
+            let [x, y, z] = [(k % 4) as f32 * 0.17, (k / 4 % 5) as f32 * 0.17 - 0.4, 0.1 + (k / 20) as f32 * 0.16];
+            rows += &format!("{},stone,{x},{y},{z},0.1\n", k + 1);
+        }
+        std::fs::write(folder.join(format!("h_{frame}.csv")), rows).unwrap();
+    }
+    let text = "data: {files: 'h_*.csv'}\nscene: quarry.rib\ncamera: {eye: [1, -3, 1.4], look_at: [0.4, 0, 0.2], fov: 30}\nobjects:
+  - {name: stones, select: kind == 'stone', geometry: {sphere: {radius: r}}, surface: {name: gravel}, displacement: {name: stone, bound: 0.04, traced: false}, color: [0.4, 0.36, 0.3]}
+  - {name: block, select: kind == 'block', geometry: {box: {half: [r, r, r]}}, orientation: [0.966, 0, 0.259, 0], surface: {name: concrete}, color: [0.72, 0.7, 0.67]}
+  - {name: soil, select: kind == 'block', geometry: {plane: {half: 900}}, position: [0, 0, 0], surface: {name: ground, line: 0}, color: [0.43, 0.33, 0.23]}
+output: {resolution: [320, 180]}\n";
+    let path = folder.join("m.yaml");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().into()
+}
+
+/// The images of a metadata file's frames.
+fn images(file: &str, frames: usize, more: &[&str]) -> Vec<image::RgbImage> {
+    let out = scratch();
+    scree(&[&["render", file, "-o", out.path().to_str().unwrap()], more].concat()).ok();
+    (0..frames).map(|k| image::open(out.path().join(format!("{k:06}.png"))).unwrap().to_rgb8()).collect()
+}
+
+#[test]
+fn films_have_blacks_and_highlights() {
+    let work = scratch();
+    let file = heap(work.path(), &[0.5]);
+    let image = &images(&file, 1, &[])[0];
+    let light = |p: &image::Rgb<u8>| (54 * p[0] as u32 + 183 * p[1] as u32 + 19 * p[2] as u32) >> 8;
+    let share = |is: fn(u32) -> bool| image.pixels().filter(|p| is(light(p))).count() as f64 / (320.0 * 180.0);
+    let (black, bright, middle) = (share(|l| l <= 12), share(|l| l >= 240), share(|l| (40..220).contains(&l)));
+    assert!(black >= 1e-3 && bright >= 1e-3 && middle > 0.7, "{black} black, {bright} bright, {middle} between");
+}
+
+#[test]
+fn what_rests_does_not_flicker() {
+    let work = scratch();
+    let file = heap(work.path(), &[-0.9, -0.8, -0.7]);
+    let all = images(&file, 3, &[]);
+    for pair in all.windows(2) {
+        // The stone that moves, and its shadow, are in the lower left.
+        let still = |x: u32, y: u32| x > 160 || y < 60;
+        let change =
+            |x, y| (0..3).map(|c| pair[0].get_pixel(x, y)[c].abs_diff(pair[1].get_pixel(x, y)[c]) as u32).max();
+        let pixels = (0..180).flat_map(|y| (0..320).map(move |x| (x, y))).filter(|(x, y)| still(*x, *y));
+        let changes: Vec<u32> = pixels.filter_map(|(x, y)| change(x, y)).collect();
+        let mean = changes.iter().sum::<u32>() as f64 / changes.len() as f64;
+        assert!(mean <= 0.05 && changes.iter().all(|c| *c <= 12), "{mean}, at most {:?}", changes.iter().max());
+        assert!(pair[0] != pair[1], "the stone moves");
+    }
+}
+
+#[test]
+fn slow_gradients_have_no_bands() {
+    // The studio's backdrop takes many rows for a level of grey: the mean of a row must follow it between the levels.
+    let work = scratch();
+    std::fs::write(work.path().join("s_0.csv"), "pos_x,pos_y,pos_z\n0,0,0\n").unwrap();
+    let text = "data: {files: s_0.csv}\ncamera: {eye: [0, -3, 0], look_at: [0, 0, 0]}
+objects: [{name: grain, geometry: {sphere: {radius: 0.001}}}]\noutput: {quality: draft, resolution: [200, 1200]}\n";
+    std::fs::write(work.path().join("m.yaml"), text).unwrap();
+    let image = &images(work.path().join("m.yaml").to_str().unwrap(), 1, &[])[0];
+    let row = |y: u32| (0..90).map(|x| image.get_pixel(x, y)[1] as f64).sum::<f64>() / 90.0;
+    let means: Vec<f64> = (0..1200).map(row).collect();
+    assert!(means[1100] - means[100] > 30.0, "it brightens downwards");
+    let strays = means.windows(17).map(|w| {
+        let around = (w[0] + w[16]) / 2.0;
+        (w[8] - around).abs()
+    });
+    let worst = strays.skip(50).take(1000).fold(0.0, f64::max);
+    assert!(worst < 0.35, "a row is {worst} levels off its neighbours");
+    let is_flat = |y: u32| (1..90).all(|x| image.get_pixel(x, y) == image.get_pixel(0, y));
+    assert!((300..900).filter(|y| is_flat(*y)).count() < 200, "levels are dithered");
+}

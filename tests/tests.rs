@@ -3,6 +3,7 @@
 mod analytic;
 mod blur;
 mod broad_phase;
+mod cameras;
 mod cli;
 mod command_line;
 mod corpus;
@@ -27,6 +28,7 @@ mod light;
 mod looks;
 mod movies;
 mod outputs;
+mod overlays;
 mod pages;
 mod pipeline;
 mod plots;

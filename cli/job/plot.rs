@@ -2,7 +2,7 @@
 //! several runs, one plot for each column with a curve for each run.
 
 pub(super) mod names;
-pub(super) mod table;
+pub mod table;
 
 use super::output;
 use super::run_folder::spare_link;

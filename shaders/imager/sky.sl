@@ -1,9 +1,10 @@
-// The sky behind everything, and the film that takes the picture: exposure, a filmic curve. As the scene's Option "sky" says.
+// The sky behind everything, and the film that takes the picture: exposure, a filmic curve. As the scene's Option "sky" says. hills: the height
+// of a range of hills in the haze of the horizon, degrees, 0 for none.
 #include "exposure.h"
 #include "sky.h"
 #include "film.h"
 imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposure = 1; float white = 4; float film = 1; color ground = color(0.3, 0.27, 0.23);
-           float disc = 1; vector way = suns_way(sun); float haziness = turbidity_of(turbidity); color sunshine = suns_color(suns_way(sun), turbidity_of(turbidity));
+           float disc = 1; float hills = 0; vector way = suns_way(sun); float haziness = turbidity_of(turbidity); color sunshine = suns_color(suns_way(sun), turbidity_of(turbidity));
            color lit = ground * (suns_color(suns_way(sun), turbidity_of(turbidity)) * max(0, zcomp(suns_way(sun)))
                                  + sky_color(vector(0, 0, 1), suns_way(sun), turbidity_of(turbidity)));) {
     Ci = unexposed(Ci);
@@ -12,6 +13,20 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
         vector look = normalize(transform("raster", "world", P) - eye);
         float high = zcomp(look);
         color behind = sky_color(vector(xcomp(look), ycomp(look), max(0.02, high)), way, haziness);
+        if (hills > 0) {
+            // Two ranges, the nearer one lower and less in haze; how high they are depends on the direction alone.
+            float x = xcomp(look) / max(0.001, sqrt(1 - high * high)), y = ycomp(look) / max(0.001, sqrt(1 - high * high));
+            float side = 0.5 + 0.5 * (x * xcomp(way) + y * ycomp(way)) / max(0.001, sqrt(1 - zcomp(way) * zcomp(way)));
+            color haze = mix(haze_color(way, haziness, -1), haze_color(way, haziness, 1), side * side * side);
+            float range;
+            for (range = 0; range < 2; range += 1) {
+                float shift = 7 + 20 * range, rough = 3 + 2 * range;
+                float h = 0.6 * noise(rough * x + shift, rough * y) + 0.25 * noise(4 * rough * x, 4 * rough * y + shift)
+                          + 0.1 * noise(13 * rough * x, 13 * rough * y + shift) + 0.05 * noise(40 * rough * x, 40 * rough * y + shift);
+                float top = radians(hills) * (range == 0 ? 1.5 : 0.9) * max(0, 2 * h - 0.55);
+                behind = mix(mix(haze, 0.6 * lit, range == 0 ? 0.3 : 0.5), behind, smoothstep(-0.0006, 0.0006, high - top));
+            }
+        }
         // Below the horizon there is far ground in haze.
         behind = mix(behind, lit, smoothstep(0, 0.25, -high));
         float off = degrees(acos(clamp(look . way, -1, 1)));

@@ -71,15 +71,22 @@ color sky_color(vector way, sun; float turbidity) {
     float Y = Yz * perez(Ya, Yb, Yc, Yd, Ye, high, gamma) / perez(Ya, Yb, Yc, Yd, Ye, 1, t);
     float x = xz * perez(xa, xb, xc, xd, xe, high, gamma) / perez(xa, xb, xc, xd, xe, 1, t);
     float y = yz * perez(ya, yb, yc, yd, ye, high, gamma) / perez(ya, yb, yc, yd, ye, 1, t);
-    // Of 1000 cd/m², π make what a surface sends back of a light of 1; a third more is light of the second order near the horizon.
-    float luminance = 1.35 * Y / 31.8;
+    // A surface that sends back all of a light of 1 has 31 800 cd/m².
+    float luminance = Y / 31.8;
     float X = luminance * x / y, Z = luminance * (1 - x - y) / y;
     color rgb = color(3.2406 * X - 1.5372 * luminance - 0.4986 * Z, -0.9689 * X + 1.8758 * luminance + 0.0415 * Z,
                       0.0557 * X - 0.2040 * luminance + 1.0570 * Z);
-    // The model's horizon is too purple: there it has the luminance alone, in the colours of a pale blue that dusk makes warm.
-    float low = 1 - smoothstep(0.02, 0.45, high);
-    color pale = mix(color(1.25, 0.95, 0.65), color(0.9, 1.0, 1.16), smoothstep(0.05, 0.35, up));
+    // The model's horizon is too purple: there it has the luminance alone, nearly white and soon blue, in colours that dusk makes warm.
+    float low = 1 - smoothstep(0.1, 0.5, high);
+    color noon = mix(color(0.86, 1.0, 1.2), color(0.5, 1.0, 1.75), smoothstep(0.01, 0.25, high));
+    color pale = mix(color(1.25, 0.95, 0.65), noon, smoothstep(0.05, 0.35, up));
     return mix(max(rgb, color(0, 0, 0)), luminance * pale, low);
+}
+
+// What of the model's sky lights surfaces: it is brighter than measured skies. So a clear sky gives a sixth to a third of the light, by the
+// height of the sun, and shadows are as deep as photographs have them.
+float sky_share() {
+    return 0.7;
 }
 
 // The mean of the sky near the horizon.

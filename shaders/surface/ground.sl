@@ -9,7 +9,11 @@ surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.0
     float wide = pixelwidth(I, N);
     float x = xcomp(Q), y = ycomp(Q);
     normal Nf = faceforward(normalize(N), I);
-    color soil = Cs * (1 + 0.15 * (noise(x / (9 * size) + 3.7, y / (9 * size)) - 0.5));
+    // Patches of paler and darker soil, of several sizes, that fade into their mean.
+    float wash = 0.16 * fade(wide, 9 * size) * (noise(x / (9 * size) + 3.7, y / (9 * size)) - 0.5)
+                 + 0.22 * fade(wide, 31 * size) * (noise(x / (31 * size) + 11.2, y / (23 * size)) - 0.5)
+                 + 0.14 * fade(wide, 2.7 * size) * (noise(x / (2.7 * size) + 5.1, y / (2.1 * size)) - 0.5);
+    color soil = Cs * (1 + wash) * mix(color(1, 1, 1), color(1.06, 0.99, 0.9), clamp(6 * wash, -1, 1));
     vector slope = 0;
     float near = wide / size;
     if (near < 0.9) {

@@ -10,8 +10,10 @@
 
 mod check;
 mod object;
+mod overlays;
 mod resolved;
 
 pub use check::{delimiter, some_objects};
 pub use object::{Archive, Color, Formula, Object, Shader, Shape};
-pub use resolved::{Binding, Camera, Data, ImageFormat, Lens, Output, Place, Placed, Projection, Quality};
+pub use overlays::{Axes, Corner, GrowingPlot, Legend, Overlays, Panel, ScaleBar, TIME_UNITS, TimeStamp, Title};
+pub use resolved::{Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality};

@@ -13,6 +13,7 @@
 mod archive;
 mod camera;
 mod instances;
+mod keys;
 mod missing;
 mod shapes;
 
@@ -62,7 +63,7 @@ pub fn frame(
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(binding, &text)?;
-    let has_ground = text.lines().any(|line| line.trim() == "#scree ground");
+    let has_ground = text.lines().any(|line| matches!(line.trim(), "#scree ground" | "#scree floor"));
     let mut drawn = false;
     if binding.output.shutter > 0.0 {
         ri.shutter(0.0, binding.output.shutter as f32).map_err(|f| binding.doc.fault("output.shutter", f.message))?;
@@ -91,7 +92,14 @@ pub fn frame(
             ))),
             (Some("ground"), None) if binding.ground_height == 0.0 => Ok(()),
             (Some("ground"), None) => ri.translate([0.0, 0.0, binding.ground_height]),
-            _ => Err(Fail::new(format!("`#scree {directive}` is unknown, expected `inject`, `override` or `ground`"))),
+            (Some("floor"), None) => {
+                let ([x, y], size) = stand.map_or(([0.0; 2], 1.0), |stand| stand.floor());
+                ri.translate([x, y, binding.ground_height])?;
+                ri.scale([size; 3])
+            }
+            _ => Err(Fail::new(format!(
+                "`#scree {directive}` is unknown, expected `inject`, `override`, `ground` or `floor`"
+            ))),
         }
     });
     done.map_err(|e| EmitError::Rib(e, binding.doc.path.clone()))?;

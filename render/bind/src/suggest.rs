@@ -67,7 +67,8 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         (lo, hi) = (lo - size as f32, hi + size as f32);
     }
     let kinds = kinds(&surveys);
-    let ground_height = ground_height(&surveys, &kinds, lo.z, hi.z);
+    let ground_height =
+        if is_ours { ground_height(&surveys, &kinds, lo.z, hi.z) } else { floor_height(lo.z, (hi - lo).max_element()) };
     let camera = match classes.subject(&containers, [lo, hi]).filter(|_| is_ours) {
         Some(Subject { class, lo, hi }) => {
             CameraSpec { follow: Some(format!("class == '{class}'")), ..framing::camera(lo, hi) }
@@ -95,7 +96,8 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
     };
     let metadata = Metadata {
         data: Some(data),
-        scene: "studio.rib".into(),
+        // Data of others seldom has a ground: the scene has a floor under the lowest of it.
+        scene: if is_ours { "studio.rib" } else { "seamless.rib" }.into(),
         camera: Some(camera),
         ground_height,
         objects,
@@ -182,6 +184,13 @@ fn ground_height(surveys: &[Survey<'_>], kinds: &[Kind<'_>], lo: f32, hi: f32) -
         (plane, below) => plane.or(below).unwrap_or(rounded(lo.min(0.0)) as f32),
     };
     if height.abs() < 1e-3 { 0.0 } else { height }
+}
+
+/// The height of a floor right under the lowest thing, m, with few digits; 0 where that is nearly it.
+fn floor_height(lo: f32, extent: f32) -> f32 {
+    let step = 10f32.powi((1e-2 * extent).max(f32::MIN_POSITIVE).log10().floor() as i32);
+    let height = rounded((lo / step).floor() * step) as f32;
+    if !height.is_finite() || height.abs() < 0.5 * step { 0.0 } else { height.min(lo) }
 }
 
 /// One object for each class and shape of a run of ours.

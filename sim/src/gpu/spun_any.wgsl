@@ -17,10 +17,23 @@ fn spin_after(angle: vec3<f32>, momentum: vec3<f32>, inverse: vec3<f32>) -> vec3
     return turned_back(rotation_by(angle), momentum) * inverse;
 }
 
+// The greatest angle of a part of the step, rad, and the most parts.
+const PART: f32 = 0.5;
+const MOST_PARTS: f32 = 1e4;
+
+// Orientation and angular velocity in its own frame after a step without torque. Fast rotation goes in parts.
 fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun {
-    let local = turned_back(before, w);
-    let momentum = local / inverse;
-    var middle = local;
+    let parts = clamp(ceil(length(w) * h / PART), 1.0, MOST_PARTS);
+    var now = Spun(before, turned_back(before, w));
+    for (var i = 0.0; i < parts; i += 1.0) {
+        now = tumbled_by_a_part(now, inverse, h / parts);
+    }
+    return now;
+}
+
+fn tumbled_by_a_part(before: Spun, inverse: vec3<f32>, h: f32) -> Spun {
+    let momentum = before.spin / inverse;
+    var middle = before.spin;
     for (var i = 0u; i < MOST; i++) {
         let next = spin_after(middle * (0.5 * h), momentum, inverse);
         let change = next - middle;
@@ -29,7 +42,7 @@ fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun 
             break;
         }
     }
-    let after = normalize(product_of(before, rotation_by(middle * h)));
+    let after = normalize(product_of(before.orientation, rotation_by(middle * h)));
     return Spun(after, spin_after(middle * h, momentum, inverse));
 }
 

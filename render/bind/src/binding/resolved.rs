@@ -1,6 +1,7 @@
 //! A binding's parts: data, camera, images, and what finds files and columns for them.
 
 use super::object::{Formula, Object};
+use super::overlays::Overlays;
 use crate::data::{Source, Store};
 use crate::expr::Expr;
 use frame::csv::Layout;
@@ -30,6 +31,8 @@ pub struct Binding {
     pub ground_height: f32,
     /// The objects to draw, at least one.
     pub objects: Vec<Object>,
+    /// What is written over the images.
+    pub overlays: Overlays,
     /// Resolution, sampling and file format of the images.
     pub output: Output,
     /// Frame rate of the movie, 1/s.
@@ -97,6 +100,34 @@ pub struct Placed {
     pub follow: Option<Formula>,
     /// The lens, for depth of field; a pinhole if not given.
     pub lens: Option<Lens>,
+    /// Keyframes, by frame; none if it stands still but for `orbit` and `follow`.
+    pub keys: Vec<Key>,
+    /// How far to the right of `eye` the image is taken from, m, for one of a stereo pair. What is looked at is at the same place in both
+    /// images of a pair.
+    pub aside: f32,
+}
+
+/// A keyframe of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// The frame; frames between keys may be whole or not.
+    pub frame: f64,
+    /// Position of the camera, m.
+    pub eye: [f32; 3],
+    /// Point that the camera looks at, m.
+    pub look_at: [f32; 3],
+    /// Angle of view, or in parallel projection the extent, as [`Projection`] has it.
+    pub fov: f32,
+    /// Whether the camera jumps here.
+    pub cut: bool,
+}
+
+impl Key {
+    /// Eye, point that the camera looks at, angle of view.
+    pub fn view(&self) -> [f32; 7] {
+        let ([a, b, c], [d, e, f]) = (self.eye, self.look_at);
+        [a, b, c, d, e, f, self.fov]
+    }
 }
 
 /// A camera's projection.

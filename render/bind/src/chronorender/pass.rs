@@ -6,7 +6,7 @@ use super::objects::{Drawn, Source};
 use super::places::Places;
 use super::scene::{Parts, scene};
 use super::shaders::{self, shader};
-use crate::binding::{Binding, Camera, Data, ImageFormat, Output, Place, Shader, delimiter, some_objects};
+use crate::binding::{Binding, Camera, Data, ImageFormat, Output, Overlays, Place, Shader, delimiter, some_objects};
 use frame::Fault;
 use frame::yaml::Document;
 use serde_yaml::Value;
@@ -101,6 +101,7 @@ impl Image {
             lights: None,
             ground_height: 0.0,
             objects: self.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?,
+            overlays: Overlays::default(),
             output: self.output,
             frame_rate: 24.0,
             made: self.made,

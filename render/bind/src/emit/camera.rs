@@ -1,6 +1,6 @@
 //! The camera of a frame: its projection, and where it has gone.
 
-use super::archive;
+use super::{archive, keys};
 use crate::binding::{Binding, Camera, Placed, Projection};
 use crate::expr::Expr;
 use frame::{Fault, FaultKind, Frame};
@@ -19,11 +19,26 @@ pub struct Stand {
     pub eye: [f32; 3],
     /// The point that it looks at.
     pub at: [f32; 3],
+    /// Perspective or parallel projection.
+    pub projection: Projection,
+}
+
+impl Stand {
+    /// The middle and the size of a floor under what the camera looks at: the distance of the eye, in parallel projection at least the
+    /// extent.
+    pub(super) fn floor(self) -> ([f32; 2], f32) {
+        let far = (Vec3::from(self.at) - Vec3::from(self.eye)).length();
+        let size = match self.projection {
+            Projection::Parallel(height) => height,
+            Projection::Perspective(_) => far,
+        };
+        ([self.at[0], self.at[1]], size)
+    }
 }
 
 /// Projection and world-to-camera matrix.
 pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files: &Files, ri: &mut dyn Ri) -> RiResult {
-    let (camera, Stand { eye, at }) = match (&binding.camera, stand) {
+    let (camera, Stand { mut eye, mut at, projection }) = match (&binding.camera, stand) {
         (Some(Camera::Placed(camera)), Some(stand)) => (camera, stand),
         (Some(Camera::File(file)), _) => return archive::include(&numbered(file, number), files, ri),
         _ => {
@@ -32,7 +47,8 @@ pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files
             ));
         }
     };
-    match camera.projection {
+    let shift = if camera.aside == 0.0 { 0.0 } else { step_aside(camera, projection, &mut eye, &mut at) };
+    match projection {
         Projection::Parallel(height) => {
             let [w, h] = binding.output.resolution.map(|n| n as f32);
             let (x, y) =
@@ -41,6 +57,11 @@ pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files
             ri.projection("orthographic", vec![])?;
         }
         Projection::Perspective(fov) => {
+            if shift != 0.0 {
+                let [w, h] = binding.output.resolution.map(|n| n as f32);
+                let (x, y) = if w >= h { (w / h, 1.0) } else { (1.0, h / w) };
+                ri.screen_window(shift - x, shift + x, -y, y)?;
+            }
             ri.projection("perspective", vec![Param::floats("fov", Class::Uniform, Type::Float, [fov])])?;
         }
     }
@@ -56,6 +77,20 @@ pub(super) fn inject(binding: &Binding, number: u64, stand: Option<Stand>, files
     ri.concat_transform(look_at(eye, at, camera.up).to_cols_array())
 }
 
+/// Move a camera to the side, for an eye of a stereo pair; gives how far its window on the screen is moved back, so that what is looked at
+/// stays at its place.
+fn step_aside(camera: &Placed, projection: Projection, eye: &mut [f32; 3], at: &mut [f32; 3]) -> f32 {
+    let way = Vec3::from(*at) - Vec3::from(*eye);
+    let step = camera.aside * way.cross(camera.up.into()).normalize();
+    for place in [eye, at] {
+        *place = (Vec3::from(*place) + step).into();
+    }
+    match projection {
+        Projection::Perspective(fov) => -camera.aside / (way.length() * (fov / 2.0).to_radians().tan()),
+        Projection::Parallel(_) => 0.0,
+    }
+}
+
 /// Where the camera stands in a frame, if the binding places it. That it follows rows which the frame does not have is a fault of the data.
 pub(super) fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
     match &binding.camera {
@@ -65,7 +100,17 @@ pub(super) fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, F
 }
 
 fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fault> {
-    let (mut eye, mut at, up) = (camera.eye, camera.look_at, camera.up);
+    let (mut eye, mut at, up, mut projection) = (camera.eye, camera.look_at, camera.up, camera.projection);
+    if let Some([a, b, c, d, e, f, fov]) = keys::view(&camera.keys, frame.number as f64) {
+        (eye, at) = ([a, b, c], [d, e, f]);
+        if let Projection::Perspective(angle) = &mut projection {
+            *angle = fov;
+        }
+    }
+    if !(Vec3::from(at) - Vec3::from(eye)).cross(up.into()).length().is_normal() {
+        let message = format!("in frame {} the camera stands where it looks at, or looks along `up`", frame.number);
+        return Err(binding.doc.fault("camera.keys", message));
+    }
     if let Some(degrees) = camera.orbit {
         // About the direction that is up, counter-clockwise as seen from there.
         let angle = (degrees as f64 * frame.number as f64 % 360.0).to_radians() as f32;
@@ -88,7 +133,7 @@ fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fau
             at[k] += middle as f32;
         }
     }
-    Ok(Stand { eye, at })
+    Ok(Stand { eye, at, projection })
 }
 
 /// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.

@@ -3,7 +3,7 @@
 use super::types;
 use super::types::{CameraSpec, Metadata, Parameter, Quantity, View};
 use crate::binding::{
-    Archive, Binding, Camera, Color, Data, Formula, ImageFormat, Lens, Object, Output, Place, Placed, Projection,
+    Archive, Binding, Camera, Color, Data, Formula, ImageFormat, Key, Lens, Object, Output, Place, Placed, Projection,
     Quality, Shader, Shape, delimiter, some_objects,
 };
 use frame::Fault;
@@ -24,18 +24,21 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     some_objects(&doc, metadata.objects.len())?;
     let data = metadata.data.map(|data| resolve_data(data, delimiter, &doc)).transpose()?;
     let compile = |(i, object): (usize, types::Object)| resolve_object(object, i, &doc)?.compile(&doc, i);
-    let objects = metadata.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?;
+    let objects = metadata.objects.into_iter().enumerate().map(compile).collect::<Result<Vec<Object>, _>>()?;
+    let stereo = metadata.camera.as_ref().and_then(|spec| spec.stereo);
     let follow = metadata.camera.and_then(|spec| spec.follow);
     if let (Some(Camera::Placed(placed)), Some(text)) = (&mut camera, follow) {
         placed.follow = Some(Formula::compile(&doc, "camera.follow".into(), &text)?);
     }
+    let mut overlays = metadata.overlays;
+    overlays.check(&doc, matches!(camera, Some(Camera::Placed(_))), &objects)?;
     let (model, scene, lights, ground_height) =
         (metadata.model, metadata.scene, metadata.lights, metadata.ground_height);
     if !ground_height.is_finite() {
         return Err(doc.fault("ground_height", "expected a height in metres"));
     }
     let (made, folders, passes) = (vec![], vec![], vec![]);
-    Ok(Binding {
+    let binding = Binding {
         doc,
         model,
         data,
@@ -44,12 +47,29 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
         lights,
         ground_height,
         objects,
+        overlays,
         output,
         frame_rate,
         made,
         folders,
         passes,
+    };
+    Ok(match stereo {
+        Some(distance) => pair(binding, distance),
+        None => binding,
     })
+}
+
+/// A binding of the left eye's images, with the right eye's as a pass.
+fn pair(binding: Binding, distance: f32) -> Binding {
+    let eye = |aside: f32| {
+        let mut one = binding.clone();
+        if let Some(Camera::Placed(placed)) = &mut one.camera {
+            placed.aside = aside;
+        }
+        one
+    };
+    Binding { passes: vec![("right".into(), eye(distance / 2.0))], ..eye(-distance / 2.0) }
 }
 
 fn output(o: types::Output) -> Output {
@@ -100,7 +120,11 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if c.view.is_some() && c.eye.is_some() {
         return Err(doc.fault("camera.view", "stands instead of `eye`, not beside it"));
     }
-    if c.file.is_some() && (c.orbit.is_some() || c.follow.is_some() || c.view.is_some()) {
+    if c.view.is_some() && !c.keys.is_empty() {
+        return Err(doc.fault("camera.keys", "belong to a camera with `eye` and `look_at`"));
+    }
+    let moves = c.orbit.is_some() || c.follow.is_some() || !c.keys.is_empty() || c.stereo.is_some();
+    if c.file.is_some() && (moves || c.view.is_some()) {
         return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
     }
     let lens = c.lens.as_ref();
@@ -114,6 +138,12 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
         if let Some((name, _)) = numbers.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
             return Err(doc.fault(&format!("camera.lens.{name}"), "expected a number above 0"));
         }
+    }
+    if c.stereo.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
+        return Err(doc.fault("camera.stereo", "expected the distance of the eyes in metres, more than 0"));
+    }
+    if c.stereo.is_some() && c.orthographic.is_some() {
+        return Err(doc.fault("camera.stereo", "belongs to a camera in perspective"));
     }
     if c.orbit.is_some_and(|o| !o.is_finite()) {
         return Err(doc.fault("camera.orbit", "expected degrees a frame"));
@@ -130,7 +160,32 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
         return Err(doc.fault("camera", "cannot look along `up`, nor at the place where it stands"));
     }
     let projection = c.orthographic.map_or(Projection::Perspective(c.fov), Projection::Parallel);
-    Ok(Camera::Placed(Placed { eye, look_at, up, projection, orbit: c.orbit, follow: None, lens }))
+    let keys = keys(c, (eye, look_at), doc)?;
+    Ok(Camera::Placed(Placed { eye, look_at, up, projection, orbit: c.orbit, follow: None, lens, keys, aside: 0.0 }))
+}
+
+/// The keyframes: what one does not give is as before.
+fn keys(c: &CameraSpec, (mut eye, mut look_at): ([f32; 3], [f32; 3]), doc: &Document) -> Result<Vec<Key>, Fault> {
+    let mut fov = c.orthographic.unwrap_or(c.fov);
+    let mut keys: Vec<Key> = vec![];
+    for (k, spec) in c.keys.iter().enumerate() {
+        let fault = |name: &str, message: &str| Err(doc.fault(&format!("camera.keys.{k}.{name}"), message));
+        if !spec.frame.is_finite() || keys.last().is_some_and(|last| last.frame >= spec.frame) {
+            return fault("frame", "expected a frame after that of the key before");
+        }
+        if spec.fov.is_some() && c.orthographic.is_some() {
+            return fault("fov", "belongs to a camera in perspective");
+        }
+        (eye, look_at, fov) = (spec.eye.unwrap_or(eye), spec.look_at.unwrap_or(look_at), spec.fov.unwrap_or(fov));
+        if c.orthographic.is_none() && !(fov > 0.0 && fov < 179.0) {
+            return fault("fov", "expected an angle between 0 and 179 degrees");
+        }
+        if !(glam::Vec3::from(look_at) - glam::Vec3::from(eye)).cross(c.up.into()).length().is_normal() {
+            return fault("eye", "cannot look along `up`, nor at the place where it stands");
+        }
+        keys.push(Key { frame: spec.frame, eye, look_at, fov, cut: spec.cut });
+    }
+    Ok(keys)
 }
 
 /// Eye, what it looks at, and what is up, before the camera goes anywhere.

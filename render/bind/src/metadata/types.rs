@@ -1,5 +1,6 @@
 //! The metadata file as types, just as it is written.
 
+use crate::binding::Overlays;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -28,6 +29,9 @@ pub struct Metadata {
     pub ground_height: f32,
     /// The objects to draw.
     pub objects: Vec<Object>,
+    /// What is written over the images: title, time, scale bar, legend, axes, plot.
+    #[serde(default, skip_serializing_if = "Overlays::is_empty")]
+    pub overlays: Overlays,
     /// The images.
     #[serde(default)]
     pub output: Output,
@@ -124,6 +128,33 @@ pub struct CameraSpec {
     /// Parallel projection: the extent across the image's shorter side, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orthographic: Option<f32>,
+    /// Keyframes, between which the camera goes smoothly.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keys: Vec<KeySpec>,
+    /// Distance of the eyes of a stereo pair, m: the images are those of the left eye, and those of the right eye are in the folder
+    /// `right` beside them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stereo: Option<f32>,
+}
+
+/// A keyframe of the camera. What it does not give is as in the key before, and in the first as the camera has it.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a map")]
+pub struct KeySpec {
+    /// The frame.
+    pub frame: f64,
+    /// Position of the camera, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eye: Option<[f32; 3]>,
+    /// Point that the camera looks at, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub look_at: Option<[f32; 3]>,
+    /// Angle of view across the image's shorter side, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fov: Option<f32>,
+    /// Whether the camera jumps here instead of going here.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub cut: bool,
 }
 
 /// A camera's lens.

@@ -1,0 +1,115 @@
+//! Cameras of metadata files: keyframes, cuts and stereo pairs, and a floor that is as large as the data.
+
+use crate::cli::{scratch, scree};
+use image::RgbImage;
+use std::path::Path;
+
+/// Metadata of three frames with the same small spheres: places and radii, m.
+fn metadata(folder: &Path, camera: &str, scene: &str, spheres: &[[f32; 4]]) -> String {
+    for frame in 0..3 {
+        let rows: String = spheres.iter().map(|[x, y, z, r]| format!("{x},{y},{z},{r}\n")).collect();
+        std::fs::write(folder.join(format!("s_{frame}.csv")), format!("pos_x,pos_y,pos_z,r\n{rows}")).unwrap();
+    }
+    let text = format!(
+        "data: {{files: 's_*.csv'}}\nscene: {scene}\ncamera: {camera}\nobjects:
+  - {{name: spheres, geometry: {{sphere: {{radius: r}}}}, color: [0.9, 0.1, 0.1]}}\noutput: {{resolution: [320, 180], samples: [4, 4]}}\n"
+    );
+    let path = folder.join("m.yaml");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().into()
+}
+
+/// The images of the three frames, and those of a right eye if there is one.
+fn draw(camera: &str, scene: &str, spheres: &[[f32; 4]]) -> [Vec<RgbImage>; 2] {
+    let work = scratch();
+    let (file, out) = (metadata(work.path(), camera, scene, spheres), work.path().join("o"));
+    scree(&["render", &file, "-o", out.to_str().unwrap()]).ok();
+    ["", "right"].map(|eye| {
+        let file = |k: usize| out.join(eye).join(format!("{k:06}.png"));
+        (0..3).map(file).filter(|f| f.exists()).map(|f| image::open(f).unwrap().to_rgb8()).collect()
+    })
+}
+
+const SPHERE: [[f32; 4]; 1] = [[0.3, 0.0, 0.2, 0.3]];
+
+#[test]
+fn keyframes_are_gone_through_and_cuts_jump() {
+    let [first, last] =
+        ["eye: [0, -4, 1], look_at: [0, 0, 0], fov: 40", "eye: [3, -3, 2], look_at: [0.4, 0, 0], fov: 20"];
+    let still = |view: &str| draw(&format!("{{{view}}}"), "white_page.rib", &SPHERE)[0][0].clone();
+    let moving = |keys: &str| draw(&format!("{{{first}, keys: [{keys}]}}"), "white_page.rib", &SPHERE)[0].clone();
+    let smooth = moving(&format!("{{frame: 0}}, {{frame: 2, {last}}}"));
+    assert!(smooth[0] == still(first) && smooth[2] == still(last), "at the keys it is where they say");
+    let half = "eye: [1.5, -3.5, 1.5], look_at: [0.2, 0, 0], fov: 30";
+    assert!(smooth[1] == still(half), "half way it is in the middle");
+    let cut = moving(&format!("{{frame: 0}}, {{frame: 2, cut: true, {last}}}"));
+    assert!(cut[0] == cut[1] && cut[1] == smooth[0] && cut[2] == smooth[2]);
+}
+
+/// The middle of what is red, pixels.
+fn middle(image: &RgbImage, from: u32, to: u32) -> [f64; 2] {
+    let red = image.enumerate_pixels().filter(|(x, _, p)| (from..to).contains(x) && p[0] as i32 > p[1] as i32 + 60);
+    let (n, x, y) = red.fold((0.0, 0.0, 0.0), |(n, sx, sy), (x, y, _)| (n + 1.0, sx + x as f64, sy + y as f64));
+    assert!(n > 20.0, "{n} pixels");
+    [x / n + 0.5, y / n + 0.5]
+}
+
+#[test]
+fn a_stereo_pair_sees_what_it_looks_at_at_one_place_and_the_rest_aside() {
+    let spheres = [[0.0, 0.0, 0.0, 0.08], [0.5, -2.0, 0.0, 0.05]];
+    let camera = "{eye: [0, -4, 0], look_at: [0, 0, 0], fov: 40, stereo: 0.1}";
+    let [left, right] = draw(camera, "white_page.rib", &spheres);
+    assert_eq!((left.len(), right.len()), (3, 3));
+    let middles = [&left[0], &right[0]].map(|image| middle(image, 120, 200));
+    for [x, y] in middles {
+        assert!((x - 160.0).abs() < 0.3 && (y - 90.0).abs() < 0.3, "what is looked at stays: {middles:?}");
+    }
+    // Half as far, with half the eyes' distance d to each side: pixels of d (1/2 − 1/4) / tan 20°, in a half height of 90.
+    let aside = middle(&left[0], 205, 320)[0] - middle(&right[0], 205, 320)[0];
+    let expected = 0.1 * (1.0 / 2.0 - 1.0 / 4.0) * 90.0 / 20f64.to_radians().tan();
+    assert!((aside - expected).abs() < 0.4, "{aside}, expected {expected}");
+}
+
+#[test]
+fn a_floor_is_as_large_as_the_data() {
+    let at = |scale: f32| {
+        let spheres = [[0.3f32, 0.0, 0.3, 0.3], [-0.4, 0.2, 0.2, 0.2]].map(|s| s.map(|x| x * scale));
+        let [x, y, z] = [1.5, -3.0, 1.4].map(|c: f32| c * scale);
+        draw(&format!("{{eye: [{x}, {y}, {z}], look_at: [0, 0, 0]}}"), "seamless.rib", &spheres)[0][0].clone()
+    };
+    let metres = at(1.0);
+    let corner = metres.get_pixel(5, 175);
+    assert!(metres.pixels().any(|p| p[0] as i32 + 40 < corner[0] as i32), "there is a shadow");
+    for scale in [0.01, 100.0] {
+        let other = at(scale);
+        let strays = metres.as_raw().iter().zip(other.as_raw()).map(|(a, b)| a.abs_diff(*b) as f64);
+        let mean = strays.sum::<f64>() / metres.as_raw().len() as f64;
+        assert!(mean < 0.3, "at a scale of {scale}: {mean} of 255");
+    }
+}
+
+#[test]
+fn wrong_keys_are_refused_at_their_place() {
+    let cases: [(&str, &[&str]); 6] = [
+        (
+            "{eye: [0, -4, 1], look_at: [0, 0, 0], keys: [{frame: 3}, {frame: 3}]}",
+            &["keys", "after that of the key before", "m.yaml:3"],
+        ),
+        ("{eye: [0, -4, 1], look_at: [0, 0, 0], keys: [{frame: 3, eyes: [0, 0, 1]}]}", &["eyes", "`eye`", "m.yaml:3"]),
+        (
+            "{eye: [0, -4, 1], look_at: [0, 0, 0], keys: [{frame: 0, eye: [0, 0, 1]}]}",
+            &["cannot look along `up`", "m.yaml:3"],
+        ),
+        ("{eye: [0, -4, 1], look_at: [0, 0, 0], orthographic: 2, stereo: 0.1}", &["perspective", "m.yaml:3"]),
+        ("{eye: [0, -4, 1], look_at: [0, 0, 0], stereo: -1}", &["more than 0", "m.yaml:3"]),
+        ("{view: top, orthographic: 2, keys: [{frame: 0}]}", &["`eye` and `look_at`", "m.yaml:3"]),
+    ];
+    for (camera, expected) in cases {
+        let work = scratch();
+        let file = metadata(work.path(), camera, "white_page.rib", &SPHERE);
+        let said = scree(&["render", &file, "-o", work.path().join("o").to_str().unwrap()]).fails(3);
+        for part in expected {
+            assert!(said.contains(part), "{camera}: `{part}` is missing in {said}");
+        }
+    }
+}
