@@ -266,6 +266,31 @@ fn stiff_piles_of_stones_are_solved_to_the_end() {
     }
 }
 
+#[test]
+fn stiff_piles_with_contacts_without_friction_are_solved_by_continuation() {
+    let folder = scratch();
+    let path = folder.path().join("slippery.dat");
+    for seed in [0, 4] {
+        let mut problem = stones(seed);
+        problem.mu.iter_mut().step_by(4).for_each(|mu| *mu = 0.0);
+        std::fs::write(&path, problem.text(false)).unwrap();
+        let solve = |iterations: u32| {
+            let mut read = problem::read(&path).unwrap();
+            problem::solve(&mut read, &Law { iterations, ..law(FrictionLaw::Exact, None, 1e-8) })
+        };
+        let solution = solve(100_000);
+        let error = problem.error(&solution.gamma, true);
+        assert!(error <= 1.001e-8, "stones {seed}: {error} by {}", solution.method);
+        assert_eq!(solution.method, "continuation", "stones {seed}: the sweeps stall, and Newton's method from there");
+        if seed == 4 {
+            assert_eq!(solve(100_000).gamma, solution.gamma, "one input, one answer");
+            // Without iterations for it, the sweeps' answer is as they leave it.
+            let left = solve(17_000);
+            assert!(left.error > 1e-8 && ["gauss_seidel", "apgd"].contains(&left.method), "{}", left.method);
+        }
+    }
+}
+
 /// A pile with the W of an implicit step: W + W S W, where S is skew, as the derivative of gyroscopic torques.
 fn gyroscopic(seed: u64) -> Problem {
     let mut problem = pile(seed);

@@ -5,8 +5,12 @@
 //! units of the problem's file.
 //!
 //! Solvers: the methods of the CPU back end, Gauss–Seidel sweeps on the matrix, and for small problems of exact friction on which these
-//! stall, `direct`: solves with factorised matrices.
+//! stall, `direct`: solves of their independent parts (`components`) with factorised matrices, by Newton's method (`newton`), the central
+//! path (`path`) and numerical continuation (`continuation`).
 
+mod alart_curnier;
+mod components;
+mod continuation;
 mod dense;
 mod direct;
 mod lorentz;
@@ -64,8 +68,8 @@ pub fn solve(op: &mut MatrixOperator, law: &Law) -> Solution {
 
 /// Alternate Gauss–Seidel and APGD, each from the best multipliers so far: Gauss–Seidel converges faster on most problems of rigid bodies,
 /// APGD by far on some. The rounds become twice as long, those of APGD half as long when they find nothing better. Exact friction on which
-/// they stall is tried once by direct solves, for as long as twice the iterations so far take; if these do not converge, the rounds go on as
-/// if they had not been.
+/// they stall is tried once by direct solves, for as long as the iterations that are left take; if these do not converge, the rounds go on
+/// as if they had not been.
 fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
     /// Iterations of the first round of each: those of APGD cost a sixteenth of a sweep.
     const FIRST: [(Method, u32); 2] = [(Method::GaussSeidel, 32), (Method::Apgd, 512)];
@@ -97,7 +101,8 @@ fn alternate(op: &mut MatrixOperator, law: &Law) -> Solution {
         }
         if done >= next_direct {
             next_direct = u32::MAX;
-            let found = direct::solve(op, &best.gamma, law.tolerance, done.saturating_mul(2));
+            let limits = direct::Limits { early: done.saturating_mul(2), late: law.iterations - done };
+            let found = direct::solve(op, &best.gamma, law.tolerance, limits);
             if found.error <= law.tolerance {
                 let (iterations, method) = (done + found.iterations, found.method);
                 return Solution { gamma: found.gamma, error: found.error, iterations, method };

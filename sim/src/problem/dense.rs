@@ -1,5 +1,6 @@
 //! LU factorisation of dense matrices with row interchanges, by panels of columns.
 
+use crate::lanes::{LaneLoop, Lanes4, four, four_mut, widest};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -35,6 +36,21 @@ impl Lu {
             rows.for_each(|row| eliminate(row, pivots, n, panel.clone(), panel.end));
         }
         Some(Lu { n, factors: a, order })
+    }
+
+    /// The sign of the determinant: 1 or −1.
+    pub fn sign(&self) -> f64 {
+        let negative = (0..self.n).filter(|i| self.factors[i * self.n + i] < 0.0).count();
+        // A permutation is odd if its number of rows less that of its cycles is.
+        let (mut seen, mut cycles) = (vec![false; self.n], 0);
+        for first in 0..self.n {
+            let mut at = first;
+            cycles += usize::from(!seen[at]);
+            while !std::mem::replace(&mut seen[at], true) {
+                at = self.order[at];
+            }
+        }
+        if (negative + self.n - cycles).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
     /// Solve: the right-hand side becomes the solution (n).
@@ -79,22 +95,70 @@ fn factorise_panel(a: &mut [f64], n: usize, panel: Range<usize>, order: &mut [us
 /// Subtract from the columns `from..` of a row the pivot rows of some columns, times the row's factors there.
 fn eliminate(row: &mut [f64], pivots: &[f64], n: usize, columns: Range<usize>, from: usize) {
     let (factors, rest) = row.split_at_mut(from);
-    let factors = &factors[columns];
-    for (t, tile) in rest.chunks_mut(TILE).enumerate() {
-        let place = from + t * TILE..from + t * TILE + tile.len();
-        let rows = |p: usize| &pivots[p * n..][place.clone()];
-        let mut p = 0;
-        while p + 4 <= factors.len() {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| rows(p + i));
-            let [fa, fb, fc, fd] = [0, 1, 2, 3].map(|i| factors[p + i]);
-            for (i, x) in tile.iter_mut().enumerate() {
-                *x -= (fa * a[i] + fb * b[i]) + (fc * c[i] + fd * d[i]);
+    widest(Elimination { factors: &factors[columns], rest, pivots, n, from });
+}
+
+/// The arguments of [`eliminate`].
+struct Elimination<'a> {
+    factors: &'a [f64],
+    rest: &'a mut [f64],
+    pivots: &'a [f64],
+    n: usize,
+    from: usize,
+}
+
+impl LaneLoop for Elimination<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<V: Lanes4>(self) {
+        for (t, tile) in self.rest.chunks_mut(TILE).enumerate() {
+            let mut p = 0;
+            while p < self.factors.len() {
+                let rows = [0, 1, 2, 3].map(|i| {
+                    let place = (p + i).min(self.factors.len() - 1) * self.n + self.from + t * TILE;
+                    &self.pivots[place..place + tile.len()]
+                });
+                if p + 4 <= self.factors.len() {
+                    subtract4::<V>(tile, rows, four(self.factors, p));
+                    p += 4;
+                } else {
+                    subtract::<V>(tile, rows[0], self.factors[p]);
+                    p += 1;
+                }
             }
-            p += 4;
         }
-        for p in p..factors.len() {
-            tile.iter_mut().zip(rows(p)).for_each(|(x, y)| *x -= factors[p] * y);
-        }
+    }
+}
+
+/// x −= (f₀ a + f₁ b) + (f₂ c + f₃ d).
+#[inline(always)]
+fn subtract4<V: Lanes4>(x: &mut [f64], [a, b, c, d]: [&[f64]; 4], f: &[f64; 4]) {
+    let [fa, fb, fc, fd] = [V::splat(f[0]), V::splat(f[1]), V::splat(f[2]), V::splat(f[3])];
+    let whole = x.len() / 4 * 4;
+    let mut k = 0;
+    while k < whole {
+        let sum = (fa * V::load(four(a, k)) + fb * V::load(four(b, k)))
+            + (fc * V::load(four(c, k)) + fd * V::load(four(d, k)));
+        *four_mut(x, k) = (V::load(four(x, k)) - sum).to_array();
+        k += 4;
+    }
+    for k in whole..x.len() {
+        x[k] -= (f[0] * a[k] + f[1] * b[k]) + (f[2] * c[k] + f[3] * d[k]);
+    }
+}
+
+/// x −= f a.
+#[inline(always)]
+fn subtract<V: Lanes4>(x: &mut [f64], a: &[f64], f: f64) {
+    let whole = x.len() / 4 * 4;
+    let mut k = 0;
+    while k < whole {
+        *four_mut(x, k) = (V::load(four(x, k)) - V::splat(f) * V::load(four(a, k))).to_array();
+        k += 4;
+    }
+    for k in whole..x.len() {
+        x[k] -= f * a[k];
     }
 }
 
@@ -113,6 +177,24 @@ mod tests {
             Lu::new(n, a).unwrap().solve(&mut b);
             b.iter().zip(&x).for_each(|(b, x)| assert!((b - x).abs() < 1e-9, "{n}: {b}, expected {x}"));
         }
+    }
+
+    #[test]
+    fn the_sign_is_that_of_the_determinant() {
+        let sign = |a: &[f64]| Lu::new(a.len().isqrt(), a.to_vec()).unwrap().sign();
+        assert_eq!(sign(&[2.0]), 1.0);
+        assert_eq!(sign(&[-2.0]), -1.0);
+        assert_eq!(sign(&[0.0, 1.0, 1.0, 0.0]), -1.0);
+        // Even and odd permutations, with one negative number.
+        assert_eq!(sign(&[0.0, 1.0, 0.0, 0.0, 0.0, -3.0, 1.0, 0.0, 0.0]), -1.0);
+        assert_eq!(sign(&[1.0, 0.0, 0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0]), 1.0);
+        // Rows that trade places change it.
+        let mut random = SplitMix64(5);
+        let mut a: Vec<f64> = (0..50 * 50).map(|_| random.between(-1.0, 1.0)).collect();
+        let before = sign(&a);
+        let (above, below) = a.split_at_mut(50 * 20);
+        above[..50].swap_with_slice(&mut below[..50]);
+        assert_eq!(sign(&a), -before);
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! The direct solves of a small problem of exact friction: when they are tried, in which order, and what they cost.
+//! The direct solves of exact friction in small parts: when they are tried, in which order, and what they cost.
 
+use super::components::{part, split};
 use super::matrix::MatrixOperator;
-use super::{newton, path};
+use super::{continuation, newton, path};
 use crate::fill::SplitMix64;
 use glam::DVec3;
 
 /// Iterations after which the sweeps are held to stall.
 const STALL: u32 = 16_000;
-/// Maximum number of contacts: a factorisation has n³ operations, and the matrix (3n)² numbers.
+/// Maximum number of contacts of a part: a factorisation has n³ operations, and the matrix (3n)² numbers.
 const MAX_CONTACTS: usize = 700;
 /// Factorisations that Newton's method may take at a time.
 const NEWTON: u32 = 40;
@@ -15,64 +16,118 @@ const NEWTON: u32 = 40;
 const PATH: u32 = 800;
 /// Maximum number of paths.
 const PATHS: u32 = 4;
+/// Factorisations that the continuation may take.
+const CONTINUATION: u32 = 20_000;
+/// The methods, in the order in which they are tried.
+const METHODS: [&str; 3] = ["newton", "central_path", "continuation"];
 
-/// The multipliers that a direct solve found.
+/// The multipliers that direct solves found.
 pub struct Found {
     /// Multipliers with the lowest error (n_contacts).
     pub gamma: Vec<DVec3>,
     /// Their error.
     pub error: f64,
-    /// Name of the method that found them.
+    /// Name of the method that found them; of several parts, the last one in the order of trial.
     pub method: &'static str,
-    /// Number of iterations that take as long as the solve took.
+    /// Number of iterations that take as long as the solves took.
     pub iterations: u32,
 }
 
-/// The iteration from which on direct solves of exact friction are tried; never for a large problem.
-pub fn first(op: &MatrixOperator) -> u32 {
-    let is_small = op.q.len() <= MAX_CONTACTS && op.q.iter().any(|q| q.length_squared() > 0.0);
-    if is_small { STALL } else { u32::MAX }
+/// How long direct solves may take, in iterations.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    /// Newton's method and the central paths.
+    pub early: u32,
+    /// The continuation.
+    pub late: u32,
 }
 
-/// Iterations that take as long as a factorisation.
-fn cost(op: &MatrixOperator) -> u32 {
+/// The iteration from which on direct solves of exact friction are tried; never for a problem with a large part.
+pub fn first(op: &MatrixOperator) -> u32 {
+    let is_small = split(op).last().is_some_and(|part| part.len() <= MAX_CONTACTS);
+    if is_small && op.q.iter().any(|q| q.length_squared() > 0.0) { STALL } else { u32::MAX }
+}
+
+/// Iterations on a problem that take as long as a factorisation of a part.
+fn cost(op: &MatrixOperator, contacts: usize) -> f64 {
     /// Operations on a block in a sweep, measured against those of a factorisation.
     const OF_A_BLOCK: f64 = 1200.0;
-    let rows = 3.0 * op.q.len() as f64;
-    (rows.powi(3) / (OF_A_BLOCK * op.block.len() as f64)).max(1.0) as u32
+    (3.0 * contacts as f64).powi(3) / (OF_A_BLOCK * op.block.len() as f64)
 }
 
-/// Solve exact friction for at most as long as a number of iterations takes: by Newton's method from the best multipliers so far, then
-/// along central paths.
-pub fn solve(op: &MatrixOperator, start: &[DVec3], tolerance: f64, iterations: u32) -> Found {
-    let cost = cost(op);
-    let all = iterations / cost;
-    let mut found = Found { gamma: start.to_vec(), error: op.error(start, true), method: "newton", iterations: 0 };
-    let mut own = NEWTON.min(all / 8);
-    let mut left = all - own;
-    found.keep(newton::polish(op, start, tolerance, &mut own), "newton");
-    left += own;
-    // The cones of contacts without friction have no interior.
-    if found.error > tolerance && op.friction.iter().all(|mu| *mu > 0.0) {
-        let mut weights = vec![1.0; start.len()];
-        let mut random = SplitMix64(0);
-        for _ in 0..PATHS {
-            if found.error <= tolerance {
-                break;
-            }
-            let mut own = PATH.min(left);
-            left -= own;
-            found.keep(path::follow(op, &weights, tolerance, &mut own), "central_path");
-            left += own;
-            weights.fill_with(|| 2f64.powf(random.between(-1.0, 1.0)));
-        }
+/// |q|.
+fn scale(op: &MatrixOperator) -> f64 {
+    op.q.iter().map(|q| q.length_squared()).sum::<f64>().sqrt()
+}
+
+/// Solve exact friction, part by part, from the best multipliers so far.
+pub fn solve(op: &MatrixOperator, start: &[DVec3], tolerance: f64, limits: Limits) -> Found {
+    let mut gamma = start.to_vec();
+    let (mut left, mut method) = ([limits.early, limits.late].map(f64::from), 0);
+    let parts = split(op);
+    for contacts in &parts {
+        let own = part(op, contacts);
+        let cost = cost(op, contacts.len());
+        let budgets = left.map(|iterations| (iterations / cost) as u32);
+        // The squares of the parts' residuals add up.
+        let tolerance = tolerance * (scale(op) / scale(&own)) / (parts.len() as f64).sqrt();
+        let start = contacts.iter().map(|i| start[*i]).collect();
+        let mut solve = PartSolve::new(&own, start, tolerance, budgets);
+        solve.run();
+        (0..2).for_each(|k| left[k] -= f64::from(budgets[k] - solve.budgets[k]) * cost);
+        method = method.max(solve.method);
+        contacts.iter().zip(&solve.gamma).for_each(|(i, own)| gamma[*i] = *own);
     }
-    Found { iterations: (all - left).saturating_mul(cost), ..found }
+    let iterations = (f64::from(limits.early) - left[0] + f64::from(limits.late) - left[1]).ceil() as u32;
+    Found { error: op.error(&gamma, true), gamma, method: METHODS[method], iterations }
 }
 
-impl Found {
-    /// Keep what another method found, if it is better.
-    fn keep(&mut self, (gamma, error): (Vec<DVec3>, f64), method: &'static str) {
+/// The solve of one part.
+struct PartSolve<'a> {
+    op: &'a MatrixOperator,
+    tolerance: f64,
+    /// The best multipliers, their error, and the method that found them, in the order of trial.
+    gamma: Vec<DVec3>,
+    error: f64,
+    method: usize,
+    /// Factorisations that are left to Newton's method and the paths, and to the continuation.
+    budgets: [u32; 2],
+}
+
+impl<'a> PartSolve<'a> {
+    fn new(op: &'a MatrixOperator, gamma: Vec<DVec3>, tolerance: f64, budgets: [u32; 2]) -> PartSolve<'a> {
+        // What nothing moves needs no impulses.
+        let gamma = if scale(op) > 0.0 { gamma } else { vec![DVec3::ZERO; gamma.len()] };
+        let error = op.error(&gamma, true);
+        PartSolve { op, tolerance, gamma, error, method: 0, budgets }
+    }
+
+    fn run(&mut self) {
+        let most = NEWTON.min(self.budgets[0] / 8);
+        self.attempt(0, most, |solve, own| newton::polish(solve.op, &solve.gamma, solve.tolerance, own));
+        // The cones of contacts without friction have no interior.
+        if self.op.friction.iter().all(|mu| *mu > 0.0) {
+            let mut weights = vec![1.0; self.gamma.len()];
+            let mut random = SplitMix64(0);
+            for _ in 0..PATHS {
+                self.attempt(1, PATH, |solve, own| path::follow(solve.op, &weights, solve.tolerance, own));
+                weights.fill_with(|| 2f64.powf(random.between(-1.0, 1.0)));
+            }
+        }
+        let of = |solve: &Self, own: &mut u32| continuation::follow(solve.op, &solve.gamma, solve.tolerance, own);
+        self.attempt(2, CONTINUATION, of);
+    }
+
+    /// Let a method make at most a number of factorisations, unless the part is solved, and keep what it finds, if that is better.
+    fn attempt(&mut self, method: usize, most: u32, find: impl FnOnce(&Self, &mut u32) -> (Vec<DVec3>, f64)) {
+        let budget = usize::from(method == 2);
+        let own = most.min(self.budgets[budget]);
+        if self.error <= self.tolerance || own == 0 {
+            return;
+        }
+        let mut left = own;
+        let (gamma, error) = find(self, &mut left);
+        self.budgets[budget] -= own - left;
         if error < self.error {
             (self.gamma, self.error, self.method) = (gamma, error, method);
         }

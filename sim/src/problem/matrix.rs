@@ -54,6 +54,11 @@ impl MatrixOperator {
         self.start[i] as usize..self.start[i + 1] as usize
     }
 
+    /// The blocks of row `i` of W, with their columns.
+    pub fn blocks(&self, i: usize) -> impl Iterator<Item = (usize, DMat3)> {
+        self.row(i).map(|p| (self.column[p] as usize, self.block[p]))
+    }
+
     /// Block `i` of u = Wγ + q.
     pub fn velocity(&self, gamma: &[DVec3], i: usize) -> DVec3 {
         self.row(i).map(|p| self.block[p] * gamma[self.column[p] as usize]).sum::<DVec3>() + self.q[i]
