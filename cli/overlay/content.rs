@@ -245,15 +245,10 @@ impl Scale {
 
     /// The length of the bar in a unit that suits it.
     pub fn label(&self) -> String {
-        let units = [("km", 1e3), ("m", 0.1), ("mm", 1e-3), ("µm", 1e-6), ("nm", 0.0)];
-        let (unit, _) = units.into_iter().find(|(_, least)| self.length >= least * (1.0 - 1e-9)).unwrap_or(units[4]);
-        let metres = match unit {
-            "km" => 1e3,
-            "m" => 1.0,
-            "mm" => 1e-3,
-            "µm" => 1e-6,
-            _ => 1e-9,
-        };
+        // Name, least length, m, and metres.
+        let units = [("km", 1e3, 1e3), ("m", 0.1, 1.0), ("mm", 1e-3, 1e-3), ("µm", 1e-6, 1e-6), ("nm", 0.0, 1e-9)];
+        let is_long = |(_, least, _): &(&str, f64, f64)| self.length >= least * (1.0 - 1e-9);
+        let (unit, _, metres) = units.into_iter().find(is_long).unwrap_or(units[4]);
         // As many digits as the length was given with, without those of its binary form.
         let value = format!("{:.6}", self.length / metres);
         format!("{} {unit}", value.trim_end_matches('0').trim_end_matches('.'))

@@ -77,7 +77,7 @@ impl StepPlan {
         let method = if sweeps && can_sweep { ContactMethod::Sweeps } else { blocks(settings) };
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
-        let has_forces = !(model.loads.is_empty() && model.joints.is_empty() && model.springs.is_empty());
+        let has_forces = !model.loads.is_empty() || has_joints(model);
         StepPlan {
             narrow,
             method,

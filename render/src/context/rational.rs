@@ -32,18 +32,20 @@ impl Part {
                 decl.class = Class::Varying;
                 pick(&[0, 1, 2, 3].map(|k| 4 * self.face + k))?
             }
-            Class::Vertex => {
-                let own = pick(&self.controls)?;
-                let mut all = vec![0.0; 16 * width];
-                for c in 0..width {
-                    let net: [f32; 16] = std::array::from_fn(|k| own[k * width + c]);
-                    to_bezier(net, bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
-                }
-                all
-            }
+            Class::Vertex => bezier_net(&pick(&self.controls)?, width, bases),
         };
         Ok(Param { decl, values: Values::Floats(values) })
     }
+}
+
+/// The values of `width` numbers at the 16 control points of a patch, as they are at those of Bézier curves.
+fn bezier_net(values: &[f32], width: usize, bases: &([f32; 16], [f32; 16])) -> Vec<f32> {
+    let mut all = vec![0.0; 16 * width];
+    for c in 0..width {
+        let net: [f32; 16] = std::array::from_fn(|k| values[k * width + c]);
+        to_bezier(net, bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
+    }
+    all
 }
 
 impl Context {
@@ -89,12 +91,8 @@ impl Context {
             if v.len() != 16 * width {
                 return Err(too_few(&param));
             }
-            let mut all = vec![0.0; 16 * width];
-            for c in 0..width {
-                let net: [f32; 16] = std::array::from_fn(|k| v[k * width + c]);
-                to_bezier(net, &bases).iter().enumerate().for_each(|(k, x)| all[k * width + c] = *x);
-            }
-            Ok(Param { decl: param.decl, values: Values::Floats(all) })
+            let values = Values::Floats(bezier_net(v, width, &bases));
+            Ok(Param { decl: param.decl, values })
         };
         let params = params.into_iter().map(as_bezier).collect::<Result<Params, Fail>>()?;
         let knots = || Knots { n: 4, order: 4, knots: vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], range: [0.0, 1.0] };

@@ -89,7 +89,8 @@ pub fn moved_pose(
 }
 
 /// The orientation of a body of anisotropic inertia after a step without torque, and its angular velocity in its own frame, rad/s; it
-/// begins with the angular velocity `w` in the world. `inverse` has the inverse principal moments, 1/(kg m²). Fast rotation goes in parts. Not inlined: spheres, which do not need it, keep their registers.
+/// begins with the angular velocity `w` in the world. `inverse` has the inverse principal moments, 1/(kg m²). Fast rotation goes in parts.
+/// Not inlined: spheres, which do not need it, keep their registers.
 #[inline(never)]
 fn tumble(before: DQuat, w: DVec3, inverse: DVec3, h: f64) -> (DQuat, DVec3) {
     /// The greatest angle of a part, rad: from 1.1 on the iteration may find another root, and energy.

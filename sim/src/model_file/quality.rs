@@ -5,7 +5,7 @@
 
 use super::types::ModelFile;
 use crate::model::Model;
-use crate::plan::{Narrow, can_sweep};
+use crate::plan::{Narrow, can_sweep, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
 use crate::state::State;
 use frame::Fault;
@@ -108,9 +108,8 @@ impl Scale {
     fn of(model: &Model, state: &State) -> Scale {
         let mut awake = state.clone();
         awake.wake(model);
-        let is_free = model.joints.is_empty() && model.springs.is_empty();
         let kind = match Narrow::of(model, &awake) {
-            _ if !is_free || !can_sweep(model) => Kind::Any,
+            _ if has_joints(model) || !can_sweep(model) => Kind::Any,
             Narrow::Spheres => Kind::Grains,
             Narrow::Any => Kind::Bodies,
         };

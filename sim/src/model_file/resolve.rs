@@ -189,6 +189,7 @@ struct Builder<'a> {
     probe_springs: Vec<u32>,
     warnings: Vec<String>,
     class_names: Names,
+    group_names: Names,
     joint_names: Names,
     spring_names: Names,
 }
@@ -208,6 +209,14 @@ impl Names {
         }
         self.n = column.len();
         self.known.get(name).copied()
+    }
+
+    /// The row of a name, which is added if it is missing.
+    fn id(&mut self, names: &mut Vec<String>, name: &str) -> u32 {
+        self.find(names, |name| name, name).unwrap_or_else(|| {
+            names.push(name.into());
+            names.len() as u32 - 1
+        })
     }
 }
 
@@ -265,6 +274,7 @@ impl<'a> Builder<'a> {
             probe_springs: vec![],
             warnings: vec![],
             class_names: Names::default(),
+            group_names: Names::default(),
             joint_names: Names::default(),
             spring_names: Names::default(),
         }
@@ -326,15 +336,11 @@ impl<'a> Builder<'a> {
     }
 
     fn class(&mut self, name: &str) -> u32 {
-        let names = &mut self.model.class_names;
-        self.class_names.find(names, |name| name, name).unwrap_or_else(|| {
-            names.push(name.into());
-            names.len() as u32 - 1
-        })
+        self.class_names.id(&mut self.model.class_names, name)
     }
 
     fn group(&mut self, name: Option<&str>) -> u32 {
-        name.map_or(0, |n| index_of(&mut self.model.group_names, n))
+        name.map_or(0, |n| self.group_names.id(&mut self.model.group_names, n))
     }
 
     fn content(&mut self, prefix: &str, content: Content<'_>, begins: f64) -> Result<(), Fault> {
@@ -426,14 +432,6 @@ impl<'a> Builder<'a> {
         self.model.envelope = self.file.solver.envelope.unwrap_or(default);
         self.model.recycle = self.file.solver.recycle.unwrap_or(1e-3 * self.model.envelope);
     }
-}
-
-/// Index of a name in a list, to which it is added if it is missing.
-fn index_of(names: &mut Vec<String>, name: &str) -> u32 {
-    names.iter().position(|n| n == name).unwrap_or_else(|| {
-        names.push(name.into());
-        names.len() - 1
-    }) as u32
 }
 
 /// Check overlaps at the start: one deeper than a radius is an error, one deeper than a tenth of it a warning.

@@ -65,6 +65,15 @@ struct Linear {
     sign: f64,
 }
 
+impl Linear {
+    /// The tangent at a point that goes on.
+    fn tangent(&self, at: &Point, orientation: f64) -> Tangent {
+        let squared = dot(&at.gamma, &at.gamma).max(1e-30);
+        let log = self.sign * orientation / (dot(&self.along, &self.along) / squared + 1.0).sqrt();
+        Tangent { gamma: self.along.iter().map(|x| *x * log).collect(), log, squared }
+    }
+}
+
 /// A unit direction of r and λ; lengths of r are over |r|.
 struct Tangent {
     gamma: Vec<DVec3>,
@@ -98,7 +107,7 @@ fn sum(a: &[DVec3], b: &[DVec3], t: f64) -> Vec<DVec3> {
 /// multipliers and their error; `budget` is what is left.
 pub fn follow(op: &MatrixOperator, start: &[DVec3], tolerance: f64, budget: &mut u32) -> (Vec<DVec3>, f64) {
     let mean = (0..start.len()).map(|i| 1.0 / op.eta(i)).sum::<f64>() / start.len() as f64;
-    let scale = op.q.iter().map(|q| q.length_squared()).sum::<f64>().sqrt();
+    let scale = op.scale();
     let mut best = (start.to_vec(), op.error(start, true));
     let mut weights = vec![mean; start.len()];
     let mut random = SplitMix64(0);
@@ -147,10 +156,7 @@ impl Compliant<'_> {
 
     /// The tangent that goes on.
     fn tangent(&self, at: &Point, orientation: f64, budget: &mut u32) -> Option<Tangent> {
-        let linear = self.linear(at, budget)?;
-        let squared = dot(&at.gamma, &at.gamma).max(1e-30);
-        let log = linear.sign * orientation / (dot(&linear.along, &linear.along) / squared + 1.0).sqrt();
-        Some(Tangent { gamma: linear.along.iter().map(|x| *x * log).collect(), log, squared })
+        Some(self.linear(at, budget)?.tangent(at, orientation))
     }
 
     /// A point moved by Newton's steps: those of contacts that slide stay on the edge of their cones.
@@ -170,8 +176,9 @@ impl Compliant<'_> {
             }
         }
         // λ falls at first.
-        let orientation = -self.linear(&point, budget)?.sign;
-        let tangent = self.tangent(&point, orientation, budget)?;
+        let linear = self.linear(&point, budget)?;
+        let orientation = -linear.sign;
+        let tangent = linear.tangent(&point, orientation);
         Some(Place { point, tangent, step: FIRST_STEP, orientation })
     }
 

@@ -55,11 +55,6 @@ fn cost(op: &MatrixOperator, contacts: usize) -> f64 {
     (3.0 * contacts as f64).powi(3) / (OF_A_BLOCK * op.block.len() as f64)
 }
 
-/// |q|.
-fn scale(op: &MatrixOperator) -> f64 {
-    op.q.iter().map(|q| q.length_squared()).sum::<f64>().sqrt()
-}
-
 /// Solve exact friction, part by part, from the best multipliers so far.
 pub fn solve(op: &MatrixOperator, start: &[DVec3], tolerance: f64, limits: Limits) -> Found {
     let mut gamma = start.to_vec();
@@ -70,7 +65,7 @@ pub fn solve(op: &MatrixOperator, start: &[DVec3], tolerance: f64, limits: Limit
         let cost = cost(op, contacts.len());
         let budgets = left.map(|iterations| (iterations / cost) as u32);
         // The squares of the parts' residuals add up.
-        let tolerance = tolerance * (scale(op) / scale(&own)) / (parts.len() as f64).sqrt();
+        let tolerance = tolerance * (op.scale() / own.scale()) / (parts.len() as f64).sqrt();
         let start = contacts.iter().map(|i| start[*i]).collect();
         let mut solve = PartSolve::new(&own, start, tolerance, budgets);
         solve.run();
@@ -97,7 +92,7 @@ struct PartSolve<'a> {
 impl<'a> PartSolve<'a> {
     fn new(op: &'a MatrixOperator, gamma: Vec<DVec3>, tolerance: f64, budgets: [u32; 2]) -> PartSolve<'a> {
         // What nothing moves needs no impulses.
-        let gamma = if scale(op) > 0.0 { gamma } else { vec![DVec3::ZERO; gamma.len()] };
+        let gamma = if op.scale() > 0.0 { gamma } else { vec![DVec3::ZERO; gamma.len()] };
         let error = op.error(&gamma, true);
         PartSolve { op, tolerance, gamma, error, method: 0, budgets }
     }

@@ -64,6 +64,11 @@ impl MatrixOperator {
         self.row(i).map(|p| self.block[p] * gamma[self.column[p] as usize]).sum::<DVec3>() + self.q[i]
     }
 
+    /// ‖q‖.
+    pub fn scale(&self) -> f64 {
+        self.q.iter().map(|q| q.length_squared()).sum::<f64>().sqrt()
+    }
+
     /// The error measure `‖F_nat‖/‖q‖`, F_nat = γ − Π(γ − (u + g)), with the projection Π onto the friction cones, and g = (μ|u_t|, 0, 0)
     /// if `exact`, else 0.
     pub fn error(&self, gamma: &[DVec3], exact: bool) -> f64 {

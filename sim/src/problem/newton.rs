@@ -18,7 +18,7 @@ const STALLED: u32 = 6;
 /// Take proximal steps until the error is within a tolerance or `budget` factorisations are made. Returns the best multipliers and
 /// their error; `budget` is what is left.
 pub fn polish(op: &MatrixOperator, start: &[DVec3], tolerance: f64, budget: &mut u32) -> (Vec<DVec3>, f64) {
-    let scale = (op.q.iter().map(|q| q.length_squared()).sum::<f64>()).sqrt();
+    let scale = op.scale();
     let mean = (0..start.len()).map(|i| 1.0 / op.eta(i)).sum::<f64>() / start.len() as f64;
     let (mut rho, mut cautious) = (FIRST * mean, 0);
     let mut gamma = start.to_vec();
