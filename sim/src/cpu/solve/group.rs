@@ -99,6 +99,7 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
             motion: &Cells<Motion<T>>,
             omega: f64,
         ) -> f64 {
+            crate::lanes::align_stack();
             // SAFETY: the caller's promise.
             unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
         }
@@ -146,9 +147,10 @@ pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
     for (l, of_lane) in bodies.iter().enumerate() {
         for k in 0..2 {
             // A body that is held in place may be in several groups that are visited concurrently: it is never written.
-            if moves || rows[k][l][3] > T::default() {
-                // SAFETY: the caller's promise.
-                unsafe { motion.set(of_lane[k] as usize, Motion { row: rows[k][l] }) };
+            let body = of_lane[k] as usize;
+            // SAFETY: the caller's promise, here and below.
+            if moves || unsafe { motion.get(body) }.row[3] > T::default() {
+                unsafe { motion.set(body, Motion { row: rows[k][l] }) };
             }
         }
     }
