@@ -41,6 +41,7 @@ mod rest;
 mod runs;
 mod sheets;
 mod sky;
+mod sleep;
 mod solids;
 mod solver;
 mod specification;

@@ -141,6 +141,29 @@ impl Contacts {
         self.rolling_impulse.push(from.rolling_impulse.get(i).map_or(DVec3::ZERO, |roll| *roll * factor));
     }
 
+    /// Add contact `i` of other contacts of the same model.
+    pub fn push_of(&mut self, from: &Contacts, i: usize) {
+        if self.is_empty() {
+            self.arms = match from.arms {
+                Arms::Any(_) => Arms::Any(vec![]),
+                Arms::Along(_) => Arms::Along(vec![]),
+            };
+        }
+        let ([arm_a, arm_b], normal) = (from.arms(i), from.normal[i]);
+        match &mut self.arms {
+            Arms::Any(arms) => arms.push([arm_a, arm_b]),
+            Arms::Along(reach) => reach.push([arm_a.dot(normal), -arm_b.dot(normal)]),
+        }
+        self.bodies.push(from.bodies[i]);
+        self.key.push(from.key[i]);
+        self.pair.push(NO_SPHERE_PAIR);
+        self.normal.push(normal);
+        self.gap.push(from.gap[i]);
+        self.law.push(from.law[i]);
+        self.impulse.push(from.impulse[i]);
+        self.rolling_impulse.extend(from.rolling_impulse.get(i));
+    }
+
     /// Number of contacts.
     pub fn len(&self) -> usize {
         self.bodies.len()

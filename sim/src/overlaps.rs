@@ -20,7 +20,8 @@ pub struct Overlap {
 /// The overlaps of a state, one per pair of shapes that penetrate each other. Inactive bodies are left out: the poses that the other
 /// bodies will have when these appear are not known.
 pub fn overlaps(model: &Model, state: &State) -> Vec<Overlap> {
-    let mut state = State { contacts: Default::default(), fat_aabb: None, ..state.clone() };
+    let mut state =
+        State { contacts: Default::default(), sleepers: Default::default(), fat_aabb: None, ..state.clone() };
     state.wake(model);
     let plan = StepPlan::resolve(model, &state);
     let mut cpu = Cpu::default();

@@ -151,7 +151,7 @@ fn is_bed(model: &Model, state: &State) -> bool {
     const LEAST: usize = 1_000;
     /// The greatest ratio of their masses.
     const GREATEST: f64 = 1_000.0;
-    let moving = || (0..model.n_bodies()).filter(|b| state.moves(*b)).map(|b| model.inv_mass[b]);
+    let moving = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(|b| model.inv_mass[b]);
     let (light, heavy) = moving().fold((0f64, f64::INFINITY), |(most, least), x| (most.max(x), least.min(x)));
     model.joints.is_empty() && moving().count() >= LEAST && light <= GREATEST * heavy
 }
@@ -159,9 +159,9 @@ fn is_bed(model: &Model, state: &State) -> bool {
 /// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.
 fn has_spheres_only(model: &Model, state: &State) -> bool {
     let fits = |s: usize| {
-        let moves = state.moves(model.shape_body[s] as usize);
+        let moves = state.is_free(model.shape_body[s] as usize);
         model.is_centred_sphere(s) || (model.shape_kind[s] != ShapeKind::Sphere && !moves)
     };
-    let isotropic = |b: usize| !state.moves(b) || is_isotropic(model.inv_inertia[b]);
+    let isotropic = |b: usize| !state.is_free(b) || is_isotropic(model.inv_inertia[b]);
     (0..model.n_bodies()).all(isotropic) && (0..model.n_shapes()).all(fits)
 }

@@ -119,7 +119,7 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
     }
     if probes.energies {
         add(&[state.kinetic_energy(model), state.potential_energy(model)]);
-        add(&[state.contacts.worst_penetration(), mean_slip(state)]);
+        add(&[state.worst_penetration(), mean_slip(state)]);
     }
     line.push('\n');
     line
@@ -127,9 +127,8 @@ pub fn probe_line(model: &Model, state: &State, probes: &Probes) -> String {
 
 /// Number of contacts between two classes with an impulse, and their total force on bodies of the second, N.
 fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, DVec3) {
-    let c = &state.contacts;
     let (mut n, mut force) = (0, DVec3::ZERO);
-    for i in 0..c.len() {
+    for (c, i) in state.all_contacts() {
         let classes = c.bodies[i].map(|b| model.class[b as usize]);
         let sign = if classes == [first, second] {
             1.0
@@ -148,9 +147,8 @@ fn between(model: &Model, state: &State, [first, second]: [u32; 2]) -> (usize, D
 
 /// Mean slip speed of the contacts with an impulse, m/s.
 fn mean_slip(state: &State) -> f64 {
-    let c = &state.contacts;
     let (mut n, mut sum) = (0usize, 0.0);
-    for i in (0..c.len()).filter(|i| c.impulse[*i] != DVec3::ZERO) {
+    for (c, i) in state.all_contacts().filter(|(c, i)| c.impulse[*i] != DVec3::ZERO) {
         sum += c.velocity(i, |b| state.twist(b)).reject_from_normalized(c.normal[i]).length();
         n += 1;
     }

@@ -114,6 +114,10 @@ pub struct SolverSettings {
     /// given, a thousandth of the envelope.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recycle: Option<f64>,
+    /// Speed below which bodies that hang together fall asleep after half a second, m/s: they stay where they are until something touches or
+    /// drives them; if not given, none does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sleep: Option<f64>,
 }
 
 impl Default for SolverSettings {
@@ -132,6 +136,7 @@ impl Default for SolverSettings {
             rest_gap: 0.0,
             envelope: None,
             recycle: None,
+            sleep: None,
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::joint::{JointState, SpringState};
 use crate::model::Model;
 use crate::outcome::StepOutcome;
 use crate::plan::StepPlan;
+use crate::sleep;
 use crate::stages::{Stage, check};
 use crate::state::State;
 use crate::warning::{Broken, Warning};
@@ -166,7 +167,8 @@ impl Simulation {
 
     fn advance(&mut self, is_checked: bool) -> Result<StepReport, StepFault> {
         let Simulation { model, state, plan, engine } = self;
-        if state.wake(model) || !plan.is_current(model) {
+        let has_changed = state.wake(model);
+        if sleep::rouse_driven(model, state, has_changed) || has_changed || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
             match engine {
                 Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
@@ -176,10 +178,18 @@ impl Simulation {
         let mut watch = std::mem::take(&mut state.watch);
         let (stage_ms, outcome, survey) = match engine {
             Engine::Cpu(cpu) => {
-                let stage_ms = run_stages(cpu.as_mut(), model, plan, state, is_checked).map_err(StepFault::Columns)?;
-                let contacts = &state.contacts;
-                let (n, worst_penetration) = (contacts.len(), contacts.worst_penetration());
-                let outcome = StepOutcome { contacts: n, worst_penetration, ..cpu.outcome() };
+                let run = |cpu: &mut Cpu, plan: &StepPlan, state: &mut State| {
+                    run_stages(cpu, model, plan, state, is_checked).map_err(StepFault::Columns)
+                };
+                let stage_ms = loop {
+                    if let Some(stage_ms) = run(cpu, plan, state)? {
+                        break stage_ms;
+                    }
+                    *plan = StepPlan::resolve(model, state);
+                    cpu.prepare(model, state, plan);
+                };
+                let contacts = state.contacts.len() + state.sleepers.contacts.len();
+                let outcome = StepOutcome { contacts, worst_penetration: state.worst_penetration(), ..cpu.outcome() };
                 (stage_ms, outcome, watch.survey(model, state))
             }
             Engine::Gpu(gpu) => {
@@ -189,6 +199,12 @@ impl Simulation {
         };
         let (warnings, broken) = watch.check(model, state, (&outcome, &survey));
         state.watch = watch;
+        if let (Some(speed), Engine::Cpu(cpu)) = (model.solver.sleep, engine)
+            && sleep::fall_asleep(model, state, speed)
+        {
+            *plan = StepPlan::resolve(model, state);
+            cpu.prepare(model, state, plan);
+        }
         Ok(StepReport {
             step: state.steps,
             time: state.time,
@@ -215,18 +231,31 @@ fn begin(model: &Model, mut state: State) -> (State, StepPlan) {
     (state, plan)
 }
 
-/// Run the stages of a step. Returns the wall time of each, ms.
+/// Run the stages of a step. Returns the wall time of each, ms; none where a body has woken that the step will touch: it begins again then.
 fn run_stages(
     backend: &mut dyn Backend,
     model: &Model,
     plan: &StepPlan,
     state: &mut State,
     is_checked: bool,
-) -> Result<[f64; Stage::ALL.len()], String> {
+) -> Result<Option<[f64; Stage::ALL.len()]>, String> {
     let mut stage_ms = [0.0; Stage::ALL.len()];
     let mut last = Instant::now();
+    // What the stages change before the bodies move, where bodies sleep.
+    let mut before = None;
     for (stage, ms) in Stage::ALL.into_iter().zip(&mut stage_ms) {
+        if stage == Stage::ContactWrite && state.sleepers.n > 0 {
+            before = Some((state.contacts.clone(), state.manifolds.clone(), state.step_length));
+        }
         let has_run = backend.run(stage, model, plan, state);
+        if before.is_some() && matches!(stage, Stage::ContactWrite | Stage::ContactSolve) {
+            let touched = sleep::touched(model, state, stage == Stage::ContactSolve);
+            if let Some(before) = before.take_if(|_| !touched.is_empty()) {
+                (state.contacts, state.manifolds, state.step_length) = before;
+                sleep::rouse(state, touched);
+                return Ok(None);
+            }
+        }
         let now = Instant::now();
         if has_run {
             *ms = (now - last).as_secs_f64() * 1e3;
@@ -236,5 +265,5 @@ fn run_stages(
         }
         last = Instant::now();
     }
-    Ok(stage_ms)
+    Ok(Some(stage_ms))
 }

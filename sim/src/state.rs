@@ -7,6 +7,7 @@ use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
 use crate::pose::Pose;
 use crate::shape::FARTHEST;
+use crate::sleepers::Sleepers;
 use crate::twist::Twist;
 use crate::warning::WatchState;
 use glam::{DQuat, DVec3};
@@ -20,6 +21,8 @@ pub enum Activity {
     Held,
     /// Inactive: it has not appeared yet, has no contacts and is in no frame.
     Inactive,
+    /// Asleep: it would move, but rests, and is held in place until something concerns it (`sleep`).
+    Asleep,
 }
 
 /// The mutable state of a simulation, as columns.
@@ -51,6 +54,8 @@ pub struct State {
     pub springs: Vec<SpringState>,
     /// Step length of the last APGD solve, from which the next one starts; 0 before the first.
     pub step_length: f64,
+    /// The bodies that sleep.
+    pub sleepers: Sleepers,
     /// State of the [`watch`](crate::watch) over the run.
     pub watch: WatchState,
 }
@@ -87,6 +92,7 @@ impl State {
             return Err("has a time or a step length that is not finite".into());
         }
         self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
+        self.sleepers.fit(n, model.n_shapes(), model.laws.len())?;
         self.manifolds.fit(model.n_shapes())?;
         let Some(boxes) = &self.fat_aabb else { return Ok(()) };
         is(boxes.len(), model.n_shapes(), "shapes")?;
@@ -121,6 +127,9 @@ impl State {
             } else {
                 Activity::Held
             };
+            if activity == Activity::Moving && self.activity[b] == Activity::Asleep {
+                continue;
+            }
             has_changed |= self.activity[b] != activity;
             self.activity[b] = activity;
         }
@@ -135,6 +144,12 @@ impl State {
     #[inline]
     pub fn moves(&self, body: usize) -> bool {
         self.activity[body] == Activity::Moving
+    }
+
+    /// Whether a body moves, or would if it did not sleep.
+    #[inline]
+    pub fn is_free(&self, body: usize) -> bool {
+        matches!(self.activity[body], Activity::Moving | Activity::Asleep)
     }
 
     /// Whether a body has not appeared yet.
@@ -172,12 +187,23 @@ impl State {
         Frames::of(spring.bodies.map(|b| self.pose(b as usize)), &spring.frame_a, &spring.frame_b)
     }
 
-    /// Point of a contact, m, world.
-    pub fn contact_point(&self, contact: usize) -> DVec3 {
-        let bodies = self.contacts.bodies[contact];
-        // Arms of bodies that are held in place are not stored.
-        let side = if self.moves(bodies[0] as usize) { 0 } else { 1 };
-        self.position[bodies[side] as usize] + self.contacts.arms(contact)[side]
+    /// The contacts of the last step, each as a row of columns: those of the bodies that sleep come last.
+    pub fn all_contacts(&self) -> impl Iterator<Item = (&Contacts, usize)> {
+        [&self.contacts, &self.sleepers.contacts].into_iter().flat_map(|c| (0..c.len()).map(move |i| (c, i)))
+    }
+
+    /// Maximum penetration of all contacts, m; zero where nothing overlaps.
+    pub fn worst_penetration(&self) -> f64 {
+        self.contacts.worst_penetration().max(self.sleepers.contacts.worst_penetration())
+    }
+
+    /// Point of a contact of [`State::all_contacts`], m, world.
+    pub fn contact_point(&self, (contacts, i): (&Contacts, usize)) -> DVec3 {
+        let [a, b] = contacts.bodies[i].map(|b| b as usize);
+        // Arms of bodies that were held in place are not stored; a body that sleeps was not when its contacts were made.
+        let is_of_a = self.moves(a) || (self.is_free(a) && !self.moves(b));
+        let (body, side) = if is_of_a { (a, 0) } else { (b, 1) };
+        self.position[body] + contacts.arms(i)[side]
     }
 
     /// Kinetic energy of the moving bodies, J.
@@ -190,9 +216,9 @@ impl State {
         (0..model.n_bodies()).filter(|b| self.moves(*b)).map(of).sum()
     }
 
-    /// Potential energy of the moving bodies in gravity, relative to the world's origin, J.
+    /// Potential energy of the moving and the sleeping bodies in gravity, relative to the world's origin, J.
     pub fn potential_energy(&self, model: &Model) -> f64 {
-        let moving = (0..model.n_bodies()).filter(|b| self.moves(*b));
+        let moving = (0..model.n_bodies()).filter(|b| self.is_free(*b));
         moving.map(|b| -model.gravity.dot(self.position[b]) / model.inv_mass[b]).sum()
     }
 }

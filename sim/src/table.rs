@@ -1,5 +1,6 @@
 //! Frames and contact tables from the state, and lines of `report.csv` from step reports.
 
+use crate::contacts::Contacts;
 use crate::joint::SpringKind;
 use crate::model::Model;
 use crate::pose::Pose;
@@ -166,24 +167,23 @@ fn shape_names(model: &Model, rows: &[usize]) -> (Vec<String>, Vec<u32>) {
 /// force_x..z (N, world) on B, the mean over the step, and gap (m).
 pub fn contacts_of(model: &Model, state: &State, index: u64) -> Frame {
     let mut frame = Frame::new(index, state.time);
-    let c = &state.contacts;
-    let n = c.len();
+    let all = || state.all_contacts();
     for (side, name) in [(0, "body_a"), (1, "body_b")] {
-        frame.push(name, "", Column::I64((0..n).map(|i| c.bodies[i][side] as i64).collect()));
+        frame.push(name, "", Column::I64(all().map(|(c, i)| c.bodies[i][side] as i64).collect()));
     }
     for (side, name) in [(0, "class_a"), (1, "class_b")] {
-        let codes = (0..n).map(|i| model.class[c.bodies[i][side] as usize]).collect();
+        let codes = all().map(|(c, i)| model.class[c.bodies[i][side] as usize]).collect();
         frame.push(name, "", Column::Category { codes, names: model.class_names.clone() });
     }
-    let mut triple = |names: [&str; 3], unit: &str, value: &dyn Fn(usize) -> DVec3| {
+    let mut triple = |names: [&str; 3], unit: &str, value: &dyn Fn((&Contacts, usize)) -> DVec3| {
         for (k, name) in names.into_iter().enumerate() {
-            frame.push(name, unit, Column::F64((0..n).map(|i| value(i)[k]).collect()));
+            frame.push(name, unit, Column::F64(all().map(|contact| value(contact)[k]).collect()));
         }
     };
-    triple(["pos_x", "pos_y", "pos_z"], "m", &|i| state.contact_point(i));
-    triple(["normal_x", "normal_y", "normal_z"], "1", &|i| c.normal[i]);
-    triple(["force_x", "force_y", "force_z"], "N", &|i| c.impulse[i] / model.step);
-    frame.push("gap", "m", Column::F64(c.gap.clone()));
+    triple(["pos_x", "pos_y", "pos_z"], "m", &|contact| state.contact_point(contact));
+    triple(["normal_x", "normal_y", "normal_z"], "1", &|(c, i)| c.normal[i]);
+    triple(["force_x", "force_y", "force_z"], "N", &|(c, i)| c.impulse[i] / model.step);
+    frame.push("gap", "m", Column::F64(all().map(|(c, i)| c.gap[i]).collect()));
     frame
 }
 

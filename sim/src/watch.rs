@@ -79,7 +79,7 @@ impl Survey {
     /// Survey all bodies, and update their lowest potentials.
     fn of(model: &Model, state: &State, lowest: &mut [f64]) -> Survey {
         let body = |mut sum: Survey, b: usize, lowest: &mut f64| {
-            if !state.moves(b) {
+            if !state.is_free(b) {
                 return sum;
             }
             let (mass, inv_inertia) = (1.0 / model.inv_mass[b], model.inv_inertia[b]);
@@ -144,8 +144,7 @@ impl WatchState {
             include(place.position, DVec3::splat(model.shape_size[s].max_element()));
         }
         for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
-            let size = gyration(model.inv_mass[b], model.inv_inertia[b].min_element());
-            include(state.position[b], DVec3::splat(size));
+            include(state.position[b], DVec3::splat(model.gyration(b)));
         }
         for joint in &model.joints {
             let frames = state.joint_frames(joint);
@@ -342,9 +341,9 @@ fn broken(seen: &StepOutcome, survey: &Survey) -> Option<Broken> {
 
 /// Sum of weight times minimum radius of gyration of the moving bodies, J.
 fn energy_by_size(model: &Model, state: &State) -> f64 {
-    let moving = (0..model.n_bodies()).filter(|b| state.moves(*b));
+    let free = (0..model.n_bodies()).filter(|b| state.is_free(*b));
     let size = |b: usize| gyration(model.inv_mass[b], model.inv_inertia[b].max_element()) / model.inv_mass[b];
-    model.gravity.length() * moving.map(size).sum::<f64>()
+    model.gravity.length() * free.map(size).sum::<f64>()
 }
 
 /// Radius of gyration about an axis, m; 0 where the body does not rotate about it.

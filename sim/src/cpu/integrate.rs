@@ -40,7 +40,7 @@ pub fn run(model: &Model, motion: &[Twist], displacement: &Displacement, state: 
             let b = chunk * CHUNK + k;
             match activity[b] {
                 Activity::Moving => {}
-                Activity::Held => {
+                Activity::Held | Activity::Asleep => {
                     (velocity[k], spin[k]) = (DVec3::ZERO, DVec3::ZERO);
                     continue;
                 }

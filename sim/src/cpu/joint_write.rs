@@ -17,7 +17,7 @@ use super::solve::response::Response;
 use crate::joint::{Coordinate, JointState, Row, Spring, SpringState};
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
-use crate::state::State;
+use crate::state::{Activity, State};
 use crate::twist::Twist;
 
 /// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
@@ -133,7 +133,15 @@ pub fn record(
     let h = model.step;
     let motion = &response.twist;
     (outcome.joints, outcome.spring_oscillation) = (JointErrors::default(), 0.0);
+    // What sleeps keeps its last forces.
+    let sleeps = |state: &State, bodies: [u32; 2]| {
+        let is = |activity: Activity| bodies.iter().any(|b| state.activity[*b as usize] == activity);
+        is(Activity::Asleep) && !is(Activity::Moving)
+    };
     for (i, joint) in model.joints.iter().enumerate() {
+        if sleeps(state, joint.bodies) {
+            continue;
+        }
         let f = state.joint_frames(joint);
         let range = start[i] as usize..start[i + 1] as usize;
         let (rows, lambda) = (&all_rows[range.clone()], &response.lambda[range]);
@@ -167,6 +175,9 @@ pub fn record(
         state.joints[i] = now;
     }
     for (i, spring) in model.springs.iter().enumerate() {
+        if sleeps(state, spring.bodies) {
+            continue;
+        }
         let f = state.spring_frames(spring);
         let acts = spring.acts(state.time) && !spring.bodies.iter().any(|b| state.is_inactive(*b as usize));
         let rows = || spring.rows(&f, &state.springs[i]).map(|row| (row.psi, row.speed_in(motion)));

@@ -362,6 +362,7 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
     let faults = [
         (model.joints.iter().any(|joint| joint.limits.is_some()), "limits of joints"),
         (method == Method::GaussSeidel && has_joints(model), "joints and springs by the method gauss_seidel"),
+        (model.solver.sleep.is_some(), "sleeping bodies"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
         (method == Method::GaussSeidel && law(|l| l.cohesion != 0.0), "cohesion by the method gauss_seidel"),
         (

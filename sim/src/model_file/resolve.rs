@@ -15,6 +15,7 @@ use crate::contacts::Contacts;
 use crate::geometry::{Surface, principal, solid_of};
 use crate::joint::{Joint, JointKind, JointState, Motor, Spring, SpringKind, SpringState};
 use crate::load::{Function, Load};
+use crate::sleep;
 use crate::terrain::Ground;
 use crate::{ContactLaw, Model, Pose, Scheduled, ShapeKind, SplitMix64, State, fill};
 use frame::Fault;
@@ -143,6 +144,7 @@ impl ModelFile {
             ("envelope", s.envelope),
             ("recycle", s.recycle),
             ("rest_gap", Some(s.rest_gap)),
+            ("sleep", s.sleep),
         ];
         if let Some((key, _)) = lengths.into_iter().find(|(_, x)| x.is_some_and(|x| !(x >= 0.0))) {
             return Err(doc.fault(&format!("solver.{key}"), "must not be negative"));

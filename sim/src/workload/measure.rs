@@ -1,5 +1,6 @@
 //! Measures of a run of a workload, the same for all engines: penetration, and how far bodies have moved.
 
+use crate::contacts::Contacts;
 use crate::model::Model;
 use crate::shape::ShapeKind;
 use crate::simulation::{Simulation, StepReport};
@@ -34,12 +35,11 @@ impl Measure {
 
     /// Maximum penetration of the contacts of the last step over the smaller inradius of the two shapes; 0 where nothing overlaps.
     pub fn penetration(&self, state: &State) -> f64 {
-        let contacts = &state.contacts;
-        let over = |i: usize| {
-            let [s, t, _] = contacts.key[i];
-            -contacts.gap[i] / self.inradius[s as usize].min(self.inradius[t as usize])
+        let over = |(c, i): (&Contacts, usize)| {
+            let [s, t, _] = c.key[i];
+            -c.gap[i] / self.inradius[s as usize].min(self.inradius[t as usize])
         };
-        (0..contacts.len()).filter(|i| contacts.gap[*i] < 0.0).map(over).fold(0.0, f64::max)
+        state.all_contacts().filter(|(c, i)| c.gap[*i] < 0.0).map(over).fold(0.0, f64::max)
     }
 
     /// Greatest distances of a body from where it was at the start, m: across gravity, and along it.

@@ -146,11 +146,13 @@ pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
     let rows = [V::rows(a), V::rows(b)];
     for (l, of_lane) in bodies.iter().enumerate() {
         for k in 0..2 {
-            // A body that is held in place may be in several groups that are visited concurrently: it is never written.
             let body = of_lane[k] as usize;
-            // SAFETY: the caller's promise, here and below.
-            if moves || unsafe { motion.get(body) }.row[3] > T::default() {
-                unsafe { motion.set(body, Motion { row: rows[k][l] }) };
+            // SAFETY: the caller's promise. A body that is held in place may be in several groups that are visited concurrently: it is never
+            // written.
+            unsafe {
+                if moves || motion.get(body).row[3] > T::default() {
+                    motion.set(body, Motion { row: rows[k][l] });
+                }
             }
         }
     }

@@ -21,6 +21,7 @@ impl Builder<'_> {
             return Err(fail("run", "its checkpoint and its model differ in the number of bodies".into()));
         }
         state.wake(&other_model);
+        sleep::rouse_all(&mut state);
         for (name, material) in file.materials {
             self.materials.entry(name).or_insert(material);
         }

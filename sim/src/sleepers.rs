@@ -1,0 +1,36 @@
+//! Bodies that sleep, by islands: the data of `sleep`, a part of the state.
+
+use crate::contacts::Contacts;
+
+/// The island of a body that does not sleep.
+pub const AWAKE: u32 = u32::MAX;
+
+/// The bodies that sleep, and how long the others have been still.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Sleepers {
+    /// Number of steps for which each body has been still (n_bodies; empty where no body may sleep).
+    pub still: Vec<u32>,
+    /// Island of each body, the lowest id of its bodies; [`AWAKE`] for a body that does not sleep (n_bodies; empty while none has slept).
+    pub island: Vec<u32>,
+    /// The contacts of the bodies that sleep, with the impulses of the step after which they fell asleep.
+    pub contacts: Contacts,
+    /// Number of bodies that sleep.
+    pub n: usize,
+}
+
+impl Sleepers {
+    /// Check that sleepers, as a file gives them, are bodies of a model with these counts.
+    ///
+    /// # Errors
+    /// What does not fit, for a message.
+    pub(crate) fn fit(&self, n_bodies: usize, n_shapes: usize, n_laws: usize) -> Result<(), String> {
+        let is_sound = |length: usize| length == 0 || length == n_bodies;
+        if !is_sound(self.still.len()) || !is_sound(self.island.len()) {
+            return Err("has columns of sleeping bodies of other lengths than the model".into());
+        }
+        if self.island.iter().filter(|island| **island != AWAKE).count() != self.n {
+            return Err("has another number of sleeping bodies than it says".into());
+        }
+        self.contacts.fit(n_bodies, n_shapes, n_laws)
+    }
+}
