@@ -20,8 +20,8 @@ pub fn run(
     const ROUNDS: u32 = 40;
     /// Least number of iterations of a round: with fewer, the slip that is fed would be that of the method's errors.
     const LEAST: u32 = 50;
-    /// Slip that a solved problem may be wrong by, over the tolerance, which is a mean over the contacts.
-    const KNOWN: f64 = 100.0;
+    /// Slip that a solved problem may be wrong by, over the root mean square of its contacts' errors.
+    const KNOWN: f64 = 50.0;
     let (mut total, mut errors) = (Outcome::default(), f64::INFINITY);
     let max = settings.max_iterations(gamma.len());
     let budget = (max / 4).max(LEAST);
@@ -32,7 +32,8 @@ pub fn run(
         let mut slip = last.unwrap_or_else(|| measure(op, response, gamma.len()));
         // Where the first problem is solved with ease, as that of few bodies, slip is known to some tolerances.
         if round == 1 && total.residual <= settings.tolerance && total.iterations <= max / 4 {
-            errors = KNOWN * settings.tolerance;
+            // The tolerance is of the norm over the number of contacts.
+            errors = KNOWN * settings.tolerance * (gamma.len() as f64).sqrt();
         }
         leave_out_creep(op, gamma, errors, &mut slip);
         let change: f64 = slip.iter().zip(&feedback).map(|(a, b)| (a - b).abs()).sum();
