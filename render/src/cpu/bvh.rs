@@ -111,7 +111,12 @@ impl Bvh {
                 let reach = Vec3::new(row(0), row(1), row(2));
                 (m.w_axis.truncate() - reach, m.w_axis.truncate() + reach)
             }
-            Occluder::Triangle { a, ab, ac, .. } => (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac)),
+            // A ray along the side of a box may miss it by a not-a-number, and an edge by what rounding makes of that.
+            Occluder::Triangle { a, ab, ac, .. } => {
+                let (lo, hi) = (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac));
+                let room = 1e-6 * lo.abs().max(hi.abs()).max_element();
+                (lo - room, hi + room)
+            }
         }
     }
 

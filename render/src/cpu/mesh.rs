@@ -88,10 +88,13 @@ impl Mesh {
 
     fn bound(&self, block: usize) -> (Vec3A, Vec3A) {
         let corners = self.quads(Some(block)).flat_map(|k| [k, k + 1, k + self.nu, k + self.nu + 1]);
-        corners.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), k| {
+        let (lo, hi) = corners.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), k| {
             let p = Vec3A::from(self.points[k]);
             (lo.min(p), hi.max(p))
-        })
+        });
+        // A ray along the side of a box may miss it by a not-a-number.
+        let room = 1e-6 * lo.abs().max(hi.abs()).max_element();
+        if room.is_finite() { (lo - room, hi + room) } else { (lo, hi) }
     }
 
     /// The box around it.
