@@ -94,6 +94,32 @@ fn a_half_plane_covers_half_through_every_filter() {
 }
 
 #[test]
+fn a_plane_that_reaches_far_behind_the_eye_is_split_in_depth() {
+    // Halves of 5,000 units before and behind the eye meet in its plane, where rounding leaves them as near to it as they like.
+    let work = scratch();
+    let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
+    for (k, net) in
+        ["-5000 0 -5000 5000 0 -5000 -5000 0 5000 5000 0 5000", "-5000 0 -5000 -5000 0 5000 5000 0 -5000 5000 0 5000"]
+            .into_iter()
+            .enumerate()
+    {
+        let scene = format!(
+            "Display \"t{k}.png\" \"file\" \"rgb\" Format 64 48 1 Projection \"perspective\" \"fov\" [60] Translate 0 -1.5 0
+            WorldBegin Surface \"constant\" Patch \"bilinear\" \"P\" [{net}] WorldEnd"
+        );
+        std::fs::write(at("t.rib"), scene).unwrap();
+        scree(&["render", &at("t.rib"), "--stats", "-o", &at("")]).ok();
+        let stats = std::fs::read(at(&format!("t{k}.png.stats.json"))).unwrap();
+        let stats: serde_json::Value = serde_json::from_slice(&stats).unwrap();
+        let splits = stats["stats"]["splits"].as_u64().unwrap();
+        assert!(splits > 10 && splits < 20_000, "{splits} splits");
+        // Below the horizon all is plane.
+        let image = image::open(at(&format!("t{k}.png"))).unwrap().to_rgb8();
+        assert!((0..64).all(|x| image.get_pixel(x, 27).0 == [255; 3] && image.get_pixel(x, 20).0 == [0; 3]));
+    }
+}
+
+#[test]
 fn a_crop_window_is_cut_from_the_whole_image() {
     let world = "Surface \"constant\" Color 1 .5 .25 Sphere .9 -.9 .9 360";
     let whole = render(ORTHO, world);

@@ -121,3 +121,36 @@ fn solids_are_lit_and_shade_as_they_are() {
     let found = image.pixels.iter().map(|p| p[0]).sum::<f32>() / 1600.0;
     assert!((found - (1.9 * 1.9 - 1.0 + 0.09 * PI)).abs() < 0.02, "{found}");
 }
+
+#[test]
+fn light_falls_through_bores_of_any_length() {
+    // The sun shines along a cylinder of radius 0.9 onto a floor of 1.9 by 1.9 behind it, and through its bore. Some lengths make facets
+    // of caps that rounding alone gives an area.
+    let lit = "LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1";
+    for (length, radius) in [(1.0, 0.3), (10.0, 0.05), (50.0, 0.3), (100.0, 0.05), (300.0, 0.2), (1000.0, 0.05)] {
+        let (half, floor) = (length / 2.0, length / 2.0 + 1.0);
+        let bored = solid("difference", &[&cylinder(0.9, half), &cylinder(radius, half + 0.5)]);
+        let floor = format!("-0.95 -0.95 {floor} 0.95 -0.95 {floor} 0.95 0.95 {floor} -0.95 0.95 {floor}");
+        let world = format!("{lit} Polygon \"P\" [{floor}] Attribute \"visibility\" \"int camera\" [0] {bored}");
+        let image = render(&ORTHO.replace("0 0 5", &format!("0 0 {}", half + 5.0)), &world);
+        let found = image.pixels.iter().map(|p| p[0]).sum::<f32>() / 1600.0;
+        let expected = 1.9 * 1.9 - (0.81 - radius * radius) * PI;
+        assert!((found - expected).abs() < 0.006, "{length} long, {radius} wide: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn a_long_bore_that_is_cut_open_is_lit_all_over() {
+    // A tube along z, of which the half towards the eye is cut off: the sun shines from the eye into the half of its bore.
+    let lit = "LightSource \"distantlight\" 1 \"to\" [0 1 0] Surface \"matte\" \"Ka\" 0 \"Kd\" 1";
+    let half = format!("AttributeBegin Translate 0 -1 0 Scale 1 1 30 {} AttributeEnd", cube(1.0));
+    let tube = |r: f32| format!("Cylinder {r} -20 20 360 Disk -20 {r} 360 Disk 20 {r} 360");
+    let whole = solid("difference", &[&tube(0.8), &tube(0.5), &half]);
+    let view = ORTHO.replace("Translate 0 0 5", "Rotate 90 1 0 0 Translate 0 5 0");
+    let image = render(&view, &format!("{lit} {whole}"));
+    // At x from the axis the bore's normal has the cosine √(1 − x²/0.5²); the cut is flat.
+    for (x, expected) in [(0.0f32, 1.0), (0.3, 0.8), (-0.4, 0.6), (0.65, 1.0)] {
+        let found = image.at((40.0 * (x + 1.0)) as usize, 40)[0];
+        assert!((found - expected).abs() < 0.04, "{x}: {found}, expected {expected}");
+    }
+}

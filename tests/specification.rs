@@ -102,7 +102,7 @@ fn every_function_variable_and_keyword_has_a_case_or_is_said_to_be_unsupported()
         ("transformation", "transformation t() { P = P; }"),
         ("bake", "surface t() { bake(\"a\", s, t, 1); Oi = 1; }"),
         ("texture3d", "surface t() { float x = 0; texture3d(\"a\", P, N, \"x\", x); Oi = 1; }"),
-        ("filterstep", "surface t() { Oi = 1; Ci = filterstep(0.5, s, \"filter\", \"gaussian\"); }"),
+        ("filterstep", "surface t() { Oi = 1; Ci = filterstep(0.5, s, \"filter\", \"mitchell\"); }"),
         ("trace", "surface t() { Oi = 1; Ci = trace(P, N, \"samples\", 4); }"),
         ("blurr", "surface t() { Oi = 1; Ci = texture(\"a.png\", s, t, \"blurr\", 1); }"),
     ] {
@@ -207,11 +207,37 @@ fn names_that_requests_take_are_known_and_others_are_refused_or_warned_of() {
             "no coordinate system `lost`",
         ),
         ("", "Points \"P\" [0 0 0 1 0 0 0 1 0] \"width\" [1 2]", "`width` has 2 values for 3 points"),
-        ("", "MotionBegin [0 1] Color 1 0 0 Color 0 1 0 MotionEnd", "attributes do not move"),
+        (
+            "",
+            "MotionBegin [0 1] Color 1 0 0 Color 0 1 0 MotionEnd",
+            "`Color` in a motion block: what is shaded has that of when the shutter opens",
+        ),
+        (
+            "",
+            "MotionBegin [0 1] Surface \"matte\" Surface \"metal\" MotionEnd",
+            "`Surface` in a motion block: the first holds",
+        ),
+        ("", "MotionBegin [0 1] Sides 1 Sides 2 MotionEnd", "`Sides` in a motion block: it may not move"),
+        ("", "MotionBegin [0 1] Color 1 0 0 MotionEnd", "a motion block of 2 times has 1 of `Color`"),
     ] {
         let answer = said(&[], options, world);
         assert!(answer.contains(message), "{options} {world}: {answer}");
     }
+}
+
+#[test]
+fn colours_that_are_no_numbers_are_counted_and_said() {
+    // Infinity less infinity, on a disk and, of a shader of another name, nowhere; what is finite is not warned of.
+    let files = [
+        ("lost.sl", "surface lost() { float big = 1e30; Oi = 1; Ci = big * big - big * big; }"),
+        ("kept.sl", "surface kept() { float big = 1e30; Oi = 1; Ci = big; }"),
+    ];
+    let answer = said(&files, "", "Surface \"lost\" Disk 0 0.5 360 Disk 1 0.5 360 Surface \"kept\" Disk 0 0.2 360");
+    let found: Vec<&str> = answer.lines().filter(|line| line.contains("no finite numbers")).collect();
+    let [line] = found[..] else { panic!("{answer}") };
+    let (_, rest) = line.split_once("the shader `lost` gives colours that are no finite numbers, at ").unwrap();
+    let n: usize = rest.split(' ').next().unwrap().parse().unwrap();
+    assert!(n > 500, "{line}");
 }
 
 #[test]

@@ -15,6 +15,8 @@ pub struct Texture {
     levels: Levels,
     /// What lies beyond its edges: `black`, `clamp` or `periodic`, along s and t.
     wrap: [Wrap; 2],
+    /// Channels of its file.
+    channels: u8,
 }
 
 /// What lies beyond an edge.
@@ -45,6 +47,8 @@ impl Wrap {
 pub enum Source {
     /// One image.
     Image(PathBuf, [Wrap; 2]),
+    /// An image of all directions, by longitude and latitude.
+    LatLong(PathBuf),
     /// Views along +x, −x, +y, −y, +z, −z, and their angle, degrees.
     CubeFaces([PathBuf; 6], f32),
 }
@@ -87,7 +91,7 @@ impl Map {
 /// Note the files of the texture of this name, if there is one.
 pub fn note(name: &str, made: &Made, folders: &[PathBuf]) {
     let paths = match made.get(name) {
-        Some(Source::Image(path, _)) => vec![path.clone()],
+        Some(Source::Image(path, _) | Source::LatLong(path)) => vec![path.clone()],
         Some(Source::CubeFaces(paths, _)) => paths.to_vec(),
         None => vec![name.into()],
     };
@@ -131,6 +135,7 @@ impl Textures {
         };
         let map: Result<Map, String> = match self.made.get(name) {
             Some(Source::Image(path, wrap)) => read(path, *wrap).map(Map::Image),
+            Some(Source::LatLong(path)) => read(path, [Wrap::Periodic, Wrap::Clamp]).map(Map::Image),
             Some(Source::CubeFaces(paths, fov)) => {
                 let faces: Result<Vec<_>, _> = paths.iter().map(|p| read(p, [Wrap::Clamp; 2])).collect();
                 let tangent = (0.5 * fov.to_radians()).tan();
@@ -146,15 +151,33 @@ impl Textures {
         map
     }
 
-    /// Size of a texture, or of a face of it, if it can be read.
-    pub fn resolution(&self, name: &str, warnings: &Warnings) -> Option<[f32; 2]> {
+    /// Width and height of a texture, or of a face of it, and how many channels it has, if it can be read.
+    pub fn size(&self, name: &str, warnings: &Warnings) -> Option<([f32; 2], f32)> {
         let map = self.get(name, warnings)?;
         let first = match &*map {
             Map::Image(image) => image,
             Map::Cube(faces, _) => &faces[0],
         };
         let (w, h) = first.levels.size(0);
-        Some([w as f32, h as f32])
+        Some(([w as f32, h as f32], first.channels.into()))
+    }
+
+    /// Whether there are the files of a texture.
+    pub fn exists(&self, name: &str) -> bool {
+        let is_there = |path: &Path| find(path, &self.folders).is_some();
+        match self.made.get(name) {
+            Some(Source::Image(path, _) | Source::LatLong(path)) => is_there(path),
+            Some(Source::CubeFaces(paths, _)) => paths.iter().all(|path| is_there(path)),
+            None => is_there(Path::new(name)),
+        }
+    }
+
+    /// What a texture was made as: `texture` or `environment`.
+    pub fn kind(&self, name: &str) -> &'static str {
+        match self.made.get(name) {
+            Some(Source::LatLong(_) | Source::CubeFaces(..)) => "environment",
+            _ => "texture",
+        }
     }
 
     /// Four channels of a map at a place.
@@ -282,6 +305,7 @@ impl Texture {
     ) -> Result<Texture, String> {
         let image = guard::read_image(path)?;
         let (w, h) = (image.width() as usize, image.height() as usize);
+        let channels = image.color().channel_count();
         use image::DynamicImage::{ImageLuma8, ImageLumaA8, ImageRgb8, ImageRgb32F, ImageRgba8, ImageRgba32F};
         let linear = matches!(image, ImageRgb32F(_) | ImageRgba32F(_));
         let texels = match image {
@@ -296,7 +320,7 @@ impl Texture {
             }
         };
         let levels = Levels::new(w, h, texels, room, cache).map_err(|e| format!("no room for its tiles: {e}"))?;
-        Ok(Texture { levels, wrap })
+        Ok(Texture { levels, wrap, channels })
     }
 
     /// The mean about a place over the ellipse that the change to the next points spans, wider by a blur, all as parts of the image:
@@ -370,7 +394,7 @@ mod tests {
         let stripe = |k: usize| if (k % n + n - k / n) % 8 < 4 { [1.0; 4] } else { [0.0, 0.0, 0.0, 1.0] };
         let texels = Texels::Floats((0..n * n).map(stripe).collect());
         let levels = Levels::new(n, n, texels, usize::MAX, &Arc::new(Cache::default())).unwrap();
-        let texture = Texture { levels, wrap: [Wrap::Periodic; 2] };
+        let texture = Texture { levels, wrap: [Wrap::Periodic; 2], channels: 4 };
         let (long, short) = (12.0 / n as f32, 0.2 / n as f32);
         let (along, across) = ([long, long], [short, -short]);
         let at = [34.0 / n as f32, 32.5 / n as f32];

@@ -333,7 +333,9 @@ impl<'a> Arguments<'a> {
                 Values::Floats(v) => v.len(),
                 Values::Strings(v) => v.len(),
             };
-            if n == 0 || n % decl.width() != 0 {
+            // Of no points there are no values.
+            let is_none = n == 0 && (decl.class.is_whole() || decl.ty == Type::String);
+            if is_none || n % decl.width() != 0 {
                 let message = format!("`{}` has {n} values, expected a multiple of {}", decl.inline(), decl.width());
                 return Err(Fail::new(message));
             }

@@ -142,6 +142,11 @@ impl Standing {
             let place = placed(path, spot);
             warnings
                 .push(format!("{place}: `{other}` in a motion block of `{first}`, expected one request at all times"));
+        } else if !self.crossed.contains(&(request, Some(request)))
+            && let Some(instead) = instead_of_motion(request)
+        {
+            self.crossed.push((request, Some(request)));
+            warnings.push(format!("{}: `{}` in a motion block: {instead}", placed(path, spot), request.name()));
         }
     }
 
@@ -151,6 +156,22 @@ impl Standing {
             self.files.push(path.into());
             self.files.len() - 1
         })
+    }
+}
+
+/// What becomes of a request that does not move; nothing if it does. Transformations, primitives, colours and shaders may move
+/// by the specification (table 6.1).
+fn instead_of_motion(request: Request) -> Option<&'static str> {
+    use Request::*;
+    match request {
+        Color | Opacity => Some("what is shaded has that of when the shutter opens"),
+        Surface | Displacement | Atmosphere | Interior | Exterior | Deformation | LightSource | AreaLightSource
+        | Projection | Bound | Detail => Some("the first holds, it does not move here"),
+        Identity | Transform | ConcatTransform | Perspective | Translate | Rotate | Scale | Skew
+        | CoordSysTransform => None,
+        ObjectInstance => Some("an instance moves with the transformation alone, and one is drawn at each time"),
+        _ if request.row().stands == Stands::InWorld => None,
+        _ => Some("it may not move"),
     }
 }
 
@@ -303,5 +324,13 @@ mod tests {
         let mixed = said("MotionBegin [0 1] Translate 0 0 0 Rotate 9 0 0 1 MotionEnd");
         assert_eq!(mixed, ["t.rib:1:35: `Rotate` in a motion block of `Translate`, expected one request at all times"]);
         assert!(said("MotionBegin [0 1] Translate 0 0 0 Translate 1 0 0 MotionEnd").is_empty());
+        for (request, what) in [("Color 1 0 0", "has that of when the shutter opens"), ("Format 1 1 1", "may not move")]
+        {
+            let said = said(&format!("MotionBegin [0 1] {request} {request} MotionEnd"));
+            let name = request.split(' ').next().unwrap();
+            assert_eq!(said.len(), 1, "{said:?}");
+            let place = format!("t.rib:1:19: `{name}` in a motion block: ");
+            assert!(said[0].starts_with(&place) && said[0].contains(what), "{said:?}");
+        }
     }
 }

@@ -24,6 +24,17 @@ impl Context {
         Ok(())
     }
 
+    /// The colour or the opacity; in a motion block, that at one of its times.
+    pub(super) fn set_color(&mut self, which: Attribute, value: [f32; 3]) -> RiResult {
+        if let Some(block) = &mut self.motion {
+            block.colors.push((which, value));
+            return Ok(());
+        }
+        self.sets(which);
+        *(if which == Attribute::Opacity { &mut self.attributes.opacity } else { &mut self.attributes.color }) = value;
+        Ok(())
+    }
+
     /// An attribute of a group.
     pub(super) fn set_attribute(&mut self, name: &str, params: Params) -> RiResult {
         for param in &params {

@@ -139,14 +139,10 @@ impl Ri for Context {
         self.set_attribute(name, params)
     }
     fn color(&mut self, color: [f32; 3]) -> RiResult {
-        self.sets(Attribute::Color);
-        self.attributes.color = color;
-        Ok(())
+        self.set_color(Attribute::Color, color)
     }
     fn opacity(&mut self, opacity: [f32; 3]) -> RiResult {
-        self.sets(Attribute::Opacity);
-        self.attributes.opacity = opacity;
-        Ok(())
+        self.set_color(Attribute::Opacity, opacity)
     }
     fn light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
         self.add_light(name, handle, params)
@@ -191,7 +187,7 @@ impl Ri for Context {
         self.open_solid(operation)
     }
     fn solid_end(&mut self) -> RiResult {
-        self.attribute_end()
+        self.pop_attributes().map_err(|_| Fail::new("SolidEnd without SolidBegin"))
     }
     fn motion_begin(&mut self, times: Vec<f32>) -> RiResult {
         self.open_motion_block(times)
@@ -270,7 +266,7 @@ impl Ri for Context {
         Ok(())
     }
     fn make_lat_long_environment(&mut self, from: &str, to: &str, _: &str, _: [f32; 2], _: Params) -> RiResult {
-        self.made.insert(to.into(), texture::Source::Image(from.into(), [Wrap::Periodic, Wrap::Clamp]));
+        self.made.insert(to.into(), texture::Source::LatLong(from.into()));
         Ok(())
     }
     fn make_cube_face_environment(
@@ -375,6 +371,9 @@ impl Ri for Context {
         self.draw_points_general_polygons(n_loops, n_vertices, vertices, self.variables(params)?)
     }
     fn points_polygons(&mut self, n_vertices: Vec<i32>, vertices: Vec<i32>, params: Params) -> RiResult {
+        if n_vertices.is_empty() {
+            return self.draw_nothing("`PointsPolygons`");
+        }
         self.draw_points_polygons(n_vertices, vertices, self.variables(params)?)
     }
     fn basis(&mut self, u: [f32; 16], u_step: i32, v: [f32; 16], v_step: i32) -> RiResult {
@@ -422,9 +421,15 @@ impl Ri for Context {
         self.quadric(Outline::Circle([major, 0.0], minor, angles), sweep, params)
     }
     fn points(&mut self, params: Params) -> RiResult {
+        if params.iter().any(|p| matches!(p.decl.name.as_str(), "P" | "Pw") && p.numbers().is_empty()) {
+            return self.draw_nothing("`Points`");
+        }
         self.draw_points(self.variables(params)?)
     }
     fn curves(&mut self, kind: &str, n_vertices: Vec<i32>, wrap: &str, params: Params) -> RiResult {
+        if n_vertices.is_empty() {
+            return self.draw_nothing("`Curves`");
+        }
         self.draw_curves(kind, n_vertices, wrap, self.variables(params)?)
     }
     fn subdivision_mesh(

@@ -1,7 +1,7 @@
 //! Open motion blocks: what their calls are kept as until `MotionEnd` (RISpec 6.3).
 
 use crate::gprim::quadric::Quadric;
-use crate::scene::attributes::Attributes;
+use crate::scene::attributes::{Attribute, Attributes};
 use crate::scene::patch::Patch;
 use crate::scene::variables::{VariableName, VariableNames};
 use glam::{Mat4, Vec3};
@@ -19,8 +19,10 @@ pub struct MotionBlock {
     pub calls: Vec<Moving>,
     /// Attributes as the first request that sets one has left them, if a second one does.
     pub first: Option<Box<Attributes>>,
-    /// Requests that set an attribute.
+    /// Requests that set an attribute, or draw nothing.
     pub n_set: usize,
+    /// Colours and opacities, each at one of the times.
+    pub colors: Vec<(Attribute, [f32; 3])>,
     /// How the first call cut its polygons, which the others do alike.
     pub cuts: Vec<PolygonCut>,
 }

@@ -5,7 +5,7 @@ use crate::context::primitives::{one_sphere, quadric_patches};
 use crate::context::state::Context;
 use crate::gprim::quadric::Quadric;
 use crate::gprim::variables::{attach_variables, uniform_numbers};
-use crate::scene::attributes::TEXTURE_CORNERS;
+use crate::scene::attributes::{Attribute, TEXTURE_CORNERS};
 use crate::scene::motion;
 use crate::scene::patch::Patch;
 use crate::scene::variables::{VariableName, VariableNames};
@@ -48,15 +48,16 @@ fn turns(times: Vec<f32>, calls: Vec<Moving>) -> (Vec<f32>, Vec<Moving>) {
 impl Context {
     /// The end of a motion block.
     pub(super) fn close(&mut self, block: MotionBlock) -> RiResult {
-        let MotionBlock { times, calls, first, n_set, .. } = block;
-        if n_set > 0 {
-            if let Some(first) = first {
-                self.attributes = *first;
-            }
-            self.scene.warn("attributes do not move: the first of a motion block holds".into());
-            if calls.is_empty() {
-                return Ok(());
-            }
+        let MotionBlock { times, calls, first, n_set, colors, .. } = block;
+        if let Some(first) = first {
+            self.attributes = *first;
+        }
+        for which in [Attribute::Color, Attribute::Opacity] {
+            let keys = colors.iter().filter(|(own, _)| *own == which).map(|(_, value)| *value);
+            self.moving_color(which, &times, &keys.collect::<Vec<_>>())?;
+        }
+        if calls.is_empty() && (n_set > 0 || !colors.is_empty()) {
+            return Ok(());
         }
         if calls.len() != times.len() {
             return Err(Fail::new(format!(
@@ -100,6 +101,18 @@ impl Context {
             spheres.truncate(1);
         }
         if first_is_spheres { self.moving_spheres(&times, spheres) } else { self.moving_patches(&times, patches) }
+    }
+
+    /// The colours or opacities of a motion block: what is shaded has that of when the shutter opens.
+    fn moving_color(&mut self, which: Attribute, times: &[f32], values: &[[f32; 3]]) -> RiResult {
+        let Some(first) = values.first() else { return Ok(()) };
+        if values.len() != times.len() {
+            let (n, of) = (values.len(), times.len());
+            self.scene.warn(format!("a motion block of {of} times has {n} of `{which:?}`: the first holds"));
+            return self.set_color(which, *first);
+        }
+        let keys: Vec<(f32, [f32; 3])> = times.iter().copied().zip(values.iter().copied()).collect();
+        self.set_color(which, motion::at(&keys, self.options.shutter[0]))
     }
 
     /// The transformations of a motion block, over what holds before it.
@@ -197,7 +210,7 @@ impl Context {
         if times.windows(2).any(|t| !(t[0] < t[1])) {
             return Err(Fail::new("the times of a motion block must rise"));
         }
-        self.motion = Some(MotionBlock { times, calls: vec![], first: None, n_set: 0, cuts: vec![] });
+        self.motion = Some(MotionBlock { times, calls: vec![], first: None, n_set: 0, colors: vec![], cuts: vec![] });
         Ok(())
     }
 }

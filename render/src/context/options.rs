@@ -84,7 +84,21 @@ impl Context {
             }
         }
         self.say_unused("projection", params.iter().filter(|p| p.decl.name != "fov"));
-        // The projection starts the camera's transformation again (RISpec 4.1.1).
+        // The projection comes after what was current, which is then a transformation of screen space, and starts the camera's own
+        // (RISpec 4.1.1).
+        let m = if self.options.projected { Mat4::IDENTITY } else { self.transform };
+        let turns = [m.x_axis.y, m.x_axis.w, m.y_axis.x, m.y_axis.w, m.z_axis.x, m.z_axis.y, m.z_axis.w];
+        if turns.iter().any(|x| *x != 0.0)
+            || m.x_axis.x * m.y_axis.y == 0.0
+            || (m != Mat4::IDENTITY && !self.moves.is_empty())
+        {
+            let kept = "only scales and shifts that do not move are followed there";
+            self.scene
+                .warn(format!("the transformation before `Projection` turns, shears or moves the screen: {kept}"));
+        } else if !self.options.projected {
+            self.options.screen = [[m.x_axis.x, m.y_axis.y], [m.w_axis.x, m.w_axis.y]];
+        }
+        self.options.projected = true;
         (self.transform, self.moves) = (Mat4::IDENTITY, vec![]);
         Ok(())
     }

@@ -127,6 +127,14 @@ impl Context {
         }
     }
 
+    /// A primitive of no points.
+    pub(super) fn draw_nothing(&mut self, what: &str) -> RiResult {
+        if let Some(block) = &mut self.motion {
+            block.n_set += 1;
+        }
+        self.in_world(what)
+    }
+
     /// Another transformation in place of the current one.
     pub(super) fn set_transform(&mut self, m: Mat4) -> RiResult {
         match &mut self.motion {

@@ -4,7 +4,7 @@
 //! faces away from the light it is dark already; so shadows need no bias on the very surfaces where a bias would show.
 
 use crate::cpu::tree::Tree;
-use crate::scene::facets::{facets_of, meet_triangle};
+use crate::scene::facets::{Cut, meet_triangle, quads_of};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
@@ -26,11 +26,13 @@ enum Occluder {
         a: Vec3,
         ab: Vec3,
         ac: Vec3,
-        flat: bool,
+        /// How near the start of a ray it may be in its own way, as it stands off a curved surface; `None` if that is flat.
+        room: Option<f32>,
     },
 }
 
-/// How far beside a triangle of a solid, in parts of it, a ray still meets it: what rounding makes of a corner.
+/// How far beside a triangle of a solid or of a curved surface, in parts of it, a ray still meets it: what rounding makes of a corner, so
+/// that nothing gets through between neighbours.
 const BESIDE: f32 = 1e-5;
 
 /// Where a ray meets something.
@@ -87,10 +89,14 @@ impl Bvh {
             }
             Shape::Patches(patches, _) => {
                 for patch in patches.iter() {
-                    let facets = facets_of(patch, to_world).map(|[a, b, c]| (a, b - a, c - a));
-                    let sound = facets.filter(|(_, ab, ac)| ab.cross(*ac).length_squared() > 0.0);
-                    let triangles = sound.map(|(a, ab, ac)| Occluder::Triangle { a, ab, ac, flat: patch.flat });
-                    self.occluders.extend(triangles.map(|triangle| (item, triangle)));
+                    let cut = Cut::of(patch);
+                    for [a, b, c, d] in quads_of(patch, cut, to_world) {
+                        let long = [(b - a).length().max((c - d).length()), (d - a).length().max((c - b).length())];
+                        let room = (!patch.flat).then(|| (long[0] * cut.room[0]).hypot(long[1] * cut.room[1]));
+                        let triangles = [(b - a, c - a), (c - a, d - a)];
+                        let sound = triangles.into_iter().filter(|(ab, ac)| ab.cross(*ac).length_squared() > 0.0);
+                        self.occluders.extend(sound.map(|(ab, ac)| (item, Occluder::Triangle { a, ab, ac, room })));
+                    }
                 }
             }
         }
@@ -105,7 +111,12 @@ impl Bvh {
                 let reach = Vec3::new(row(0), row(1), row(2));
                 (m.w_axis.truncate() - reach, m.w_axis.truncate() + reach)
             }
-            Occluder::Triangle { a, ab, ac, .. } => (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac)),
+            // A ray along the side of a box may miss it by a not-a-number, and an edge by what rounding makes of that.
+            Occluder::Triangle { a, ab, ac, .. } => {
+                let (lo, hi) = (a.min(a + ab).min(a + ac), a.max(a + ab).max(a + ac));
+                let room = 1e-6 * lo.abs().max(hi.abs()).max_element();
+                (lo - room, hi + room)
+            }
         }
     }
 
@@ -129,12 +140,11 @@ impl Bvh {
                 let is_own = own == Some(*item);
                 let mut push =
                     |t: Option<f32>, enters, along| met.extend(t.map(|t| Crossing { t, item: *item, enters, along }));
-                if let Occluder::Triangle { a, ab, ac, flat } = *occluder {
-                    let size = ab.length().max(ac.length());
-                    let near = if flat {
-                        bias[0].min(1e-4 * size)
-                    } else {
-                        bias[is_own as usize].max(facet_room(size, is_own))
+                if let Occluder::Triangle { a, ab, ac, room } = *occluder {
+                    let near = match room {
+                        // Of the numbers' rounding alone: what is opposite may be as near as a solid is thin.
+                        None => bias[0].min(1e-5 * ab.length().max(ac.length()) + 1e-6 * from.abs().max_element()),
+                        Some(room) => bias[is_own as usize].max(facet_room(room, is_own)),
                     };
                     // A ray through a corner meets a triangle there, at least: of two that share an edge, one counts.
                     let t = meet_triangle(from, dir, a, [ab, ac], BESIDE).map(|(t, _)| t).filter(|t| *t > near);
@@ -238,11 +248,14 @@ impl Bvh {
                 let (o, d) = (m.transform_point3(from), m.transform_vector3(dir));
                 root(d.length_squared(), o.dot(d), o.length_squared() - 1.0, if own { bias[1] } else { 0.0 })
             }
-            Occluder::Triangle { flat: true, .. } if own => None,
-            Occluder::Triangle { a, ab, ac, flat } => {
-                let size = ab.length().max(ac.length());
-                let near = if flat { 1e-5 * size } else { bias[own as usize].max(facet_room(size, own)) };
-                meet_triangle(from, dir, a, [ab, ac], 0.0).map(|(t, _)| t).filter(|t| *t > near.max(least))
+            Occluder::Triangle { room: None, .. } if own => None,
+            Occluder::Triangle { a, ab, ac, room } => {
+                let near = match room {
+                    None => 1e-5 * ab.length().max(ac.length()),
+                    Some(room) => bias[own as usize].max(facet_room(room, own)),
+                };
+                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                meet_triangle(from, dir, a, [ab, ac], beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
         }
     }
@@ -274,12 +287,11 @@ impl Bvh {
                     }
                 }
             }
-            Occluder::Triangle { a, ab, ac, flat } => {
-                !(own && flat)
-                    && meet_triangle(from, dir, a, [ab, ac], 0.0).is_some_and(|(t, _)| {
-                        let facet = if flat { 0.0 } else { facet_room(ab.length().max(ac.length()), own) };
-                        t > bias.max(facet) && t < length
-                    })
+            Occluder::Triangle { a, ab, ac, room } => {
+                let beside = if room.is_some() { BESIDE } else { 0.0 };
+                !(own && room.is_none())
+                    && meet_triangle(from, dir, a, [ab, ac], beside)
+                        .is_some_and(|(t, _)| t > bias.max(facet_room(room.unwrap_or(0.0), own)) && t < length)
             }
         }
     }
@@ -287,6 +299,6 @@ impl Bvh {
 
 /// How near its start a ray passes a facet of a curved surface, which stands off the surface: its own neighbourhood is not in its
 /// shadow.
-fn facet_room(size: f32, own: bool) -> f32 {
-    size * if own { 2.0 } else { 0.5 }
+fn facet_room(room: f32, own: bool) -> f32 {
+    room * if own { 2.0 } else { 0.5 }
 }

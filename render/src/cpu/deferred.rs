@@ -196,7 +196,7 @@ fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
             out.extend(few.iter().map(|k| run[*k as usize]));
         }
     };
-    for global in [Global::P, Global::N, Global::U, Global::V, Global::S, Global::T] {
+    for global in [Global::P, Global::N, Global::U, Global::V, Global::S, Global::T, Global::DPdtime] {
         let goal = out.refill(global);
         if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
             of(values, goal);

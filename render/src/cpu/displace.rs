@@ -1,6 +1,6 @@
 //! Displacement of a grid, by its item's displacement shader.
 
-use crate::cpu::globals::{fill_incident, spread};
+use crate::cpu::globals::{fill_incident, fill_velocity, spread};
 use crate::cpu::rays::Rays;
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
@@ -13,10 +13,13 @@ use sl::machine::{Machine, Points};
 pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
     let Subject { item, view, camera, .. } = *subject;
     let points = &mut grid.points;
+    let moment = subject.instants.get(1).map(|instant| instant.time);
+    let deformed = grid.deformed.first().map(Vec::as_slice);
     if let Some(displacement) = &view.attributes.displacement {
         let mut seen = View::new(scene, rays, item, view, [0.0; 2]);
         seen.shader_to_world = view.attributes.displacement_space;
         fill_incident(points, camera);
+        fill_velocity(points, view, moment, deformed, scene.shutter);
         let before = points.get(Global::P).unwrap_or(&[]).to_vec();
         machine.run_with(displacement, &view.attached.displacement, points, &seen);
         machine.tell(Ask::Displacement, displacement, points);
@@ -43,6 +46,7 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         let p = points.get_mut(Global::P).into_iter();
         p.chain(&mut grid.deformed).for_each(|p| snap_edges(p, nu, nv, grid.keep));
     }
+    fill_velocity(points, view, moment, grid.deformed.first().map(Vec::as_slice), scene.shutter);
 }
 
 /// Drop the ring of points around the grid; the first `n_uniform` of its primitive variables are the same all over.

@@ -1,6 +1,7 @@
 //! Global variables that shaders start with.
 
 use crate::scene::camera::Camera;
+use crate::scene::motion::carried;
 use crate::scene::source::ItemView;
 use glam::Vec3;
 use sl::Global;
@@ -26,6 +27,36 @@ pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
     if a.surface.program.global(Global::E).is_some() {
         points.refill(Global::E).extend_from_slice(&eye.to_array());
     }
+}
+
+/// The change of P per unit of time as the shutter opens, at points of an item, if one of its shaders asks for it: from now to the
+/// item's next moment. `deformed` has how far each is from its place in a form that is kept.
+pub fn fill_velocity(
+    points: &mut Points,
+    view: &ItemView<'_>,
+    moment: Option<f32>,
+    deformed: Option<&[f32]>,
+    [open, close]: [f32; 2],
+) {
+    if !view.attributes.reads(Global::DPdtime) {
+        return;
+    }
+    let n = points.n();
+    let mut velocity = std::mem::take(points.refill(Global::DPdtime));
+    velocity.resize(3 * n, 0.0);
+    if let Some(time) = moment.filter(|_| close > open) {
+        let carried = carried(view, time);
+        let p = points.get(Global::P).filter(|p| p.len() == 3 * n).unwrap_or(&[]);
+        let off = deformed.filter(|off| off.len() == 3 * n);
+        let of = |v: &[f32], k: usize| Vec3::new(v[k], v[n + k], v[2 * n + k]);
+        for k in 0..p.len() / 3 {
+            let at = of(p, k);
+            let later = carried.transform_point3(at + off.map_or(Vec3::ZERO, |off| of(off, k)));
+            let v = (later - at) / (time * (close - open));
+            (velocity[k], velocity[n + k], velocity[2 * n + k]) = (v.x, v.y, v.z);
+        }
+    }
+    *points.refill(Global::DPdtime) = velocity;
 }
 
 /// I at every point, and a uniform P or N made varying, as projection wants it.

@@ -2,7 +2,6 @@
 //! of their points starts on what it could meet, and no room has to be left around it.
 
 use crate::gprim::grid::{Grid, Origin};
-use crate::scene::facets::meet_triangle;
 use glam::{Vec2, Vec3, Vec3A};
 use sl::Global;
 
@@ -72,24 +71,30 @@ impl Mesh {
         self.points.len() / self.nu - 1
     }
 
+    /// The columns and rows of micropolygons of a block.
+    fn span(&self, block: usize) -> [(usize, usize); 2] {
+        let across = self.columns().div_ceil(BLOCK);
+        let [i, j] = [block % across * BLOCK, block / across * BLOCK];
+        [(i, (i + BLOCK).min(self.columns())), (j, (j + BLOCK).min(self.rows()))]
+    }
+
     /// The first points of the micropolygons of a block, or of all.
     fn quads(&self, block: Option<usize>) -> impl Iterator<Item = usize> + '_ {
-        let across = self.columns().div_ceil(BLOCK);
-        let (i, j) = match block {
-            Some(b) => (b % across * BLOCK..(b % across + 1) * BLOCK, b / across * BLOCK..(b / across + 1) * BLOCK),
-            None => (0..self.columns(), 0..self.rows()),
-        };
-        let (i, j) = (i.start..i.end.min(self.columns()), j.start..j.end.min(self.rows()));
+        let [i, j] = block.map_or([(0, self.columns()), (0, self.rows())], |block| self.span(block));
+        let [i, j] = [i, j].map(|(from, to)| from..to);
         let is_there = move |i: usize, j: usize| self.trimmed.get(j * self.columns() + i) != Some(&true);
         j.flat_map(move |j| i.clone().filter(move |i| is_there(*i, j)).map(move |i| j * self.nu + i))
     }
 
     fn bound(&self, block: usize) -> (Vec3A, Vec3A) {
         let corners = self.quads(Some(block)).flat_map(|k| [k, k + 1, k + self.nu, k + self.nu + 1]);
-        corners.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), k| {
+        let (lo, hi) = corners.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), k| {
             let p = Vec3A::from(self.points[k]);
             (lo.min(p), hi.max(p))
-        })
+        });
+        // A ray along the side of a box may miss it by a not-a-number.
+        let room = 1e-6 * lo.abs().max(hi.abs()).max_element();
+        if room.is_finite() { (lo - room, hi + room) } else { (lo, hi) }
     }
 
     /// The box around it.
@@ -123,19 +128,29 @@ impl Mesh {
         mut visit: impl FnMut(f32, [usize; 3], [f32; 2]) -> f32,
     ) {
         let (origin, inv) = (Vec3A::from(from), Vec3A::from(dir).recip());
+        let (right, up) = dir.any_orthonormal_pair();
         let near = least.max(self.room);
         for (block, (min, max)) in self.blocks.iter().enumerate() {
             let (t0, t1) = ((*min - origin) * inv, (*max - origin) * inv);
             if t0.min(t1).max_element().max(0.0) > t0.max(t1).min_element().min(length) {
                 continue;
             }
-            for k in self.quads(Some(block)) {
-                for corners in self.triangles(k) {
-                    let [a, b, c] = corners.map(|k| self.points[k]);
-                    if let Some((t, at)) =
-                        meet_triangle(from, dir, a, [b - a, c - a], EDGE).filter(|(t, _)| *t > near && *t < length)
-                    {
-                        length = visit(t, corners, at);
+            // Its points as seen along the ray, and how far along.
+            let [(i0, i1), (j0, j1)] = self.span(block);
+            let mut seen = [[0.0f32; 3]; (BLOCK + 1) * (BLOCK + 1)];
+            for j in j0..=j1 {
+                for i in i0..=i1 {
+                    let p = self.points[j * self.nu + i] - from;
+                    seen[(j - j0) * (BLOCK + 1) + i - i0] = [p.dot(right), p.dot(up), p.dot(dir)];
+                }
+            }
+            for (i, j) in (j0..j1).flat_map(|j| (i0..i1).map(move |i| (i, j))) {
+                let first = (j - j0) * (BLOCK + 1) + i - i0;
+                let [a, b, c, d] = [first, first + 1, first + BLOCK + 2, first + BLOCK + 1].map(|k| seen[k]);
+                for (half, triangle) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
+                    let Some((t, at)) = meet_seen(triangle).filter(|(t, _)| *t > near && *t < length) else { continue };
+                    if self.trimmed.get(j * self.columns() + i) != Some(&true) {
+                        length = visit(t, self.triangles(j * self.nu + i)[half], at);
                     }
                 }
             }
@@ -186,6 +201,22 @@ impl Mesh {
             }),
         }
     }
+}
+
+/// How far along a ray it meets a triangle, given by its corners across and along the ray, and where: parts of the edges from the
+/// first corner. A ray that passes it by at most [`EDGE`] meets it.
+#[inline(always)]
+fn meet_seen([a, b, c]: [[f32; 3]; 3]) -> Option<(f32, [f32; 2])> {
+    let ([abx, aby], [acx, acy]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    let det = abx * acy - aby * acx;
+    let (u, v) = (a[1] * acx - a[0] * acy, a[0] * aby - a[1] * abx);
+    let (u, v, size) = if det < 0.0 { (-u, -v, -det) } else { (u, v, det) };
+    let least = -EDGE * size;
+    if !(u >= least && v >= least && u + v <= size - least && size > 0.0) {
+        return None;
+    }
+    let (u, v) = (u / size, v / size);
+    Some((a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]), [u, v]))
 }
 
 /// A direction in four bytes: its place on an octahedron.

@@ -10,7 +10,7 @@ use crate::cpu::mesh::Spot;
 use crate::cpu::openness::Surroundings;
 use crate::scene::attributes::Attributes;
 use crate::scene::camera::Camera;
-use crate::scene::facets::facets_of;
+use crate::scene::facets::{Cut, facets_of};
 use crate::scene::shape::Shape;
 use crate::scene::solid::{Met, Solids, Walk};
 use crate::scene::source::Item;
@@ -174,21 +174,29 @@ impl<'a> Hulls<'a> {
     fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
         let (shape, to_world) = scene.place(item);
         let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
-        let mut facets: Vec<[Vec3; 3]> = match (displaced, shape) {
+        let facets: Vec<[Vec3; 3]> = match (displaced, shape) {
             (Some(facets), _) => facets,
-            (None, Shape::Patches(patches, _)) => patches.iter().flat_map(|p| facets_of(p, to_world)).collect(),
+            (None, Shape::Patches(patches, _)) => {
+                patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
+            }
             (None, Shape::Sphere) => return true,
         };
-        // At a pole a facet has no area, and so no normal.
-        facets.retain(|[a, b, c]| (b - a).cross(c - a).length_squared() > 0.0);
-        if facets.is_empty() {
+        // By area: at a pole a facet has none, or what rounding makes of it, and no normal.
+        let mut area = 0.0;
+        let sums = facets.iter().map(|[a, b, c]| {
+            area += (b - a).cross(c - a).length();
+            area
+        });
+        let sums: Vec<f32> = sums.collect();
+        if !(area > 0.0) {
             return true;
         }
         let leaf = self.leaves[item.source as usize];
         let leaves_it = |part: f32| {
-            let [a, b, c] = facets[((facets.len() as f32 * part) as usize).min(facets.len() - 1)];
+            let [a, b, c] = facets[sums.partition_point(|sum| *sum <= area * part).min(facets.len() - 1)];
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            let size = (b - a).length().max((c - a).length());
+            // Less than what is opposite is away: a facet along a bore is as wide as that, and may be much longer.
+            let size = (b - a).cross(c - a).length() / (b - a).length().max((c - a).length()).max((c - b).length());
             // Off the middle and the normal, where edges of other surfaces may lie.
             let from = a * 0.41 + b * 0.28 + c * 0.31;
             let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();

@@ -48,14 +48,35 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     }
     shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     note_outputs(frame, item, view, points, shading);
+    let n_lost = not_finite(points);
+    if n_lost > 0 {
+        frame.scene.not_finite(&a.surface.program.name, n_lost);
+    }
     if let Some(atmosphere) = &a.atmosphere {
         shading.machine.tell(Ask::Surface, &a.surface, points);
         scene.shader_to_world = a.atmosphere_space;
         shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
+        let more = not_finite(points).saturating_sub(n_lost);
+        if more > 0 {
+            frame.scene.not_finite(&atmosphere.program.name, more);
+        }
     }
     points.footprints.clear();
     stats.shaded_points += points.n() as u64;
     stats.seconds.shade += begun.elapsed().as_secs_f64();
+}
+
+/// Points whose colour or opacity is no finite number.
+fn not_finite(points: &Points) -> usize {
+    let n = points.n();
+    let all = [Global::Ci, Global::Oi].map(|global| points.get(global).unwrap_or(&[]));
+    // No branch, so that this costs nothing beside the shaders.
+    let is_lost = |x: &f32| x.to_bits() & 0x7f80_0000 == 0x7f80_0000;
+    if !all.iter().any(|v| v.iter().fold(false, |lost, x| lost | is_lost(x))) {
+        return 0;
+    }
+    let at = |v: &[f32], k: usize| (0..3).any(|c| v.get(if v.len() == 3 { c } else { c * n + k }).is_some_and(is_lost));
+    (0..n).filter(|k| all.iter().any(|v| at(v, *k))).count()
 }
 
 /// Put what displays take besides colour into the outputs, point after point, as the surface shader has left it; what is not

@@ -5,7 +5,7 @@
 //! neighbouring points, which rays have not, each is a run of its own. Rays that such a shader sends are followed as far as `Option "trace" "maxdepth"` says, and those that are
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
-use crate::cpu::globals::surface_globals;
+use crate::cpu::globals::{fill_velocity, surface_globals};
 use crate::cpu::mesh::Spot;
 use crate::cpu::rays::{BEFORE_END, Rays};
 use crate::cpu::volumes::Leg;
@@ -131,6 +131,9 @@ impl<'a> View<'a> {
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));
         fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
+        let moves = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;
+        let moment = moves.then(|| view.source.moves.first().map_or(1.0, |(time, _)| *time));
+        fill_velocity(points, view, moment, None, self.scene.shutter);
         surface_globals(points, view, Vec3::ZERO);
         if a.surface.program.global(Global::E).is_some() {
             fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));

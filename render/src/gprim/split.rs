@@ -23,6 +23,12 @@ const TILE: usize = 16;
 /// Splits after which a piece that still crosses the near plane is given up.
 const DEEPEST: u32 = 40;
 
+/// The most segments that a row or column of control points asks for.
+const MOST_SEGMENTS: usize = 65536;
+
+/// Depths of a piece's farthest point and its nearest whose ratio is so great that the piece is split in depth.
+const CLOSE: f32 = 16.0;
+
 /// How much coarser than a pixel's width at its distance a surface is diced that the camera does not see.
 const UNSEEN: f32 = 4.0;
 
@@ -188,7 +194,10 @@ fn dice_or_split(
         let column = |i: usize| path(&[p[i], p[4 + i], p[8 + i], p[12 + i]]);
         let (u, v) = (row(0).max(row(3)), column(0).max(column(3)));
         let into_view = last.map_or(0.0, |last| 0.5 / camera.pixels_at(hull(&last).0.z));
-        if piece.depth < DEEPEST && u.max(v) > into_view.max(0.5 * reach).max(0.5 / camera.pixels_at(camera.near)) {
+        if piece.depth < DEEPEST
+            && can_halve(piece, u >= v)
+            && u.max(v) > into_view.max(0.5 * reach).max(0.5 / camera.pixels_at(camera.near))
+        {
             return queue.split((subject.item, k), &p, piece, reach, u >= v);
         }
         return unseen.dice(subject, queue, grid, sink);
@@ -196,11 +205,26 @@ fn dice_or_split(
     let fineness = Fineness::of(subject, &p, last.as_ref(), reach);
     let [nu, nv] = fineness.segments();
     let uneven = camera.perspective && max.z > 2.0 * min.z;
-    let deep = piece.depth >= DEEPEST;
+    let deep = piece.depth >= DEEPEST || !(can_halve(piece, true) && can_halve(piece, false));
     if !deep && (nu > TILE || nv > TILE || (uneven && nu * nv > 4)) {
-        return queue.split((subject.item, k), &p, piece, reach, nu >= nv);
+        // What comes close to the eye is large there whichever way it is split: it is first split where it goes away from there.
+        let comes_close = camera.perspective && max.z > CLOSE * min.z;
+        let along_u = match comes_close {
+            true => depths(&p, 4, 1) >= depths(&p, 1, 4),
+            // Of what is too long to count either way, too: all pieces that meet in a pole would be seen.
+            false if nu == nv && nu == MOST_SEGMENTS => fineness.longest[0] >= fineness.longest[1],
+            false => nu >= nv,
+        };
+        return queue.split((subject.item, k), &p, piece, reach, along_u);
     }
     dice_piece(subject, (k, patch), piece, &fineness, reach, grid, sink);
+}
+
+/// Whether there is a number between the ends of a piece's parameters along u or v.
+fn can_halve(piece: Piece, along_u: bool) -> bool {
+    let [from, to] = if along_u { piece.u } else { piece.v };
+    let middle = 0.5 * (from + to);
+    from < middle && middle < to
 }
 
 /// Dice a piece of patch `k` of an item that is small enough for a grid.
@@ -254,6 +278,8 @@ struct Fineness {
     columns: [usize; 4],
     /// Points of the edges at the first row, last row, first column, last column, where these are found by halving.
     edges: [Option<u32>; 4],
+    /// The longest of the rows and of the columns, in micropolygons.
+    longest: [f32; 2],
     /// Whether the piece may be blurred, by motion or by the lens.
     blurred: bool,
 }
@@ -283,7 +309,7 @@ impl Fineness {
             let coarser = coarsening(leg.iter().map(|k| blur(*k)).fold(f32::INFINITY, f32::min));
             (fine / coarser).max(fine.min(4.0))
         };
-        let rate = |length: f32| (length.clamp(1.0, 65536.0).ceil() as usize).next_power_of_two();
+        let rate = |length: f32| (length.clamp(1.0, MOST_SEGMENTS as f32).ceil() as usize).next_power_of_two();
         // An edge that is not blurred is halved where it is long, as far as that goes, so that neighbours find the same points on
         // it however they are split.
         let halved = |a: usize, stride: usize| {
@@ -292,9 +318,11 @@ impl Fineness {
             let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
             halve(curve, 0, TILE, &length, &mut points).then_some(points)
         };
+        let (rows, columns) = ([0, 1, 2, 3].map(|j| pixels(4 * j, 1)), [0, 1, 2, 3].map(|i| pixels(i, 4)));
         Fineness {
-            rows: [0, 1, 2, 3].map(|j| rate(pixels(4 * j, 1))),
-            columns: [0, 1, 2, 3].map(|i| rate(pixels(i, 4))),
+            rows: rows.map(rate),
+            columns: columns.map(rate),
+            longest: [rows, columns].map(|all| all.into_iter().fold(0.0, f32::max)),
             edges: [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| if blurred { None } else { halved(a, stride) }),
             blurred,
         }
@@ -315,6 +343,7 @@ impl Fineness {
             halve(c, 0, TILE, &length, &mut points).then_some(points)
         };
         Fineness {
+            longest: [0.0; 2],
             rows: [0, 1, 2, 3].map(|j| rate(leg(4 * j, 1))),
             columns: [0, 1, 2, 3].map(|i| rate(leg(i, 4))),
             edges: [(0, 1), (12, 1), (0, 4), (3, 4)].map(|(a, stride)| halved(leg(a, stride))),
@@ -382,6 +411,15 @@ fn halve(curve: [Vec3; 4], lo: usize, hi: usize, length: &impl Fn(&[Vec3; 4]) ->
 /// The box of control points.
 fn hull(p: &[Vec3; 16]) -> (Vec3, Vec3) {
     p.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+}
+
+/// The greatest change of depth along a leg of control points, `stride` apart, of the four that begin `next` apart.
+fn depths(p: &[Vec3; 16], next: usize, stride: usize) -> f32 {
+    let change = |leg: usize| {
+        let of = [0, 1, 2, 3].map(|k| p[leg * next + k * stride].z);
+        of.iter().copied().fold(f32::NEG_INFINITY, f32::max) - of.iter().copied().fold(f32::INFINITY, f32::min)
+    };
+    (0..4).map(change).fold(0.0, f32::max)
 }
 
 /// Length of a control polygon's leg.

@@ -3,7 +3,7 @@
 //!
 //! The points are other ones at every place that is lit, so that a penumbra is smooth up to noise and not a stack of hard shadows.
 
-use crate::scene::facets::facets_of;
+use crate::scene::facets::{Cut, facets_of};
 use crate::scene::shape::Shape;
 use glam::{Mat3, Mat4, Vec3};
 use sl::machine::BoundShader;
@@ -44,7 +44,7 @@ impl Area {
             }
             Shape::Patches(patches, _) => {
                 let turned = reversed != (to_world.determinant() < 0.0);
-                for [a, b, c] in patches.iter().flat_map(|patch| facets_of(patch, to_world)) {
+                for [a, b, c] in patches.iter().flat_map(|p| facets_of(p, Cut::even(p), to_world)) {
                     let (ab, ac) = if turned { (c - a, b - a) } else { (b - a, c - a) };
                     self.push(Piece::Triangle(a, ab, ac), 0.5 * ab.cross(ac).length());
                 }

@@ -216,10 +216,12 @@ impl Attributes {
 
     /// Whether a shader of the primitive reads u, v, s or t.
     pub fn reads_parameters(&self) -> bool {
-        let mut shaders =
-            [Some(&self.surface), self.displacement.as_ref(), self.atmosphere.as_ref()].into_iter().flatten();
-        shaders.any(|shader| {
-            [Global::U, Global::V, Global::S, Global::T].iter().any(|g| shader.program.global(*g).is_some())
-        })
+        [Global::U, Global::V, Global::S, Global::T].into_iter().any(|global| self.reads(global))
+    }
+
+    /// Whether a shader that runs over its points uses a global variable.
+    pub fn reads(&self, global: Global) -> bool {
+        let shaders = [Some(&self.surface), self.displacement.as_ref(), self.atmosphere.as_ref()];
+        shaders.into_iter().flatten().any(|shader| shader.program.global(global).is_some())
     }
 }

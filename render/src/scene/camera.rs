@@ -25,6 +25,8 @@ pub struct Camera {
     pub scale: Vec2,
     /// Raster point of the axis.
     pub center: Vec2,
+    /// Screen point of the axis.
+    shift: Vec2,
     /// Width and height of the screen window.
     window: Vec2,
     /// Least and greatest x/z and y/z that the image shows, with some room for filters.
@@ -72,8 +74,9 @@ impl Camera {
         let half = options.fov.map_or(1.0, |fov| (fov.to_radians() * 0.5).tan());
         let per_unit = Vec2::new(w / (right - left), h / (top - bottom));
         let to_world = to_camera.inverse();
-        let scale = per_unit / half;
-        let center = Vec2::new(-left, top) * per_unit;
+        let [factors, shift] = options.screen.map(Vec2::from);
+        let scale = per_unit / half * factors;
+        let center = Vec2::new(shift.x - left, top - shift.y) * per_unit;
         // The aperture's radius is half the focal length over the f-stop (RISpec 4.1.1); parallel rays have no focus.
         let lens = options
             .lens
@@ -81,7 +84,8 @@ impl Camera {
             .map(|[f_stop, length, distance]| [0.5 * length / f_stop * scale.x.abs().max(scale.y.abs()), distance]);
         // As far as filters reach, and what is blurred beside the view.
         let room = Vec2::splat(32.0 + confusion(lens, options.clipping[0]).abs());
-        let view = [(-center - room) / scale, (Vec2::new(w, h) - center + room) / scale];
+        let [a, b] = [(-center - room) / scale, (Vec2::new(w, h) - center + room) / scale];
+        let view = [a.min(b), a.max(b)];
         Camera {
             // Raster y runs downwards, camera y upwards.
             view: [Vec2::new(view[0].x, -view[1].y), Vec2::new(view[1].x, -view[0].y)],
@@ -94,6 +98,7 @@ impl Camera {
             perspective: options.fov.is_some(),
             scale,
             center,
+            shift,
             window: Vec2::new(right - left, top - bottom),
             near: if options.sees_near { NEAREST } else { options.clipping[0] },
             depth_from: options.clipping[0],
@@ -124,7 +129,7 @@ impl Camera {
         };
         let raster = projection(self.scale * Vec2::new(1.0, -1.0), self.center);
         let size = Vec3::new(1.0 / options.width as f32, 1.0 / options.height as f32, 1.0);
-        let screen = projection(screen_scale, Vec2::ZERO);
+        let screen = projection(screen_scale, self.shift);
         [("screen", screen), ("raster", raster), ("NDC", Mat4::from_scale(size) * raster)]
             .map(|(name, m)| (name, m * self.to_camera))
     }

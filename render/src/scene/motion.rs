@@ -72,6 +72,12 @@ pub struct Instant {
     pub eye: Vec3,
 }
 
+/// Where the item stood in the world as the shutter opened → where it stands at a part of the time that that is open.
+pub fn carried(view: &ItemView<'_>, time: f32) -> Mat4 {
+    let home = view.source.to_world;
+    later(home, &view.source.moves, time) * Mat4::from_translation(view.shift * time) * home.inverse()
+}
+
 /// The moments between which an item moves straight: only the first if it stands still before a camera that does.
 pub fn instants(camera: &Camera, view: &ItemView<'_>, out: &mut Vec<Instant>) {
     let seen_from = |to_world: Mat4| {
@@ -94,12 +100,10 @@ pub fn instants(camera: &Camera, view: &ItemView<'_>, out: &mut Vec<Instant>) {
     }
     times.sort_by(f32::total_cmp);
     times.dedup();
-    let home = view.source.to_world;
     for time in times {
         let mut to_camera = later(camera.to_camera, &camera.moves, time);
         if own {
-            let place = later(home, &view.source.moves, time);
-            to_camera *= place * Mat4::from_translation(view.shift * time) * home.inverse();
+            to_camera *= carried(view, time);
         }
         out.push(Instant { time, to_camera, eye: seen_from(to_camera.inverse()) });
     }

@@ -32,6 +32,10 @@ pub struct Options {
     /// Left, right, bottom and top of the screen window (`ScreenWindow`), screen space; from the aspect ratio of the image if not
     /// given.
     pub screen_window: Option<[f32; 4]>,
+    /// What the transformation before `Projection` does to screen space: factors of x and y, and a shift (RISpec 4.1.1).
+    pub screen: [[f32; 2]; 2],
+    /// Whether there was a `Projection`.
+    pub projected: bool,
     /// Full angle of view, degrees, of a perspective projection; `None` is orthographic.
     pub fov: Option<f32>,
     /// Distances of the near and far clipping planes, camera space.
@@ -92,6 +96,8 @@ impl Default for Options {
             height: 480,
             pixel_aspect: 1.0,
             screen_window: None,
+            screen: [[1.0; 2], [0.0; 2]],
+            projected: false,
             fov: None,
             clipping: [1e-3, 1e30],
             sees_near: true,

@@ -11,7 +11,7 @@ use crate::warnings::Warnings;
 use glam::{Mat4, Vec3};
 use sl::ir::Ask;
 use sl::machine::Answer;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -43,6 +43,8 @@ pub struct Scene {
     pub printed: AtomicUsize,
     /// What is wrong with a shader whose loops did not end.
     pub stopped: OnceLock<String>,
+    /// Points to which a shader gave colours that are no finite numbers, by shader.
+    pub unfinite: Mutex<BTreeMap<String, usize>>,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
 }
@@ -178,10 +180,10 @@ impl Scene {
             (Ask::Option, ["Clipping"]) => numbers(&self.clipping),
             (Ask::Option, [name]) => self.options.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()),
             (Ask::TextureInfo, [texture, what]) => match *what {
-                "resolution" => numbers(&self.textures.resolution(texture, &self.warnings)?),
-                "exists" => numbers(&[self.textures.resolution(texture, &self.warnings).is_some() as u8 as f32]),
-                "channels" => self.textures.resolution(texture, &self.warnings).and_then(|_| numbers(&[4.0])),
-                "type" => Some(Answer::Text("texture".into())),
+                "resolution" => numbers(&self.textures.size(texture, &self.warnings)?.0),
+                "exists" => numbers(&[self.textures.exists(texture) as u8 as f32]),
+                "channels" => numbers(&[self.textures.size(texture, &self.warnings)?.1]),
+                "type" => Some(Answer::Text(self.textures.kind(texture).into())),
                 _ => None,
             },
             _ => None,
@@ -195,6 +197,12 @@ impl Scene {
         *known = known.max(bound);
     }
 
+    /// Note points to which a shader gave colours that are no finite numbers.
+    pub fn not_finite(&self, shader: &str, n: usize) {
+        let mut known = self.unfinite.lock().unwrap_or_else(|e| e.into_inner());
+        *known.entry(shader.into()).or_insert(0) += n;
+    }
+
     /// The warnings about the scene, which are removed.
     pub fn take_warnings(&self) -> Vec<String> {
         let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
@@ -204,6 +212,9 @@ impl Scene {
                 "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{}]` is needed",
                 (bound * 1.01 * 1e4).ceil() / 1e4
             ));
+        }
+        for (shader, n) in std::mem::take(&mut *self.unfinite.lock().unwrap_or_else(|e| e.into_inner())) {
+            self.warn(format!("the shader `{shader}` gives colours that are no finite numbers, at {n} points"));
         }
         self.warnings.take()
     }

@@ -15,6 +15,9 @@ const MAX_TERMS: usize = 500;
 const LEVELS: &[&[&str]] =
     &[&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["/", "*"], &["^"], &["."]];
 
+/// Statements that begin with a name and a parenthesis.
+const STATEMENTS: &[&str] = &["if", "while", "for", "illuminance", "illuminate", "solar", "gather", "return"];
+
 struct Parser<'a> {
     tokens: &'a [(Tok, usize)],
     at: usize,
@@ -37,7 +40,11 @@ pub fn parse(tokens: &[(Tok, usize)]) -> Result<File, Error> {
             let (params, body) = (p.parameters(false)?, p.block()?);
             file.shader = Some(Shader { kind, name, params, body });
         } else if let Some(ret) = Ty::of_name(&head) {
-            let function = p.function(ret)?;
+            let name = p.name("the function's name")?;
+            let function = p.function(ret, name)?;
+            p.functions.push(function);
+        } else if *p.peek() == Tok::Op("(") {
+            let function = p.function(Ty::Float, head)?;
             p.functions.push(function);
         } else {
             return error(
@@ -128,8 +135,8 @@ impl Parser<'_> {
     }
 
     /// A function, after its type.
-    fn function(&mut self, ret: Ty) -> Result<Function, Error> {
-        let name = self.name("the function's name")?;
+    /// A function after its name; one without a type gives a number.
+    fn function(&mut self, ret: Ty, name: String) -> Result<Function, Error> {
         let (params, body) = (self.parameters(true)?, self.block()?);
         Ok(Function { name, ret, params, body })
     }
@@ -224,18 +231,43 @@ impl Parser<'_> {
             if *self.peek() == Tok::End {
                 return error(self.place(), "expected `}`, found the end of the file");
             }
-            let types = matches!(self.peek(), Tok::Name(n) if Ty::of_name(n).is_some());
-            if types && matches!((self.ahead(1), self.ahead(2)), (Tok::Name(_), Tok::Op("("))) {
-                // A function within a shader; `extern` lets it see what is around it.
-                let (_, ret) = (self.place(), self.name("a type")?);
-                let ret = Ty::of_name(&ret).expect("a type was seen");
-                let function = self.deeper(|p| p.function(ret))?;
+            // A function within a shader; `extern` lets it see what is around it.
+            let ret = match self.peek() {
+                Tok::Name(n) if matches!((self.ahead(1), self.ahead(2)), (Tok::Name(_), Tok::Op("("))) => {
+                    Ty::of_name(n)
+                }
+                _ => None,
+            };
+            if ret.is_some() || self.defines_untyped() {
+                if ret.is_some() {
+                    self.take();
+                }
+                let name = self.name("the function's name")?;
+                let function = self.deeper(|p| p.function(ret.unwrap_or(Ty::Float), name))?;
                 self.functions.push(function);
                 continue;
             }
             body.push(self.statement()?);
         }
         Ok(body)
+    }
+
+    /// Whether a function without a type is defined here: a name, then a block behind its parameters.
+    fn defines_untyped(&self) -> bool {
+        let (Tok::Name(_), Tok::Op("(")) = (self.peek(), self.ahead(1)) else { return false };
+        if matches!(self.peek(), Tok::Name(word) if STATEMENTS.contains(&word.as_str())) {
+            return false;
+        }
+        let end = self.tokens[self.at + 1..].iter().scan(0usize, |open, (token, _)| {
+            match token {
+                Tok::Op("(") => *open += 1,
+                Tok::Op(")") => *open = open.saturating_sub(1),
+                _ => {}
+            }
+            Some(*open)
+        });
+        let end = end.take_while(|open| *open > 0).count();
+        matches!(self.ahead(end + 2), Tok::Op("{"))
     }
 
     fn statement(&mut self) -> Result<Stmt, Error> {

@@ -74,21 +74,27 @@ float raylevel() {
 float isshadowray() {
     return 0;
 }
-float filterstep2_(float edge, float x) {
-    float w = max(filterwidth(x), 1e-6);
-    return clamp((x + 0.5 * w - edge) / w, 0, 1);
+float filterstep2_(float edge, float x, float width) {
+    return (x - edge) / max(width * filterwidth(x), 1e-6);
 }
-float filterstep3_(float edge, float a, float b) {
-    float lo = min(a, b);
-    float w = max(abs(b - a), 1e-6);
-    return clamp((lo + w - edge) / w, 0, 1);
+float filterstep3_(float edge, float a, float b, float width) {
+    return (0.5 * (a + b) - edge) / max(width * abs(b - a), 1e-6);
 }
-float filterstep2_width_(float edge, float x, float width) {
-    float w = max(width * filterwidth(x), 1e-6);
-    return clamp((x + 0.5 * w - edge) / w, 0, 1);
+float step_box_(float x) { return clamp(x + 0.5, 0, 1); }
+float step_triangle_(float x) {
+    float c = clamp(x, -1, 1);
+    return 0.5 + c - 0.5 * c * abs(c);
 }
-float filterstep3_width_(float edge, float a, float b, float width) {
-    float w = max(width * abs(b - a), 1e-6);
-    return clamp((0.5 * (a + b + w) - edge) / w, 0, 1);
+float step_gaussian_(float x) {
+    float c = min(abs(x), 1) * 1.41421356;
+    float t = 1 / (1 + 0.3275911 * c);
+    float rest = t * (0.254829592 + t * (t * (1.421413741 + t * (1.061405429 * t - 1.453152027)) - 0.284496736));
+    return 0.5 + sign(x) * 0.5 * (1 - rest * exp(-c * c)) / 0.954499736;
+}
+float step_catmullrom_(float x) {
+    float r = min(abs(x), 2);
+    float inner = r * (1 + r * r * (0.375 * r - 0.83333333));
+    float outer = r * (2 + r * (r * (0.83333333 - 0.125 * r) - 2)) - 0.16666667;
+    return 0.5 + sign(x) * (r < 1 ? inner : outer);
 }
 ";

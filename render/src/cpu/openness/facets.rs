@@ -1,7 +1,7 @@
 //! Facets of patches as they close cones: those near a point by themselves, those farther away together.
 
 use crate::cpu::openness::cones::{Axes, CONES, Cap, Cones, SIN, SOLID, axes, smooth};
-use crate::scene::facets::quads_of;
+use crate::scene::facets::{Cut, quads_of};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
@@ -53,7 +53,7 @@ impl Facets {
         for item in items {
             if let (Shape::Patches(patches, _), to_world) = scene.place(*item) {
                 let first = facets.len();
-                facets.extend(patches.iter().flat_map(|patch| quads_of(patch, to_world)).filter_map(facet_of));
+                facets.extend(patches.iter().flat_map(|p| quads_of(p, Cut::even(p), to_world)).filter_map(facet_of));
                 orient(&mut facets[first..]);
             }
         }

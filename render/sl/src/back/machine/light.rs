@@ -60,6 +60,7 @@ impl Machine {
         let outer = self.mask.replace(inside);
         self.block(body, scene);
         self.mask = outer;
+        self.drop_left();
     }
 
     pub(super) fn illuminance(&mut self, op: &Op, scene: &dyn Scene) {
@@ -86,7 +87,12 @@ impl Machine {
                 self.regs[cl.index()].clone_from(&self.lit[k].cl);
                 let before = self.turn.replace((i, k));
                 for (name, reg) in wanted {
-                    if let Some(Answer::Numbers(v)) = self.light_parameter(light, k, name) {
+                    let of_light = if name == Global::Ol.name() {
+                        Some(Answer::Numbers(self.lit[k].ol.clone()))
+                    } else {
+                        self.light_parameter(light, k, name)
+                    };
+                    if let Some(Answer::Numbers(v)) = of_light {
                         let w = reg.width();
                         if v.len() == w || v.len() == w * self.n {
                             self.assign_value(*reg, &v);
@@ -130,6 +136,7 @@ impl Machine {
         }
         points.set(Global::L, vec![0.0; 3]);
         points.set(Global::Cl, vec![0.0; 3]);
+        points.set(Global::Ol, vec![1.0; 3]);
         let emitter = scene.emitter(i, self.n, &|k| triple(position, k, self.n));
         if let Some(emitter) = &emitter {
             points.set(Global::P, emitter.points.clone());
@@ -139,7 +146,7 @@ impl Machine {
         machine.receiver = is_cone.then(|| Receiver { axis: axis.to_vec(), cos: cosines(angle) });
         machine.run_where(light, &VariableSlots::default(), &mut points, scene, self.mask.clone());
         let mut take = |global| points.get_mut(global).map(std::mem::take).unwrap_or_default();
-        let (l, mut cl) = (take(Global::L), take(Global::Cl));
+        let (l, mut cl, ol) = (take(Global::L), take(Global::Cl), take(Global::Ol));
         if let Some(emitter) = emitter {
             cl.iter_mut().for_each(|x| *x *= emitter.part);
         }
@@ -159,6 +166,7 @@ impl Machine {
             on,
             l,
             cl,
+            ol,
             outputs,
         };
         self.lit.push(entry);

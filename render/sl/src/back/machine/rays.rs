@@ -128,15 +128,14 @@ impl Machine {
         let [p, axis] = [position, axis].map(|r| self.regs[r.index()].clone());
         let [angle, samples] = [angle, samples].map(|r| self.regs[r.index()].clone());
         let samples = at(&samples, 0).clamp(1.0, 1024.0) as usize;
-        let outer = self.mask.clone();
         let outer_turn = self.loop_turn;
         for i in 0..samples {
             self.loop_turn = turn_of(outer_turn, i as u32 + 1);
+            let active = self.mask.clone();
             let mut ways = vec![0.0; 3 * n];
             let mut lengths = vec![0.0; n];
             let (mut hits, mut misses) = (vec![false; n], vec![false; n]);
-            // The loop's body may have changed the mask: rays are sent from the points that it began with.
-            let points: Vec<usize> = (0..n).filter(|k| outer.as_ref().is_none_or(|m| m[*k])).collect();
+            let points = self.active();
             let ray = |k: &usize| {
                 let (from, about) = (triple(&p, *k, n), triple(&axis, *k, n));
                 Ray { from, direction: in_cone(about, at(&angle, *k), i, samples, from) }
@@ -176,7 +175,8 @@ impl Machine {
                     self.block(ops, scene);
                 }
             }
-            self.mask.clone_from(&outer);
+            // Points that left a loop around this one send no more.
+            self.mask = active;
             self.drop_left();
             if self.all_off() {
                 break;

@@ -21,6 +21,8 @@ pub(super) struct Lit {
     pub(super) on: Vec<bool>,
     pub(super) l: Vec<f32>,
     pub(super) cl: Vec<f32>,
+    /// Ol, 1 where the light does not set it.
+    pub(super) ol: Vec<f32>,
     /// Output parameters: index and values.
     pub(super) outputs: Vec<(usize, Vec<f32>)>,
 }

@@ -30,6 +30,9 @@ impl Writer<'_, '_> {
     /// The loop over lights.
     fn lights(&mut self, op: &Op, together: bool, category: Option<u32>) -> Done {
         let Op::Illuminance { position, axis, angle, l, cl, wanted, body, .. } = op else { return Ok(()) };
+        if wanted.iter().any(|(name, _)| name == Global::Ol.name()) {
+            return self.refuse("reads `Ol`");
+        }
         let [position, axis] = [position, axis].map(|r| self.registers.value(*r));
         let angle = self.registers.value(*angle);
         let turn = self.begin_turns();
@@ -199,7 +202,8 @@ impl Writer<'_, '_> {
             self.block(body)?;
             self.masks -= 1;
             self.close();
-            self.line(format!("on = outer_{id};"));
+            let gone = self.gone();
+            self.line(format!("on = outer_{id}{gone};"));
         } else {
             self.open(format!("if {reaches}"));
             self.line("lit_on = true;");

@@ -84,24 +84,35 @@ impl<'a> Lower<'a> {
         }
     }
 
-    /// A step under a box: its form, and its arguments, of which the options by name begin at `plain` (RISpec 15.1).
+    /// A step under a filter: how far the filter is from the edge, in parts of its width, then the sum of the filter up to there.
+    /// Options by name begin at `plain` (RISpec 15.1, appendix E).
     fn filter_step(&mut self, at: usize, form: &str, args: &[Expr], plain: usize) -> Result<Value, Error> {
-        let (mut own, mut is_other) = (args[..plain].to_vec(), false);
+        let (mut width, mut filter, mut is_other) = (Expr { at, kind: ExprKind::Number(1.0) }, "step_box_", false);
         for option in args[plain..].chunks(2) {
             match option {
-                [Expr { kind: ExprKind::Text(key), .. }, width] if key == "width" && own.len() == plain => {
-                    own.push(width.clone());
+                [Expr { kind: ExprKind::Text(key), .. }, given] if matches!(key.as_str(), "width" | "swidth") => {
+                    width = given.clone();
                 }
-                [Expr { kind: ExprKind::Text(key), .. }, Expr { kind: ExprKind::Text(filter), .. }]
-                    if key == "filter" && filter == "box" => {}
+                [Expr { kind: ExprKind::Text(key), .. }, Expr { kind: ExprKind::Text(name), .. }]
+                    if key == "filter" =>
+                {
+                    match name.as_str() {
+                        "box" => filter = "step_box_",
+                        "triangle" => filter = "step_triangle_",
+                        "gaussian" => filter = "step_gaussian_",
+                        "catmull-rom" => filter = "step_catmullrom_",
+                        _ => is_other = true,
+                    }
+                }
                 _ => is_other = true,
             }
         }
         self.reads_over("filterstep", is_other);
-        let name = if own.len() > plain { format!("{form}width_") } else { form.into() };
-        match self.functions.get(name.as_str()).copied() {
-            Some(function) => self.inline(at, function, &own),
-            None => error(at, format!("`{name}` is not known")),
+        let own = args[..plain].iter().cloned().chain([width]).collect();
+        let along = Expr { at, kind: ExprKind::Call(form.into(), own) };
+        match self.functions.get(filter).copied() {
+            Some(function) => self.inline(at, function, &[along]),
+            None => error(at, format!("`{filter}` is not known")),
         }
     }
 

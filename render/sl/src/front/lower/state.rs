@@ -166,9 +166,14 @@ impl<'a> Lower<'a> {
         if let Some((_, reg)) = self.globals.iter().find(|(g, _)| *g == global) {
             return Ok(Value::of(ty, reg.index() as u16, true));
         }
+        let of_surface = !matches!(self.kind, Some(ShaderKind::Light | ShaderKind::Imager | ShaderKind::Volume));
         let lacks = match global {
-            Global::DPdtime => Some("uses `dPdtime`, which is 0: what moves is shaded as it is when the shutter opens"),
-            Global::Ol => Some("uses `Ol`, which has no effect"),
+            Global::DPdtime if !of_surface => {
+                Some("uses `dPdtime`, which is 0 in it: surfaces and displacements have it")
+            }
+            Global::Ol if matches!(self.kind, Some(ShaderKind::Imager | ShaderKind::Displacement)) => {
+                Some("uses `Ol`, which is 0 in it: lights and loops over them have it")
+            }
             _ => None,
         };
         self.unsupported.extend(lacks.map(String::from));

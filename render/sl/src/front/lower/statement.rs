@@ -158,7 +158,10 @@ impl<'a> Lower<'a> {
         }
         let cl = self.global(at, Global::Cl)?.triple();
         let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
-        let wanted = wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
+        let mut wanted: Vec<(String, Reg)> =
+            wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
+        let opacity = self.globals.iter().find(|(g, _)| *g == Global::Ol);
+        wanted.extend(opacity.map(|(g, r)| (g.name().to_string(), *r)));
         self.push(at, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
     }
 
