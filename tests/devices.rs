@@ -59,23 +59,12 @@ fn what_a_device_cannot_do_is_named() {
         assert!(answer.fails(2).contains(what), "{}", answer.errors());
         assert!(!folder.path().join("run/run.json").exists(), "no run is written");
     };
-    refused(
-        "box: {size: [0.6, 0.6, 0.3]}",
-        "hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
-        "`block` has a shape that no kernel is built for yet: hull",
-    );
-    refused(
-        "fixed: true, box: {size: [0.6, 0.6, 0.3]}",
-        "mass: 3, hull: {points: [[0.3, 0, -0.1], [-0.2, 0.2, -0.1], [-0.2, -0.2, -0.1], [0, 0, 0.1]]}",
-        "no kernel is built for yet: a hull that moves",
-    );
     refused("seed: 3", "seed: 3\nsolver: {method: barzilai_borwein}", "barzilai_borwein");
     let hinged = |more: &str| {
         let door = "  - {name: door, material: stone, position: [0, 0, 3], box: {size: [0.1, 0.1, 0.1]}}";
         let hinge = "kind: revolute, a: world, b: door, position: [0, 0, 3.2], axis: [0, 1, 0]";
         format!("{door}\njoints:\n  - {{name: hinge, {hinge}{more}\nfills:")
     };
-    refused("fills:", &hinged(", limits: [-1, 1]}"), "no kernel is built yet for limits of joints");
     refused("fills:", &hinged("}\nsolver: {method: gauss_seidel}"), "joints and springs by the method gauss_seidel");
 }
 

@@ -1,5 +1,5 @@
 //! `scree bench gpu`: copy bandwidth, primitives, collision stages and solvers of a graphics adapter, held against the copy bandwidth and
-//! the processor, and whole steps.
+//! the processor, and whole steps of spheres and of mixed convex shapes.
 
 mod steps;
 
@@ -71,12 +71,14 @@ fn run(job: &GpuBench) -> Result<Value, Fault> {
     let beds: &[usize] = if job.small { &[1_000, 10_000] } else { &[84_000, 1_000_000] };
     let collision: Vec<Value> = beds.iter().map(|n| detection(&bench, *n)).collect::<Result<_, _>>()?;
     let whole = beds.iter().map(|n| steps::measure(&job.adapter, *n)).collect::<Result<Vec<_>, _>>()?;
+    let convex = steps::measure_mixed(&job.adapter, if job.small { 1_000 } else { 100_000 })?;
+    let steps = [whole.concat(), convex].concat();
     let adapter = &bench.device.adapter;
     Ok(json!({
         "adapter": adapter.name, "driver": adapter.driver, "is_software": adapter.software,
         "timer": if adapter.features.contains(&"timestamps") { "timestamps" } else { "wall" },
         "copy_bytes_per_second": bandwidth,
-        "primitives": primitives, "collision": collision, "steps": whole.concat(),
+        "primitives": primitives, "collision": collision, "steps": steps,
     }))
 }
 

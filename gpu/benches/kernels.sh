@@ -59,14 +59,21 @@ for path in $kernels/*_any.wgsl; do
     name=$(basename "$path" _any.wgsl)
     any="$any $name=$path"
 done
+# The parts for models with hulls and surfaces.
+with=
+for part in hulls surfaces triangle; do with="$with $part=$kernels/${part}_with.wgsl"; done
 for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     name=$(basename "$path" .wgsl)
     case $name in
     pair_family) continue ;;
     solid_contacts)
-        for family in plane ball box convex; do
-            row ${family}_contacts "$kernels/$name.wgsl" plain points=$kernels/points_$family.wgsl
+        for family in plane ball box convex hull triangle; do
+            points="points=$kernels/points_${family/hull/convex}.wgsl"
+            swap=
+            case $family in hull | triangle) swap=$with ;; esac
+            row ${family}_contacts "$kernels/$name.wgsl" plain "$points $swap"
             row ${family}_family "$kernels/pair_family.wgsl" plain family=$kernels/family_$family.wgsl
+            [ $family != plane ] || row ${family}_contacts_hulls "$kernels/$name.wgsl" plain "$points $with"
         done
         continue
         ;;
@@ -79,6 +86,9 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     path=plain swaps=$any seen=
     flatten "$kernels/$name.wgsl" >"$work/$name.wgsl"
     cmp -s "$work/$name.wgsl" "$work/spheres.wgsl" || row "${name}_any" "$kernels/$name.wgsl" plain "$any"
+    path=plain swaps=$with seen=
+    flatten "$kernels/$name.wgsl" >"$work/$name.wgsl"
+    cmp -s "$work/$name.wgsl" "$work/spheres.wgsl" || row "${name}_surfaces" "$kernels/$name.wgsl" plain "$with"
     grep -q '^    if ROLLS\|^        if ROLLS' "$work/spheres.wgsl" || continue
     row "${name}_rolls" "$kernels/$name.wgsl" plain rolls=$kernels/rolls_with.wgsl
 done

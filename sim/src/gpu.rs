@@ -21,6 +21,7 @@ pub mod fixed;
 pub mod fixtures;
 mod force;
 mod gauss_seidel;
+mod hulls;
 mod integrate;
 mod jacobi;
 mod joints;
@@ -35,6 +36,7 @@ pub mod rows;
 mod scale;
 pub mod solids;
 mod spheres;
+mod surfaces;
 mod survey;
 mod tiles;
 mod warm_start;
@@ -90,12 +92,17 @@ pub struct Gpu {
 struct Recorded {
     start: Commands,
     solve: contact_solve::Recorded,
+    /// What the contacts do to the bodies that joints act on.
+    measure: Commands,
     end: Commands,
     /// The end of a step that recovers overlaps.
     recovery: Commands,
     /// In one of how many steps overlaps are recovered.
     period: u64,
 }
+
+/// The rounds of a solve, where it has rounds, and the times of the commands of a step.
+type Submitted = (Option<Rounds>, Vec<Timings>);
 
 /// What a step has done.
 pub struct Stepped {
@@ -199,7 +206,7 @@ impl Gpu {
     pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
         let joint_ms = self.begin_joints(model, plan, state)?;
         let (summary, rounds, times) = loop {
-            let (rounds, times) = self.submit(state)?;
+            let Some((rounds, times)) = self.submit(model, plan, state)? else { continue };
             let summary = self.survey.summary.read(&self.device, 1)?[0];
             if summary.has_room == 1 {
                 break (summary, rounds, times);
@@ -292,14 +299,24 @@ impl Gpu {
         Ok(())
     }
 
-    /// Submit the commands of a step.
-    fn submit(&mut self, state: &State) -> Result<(Option<Rounds>, Vec<Timings>), Fault> {
-        let Recorded { start, solve, end, recovery, period } = &self.recorded;
+    /// Submit the commands of a step; none where a limit of a joint holds or is let go with what the contacts do: the step is then to be done
+    /// again.
+    fn submit(&mut self, model: &Model, plan: &StepPlan, state: &State) -> Result<Option<Submitted>, Fault> {
+        let Recorded { start, solve, measure, end, recovery, period } = &self.recorded;
         let mut times = vec![start.submit(&self.device)?];
         let rounds = self.solve.submit(&self.device, solve, &mut times)?;
+        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits()) {
+            times.push(measure.submit(&self.device)?);
+            if let Some(has_grown) = mechanism.settle(&self.device, model, state)? {
+                if has_grown {
+                    self.renew_solve(model, plan)?;
+                }
+                return Ok(None);
+            }
+        }
         let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
         times.push(end.submit(&self.device)?);
-        Ok((rounds, times))
+        Ok(Some((rounds, times)))
     }
 
     /// Make room for a number of pairs and of contacts.
@@ -333,8 +350,14 @@ impl Gpu {
         solve.record_start(device, kernels, &mut start, (model, collision))?;
         let part = solve.record(device, kernels)?;
         let period = recovery_period(plan);
+        let mut measure = Commands::new();
+        if let Some(mechanism) = &self.mechanism {
+            solve.record_end(device, &mut measure);
+            measure.stage(Stage::JointWrite.name());
+            mechanism.record_effect(device, &mut measure, (&solve.problem, &self.overlaps));
+        }
         let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
-        self.recorded = Recorded { start, solve: part, end, recovery, period };
+        self.recorded = Recorded { start, solve: part, measure, end, recovery, period };
         Ok(())
     }
 
@@ -364,7 +387,7 @@ impl Gpu {
 impl Recorded {
     fn empty() -> Recorded {
         let none = Commands::new;
-        Recorded { start: none(), solve: Default::default(), end: none(), recovery: none(), period: 1 }
+        Recorded { start: none(), solve: Default::default(), measure: none(), end: none(), recovery: none(), period: 1 }
     }
 }
 

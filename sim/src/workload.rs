@@ -3,7 +3,7 @@
 mod convex;
 mod measure;
 
-pub use convex::{Convex, scene};
+pub use convex::{Convex, mixed, scene};
 pub use measure::Measure;
 
 use crate::fill::SplitMix64;

@@ -1,4 +1,4 @@
-//! Whole steps of workload S on a graphics adapter.
+//! Whole steps of workload S and of mixed convex shapes on a graphics adapter.
 
 use ::gpu::{Choice, Device};
 use serde_json::{Map, Value, json};
@@ -20,11 +20,27 @@ const METHODS: [(Method, u32); 3] = [(Method::Jacobi, 50), (Method::Apgd, 50), (
 
 /// Measure all methods on a bed of `n` spheres.
 pub fn measure(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
-    METHODS.into_iter().map(|(method, iterations)| of_method(adapter, n, (method, iterations))).collect()
+    let of = |(method, iterations)| of_method(adapter, ("S", n), bed(n, method, iterations), method);
+    METHODS.into_iter().map(of).collect()
 }
 
-fn of_method(adapter: &Choice, n: usize, (method, iterations): (Method, u32)) -> Result<Value, Fault> {
-    let (model, state) = bed(n, method, iterations);
+/// Measure the methods for shapes of any kind on a bed of `n` mixed convex shapes.
+pub fn measure_mixed(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
+    let bed = workload::mixed(n).simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
+    let of = |(method, iterations)| {
+        let mut model = bed.model.clone();
+        (model.step, model.solver) = (1.5e-3, workload::solver(method, iterations));
+        of_method(adapter, ("mixed", n), (model, bed.state.clone()), method)
+    };
+    METHODS.into_iter().filter(|(method, _)| *method != Method::GaussSeidel).map(of).collect()
+}
+
+fn of_method(
+    adapter: &Choice,
+    (workload, n): (&str, usize),
+    (model, state): (Model, State),
+    method: Method,
+) -> Result<Value, Fault> {
     let radius = model.shape_size.last().map_or(1.0, |size| size.x);
     let mut cpu = (n <= COMPARED).then(|| Simulation::new(model.clone(), state.clone()));
     let mut own = Simulation::on_device(model, state, Device::open(adapter)?)?;
@@ -54,7 +70,7 @@ fn of_method(adapter: &Choice, n: usize, (method, iterations): (Method, u32)) ->
         pairs.map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
     });
     Ok(json!({
-        "workload": "S", "n": n, "method": method.name(), "iterations": last.iterations, "contacts": last.contacts,
+        "workload": workload, "n": n, "method": method.name(), "iterations": last.iterations, "contacts": last.contacts,
         "seconds_per_step": seconds, "stage_ms": stages, "worst_penetration_over_r": last.worst_penetration / radius,
         "max_position_difference_m": off,
     }))

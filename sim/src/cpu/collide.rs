@@ -18,7 +18,7 @@ use convex::Axis;
 use point::{Placed, Points, swap_shapes};
 
 pub use round::spheres as collide_spheres;
-pub use surface::triangle as collide_triangle;
+pub use surface::{Triangle, triangle as collide_triangle};
 
 /// The mesh or height field of a shape; none for other kinds.
 pub fn surface_of(model: &Model, shape: usize) -> Option<&Surface> {

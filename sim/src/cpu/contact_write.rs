@@ -22,8 +22,8 @@
 //! The contact point is the middle between the two surfaces, the same for both bodies, so that impulses keep the angular
 //! momentum of the pair to round-off. Contacts are counted tile by tile, the counts scanned, and the rows written.
 
-use super::collide::point::{MAX_POINTS, Placed, Point, Points};
-use super::collide::{collide, collide_triangle, surface_of};
+use super::collide::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
+use super::collide::{Triangle, collide, collide_triangle, surface_of};
 use super::contact_rows::{Rows, along};
 use super::pair_write::Pairs;
 use super::recycle::{Last, collide_or_recycle, keeps};
@@ -313,13 +313,10 @@ fn points(
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
     if let Some(surface) = surface_of(model, t) {
-        let corners = surface.corners(triangle).map(|v| b.position + b.orientation * v);
-        collide_triangle(&a, corners, surface.sharp[triangle as usize], reach, out)
+        collide_triangle(&a, &Triangle::of(surface, triangle, &b), reach, out)
     } else if let Some(surface) = surface_of(model, s) {
-        let corners = surface.corners(triangle).map(|v| a.position + a.orientation * v);
-        let n = collide_triangle(&b, corners, surface.sharp[triangle as usize], reach, out);
-        out[..n].iter_mut().for_each(|p| p.normal = -p.normal);
-        n
+        let n = collide_triangle(&b, &Triangle::of(surface, triangle, &a), reach, out);
+        swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
         let last = at.last.find(tile, pair as u32, shapes, found);
         collide_or_recycle([&a, &b], (pair as u32, shapes), (reach, at.model.recycle), last, (kept, out))

@@ -30,13 +30,16 @@ pub struct Limits {
     pub rows: Vec<Row>,
     /// Ids of the joints.
     pub joint: Vec<u32>,
+    /// Whether each is a maximum.
+    pub is_most: Vec<bool>,
     /// Impulses after the solve, N s or N m s.
     pub impulse: Vec<f64>,
 }
 
 impl Limits {
-    fn push(&mut self, joint: usize, row: Row) {
+    fn push(&mut self, joint: usize, is_most: bool, row: Row) {
         self.rows.push(row);
+        self.is_most.push(is_most);
         self.joint.push(joint as u32);
     }
 }
@@ -84,11 +87,11 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             // A length is never below 0, where it has no direction.
             let is_bound = c != Coordinate::Length || min > 0.0;
             if is_bound && at - min <= reach {
-                limits.push(i, Row { psi: at - min, ..row });
+                limits.push(i, false, Row { psi: at - min, ..row });
             }
             if max - at <= reach {
                 let (linear, angular_a, angular_b) = (-row.linear, -row.angular_a, -row.angular_b);
-                limits.push(i, Row { psi: max - at, linear, angular_a, angular_b, ..row });
+                limits.push(i, true, Row { psi: max - at, linear, angular_a, angular_b, ..row });
             }
         }
     }

@@ -5,11 +5,13 @@
 //! out    joint_row, joint_bias  [n_rows]     as of `joint_write`
 //! out    free                   [n_members]  m/s, rad/s: velocities with joints and without contacts
 //! inout  joints, springs        of the state
+//! Limits of joints that hold are rows of the joints, which [`Mechanism::settle`] finds by rounds: what a row would pull is let go, and what
+//! passes its limit is held.
 //! The stages are those of the CPU back end: `force`, `joint_write`, the elimination of `solve::joints`, `integrate`.
 
 use super::integrate::moved_pose;
 use super::masses::Masses;
-use super::solve::bodies::Falling;
+use super::solve::bodies::{Falling, Recovery};
 use super::solve::joints::{Joints, Reduced, on_body};
 use super::solve::response::Response;
 use super::{force, joint_write};
@@ -34,6 +36,12 @@ pub struct Mechanism {
     /// Their factorisation for single precision.
     pub reduced: Reduced,
     limits: joint_write::Limits,
+    /// Whether each limit holds, as a row of the joints (n_limits).
+    held: Vec<bool>,
+    /// First row of a limit.
+    first_limit: usize,
+    /// Rounds of this step, in which limits have changed.
+    rounds: usize,
     /// Velocities with joints (n_bodies; of these bodies alone).
     response: Response,
     /// Displacements over the step (the same).
@@ -71,16 +79,84 @@ impl Mechanism {
     /// Forces, rows of the joints and their factorisation, and the velocities without contacts. Returns whether the structure of the
     /// factor is another.
     pub fn begin(&mut self, model: &Model, state: &State) -> bool {
+        /// Distance from a limit at which a joint is there, rad or m.
+        const AT: f64 = 1e-7;
         let Mechanism { bodies, masses, free, joint_start: start, joints, limits, .. } = self;
         masses.rotate_bodies(model, state, bodies.iter().map(|b| *b as usize));
         let falling = Falling { model, state };
         bodies.iter().for_each(|b| free[*b as usize] = falling.twist(*b as usize));
         force::apply(model, state, masses, free);
         joint_write::run(model, state, masses, joint_write::Output { start, joints, limits, free });
+        // Those that the joints are at and do not leave, as the last step has left them.
+        let speed = |k: usize| state.joints[limits.joint[k] as usize].rate * if limits.is_most[k] { -1.0 } else { 1.0 };
+        let is_at = |k: usize| limits.rows[k].psi + model.step * speed(k) <= AT;
+        self.held = (0..limits.rows.len()).map(is_at).collect();
+        (self.first_limit, self.rounds) = (self.joints.rows.len(), 0);
+        self.hold(model)
+    }
+
+    /// Have the limits that hold as rows of the joints, and factorise these. Returns whether the structure of the factor is another.
+    fn hold(&mut self, model: &Model) -> bool {
+        let Mechanism { masses, joints, limits, held, first_limit, reduced, .. } = self;
+        joints.rows.truncate(*first_limit);
+        joints.bias.truncate(*first_limit);
+        let recovery = Recovery::of(model);
+        for (row, _) in limits.rows.iter().zip(held).filter(|(_, is_held)| **is_held) {
+            joints.rows.push(*row);
+            joints.bias.push(recovery.limit_rate(row.psi));
+        }
         let is_new = joints.prepare(masses);
-        self.joints.reduce(&self.masses, &mut self.reduced);
+        joints.reduce(masses, reduced);
         self.respond(&[]);
         is_new
+    }
+
+    /// Whether there are limits that may be met in the step.
+    pub fn has_limits(&self) -> bool {
+        !self.limits.rows.is_empty()
+    }
+
+    /// Let go of the limits that would pull with what the contacts do, and hold those that would be passed. Returns whether there are such,
+    /// so that the contacts are to be solved again, and whether the structure of the factor is another.
+    pub fn settle(&mut self, model: &Model, effects: &[Effect]) -> Option<bool> {
+        /// Rounds in which all limits may change; later ones, of which there are twice as many as limits, have the first alone change.
+        const ROUNDS: usize = 6;
+        /// A rate that is rounding, over that of the mechanism.
+        const ROUNDING: f64 = 1e-6;
+        self.respond(effects);
+        self.rounds += 1;
+        let recovery = Recovery::of(model);
+        let fastest = self.bodies.iter().map(|b| self.twist(*b)).map(|t| t.v.length().max(t.w.length()));
+        let fastest = fastest.fold(0.0, f64::max);
+        let mut at = self.first_limit;
+        let mut wrong = vec![];
+        for (k, row) in self.limits.rows.iter().enumerate() {
+            let rate = recovery.limit_rate(row.psi);
+            // An impulse as the change of the rate that it makes.
+            let is_wrong = match self.held[k] {
+                true => {
+                    at += 1;
+                    self.response.lambda[at - 1] * self.masses.response(row) < -ROUNDING * fastest
+                }
+                false => row.speed_in(&self.response.twist) + rate < -ROUNDING * fastest,
+            };
+            wrong.extend(is_wrong.then_some(k));
+        }
+        if self.rounds > ROUNDS {
+            wrong.truncate(1);
+        }
+        if wrong.is_empty() || self.rounds > ROUNDS + 2 * self.limits.rows.len() {
+            return None;
+        }
+        wrong.into_iter().for_each(|k| self.held[k] = !self.held[k]);
+        Some(self.hold(model))
+    }
+
+    /// The impulses of the limits, of which those that do not hold have none.
+    fn keep_limits(&mut self) {
+        let mut rest = self.response.lambda[self.first_limit..].iter();
+        let of = |is_held: &bool| if *is_held { *rest.next().expect("a row for each limit that holds") } else { 0.0 };
+        self.limits.impulse = self.held.iter().map(of).collect();
     }
 
     /// The velocities that impulses on the bodies give, with their joints.
@@ -129,6 +205,7 @@ impl Mechanism {
         if share > 0.0 && model.gravity == DVec3::ZERO {
             self.keep_angular_momentum(effects, 0.5 * share * model.step);
         }
+        self.keep_limits();
         let rows = (&self.joint_start[..], &self.joints.rows[..]);
         joint_write::record(model, state, rows, &self.limits, &self.response, outcome);
         for b in self.bodies.iter().map(|b| *b as usize) {

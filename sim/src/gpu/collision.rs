@@ -65,16 +65,21 @@ impl Collision {
     /// Those of the moving shapes and fixtures, [`Fault::Position`] and [`Fault::Gpu`].
     pub fn new(device: &Device, kernels: &Kernels, model: &Model, state: &State) -> Result<Collision, Fault> {
         let narrow = solids::narrow_of(model);
-        let layout = Layout { narrow, rolls: rolls(model) };
+        let layout = Layout {
+            narrow,
+            rolls: rolls(model),
+            hulls: solids::has_hulls(model),
+            surfaces: solids::has_surfaces(model),
+        };
         let (spheres, scale) = Spheres::new(device, model, narrow)?;
-        let fixtures = Fixtures::new(device, model, state, scale)?;
+        let fixtures = Fixtures::new(device, model, state, (scale, &spheres.hulls))?;
         let n = spheres.n;
         let bins = Bins::new(device, n)?;
         // A sphere in a bed touches about six others, a pair each for two.
         let room = 4 * n + 64;
         let manifolds = match narrow {
             Narrow::Spheres => None,
-            Narrow::Any => Some(Manifolds::new(device, kernels, (&spheres, &fixtures), [room; 2])?),
+            Narrow::Any => Some(Manifolds::new(device, kernels, layout, (&spheres, &fixtures), [room; 2])?),
         };
         let mut collision = Collision {
             bodies: Bodies::new(device, scale, layout, model.n_bodies())?,
@@ -87,8 +92,8 @@ impl Collision {
             bin_emit: BinEmit::new(device, kernels)?,
             bin_sort: RadixSort::new(device, kernels, n)?,
             bin_start: BinStart::new(device, kernels)?,
-            pair_write: PairWrite::new(device, kernels, model, n)?,
-            contact_write: ContactWrite::new(device, kernels)?,
+            pair_write: PairWrite::new(device, kernels, (model, layout), n)?,
+            contact_write: ContactWrite::new(device, kernels, layout)?,
             pairs: Pairs::new(device, n, room)?,
             tiles: None,
             contacts: Contacts::new(device, kernels, room)?,
@@ -153,7 +158,8 @@ impl Collision {
             None => self.contacts = Contacts::new(device, kernels, rooms[0])?,
             Some(manifolds) => {
                 self.contacts = Contacts::new(device, kernels, rooms[1])?;
-                *manifolds = Manifolds::new(device, kernels, (&self.spheres, &self.fixtures), rooms)?;
+                *manifolds =
+                    Manifolds::new(device, kernels, self.bodies.layout, (&self.spheres, &self.fixtures), rooms)?;
             }
         }
         if let Some(tiles) = &mut self.tiles {

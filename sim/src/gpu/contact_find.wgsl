@@ -27,10 +27,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let pair = pairs[k];
     let n = arrayLength(&sphere);
-    let gap = touch(pair).w * bitcast<f32>(params[0]);
+    let unit = bitcast<f32>(params[0]);
     var other = bitcast<f32>(params[1]);
     if pair.y < n {
         other = margin[pair.y];
     }
-    touches[k] = select(0u, 1u, gap <= margin[pair.x] + other);
+    touches[k] = select(0u, 1u, is_met(pair, touch(pair).w, (margin[pair.x] + other) / unit));
 }

@@ -360,7 +360,6 @@ pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
     let law = |has: fn(&ContactLaw) -> bool| model.laws.iter().any(has);
     let bounces = law(|l| l.restitution > 0.0);
     let faults = [
-        (model.joints.iter().any(|joint| joint.limits.is_some()), "limits of joints"),
         (method == Method::GaussSeidel && has_joints(model), "joints and springs by the method gauss_seidel"),
         (model.solver.sleep.is_some(), "sleeping bodies"),
         (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),

@@ -9,7 +9,7 @@
 use super::bodies::Bodies;
 use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
-use super::parts::{ROWS, bits, kernel};
+use super::parts::{Layout, ROWS, bits, kernel_of};
 use super::rows::Contact;
 use super::spheres::Spheres;
 use crate::model::Model;
@@ -56,10 +56,10 @@ pub struct ContactWrite {
 
 impl ContactWrite {
     /// Compile the kernels.
-    pub fn new(device: &Device, kernels: &Kernels) -> Result<ContactWrite, GpuError> {
+    pub fn new(device: &Device, kernels: &Kernels, layout: Layout) -> Result<ContactWrite, GpuError> {
         Ok(ContactWrite {
-            find: kernel(device, kernels, "contact_find", include_str!("contact_find.wgsl"))?,
-            write: kernel(device, kernels, "contact_write", include_str!("contact_write.wgsl"))?,
+            find: kernel_of(layout, device, kernels, ("contact_find", include_str!("contact_find.wgsl")))?,
+            write: kernel_of(layout, device, kernels, ("contact_write", include_str!("contact_write.wgsl")))?,
             groups: [Groups::new(device, kernels, ROWS)?, Groups::new(device, kernels, ROWS)?],
         })
     }

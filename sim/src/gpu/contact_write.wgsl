@@ -44,4 +44,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let materials = select(sides.materials, sides.materials.yx, sides.shapes.x > sides.shapes.y);
     contact[k].law = materials.x * params[0] + materials.y;
     contact[k].feature = 0u;
+    if is_held {
+        contact[k].feature = feature_of_fixture(pair.y - arrayLength(&sphere));
+    }
 }

@@ -3,6 +3,6 @@
 
 fn is_of_family(pair: vec2<u32>) -> bool {
     let kinds = kinds_of(pair);
-    let has_closed_form = all(kinds != vec2(PLANE)) && all(kinds != vec2(ELLIPSOID));
-    return has_closed_form && !is_round(pair) && (is_ball(kinds.x) || is_ball(kinds.y));
+    let is_closed = kinds.y != PLANE && kinds.y != TRIANGLE && all(kinds != vec2(ELLIPSOID)) && all(kinds != vec2(HULL));
+    return is_closed && !is_round(pair) && (is_ball(kinds.x) || is_ball(kinds.y));
 }

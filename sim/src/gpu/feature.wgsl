@@ -10,6 +10,9 @@ fn feature_of(shape: Placed, direction: vec3<f32>) -> Feature {
     if shape.kind == BOX {
         return box_face(shape, direction);
     }
+    if shape.kind == HULL {
+        return hull_face_facing(shape, direction * shape.frame);
+    }
     let d = normalize(direction * shape.frame);
     let half = shape.half;
     let size = length(d.xy);
@@ -34,6 +37,26 @@ fn feature_of(shape: Placed, direction: vec3<f32>) -> Feature {
         push_local(&f, shape, vec3(0.0, 0.0, -half.z) + d * half.x, 42u);
     } else {
         push_local(&f, shape, support_local(shape, d) + d * radius_of(shape), 43u);
+    }
+    return f;
+}
+
+// The face of a hull whose normal is closest to a direction in its frame.
+fn hull_face_facing(shape: Placed, d: vec3<f32>) -> Feature {
+    var face = 0u;
+    var far = -3e38;
+    for (var k = 0u; k < hull_size(shape).y; k++) {
+        let here = dot(hull_normal(shape, k), d);
+        if here > far {
+            far = here;
+            face = hull_face(shape, k);
+        }
+    }
+    var f: Feature;
+    f.n = 0u;
+    for (var k = 0u; k < (face & 31u); k++) {
+        let v = hull_corner(shape, face, k);
+        push_local(&f, shape, hull_vertex(shape, v), v + 1u);
     }
     return f;
 }

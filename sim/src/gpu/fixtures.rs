@@ -1,11 +1,13 @@
-//! The shapes that never move and that moving ones touch, as a column of a device: planes, boxes, and solids of
-//! revolution. Coordinates in the frame of a box are exact before they are rounded; those of the others are right to 2e-7 of their size.
+//! The shapes that never move and that moving ones touch, as a column of a device: planes, boxes, solids of revolution, hulls, and meshes and
+//! height fields with their triangles. Coordinates in the frame of a box are exact before they are rounded; those of the others are right to 2e-7 of their size.
 
 use super::fault::Fault;
 use super::fixed::Scale;
-use super::kinds::{BOX, CAPSULE, CONE, CYLINDER, PLANE};
-use super::rows::{Aabb, Fixture};
-use super::solids::{is_mover, unsupported};
+use super::hulls::Hulls;
+use super::kinds::{BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SURFACE};
+use super::rows::{Aabb, Fixture, Node};
+use super::solids::is_mover;
+use super::surfaces::Surfaces;
 use crate::aabb;
 use crate::model::Model;
 use crate::shape::ShapeKind;
@@ -15,12 +17,14 @@ use gpu::{Buffer, Device};
 
 /// The column, and the boxes about it.
 pub struct Fixtures {
-    /// Number of fixtures.
+    /// Number of fixtures, but for triangles.
     pub n: usize,
-    /// The fixtures, by ascending shape (n_fixtures).
+    /// The fixtures, by ascending shape (n_fixtures), then the triangles of the surfaces.
     pub fixture: Buffer<Fixture>,
     /// Their AABBs, grown by the envelope, m; that of a plane is about its position (n_fixtures).
     pub aabb: Buffer<Aabb>,
+    /// The boxes about the triangles, by surfaces.
+    pub node: Buffer<Node>,
     /// Kinds (n_fixtures).
     pub kinds: Vec<u32>,
     /// Ids of the shapes, and the same AABBs.
@@ -31,11 +35,20 @@ impl Fixtures {
     /// The fixtures of a model: all shapes of bodies that never move, but for spheres and ellipsoids.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for shapes of other kinds; [`Fault::Position`]; [`Fault::Gpu`].
-    pub fn new(device: &Device, model: &Model, state: &State, scale: Scale) -> Result<Fixtures, Fault> {
-        let (mut rows, mut boxes) = (vec![], vec![]);
-        for s in (0..model.n_shapes()).filter(|s| !is_mover(model, *s)) {
-            let row = row(model, state, scale, s)?;
+    /// [`Fault::Position`]; [`Fault::Gpu`].
+    pub fn new(
+        device: &Device,
+        model: &Model,
+        state: &State,
+        (scale, hulls): (Scale, &Hulls),
+    ) -> Result<Fixtures, Fault> {
+        let (mut rows, mut boxes, mut surfaces) = (vec![], vec![], Surfaces::default());
+        let own: Vec<usize> = (0..model.n_shapes()).filter(|s| !is_mover(model, *s)).collect();
+        for s in own.iter().copied() {
+            let mut row = row(model, state, (scale, hulls), s)?;
+            if row.kind == SURFACE {
+                row.part = surfaces.push((model, scale, own.len()), &row, &state.shape_pose(model, s))?;
+            }
             let size = model.shape_size[s];
             let half = match row.kind {
                 PLANE => DVec3::ZERO,
@@ -46,9 +59,12 @@ impl Fixtures {
             boxes.push((s, bounds(model, state, s, half)));
             rows.push(row);
         }
+        let kinds = rows.iter().map(|row| row.kind).collect();
+        rows.extend(surfaces.triangles);
         Ok(Fixtures {
-            n: rows.len(),
-            kinds: rows.iter().map(|row| row.kind).collect(),
+            n: own.len(),
+            kinds,
+            node: Buffer::of(device, "node", &surfaces.nodes)?,
             fixture: Buffer::of(device, "fixture", &rows)?,
             aabb: Buffer::of(device, "fixture_aabb", &boxes.iter().map(|(_, b)| *b).collect::<Vec<_>>())?,
             boxes,
@@ -56,7 +72,7 @@ impl Fixtures {
     }
 }
 
-fn row(model: &Model, state: &State, scale: Scale, s: usize) -> Result<Fixture, Fault> {
+fn row(model: &Model, state: &State, (scale, hulls): (Scale, &Hulls), s: usize) -> Result<Fixture, Fault> {
     let body = model.shape_body[s];
     let kind = match model.shape_kind[s] {
         ShapeKind::Plane => PLANE,
@@ -64,15 +80,17 @@ fn row(model: &Model, state: &State, scale: Scale, s: usize) -> Result<Fixture, 
         ShapeKind::Capsule => CAPSULE,
         ShapeKind::Cylinder => CYLINDER,
         ShapeKind::Cone => CONE,
-        kind => return Err(unsupported(model, s, kind.name())),
+        ShapeKind::Hull => HULL,
+        ShapeKind::Mesh | ShapeKind::HeightField => SURFACE,
+        ShapeKind::Sphere | ShapeKind::Ellipsoid => unreachable!("round shapes are no fixtures"),
     };
     let place = state.shape_pose(model, s);
     let fix = |p: DVec3| scale.fix(p).ok_or(Fault::Position(body));
     let [x_axis, y_axis, z_axis] = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| Scale::axis(place.orientation * e));
     let half = if kind == PLANE { Default::default() } else { fix(model.shape_size[s])? };
     let (material, group) = (model.shape_material[s], model.shape_group[s]);
-    let position = fix(place.position)?;
-    Ok(Fixture { position, x_axis, y_axis, z_axis, half, kind, shape: s as u32, body, material, group, pad: 0 })
+    let (position, part) = (fix(place.position)?, hulls.of(model, s));
+    Ok(Fixture { position, x_axis, y_axis, z_axis, half, kind, shape: s as u32, body, material, group, part })
 }
 
 /// The box about a fixture with its margin.

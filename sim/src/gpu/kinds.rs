@@ -16,3 +16,9 @@ pub const BALL: u32 = 5;
 pub const SPHERE: u32 = 6;
 /// An ellipsoid.
 pub const ELLIPSOID: u32 = 7;
+/// A convex hull.
+pub const HULL: u32 = 8;
+/// A mesh or a height field, whose triangles are fixtures, too.
+pub const SURFACE: u32 = 9;
+/// A triangle of one.
+pub const TRIANGLE: u32 = 10;

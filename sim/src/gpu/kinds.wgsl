@@ -19,8 +19,9 @@ fn is_ball(kind: u32) -> bool {
     return kind == BALL || kind == SPHERE;
 }
 
-// Whether the round narrow phase knows a pair: spheres about their bodies' centres of mass, against each other and against fixtures.
+// Whether the round narrow phase knows a pair: spheres about their bodies' centres of mass, against each other and against fixtures that are
+// no hulls.
 fn is_round(pair: vec2<u32>) -> bool {
     let kinds = kinds_of(pair);
-    return kinds.x == BALL && (kinds.y == BALL || pair.y >= arrayLength(&sphere));
+    return kinds.x == BALL && (kinds.y == BALL || (pair.y >= arrayLength(&sphere) && kinds.y != HULL));
 }

@@ -17,7 +17,7 @@
 use super::bodies::Bodies;
 use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
-use super::parts::{ROWS, bits, kernel, kernel_with};
+use super::parts::{Layout, ROWS, bits, kernel, kernel_with};
 use super::rows::{Arms, Contact};
 use super::solids::{Family, families};
 use super::spheres::Spheres;
@@ -62,12 +62,13 @@ impl Manifolds {
     pub fn new(
         device: &Device,
         kernels: &Kernels,
+        layout: Layout,
         (at, fixtures): (&Spheres, &Fixtures),
         [n_pairs, n_contacts]: [usize; 2],
     ) -> Result<Manifolds, GpuError> {
         let get = |name, text| kernel(device, kernels, name, text);
         let text = include_str!("round_contacts.wgsl");
-        let round = |pass| kernel_with(device, kernels, ("round_contacts", text), &[("pair_pass", pass)]);
+        let round = |pass| kernel_with(layout, device, kernels, ("round_contacts", text), &[("pair_pass", pass)]);
         let kinds = families(&at.rows, &fixtures.kinds);
         Ok(Manifolds {
             arms: Buffer::zeros(device, "arms", n_contacts)?,
@@ -80,7 +81,7 @@ impl Manifolds {
             n_places: Count::found(device, n_pairs + 1)?,
             families: kinds
                 .into_iter()
-                .map(|f| OfFamily::new(device, kernels, f, n_pairs))
+                .map(|f| OfFamily::new(device, kernels, (layout, f), n_pairs))
                 .collect::<Result<_, _>>()?,
         })
     }
@@ -117,7 +118,8 @@ impl Manifolds {
             let all: Vec<Bound> = bound.iter().copied().chain([from.n.n.bind()]).collect();
             c.dispatch(device, &self.round[pass], &all, &[n_materials, fine, envelope, unit], of_pairs);
             for family in &self.families {
-                let all: Vec<Bound> = bound.iter().copied().chain([family.list.bind(), family.n.n.bind()]).collect();
+                let own = [family.list.bind(), family.n.n.bind(), at.hulls.hull.bind()];
+                let all: Vec<Bound> = bound.iter().copied().chain(own).collect();
                 let params = [n_materials, fine, envelope, pass as u32];
                 c.dispatch(device, &family.points, &all, &params, family.groups.of_level(&family.n, 0));
             }
@@ -135,14 +137,15 @@ impl OfFamily {
     fn new(
         device: &Device,
         kernels: &Kernels,
-        (name, family, points): Family,
+        (layout, family): (Layout, Family),
         n_pairs: usize,
     ) -> Result<OfFamily, GpuError> {
         let text = include_str!("solid_contacts.wgsl");
         let is_of = include_str!("pair_family.wgsl");
+        let own = Layout { hulls: layout.hulls && family.hulls, ..layout };
         Ok(OfFamily {
-            is_of: kernel_with(device, kernels, ("pair_family", is_of), &[("family", family)])?,
-            points: kernel_with(device, kernels, (name, text), &[("points", points)])?,
+            is_of: kernel_with(layout, device, kernels, ("pair_family", is_of), &[("family", family.pairs)])?,
+            points: kernel_with(own, device, kernels, (family.name, text), &[("points", family.points)])?,
             compact: Compact::new(device, kernels, n_pairs)?,
             groups: Groups::new(device, kernels, PAIRS)?,
             flag: Buffer::zeros(device, "family", n_pairs)?,

@@ -91,6 +91,7 @@ impl Mechanism {
         let is_new = self.own.begin(model, state);
         self.rows.take(&self.own, is_new);
         let has_grown = self.joints.place(device, &self.rows, is_new)?;
+        self.place_free(device, model, state)?;
         let four = |v: DVec3| v.as_vec3().extend(0.0).to_array();
         let members = &self.own.bodies;
         let pose = |body: &u32| {
@@ -104,6 +105,13 @@ impl Mechanism {
                 spin: four(state.angular_velocity[b]),
             })
         };
+        put(device, &mut self.pose, &members.iter().map(pose).collect::<Result<Vec<_>, Fault>>()?)?;
+        Ok(has_grown)
+    }
+
+    /// Write the velocities without contacts.
+    fn place_free(&mut self, device: &Device, model: &Model, state: &State) -> Result<(), GpuError> {
+        let four = |v: DVec3| v.as_vec3().extend(0.0).to_array();
         let free = |body: &u32| {
             let Twist { v, w } = self.own.twist(*body);
             let (moments, axes) = self.own.inertia(model, state, *body);
@@ -116,9 +124,28 @@ impl Mechanism {
                 axes: axes.as_quat().to_array(),
             }
         };
-        put(device, &mut self.pose, &members.iter().map(pose).collect::<Result<Vec<_>, Fault>>()?)?;
-        put(device, &mut self.free, &members.iter().map(free).collect::<Vec<_>>())?;
-        Ok(has_grown)
+        let rows: Vec<MemberFree> = self.own.bodies.iter().map(free).collect();
+        put(device, &mut self.free, &rows)?;
+        Ok(())
+    }
+
+    /// Whether limits may be met in the step, so that what the contacts do is to be measured before its end.
+    pub fn has_limits(&self) -> bool {
+        self.own.has_limits()
+    }
+
+    /// Hold the limits that would be passed with what the contacts do, and let go of those that would pull. Returns whether there are such, so
+    /// that the step is to be done again, and whether a buffer has grown.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn settle(&mut self, device: &Device, model: &Model, state: &State) -> Result<Option<bool>, GpuError> {
+        let (effects, _) = self.effects(device)?;
+        let Some(is_new) = self.own.settle(model, &effects) else { return Ok(None) };
+        self.rows.take(&self.own, is_new);
+        let has_grown = self.joints.place(device, &self.rows, is_new)?;
+        self.place_free(device, model, state)?;
+        Ok(Some(has_grown))
     }
 
     /// Record the state of the bodies, before the stages.
@@ -159,6 +186,13 @@ impl Mechanism {
         state: &mut State,
         outcome: &mut StepOutcome,
     ) -> Result<(), GpuError> {
+        let (effects, share) = self.effects(device)?;
+        self.own.finish(model, state, (&effects, share), outcome);
+        Ok(())
+    }
+
+    /// What the contacts do to each of the bodies, and the share of the displacement by pushes that is made.
+    fn effects(&self, device: &Device) -> Result<(Vec<Effect>, f64), GpuError> {
         let rows = self.effect.read(device, 5 * self.own.bodies.len())?;
         let share = rows.first().map_or(0.0, |row| f64::from(row[3]));
         let wide = |row: &[f32; 4]| DVec3::new(row[0].into(), row[1].into(), row[2].into());
@@ -166,9 +200,7 @@ impl Mechanism {
             let [v, w, push_v, push_w, turn] = own.each_ref().map(wide);
             Effect { impulse: Twist { v, w }, push: Twist { v: push_v, w: push_w }, turn }
         };
-        let effects: Vec<Effect> = rows.as_chunks::<5>().0.iter().map(effect).collect();
-        self.own.finish(model, state, (&effects, share), outcome);
-        Ok(())
+        Ok((rows.as_chunks::<5>().0.iter().map(effect).collect(), share))
     }
 
     /// Let a state be read back but for these bodies, whose state it has.

@@ -74,10 +74,13 @@ fn in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return select(vec3(1.0, 0.0, 0.0), vec3(va, vb, vc) / sum, sum > 0.0);
 }
 
-fn nearest_of_simplex() -> vec3<f32> {
-    var sum = vec3(0.0);
+// The point of the simplex nearest to the origin, with its points on both shapes.
+fn nearest_of_simplex() -> Vertex {
+    var sum = Vertex(vec3(0.0), vec3(0.0), vec3(0.0));
     for (var i = 0u; i < n_simplex; i++) {
-        sum += simplex[i].w * weight[i];
+        sum.w += simplex[i].w * weight[i];
+        sum.a += simplex[i].a * weight[i];
+        sum.b += simplex[i].b * weight[i];
     }
     return sum;
 }
@@ -150,16 +153,17 @@ const APART: u32 = 0u;
 const KNOWN: u32 = 1u;
 const TOUCHING: u32 = 2u;
 
-// Search for the nearest points of the cores with a distance of at most `reach`, from a direction from A to B; `nearest` is their
-// difference.
-fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, nearest: ptr<function, vec3<f32>>) -> u32 {
+// Search for the nearest points of the cores with a distance of at most `reach`, from a direction from A to B.
+fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, nearest: ptr<function, Vertex>) -> u32 {
     n_simplex = 1u;
     weight = vec4(1.0, 0.0, 0.0, 0.0);
     simplex[0] = vertex_of(a, b, start);
-    var v = simplex[0].w;
+    var best = simplex[0];
     for (var k = 0u; k < ROUNDS; k++) {
+        let v = best.w;
         let distance2 = dot(v, v);
         if distance2 <= NOTHING * NOTHING * scale * scale {
+            *nearest = best;
             return TOUCHING;
         }
         let next = vertex_of(a, b, -v);
@@ -171,24 +175,19 @@ fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, neares
         if distance2 - lower <= 1e-6 * distance2 {
             break;
         }
-        let before = simplex;
-        let weights = weight;
-        let n = n_simplex;
-        simplex[n] = next;
-        n_simplex = n + 1u;
+        simplex[n_simplex] = next;
+        n_simplex += 1u;
         if !reduce_simplex() {
+            *nearest = best;
             return TOUCHING;
         }
         let nearer = nearest_of_simplex();
-        if dot(nearer, nearer) >= distance2 {
-            simplex = before;
-            weight = weights;
-            n_simplex = n;
+        if dot(nearer.w, nearer.w) >= distance2 {
             break;
         }
-        v = nearer;
+        best = nearer;
     }
-    *nearest = v;
+    *nearest = best;
     return KNOWN;
 }
 
@@ -216,13 +215,13 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
     var best = vec4(away + vec3(1e-12), 0.0);
     var shift = 0.0;
     var last = vec3(0.0);
+    var at = Vertex(vec3(0.0), vec3(0.0), vec3(0.0));
     for (var k = 0u; k <= MOVES; k++) {
         var moved = b;
         moved.position += best.xyz * shift;
-        var v = vec3(0.0);
-        let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k == 0u), scale, &v);
-        let distance = length(v);
-        let next = -v / distance;
+        let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k == 0u), scale, &at);
+        let distance = length(at.w);
+        let next = -at.w / distance;
         if k > 0u {
             let before = best;
             if outcome != KNOWN || !try_axis(a, b, next, GROWS * scale, &best) {
@@ -250,14 +249,9 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
         shift = max(-best.w, 0.0) + MOVED * scale;
     }
     let normal = best.xyz;
-    var on_a = vec3(0.0);
-    var on_b = vec3(0.0);
-    for (var i = 0u; i < n_simplex; i++) {
-        on_a += simplex[i].a * weight[i];
-        on_b += simplex[i].b * weight[i];
-    }
+    let on_a = at.a;
     // What the points lie beside each other by is rounding.
-    on_b = on_a + normal * (dot(on_b - on_a, normal) - shift);
+    let on_b = on_a + normal * (dot(at.b - on_a, normal) - shift);
     let gap = best.w - round;
     found[0] = Point(normal, on_a + normal * radius_of(a), on_b - normal * radius_of(b), gap, 1u << 16u);
     return gap <= reach;

@@ -10,7 +10,7 @@ use super::bin_emit::Bins;
 use super::bodies::Bodies;
 use super::bounds::Due;
 use super::fixtures::Fixtures;
-use super::parts::{ROWS, bits, kernel_with};
+use super::parts::{Layout, ROWS, bits, kernel_with};
 use super::spheres::Spheres;
 use crate::model::Model;
 use gpu::scan::Scan;
@@ -53,9 +53,14 @@ pub struct PairWrite {
 
 impl PairWrite {
     /// Compile the kernels.
-    pub fn new(device: &Device, kernels: &Kernels, model: &Model, n: usize) -> Result<PairWrite, GpuError> {
+    pub fn new(
+        device: &Device,
+        kernels: &Kernels,
+        (model, layout): (&Model, Layout),
+        n: usize,
+    ) -> Result<PairWrite, GpuError> {
         let text = include_str!("pair_write.wgsl");
-        let pass = |name, part| kernel_with(device, kernels, (name, text), &[("pair_pass", part)]);
+        let pass = |name, part| kernel_with(layout, device, kernels, (name, text), &[("pair_pass", part)]);
         let passes = model.groups_pass.iter().map(|passes| *passes as u32);
         let rules: Vec<u32> = passes.chain(model.exclusions.iter().flatten().copied()).collect();
         Ok(PairWrite {
@@ -80,7 +85,8 @@ impl PairWrite {
             [at.fat_aabb.bind(), at.sphere.bind(), bodies.activity.bind(), bins.shape.bind(), bins.start.bind()];
         let held = [fixtures.fixture.bind(), fixtures.aabb.bind()];
         let rest = [self.rules.bind(), due.levels.bind(), due.spheres.n.bind()];
-        let out = [to.start.bind(), to.pairs.bind(), to.room.bind(), to.n.n.bind(), bins.grid.bind()];
+        let out =
+            [to.start.bind(), to.pairs.bind(), to.room.bind(), to.n.n.bind(), bins.grid.bind(), fixtures.node.bind()];
         let bound: Vec<gpu::Bound> = boxes.into_iter().chain(held).chain(rest).chain(out).collect();
         let (n_groups, n_exclusions) = (model.group_names.len() as u32, model.exclusions.len() as u32);
         let params = [n_groups, n_exclusions, fixtures.n as u32, bits(1.0 / bodies.scale.unit)];

@@ -6,7 +6,7 @@
 // in    activity   [n_bodies]
 // in    bin_shape  [n_spheres]  sorted by bin
 // in    bin_start  [n_bins]
-// in    fixture    [n_fixtures]
+// in    fixture    [n_fixtures] then the triangles of surfaces
 // in    fixture_aabb [n_fixtures] m
 // in    rules      [n_groups² + 2 n_exclusions]  whether groups pass; pairs of bodies without contacts, sorted
 // in    state      [3]          mask of the levels that are used (2), n_spheres if pairs are to be found, else 0
@@ -15,11 +15,14 @@
 // out   room       [2]          number of pairs that room is needed for, and whether there is room, when writing
 // out   n_pairs    [1]          number of pairs, 0 where there is no room for all; when writing
 // in    grid       [3]          bits of a bin's coordinates
-// in    params     [4]          n_groups, n_exclusions, n_fixtures, and as bits 1 / unit of the scale (1/m)
+// in    node       [n_nodes]    boxes about the triangles of surfaces
+// in    params     [4]          n_groups, n_exclusions, n_fixtures (but for triangles), and as bits 1 / unit of the scale (1/m)
 // Twin: cpu/pair_write.rs
 #import sphere
 #import fixture
 #import bins
+#import node
+#import surfaces
 #import pair_pass
 
 @group(0) @binding(0) var<storage, read> fat_aabb: array<Aabb>;
@@ -37,7 +40,8 @@
 @group(0) @binding(12) var<storage, read_write> room: array<u32>;
 @group(0) @binding(13) var<storage, read_write> n_pairs: array<u32>;
 @group(0) @binding(14) var<storage, read> grid: array<u32>;
-@group(0) @binding(15) var<storage, read> params: array<u32>;
+@group(0) @binding(15) var<storage, read> node: array<Node>;
+@group(0) @binding(16) var<storage, read> params: array<u32>;
 
 // Whether shapes of two bodies and groups may collide: not of one body, not both held, not of bodies or groups that are excluded.
 fn may_collide(a: u32, b: u32, groups: vec2<u32>) -> bool {
@@ -129,6 +133,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var f = 0u; is_here && f < params[2]; f++) {
         if is_near(own, f) && activity[fixture[f].body] != INACTIVE
             && may_collide(sphere[s].body, fixture[f].body, vec2(sphere[s].group, fixture[f].group)) {
+            if fixture[f].kind == SURFACE {
+                found += surface_pairs(own, s, f, to + found, 1.0 / scale);
+                continue;
+            }
             write_pair(to + found, vec2(s, n + f));
             found++;
         }

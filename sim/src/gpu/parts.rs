@@ -52,6 +52,11 @@ const PARTS: &[Part<'static>] = parts!(
     "begin_solve",
     "rolls",
     "roll",
+    "hulls",
+    "node",
+    "surfaces",
+    "triangle",
+    "triangle_id",
 );
 
 /// Those that stand in their stead for shapes of any kind.
@@ -61,6 +66,12 @@ const ANY_PARTS: &[Part<'static>] =
 /// The part that stands in for its own for contacts with rolling friction.
 const ROLL_PARTS: &[Part<'static>] = parts!("_with": "rolls");
 
+/// The part that stands in for its own where some shapes are hulls.
+const HULL_PARTS: &[Part<'static>] = parts!("_with": "hulls");
+
+/// Those that stand in for their own where some fixtures are surfaces.
+const SURFACE_PARTS: &[Part<'static>] = parts!("_with": "surfaces", "triangle");
+
 /// What kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
@@ -68,6 +79,10 @@ pub struct Layout {
     pub narrow: Narrow,
     /// Whether contacts have rolling and spinning friction.
     pub rolls: bool,
+    /// Whether some shapes are convex hulls.
+    pub hulls: bool,
+    /// Whether some fixtures are meshes or height fields.
+    pub surfaces: bool,
 }
 
 /// Rows of a workgroup.
@@ -78,27 +93,32 @@ pub fn kernel(device: &Device, kernels: &Kernels, name: &'static str, text: &str
     kernels.get(device, name, text, PARTS)
 }
 
-/// A kernel of a stage, with more parts.
-pub fn kernel_with(
-    device: &Device,
-    kernels: &Kernels,
-    (name, text): (&'static str, &str),
-    more: &[Part<'static>],
-) -> Result<Kernel, GpuError> {
-    let parts: Vec<Part> = PARTS.iter().chain(more).copied().collect();
-    kernels.get(device, name, text, &parts)
-}
-
 /// A kernel for what a model has.
 pub fn kernel_of(
     layout: Layout,
     device: &Device,
     kernels: &Kernels,
-    (name, text): (&'static str, &str),
+    text: (&'static str, &str),
 ) -> Result<Kernel, GpuError> {
-    let of_shapes = if layout.narrow == Narrow::Any { ANY_PARTS } else { &[] };
-    let of_rolling = if layout.rolls { ROLL_PARTS } else { &[] };
-    let parts: Vec<Part> = of_shapes.iter().chain(of_rolling).chain(PARTS).copied().collect();
+    kernel_with(layout, device, kernels, text, &[])
+}
+
+/// The same with more parts.
+pub fn kernel_with(
+    layout: Layout,
+    device: &Device,
+    kernels: &Kernels,
+    (name, text): (&'static str, &str),
+    more: &[Part<'static>],
+) -> Result<Kernel, GpuError> {
+    let of = |has: bool, parts: &'static [Part<'static>]| if has { parts } else { &[] };
+    let own = [
+        of(layout.narrow == Narrow::Any, ANY_PARTS),
+        of(layout.rolls, ROLL_PARTS),
+        of(layout.hulls, HULL_PARTS),
+        of(layout.surfaces, SURFACE_PARTS),
+    ];
+    let parts: Vec<Part> = own.into_iter().flatten().chain(PARTS).chain(more).copied().collect();
     kernels.get(device, name, text, &parts)
 }
 

@@ -4,12 +4,13 @@
 #import solid
 #import turn
 
-// A shape: kind, half lengths, m, position of its centre, m, and the axes of its frame.
+// A shape: kind, half lengths, m, position of its centre, m, the axes of its frame, and the first row of a hull.
 struct Placed {
     kind: u32,
     half: vec3<f32>,
     position: vec3<f32>,
     frame: mat3x3<f32>,
+    part: u32,
 }
 
 // A point of a contact: unit normal from the first shape to the second, the points on both, m, the gap, m, and the feature id.
@@ -55,13 +56,13 @@ fn placed(at: u32, origin: Fixed, fine: f32) -> Placed {
         let y = real_axis(fixture[f].y_axis);
         let z = real_axis(fixture[f].z_axis);
         let offset = real_fixed(fine_difference(fixture[f].position, origin)) * fine;
-        return Placed(fixture[f].kind, real_fixed(fixture[f].half) * fine, offset, mat3x3(x, y, z));
+        return Placed(fixture[f].kind, real_fixed(fixture[f].half) * fine, offset, mat3x3(x, y, z), fixture[f].part);
     }
     let own = solid[at];
     let body = sphere[at].body;
     let offset = real_fixed(fine_difference(position[body], origin)) * fine;
     let q = orientation[body];
-    return Placed(own.kind, own.half, offset + turned(q, own.offset), frame_of(product_of(q, own.turn)));
+    return Placed(own.kind, own.half, offset + turned(q, own.offset), frame_of(product_of(q, own.turn)), own.part);
 }
 
 // Swap the two shapes of the first points. Returns their count.

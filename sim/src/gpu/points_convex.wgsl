@@ -8,7 +8,8 @@ fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
 }
 
 // The axis along which cores that touch or nearly do are farthest apart or overlap least: the best of that between the centres, those of
-// both frames and their cross products, and the parts of the first across the third axes, about which shapes may be round.
+// both frames and their cross products, the parts of the first across the third axes, about which shapes may be round, and the normals of
+// hulls.
 fn first_axis(a: Placed, b: Placed, away: vec3<f32>) -> vec4<f32> {
     var best = vec4(0.0, 0.0, 1.0, -3e38);
     for (var i = 0u; i < 18u; i++) {
@@ -29,5 +30,27 @@ fn first_axis(a: Placed, b: Placed, away: vec3<f32>) -> vec4<f32> {
             try_axis(a, b, select(axis, -axis, dot(axis, away) < 0.0) / size, 0.0, &best);
         }
     }
+    hull_axes(a, b, &best);
     return best;
+}
+
+// The same of the normals of hulls, along which one shape is beyond a face of the other.
+fn hull_axes(a: Placed, b: Placed, best: ptr<function, vec4<f32>>) {
+    var n_first = 0u;
+    if a.kind == HULL {
+        n_first = hull_size(a).y;
+    }
+    var n = n_first;
+    if b.kind == HULL {
+        n += hull_size(b).y;
+    }
+    for (var k = 0u; k < n; k++) {
+        var axis = vec3(0.0);
+        if k < n_first {
+            axis = a.frame * hull_normal(a, k);
+        } else {
+            axis = -(b.frame * hull_normal(b, k - n_first));
+        }
+        try_axis(a, b, axis, 0.0, best);
+    }
 }

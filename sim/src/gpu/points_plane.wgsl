@@ -1,6 +1,7 @@
 // The contact points of a solid with a plane: its corners, or the deepest points of its round parts. The second of the two is the plane.
 // Twin: cpu/collide/surface.rs
 #import placed
+#import hulls
 
 // Number of corners of the polygon in place of the flat end of a cylinder or a cone.
 const RIM: u32 = 8u;
@@ -44,6 +45,11 @@ fn plane_points(a: Placed, up: vec3<f32>, height: f32, reach: f32) -> u32 {
         case CAPSULE: {
             take_local(a, vec3(0.0, 0.0, a.half.z) + down * a.half.x, up, height, reach, 0u);
             take_local(a, vec3(0.0, 0.0, -a.half.z) + down * a.half.x, up, height, reach, 1u);
+        }
+        case HULL: {
+            for (var k = 0u; k < hull_size(a).x; k++) {
+                take_local(a, hull_vertex(a, k), up, height, reach, k);
+            }
         }
         case ELLIPSOID: {
             let scaled = a.half * down;

@@ -3,6 +3,7 @@
 #import contact
 #import placed
 #import kinds
+#import triangle_id
 
 // The contact at a point of a pair, whose normal is from the shape of the lower id; points are about an origin.
 fn put_contact(at: u32, pair: vec2<u32>, point: Point, origin: Fixed, fine: f32, n_materials: u32) {
@@ -25,7 +26,11 @@ fn put_contact(at: u32, pair: vec2<u32>, point: Point, origin: Fixed, fine: f32,
     let normal = select(point.normal, -point.normal, is_swapped);
     let shapes = vec2(first.shape, second.shape);
     let law = first.material * n_materials + second.material;
-    contact[at] = Contact(bodies, shapes, normal, point.gap, vec2(0.0), law, point.feature);
+    var feature = point.feature;
+    if pair.y >= arrayLength(&sphere) {
+        feature ^= feature_of_fixture(pair.y - arrayLength(&sphere));
+    }
+    contact[at] = Contact(bodies, shapes, normal, point.gap, vec2(0.0), law, feature);
     let arm_a = middle - real_fixed(fine_difference(position[bodies.x], origin)) * fine;
     let arm_b = middle - real_fixed(fine_difference(position[bodies.y], origin)) * fine;
     arms[at] = Arms(arm_a, select(0u, 1u, is_face(pair.x) || is_face(pair.y)), arm_b, 0u);

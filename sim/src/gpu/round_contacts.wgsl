@@ -58,7 +58,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if pair.y < arrayLength(&sphere) {
             other = margin[pair.y];
         }
-        place[k] = select(0u, 1u, gap <= margin[pair.x] + other);
+        place[k] = select(0u, 1u, is_met(pair, at.w, (margin[pair.x] + other) / bitcast<f32>(params[3])));
         return;
     }
     let radius = solid[pair.x].half.x;

@@ -37,9 +37,15 @@ gpu::wgsl_rows! {
         lever: f32,
         /// Orientation in the body's frame.
         turn: [f32; 4],
+        /// First row of a hull.
+        part: u32,
+        /// Not used.
+        pad: u32,
+        /// Not used.
+        more: [u32; 2],
     }
 
-    /// A shape that is held in place and that spheres touch in one point.
+    /// A shape that is held in place, or a triangle of one.
     pub struct Fixture {
         /// Position, fine units.
         position: Fixed,
@@ -61,8 +67,20 @@ gpu::wgsl_rows! {
         material: u32,
         /// Index of the collision group.
         group: u32,
-        /// Not used.
-        pad: u32,
+        /// First row of a hull, or first node of a surface.
+        part: u32,
+    }
+
+    /// A box of the tree of a surface's triangles, in its frame.
+    pub struct Node {
+        /// Minimum corner, m.
+        low: [f32; 3],
+        /// Number of the triangles of a leaf in three bits, and the first of them as a fixture; 0 where boxes follow below this one.
+        leaf: u32,
+        /// Maximum corner, m.
+        high: [f32; 3],
+        /// The node beside this one.
+        next: u32,
     }
 
     /// Corners of an axis-aligned box, m, world; the fourth numbers are not used.

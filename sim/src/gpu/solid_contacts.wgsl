@@ -14,6 +14,7 @@
 // in    n_contacts   [1]           0 where there is no room for all
 // in    list         [n_list]      the pairs of the family
 // in    count        [1]           n_list
+// in    hull         [n_rows]      hulls
 // in    params       [4]           n_materials, and as bits: fine unit (m), margin of the fixtures (m); whether contacts are written
 // Twin: cpu/contact_write.rs, cpu/collide.rs
 #import points
@@ -33,7 +34,8 @@
 @group(0) @binding(11) var<storage, read> n_contacts: array<u32>;
 @group(0) @binding(12) var<storage, read> list: array<u32>;
 @group(0) @binding(13) var<storage, read> count: array<u32>;
-@group(0) @binding(14) var<storage, read> params: array<u32>;
+@group(0) @binding(14) var<storage, read> hull: array<vec4<u32>>;
+@group(0) @binding(15) var<storage, read> params: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -1,16 +1,18 @@
 //! Moving shapes of any kind as rows of a device, and the families of pairs that their narrow phases are for.
 
-use super::fault::Fault;
-use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, PLANE, SPHERE};
+use super::hulls::Hulls;
+use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, PLANE, SPHERE, SURFACE};
 use super::rows::Solid;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
 use crate::plan::{Narrow, has_joints};
 use crate::shape::ShapeKind;
 
-/// The shapes that the kernels of a model are for: spheres about the centres of mass of bodies of isotropic inertia, among fixtures, or any.
+/// The shapes that the kernels of a model are for: spheres about the centres of mass of bodies of isotropic inertia, among fixtures that are no
+/// hulls, or any.
 pub fn narrow_of(model: &Model) -> Narrow {
-    let has_spheres_only = (0..model.n_shapes()).all(|s| model.is_centred_sphere(s) || !is_mover(model, s));
+    let is_fixture = |s: usize| !is_mover(model, s) && model.shape_kind[s] != ShapeKind::Hull;
+    let has_spheres_only = (0..model.n_shapes()).all(|s| model.is_centred_sphere(s) || is_fixture(s));
     let is_turned = |b: usize| model.inv_mass[b] > 0.0 && !is_isotropic(model.inv_inertia[b]);
     // Joints have arms of any direction, and turn bodies.
     let is_turned = (0..model.n_bodies()).any(is_turned) || has_joints(model);
@@ -21,6 +23,16 @@ pub fn narrow_of(model: &Model) -> Narrow {
 pub fn is_mover(model: &Model, s: usize) -> bool {
     let is_round = matches!(model.shape_kind[s], ShapeKind::Sphere | ShapeKind::Ellipsoid);
     is_round || model.inv_mass[model.shape_body[s] as usize] > 0.0
+}
+
+/// Whether some shapes are hulls.
+pub fn has_hulls(model: &Model) -> bool {
+    model.shape_kind.contains(&ShapeKind::Hull)
+}
+
+/// Whether some shapes are meshes or height fields.
+pub fn has_surfaces(model: &Model) -> bool {
+    model.shape_kind.iter().any(|kind| matches!(kind, ShapeKind::Mesh | ShapeKind::HeightField))
 }
 
 /// Half the least width of a shape, m.
@@ -34,9 +46,9 @@ pub fn least_of(model: &Model, s: usize) -> f64 {
 
 /// The row of a shape.
 ///
-/// # Errors
-/// [`Fault::Unsupported`] for a shape of a kind that no kernel is built for.
-pub fn row(model: &Model, s: usize) -> Result<Solid, Fault> {
+/// # Panics
+/// For a surface, which never moves.
+pub fn row(model: &Model, hulls: &Hulls, s: usize) -> Solid {
     let (size, place) = (model.shape_size[s], &model.shape_pose[s]);
     let is_ball = model.is_centred_sphere(s);
     let kind = match model.shape_kind[s] {
@@ -47,26 +59,46 @@ pub fn row(model: &Model, s: usize) -> Result<Solid, Fault> {
         ShapeKind::Capsule => CAPSULE,
         ShapeKind::Cylinder => CYLINDER,
         ShapeKind::Cone => CONE,
-        kind => return Err(unsupported(model, s, &format!("a {} that moves", kind.name()))),
+        ShapeKind::Hull => HULL,
+        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => unreachable!("surfaces never move"),
     };
     let arm = if kind == SPHERE { place.position.length() } else { place.position.length() + size.length() };
-    Ok(Solid {
+    Solid {
         half: size.as_vec3().to_array(),
         kind,
         offset: if is_ball { [0.0; 3] } else { place.position.as_vec3().to_array() },
         lever: if is_ball { 0.0 } else { arm as f32 },
         turn: if is_ball { [0.0, 0.0, 0.0, 1.0] } else { place.orientation.as_quat().to_array() },
-    })
+        part: hulls.of(model, s),
+        pad: 0,
+        more: [0; 2],
+    }
 }
 
-/// The fault of a shape that no kernel is built for.
-pub fn unsupported(model: &Model, s: usize, what: &str) -> Fault {
-    let label = model.body_label(model.shape_body[s] as usize);
-    Fault::Unsupported(format!("body {label} has a shape that no kernel is built for yet: {what}"))
+/// A family of pairs.
+#[derive(Clone, Copy)]
+pub struct Family {
+    /// Name of its kernels.
+    pub name: &'static str,
+    /// The part that tells its pairs.
+    pub pairs: &'static str,
+    /// The part that finds their points.
+    pub points: &'static str,
+    /// Whether shapes of its pairs may be hulls.
+    pub hulls: bool,
 }
 
-/// A family of pairs: the name of its kernels, the text that tells its pairs, and that which finds their points.
-pub type Family = (&'static str, &'static str, &'static str);
+/// A family by the end of its files' names.
+macro_rules! family {
+    ($name:literal, $end:literal, $points:literal, $hulls:literal) => {
+        Family {
+            name: $name,
+            pairs: include_str!(concat!("family_", $end, ".wgsl")),
+            points: include_str!(concat!("points_", $points, ".wgsl")),
+            hulls: $hulls,
+        }
+    };
+}
 
 /// The families that the pairs of some rows among fixtures of some kinds may be of.
 pub fn families(rows: &[Solid], fixtures: &[u32]) -> Vec<Family> {
@@ -75,15 +107,17 @@ pub fn families(rows: &[Solid], fixtures: &[u32]) -> Vec<Family> {
     let has = |k: u32| own(k) || fixtures.contains(&k);
     let solids = [BOX, CAPSULE, CYLINDER, CONE];
     let has_moving_solids = rows.iter().any(|row| !is_ball(row.kind));
-    let has_planes = fixtures.contains(&PLANE) && rows.iter().any(|row| row.kind != BALL);
+    let is_unround = rows.iter().any(|row| row.kind != BALL);
     let has_balls = own(SPHERE) || own(BALL) && solids.into_iter().any(own);
     let is_angular = |k: &u32| *k != BOX && has(*k);
     let has_others = solids.iter().any(is_angular) && has_moving_solids || own(ELLIPSOID);
-    let all: [(bool, Family); 4] = [
-        (has_planes, ("plane_contacts", include_str!("family_plane.wgsl"), include_str!("points_plane.wgsl"))),
-        (has_balls, ("ball_contacts", include_str!("family_ball.wgsl"), include_str!("points_ball.wgsl"))),
-        (own(BOX), ("box_contacts", include_str!("family_box.wgsl"), include_str!("points_box.wgsl"))),
-        (has_others, ("convex_contacts", include_str!("family_convex.wgsl"), include_str!("points_convex.wgsl"))),
+    let all: [(bool, Family); 6] = [
+        (fixtures.contains(&PLANE) && is_unround, family!("plane_contacts", "plane", "plane", true)),
+        (fixtures.contains(&SURFACE) && is_unround, family!("triangle_contacts", "triangle", "triangle", true)),
+        (has_balls, family!("ball_contacts", "ball", "ball", false)),
+        (own(BOX), family!("box_contacts", "box", "box", false)),
+        (has_others, family!("convex_contacts", "convex", "convex", false)),
+        (has(HULL), family!("hull_contacts", "hull", "convex", true)),
     ];
     all.into_iter().filter(|(has_some, _)| *has_some).map(|(_, family)| family).collect()
 }

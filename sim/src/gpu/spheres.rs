@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::fixed::{MAX_RATIO, Scale};
+use super::hulls::Hulls;
 use super::rows::{Aabb, Solid, Sphere};
 use super::solids;
 use crate::model::Model;
@@ -18,6 +19,8 @@ pub struct Spheres {
     pub solid: Buffer<Solid>,
     /// The same.
     pub rows: Vec<Solid>,
+    /// The convex hulls of shapes and fixtures.
+    pub hulls: Hulls,
     /// Distance from the surface within which contacts are generated, m.
     pub margin: Buffer<f32>,
     /// Fat AABBs, m.
@@ -34,15 +37,16 @@ impl Spheres {
     /// The spheres of a model, with the units of its lengths.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for shapes of other kinds, none, or too great a ratio of sizes; [`Fault::Gpu`].
+    /// [`Fault::Unsupported`] for a model without moving shapes, or with too great a ratio of sizes; [`Fault::Gpu`].
     pub fn new(device: &Device, model: &Model, narrow: Narrow) -> Result<(Spheres, Scale), Fault> {
         let shapes: Vec<usize> = (0..model.n_shapes()).filter(|s| solids::is_mover(model, *s)).collect();
         if shapes.is_empty() {
             return Err(Fault::Unsupported("the model has no spheres and nothing that moves".into()));
         }
+        let hulls = Hulls::new(device, model)?;
         let solids = match narrow {
             Narrow::Spheres => vec![],
-            Narrow::Any => shapes.iter().map(|s| solids::row(model, *s)).collect::<Result<_, _>>()?,
+            Narrow::Any => shapes.iter().map(|s| solids::row(model, &hulls, *s)).collect(),
         };
         let radii = || shapes.iter().map(|s| model.shape_size[*s].max_element());
         let least = shapes.iter().map(|s| solids::least_of(model, *s)).fold(f64::INFINITY, f64::min);
@@ -72,6 +76,7 @@ impl Spheres {
                 false => Buffer::of(device, "solid", &solids)?,
             },
             rows: solids,
+            hulls,
             margin: Buffer::zeros(device, "margin", n)?,
             fat_aabb: Buffer::zeros(device, "fat_aabb", n)?,
             bodies: rows.iter().map(|s| s.body).collect(),

@@ -1,6 +1,7 @@
 // Support functions of shapes: a core, with a radius around it.
 // Twin: cpu/collide/convex.rs
 #import placed
+#import hulls
 
 // The farthest point of the core of a shape in a direction, in its frame.
 fn support_local(shape: Placed, d: vec3<f32>) -> vec3<f32> {
@@ -21,8 +22,36 @@ fn support_local(shape: Placed, d: vec3<f32>) -> vec3<f32> {
             let size = length(scaled);
             return select(vec3(0.0, 0.0, half.z), half * scaled / size, size > 0.0);
         }
+        case TRIANGLE: { return corner_farthest(d); }
+        case HULL: { return hull_farthest(shape, d); }
         default: { return vec3(0.0); }
     }
+}
+
+// The corners of the pair's triangle, in its frame, m.
+var<private> local_corner: array<vec3<f32>, 3>;
+
+fn corner_farthest(d: vec3<f32>) -> vec3<f32> {
+    let at = vec3(dot(local_corner[0], d), dot(local_corner[1], d), dot(local_corner[2], d));
+    if at.x >= at.y && at.x >= at.z {
+        return local_corner[0];
+    }
+    return select(local_corner[2], local_corner[1], at.y >= at.z);
+}
+
+// The vertex of a hull that is farthest in a direction, in its frame.
+fn hull_farthest(shape: Placed, d: vec3<f32>) -> vec3<f32> {
+    var best = vec3(0.0);
+    var far = -3e38;
+    for (var k = 0u; k < hull_size(shape).x; k++) {
+        let p = hull_vertex(shape, k);
+        let here = dot(p, d);
+        if here > far {
+            far = here;
+            best = p;
+        }
+    }
+    return best;
 }
 
 // The same in the world.

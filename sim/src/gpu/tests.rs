@@ -2,6 +2,7 @@
 
 mod joints;
 mod solids;
+mod surfaces;
 mod whole;
 
 use super::collision::{Collision, Fault};
@@ -9,8 +10,8 @@ use super::contact_solve::ContactSolve;
 use super::fixed::{Scale, gap_cpu};
 use super::parts::kernel;
 use super::rows::{
-    Aabb, Arms, Body, Contact, Fixed, Fixture, JointRow, JointSide, Member, MemberFree, MemberPose, Solid, Sphere,
-    Summary,
+    Aabb, Arms, Body, Contact, Fixed, Fixture, JointRow, JointSide, Member, MemberFree, MemberPose, Node, Solid,
+    Sphere, Summary,
 };
 use crate::fill::SplitMix64;
 use crate::shape::ShapeKind;
@@ -164,6 +165,7 @@ fn change_body(body: u32, change: Twist) {}
     let solve_row = [include_str!("row.wgsl"), include_str!("solve_row.wgsl")];
     check::<MemberFree>(&text(&[fixed, sphere, solve_row[0], solve_row[1], include_str!("member_free.wgsl")])).unwrap();
     check::<Arms>(&text(&[fixed, sphere, include_str!("contact.wgsl")])).unwrap();
+    check::<Node>(include_str!("node.wgsl")).unwrap();
     check::<Solid>(&text(&[fixed, include_str!("fixture.wgsl"), include_str!("solid.wgsl")])).unwrap();
 }
 

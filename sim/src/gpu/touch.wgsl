@@ -4,6 +4,8 @@
 #import sphere
 #import fixture
 #import outline
+#import triangle_id
+#import triangle
 
 // What a contact needs of its two sides: radii in units, shapes, bodies and materials.
 struct Sides {
@@ -35,6 +37,9 @@ fn touch(pair: vec2<u32>) -> vec4<f32> {
         return normal_and_gap(offset, add64(vec2(p.radius, 0u), vec2(q.radius, 0u)));
     }
     let f = pair.y - n;
+    if fixture[f].kind == TRIANGLE {
+        return touch_triangle(f, position[p.body], p.radius);
+    }
     let offset = fine_difference(position[p.body], fixture[f].position);
     let radius = f32(p.radius);
     let z = along(offset, fixture[f].z_axis);
@@ -81,6 +86,15 @@ fn touch(pair: vec2<u32>) -> vec4<f32> {
         least = depth.x;
     }
     return vec4(out_of_frame(f, -outward), -least - radius);
+}
+
+// Whether a gap of a pair is within its reach, units.
+fn is_met(pair: vec2<u32>, gap: f32, reach: f32) -> bool {
+    let n = arrayLength(&sphere);
+    if pair.y >= n && fixture[pair.y - n].kind == TRIANGLE && !is_not_behind(pair.y - n, gap, sphere[pair.x].radius, reach) {
+        return false;
+    }
+    return gap <= reach;
 }
 
 fn sign_of(x: vec2<u32>) -> f32 {

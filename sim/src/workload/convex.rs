@@ -72,22 +72,15 @@ fn pile(model: &mut ModelBuilder, n: usize) {
     }
     for layer in 0..n {
         for k in 0..64 {
-            let shape = ShapeFile {
-                hull: Some(HullFile { points: Some(points.clone()), file: None, scale: 1.0 }),
-                ..ShapeFile::default()
-            };
             let site = [(k % 8) as f64 - 4.0, 0.5 + layer as f64, (k / 8) as f64 - 4.0];
-            model.body(&format!("b{layer}_{k}"), "rock", shape).position = site.map(|x| 2.0 * RADIUS * x);
+            model.body(&format!("b{layer}_{k}"), "rock", stone(points.clone())).position =
+                site.map(|x| 2.0 * RADIUS * x);
         }
     }
 }
 
-/// Boxes of mixed size in all directions, poured into a box of a floor and four walls.
-fn boxes(model: &mut ModelBuilder, n: usize) {
-    const SPACING: f64 = 0.36;
-    model.material("box", 2000.0, 0.5);
-    let side = ((n as f64 / 25.5).sqrt().round() as usize).max(3);
-    let length = side as f64 * SPACING;
+/// A floor and four walls of a square of this edge length, m.
+fn walls(model: &mut ModelBuilder, material: &str, length: f64) {
     let walls = [
         ([0.0; 3], [0.0, 0.0, 1.0]),
         ([0.0; 3], [1.0, 0.0, 0.0]),
@@ -96,8 +89,22 @@ fn boxes(model: &mut ModelBuilder, n: usize) {
         ([0.0, length, 0.0], [0.0, -1.0, 0.0]),
     ];
     for (k, (point, normal)) in walls.into_iter().enumerate() {
-        model.body(&format!("wall{k}"), "box", ShapeFile::plane(normal)).position = point;
+        model.body(&format!("wall{k}"), material, ShapeFile::plane(normal)).position = point;
     }
+}
+
+/// The hull of points.
+fn stone(points: Vec<[f64; 3]>) -> ShapeFile {
+    ShapeFile { hull: Some(HullFile { points: Some(points), file: None, scale: 1.0 }), ..ShapeFile::default() }
+}
+
+/// Boxes of mixed size in all directions, poured into a box of a floor and four walls.
+fn boxes(model: &mut ModelBuilder, n: usize) {
+    const SPACING: f64 = 0.36;
+    model.material("box", 2000.0, 0.5);
+    let side = ((n as f64 / 25.5).sqrt().round() as usize).max(3);
+    let length = side as f64 * SPACING;
+    walls(model, "box", length);
     let mut random = SplitMix64(7);
     for i in 0..n {
         let site = [i % side, i / side % side, i / (side * side)];
@@ -107,6 +114,37 @@ fn boxes(model: &mut ModelBuilder, n: usize) {
         body.position = site.map(|c| (c as f64 + 0.5) * SPACING);
         body.orientation = Some([rotation.w, rotation.x, rotation.y, rotation.z]);
     }
+}
+
+/// A bed of `n` spheres, boxes, capsules, cylinders, cones, ellipsoids and stones of 12 points, in all directions and of mixed size, that falls
+/// into a box of a floor and four walls.
+pub fn mixed(n: usize) -> ModelBuilder {
+    const SPACING: f64 = 0.2;
+    let mut model = ModelBuilder::new(&format!("mixed({n})"));
+    model.file.gravity = [0.0, 0.0, -9.81];
+    model.material("stone", 2600.0, 0.5);
+    let side = ((n as f64 / 2.0).cbrt().round() as usize).max(3);
+    walls(&mut model, "stone", side as f64 * SPACING);
+    let mut random = SplitMix64(11);
+    for i in 0..n {
+        let site = [i % side, i / side % side, i / (side * side)];
+        let r = 0.06 + 0.03 * random.uniform();
+        let shape = match i % 7 {
+            0 => ShapeFile::sphere(r),
+            1 => ShapeFile::cuboid([1.3 * r, 1.1 * r, 0.9 * r]),
+            2 => ShapeFile::capsule(0.6 * r, 0.8 * r),
+            3 => ShapeFile::cylinder(0.7 * r, 1.3 * r),
+            4 => ShapeFile { cone: ShapeFile::cylinder(0.8 * r, 1.3 * r).cylinder, ..ShapeFile::default() },
+            5 => ShapeFile::ellipsoid([r, 0.8 * r, 0.7 * r]),
+            _ => stone((0..12).map(|_| (random.rotation() * DVec3::X * r).to_array()).collect()),
+        };
+        let rotation: DQuat = random.rotation();
+        let body = model.body(&format!("b{i}"), "stone", shape);
+        body.position = site.map(|c| (c as f64 + 0.5) * SPACING);
+        body.orientation = Some([rotation.w, rotation.x, rotation.y, rotation.z]);
+        body.velocity = [0.0, 0.0, -1.0];
+    }
+    model
 }
 
 /// A net of `n` by `n` spheres that touch nothing, joined to their neighbours by spherical joints and hung at one edge.

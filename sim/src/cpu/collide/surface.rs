@@ -5,6 +5,7 @@ use super::convex::{self, Axis, Convex, Nearest, nearest_in_triangle, support_lo
 use super::manifold::{self, Feature, feature};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use crate::ShapeKind;
+use crate::geometry::Surface;
 use glam::DVec3;
 
 /// The contact points of a convex shape with a plane: its corners, or the deepest points of its round parts. Returns their count.
@@ -70,11 +71,33 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
     kept
 }
 
-/// The contact points of a convex shape with a triangle of a surface; `sharp` has the bits of its convex edges and corners. Returns
-/// their count.
-pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mut Points) -> usize {
+/// A triangle of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Corners, m, world.
+    pub corners: [DVec3; 3],
+    /// The bits of its convex edges and corners, as of [`Surface::sharp`].
+    pub sharp: u8,
+    /// Whether all that is below it is solid, as of a height field; else as far as a shape may come through it in a step.
+    pub is_ground: bool,
+}
+
+impl Triangle {
+    /// A triangle of a surface at a place.
+    pub fn of(surface: &Surface, triangle: u32, place: &Placed) -> Triangle {
+        Triangle {
+            corners: surface.corners(triangle).map(|v| place.position + place.orientation * v),
+            sharp: surface.sharp[triangle as usize],
+            is_ground: surface.is_ground(),
+        }
+    }
+}
+
+/// The contact points of a convex shape with a triangle. Returns their count.
+pub fn triangle(a: &Placed, triangle: &Triangle, reach: f64, out: &mut Points) -> usize {
+    let Triangle { corners, sharp, .. } = *triangle;
     let Some(face) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { return 0 };
-    let Some(nearest) = nearest_to_face(a, corners, face, reach) else { return 0 };
+    let Some(nearest) = nearest_to_face(a, triangle, face, reach) else { return 0 };
     let is_positive = |weights: (f64, f64, f64)| [weights.0, weights.1, weights.2].map(|w| w > 1e-9);
     let on = is_positive(nearest_in_triangle(nearest.on_second, corners));
     let is_convex = match on {
@@ -118,21 +141,39 @@ pub fn triangle(a: &Placed, corners: [DVec3; 3], sharp: u8, reach: f64, out: &mu
     manifold::points(&fa, &fb, &nearest, reach, a.size.min_element(), out)
 }
 
-/// The nearest points of a shape and a triangle; for a shape that has passed through, those of the way back out of the face.
-fn nearest_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> Option<Nearest> {
+/// The nearest points of a shape and a triangle; for a shape that has passed through, those of the way back out of the face. What is beside a
+/// face and behind it meets its neighbours alone.
+fn nearest_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> Option<Nearest> {
+    let corners = triangle.corners;
     if a.kind == ShapeKind::Sphere {
-        return sphere_to_face(a, corners, face, reach);
+        return sphere_to_face(a, triangle, face, reach);
     }
+    /// Cosine of the angle between the ways to a face and out of it, from which on a shape that is apart from it is under it.
+    const UNDER: f64 = 0.99;
+    /// What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
+    const SHORTER: f64 = 0.1;
+    const DEEPER: f64 = 0.5;
     let nearest = convex::nearest(a, &corners, reach, &mut Axis::default())?;
-    if nearest.gap > 0.0 && nearest.normal.dot(face) < 0.0 {
+    let facing = nearest.normal.dot(face);
+    if nearest.gap > 0.0 && facing < 0.0 {
         return Some(nearest);
     }
     let deepest = a.support(-face) - face * Convex::radius(a);
     let gap = (deepest - corners[0]).dot(face);
-    (gap <= reach).then_some(Nearest { normal: -face, on_first: deepest, on_second: deepest - face * gap, gap })
+    let is_beside = match nearest.gap > 0.0 {
+        true => facing < UNDER,
+        false => nearest.gap > SHORTER * gap && -gap > DEEPER * a.size.min_element(),
+    };
+    (gap <= reach && !is_beside).then_some(Nearest {
+        normal: -face,
+        on_first: deepest,
+        on_second: deepest - face * gap,
+        gap,
+    })
 }
 
-fn sphere_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> Option<Nearest> {
+fn sphere_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> Option<Nearest> {
+    let corners = triangle.corners;
     let (u, v, w) = nearest_in_triangle(a.position, corners);
     let on_second = corners[0] * u + corners[1] * v + corners[2] * w;
     let away = a.position - on_second;
@@ -140,7 +181,8 @@ fn sphere_to_face(a: &Placed, corners: [DVec3; 3], face: DVec3, reach: f64) -> O
     let height = (a.position - corners[0]).dot(face);
     let (normal, distance) = if height > 0.0 && distance > 1e-12 * a.size.x {
         (-away / distance, distance)
-    } else if (away - face * height).length() <= 1e-9 * a.size.x {
+    } else if (away - face * height).length() <= 1e-9 * a.size.x && (triangle.is_ground || -height <= a.size.x + reach)
+    {
         // The centre is behind the face, right under it.
         (-face, height)
     } else {

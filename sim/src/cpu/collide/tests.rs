@@ -102,6 +102,49 @@ fn the_general_distance_agrees_with_closed_forms() {
     assert!(met > 1000, "{met}");
 }
 
+/// A triangle of a mesh.
+fn part(corners: [DVec3; 3], sharp: u8) -> Triangle {
+    Triangle { corners, sharp, is_ground: false }
+}
+
+/// A ball on a plate of triangles is not held by the plate's lower face, which it is behind; the ground is solid however deep.
+#[test]
+fn a_ball_on_a_plate_is_not_met_by_its_lower_face() {
+    let lower = [DVec3::new(-1.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::new(1.0, -1.0, 0.0)];
+    let mut out = [Point::default(); MAX_POINTS];
+    for (z, n) in [(0.3, 0), (0.11, 0), (0.099, 1), (-0.05, 1), (-0.099, 1), (-0.11, 0)] {
+        let ball = placed(ShapeKind::Sphere, [0.1; 3], DVec3::new(0.0, 0.0, z), UP);
+        assert_eq!(collide_triangle(&ball, &part(lower, 63), 1e-3, &mut out), n, "{z}");
+    }
+    let ball = placed(ShapeKind::Sphere, [0.1; 3], DVec3::new(0.0, 0.0, 3.0), UP);
+    let ground = Triangle { is_ground: true, ..part(lower, 63) };
+    assert_eq!(collide_triangle(&ball, &ground, 1e-3, &mut out), 1);
+    assert!((out[0].gap + 3.1).abs() < 1e-12);
+}
+
+/// A face on whose edge a shape leans, behind it, does not push it out upwards: it is solid below, but not beside.
+#[test]
+fn what_is_beside_a_face_is_not_under_it() {
+    let top = part([DVec3::new(0.0, -1.0, 1.0), DVec3::new(0.0, 1.0, 1.0), DVec3::new(-2.0, 0.0, 1.0)], 63);
+    let mut out = [Point::default(); MAX_POINTS];
+    // Lower and higher than the face, apart and by a trace in it.
+    for (half, gap) in [(0.3, 1e-3), (0.8, 1e-3), (0.8, -1e-4)] {
+        for kind in [ShapeKind::Box, ShapeKind::Cylinder, ShapeKind::Capsule] {
+            let high = if kind == ShapeKind::Capsule { half - 0.2 } else { half };
+            let shape = placed(kind, [0.2, 0.2, high], DVec3::new(0.2 + gap, 0.0, half), UP);
+            let n = collide_triangle(&shape, &top, 0.01, &mut out);
+            assert!(out[..n].iter().all(|p| p.gap > -1e-3), "{kind:?} {half} {gap}: {:?}", &out[..n]);
+        }
+    }
+    // Under it, and in it.
+    for z in [0.79, 0.9, 1.1] {
+        let shape = placed(ShapeKind::Box, [0.2; 3], DVec3::new(-0.5, 0.0, z), UP);
+        let n = collide_triangle(&shape, &top, 0.1, &mut out);
+        let least = out[..n].iter().map(|p| p.gap).fold(0.0, f64::min);
+        assert!((least - (z - 1.2)).abs() < 1e-9, "{z}: {least}");
+    }
+}
+
 #[test]
 fn flat_contacts_have_several_points_that_stay() {
     let plate = placed(ShapeKind::Box, [1.0, 1.0, 0.1], DVec3::ZERO, UP);
@@ -137,7 +180,7 @@ fn flat_contacts_have_several_points_that_stay() {
             ("plane", points(&ground, &shape, 0.005)),
             ("triangle", {
                 let mut out = [Point::default(); MAX_POINTS];
-                let n = collide_triangle(&shape, square, 63, 0.005, &mut out);
+                let n = collide_triangle(&shape, &part(square, 63), 0.005, &mut out);
                 swap_shapes(&mut out, n);
                 out[..n].to_vec()
             }),
@@ -195,7 +238,7 @@ fn seams_of_a_flat_surface_are_not_felt() {
             let mut found = vec![];
             surface.visit(shape.position - 0.5, shape.position + 0.5, &mut |t| {
                 let mut out = [Point::default(); MAX_POINTS];
-                let n = collide_triangle(&shape, surface.corners(t), surface.sharp[t as usize], 0.02, &mut out);
+                let n = collide_triangle(&shape, &part(surface.corners(t), surface.sharp[t as usize]), 0.02, &mut out);
                 found.extend_from_slice(&out[..n]);
             });
             assert!(!found.is_empty(), "{:?} at {x}", shape.kind);

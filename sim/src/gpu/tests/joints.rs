@@ -99,6 +99,80 @@ fn mechanisms_without_contacts_are_those_of_the_cpu() {
     }
 }
 
+/// Joints that equal limits lock, as a row more.
+#[test]
+fn joints_locked_by_equal_limits_are_those_of_the_cpu() {
+    let text = HEAD.to_string()
+        + "bodies:\n  - {name: a, material: m, position: [0, 0, 0], box: {size: [0.3, 0.2, 0.2]}}\n"
+        + "  - {name: b, material: m, position: [0.5, 0, 0], box: {size: [0.3, 0.2, 0.2]}}\n"
+        + "joints:\n  - {name: free, kind: revolute, a: world, b: a, position: [-0.3, 0, 0], axis: [0, 1, 0]}\n"
+        + "  - {name: locked, kind: revolute, a: a, b: b, position: [0.25, 0, 0], axis: [0, 1, 0], limits: [0, 0]}\n";
+    let (model, state) = resolved(text);
+    let Some(pair) = both(&model, &state, 100) else { return };
+    let off = apart(&pair[0].state, &pair[1].state);
+    let bent = pair[0].state.joints[1].coordinate;
+    assert!(off < 1e-9 && reactions(&pair) < 1e-6 && bent.abs() < 1e-5, "{off} m, {bent} rad");
+    assert!((pair[0].state.position[0] - state.position[0]).length() > 0.02);
+}
+
+/// Pendulums that swing into their limits and out of them, a rope that snaps taut, and a slide that comes to its end.
+#[test]
+fn limits_without_contacts_are_those_of_the_cpu() {
+    let mut text = HEAD.to_string() + "pass_through: [[g, g]]\nbodies:\n";
+    for (name, x) in [("a", 0.0), ("b", 0.4), ("c", 0.8), ("ball", 3.0), ("sled", 6.0)] {
+        text += &format!(
+            "  - {{name: {name}, material: m, group: g, position: [{x}, 0, 0], box: {{size: [0.3, 0.2, 0.2]}}}}\n"
+        );
+    }
+    text += "joints:\n  - {name: j0, kind: revolute, a: world, b: a, position: [-0.2, 0, 0], axis: [0, 1, 0], limits: [-5, 20]}\n";
+    text += "  - {name: j1, kind: revolute, a: a, b: b, position: [0.2, 0, 0], axis: [0, 1, 0], limits: [-15, 10]}\n";
+    text += "  - {name: j2, kind: revolute, a: b, b: c, position: [0.6, 0, 0], axis: [0, 1, 0], limits: [-30, 6]}\n";
+    text += "  - {name: rope, kind: distance, a: world, b: ball, position: [3, 0, 0.5], position_b: [3, 0, 0], limits: [0, 0.6]}\n";
+    text += "  - {name: way, kind: prismatic, a: world, b: sled, position: [6, 0, 0], axis: [0.3, 0, -1], limits: [-1, 0.1]}\n";
+    let (mut model, mut state) = resolved(text);
+    state.angular_velocity[1] = glam::DVec3::Y * -2.0;
+    state.angular_velocity[2] = glam::DVec3::Y * 3.0;
+    model.solver = SolverSettings { iterations: Some(1000), tolerance: 1e-10, ..model.solver };
+    let Some(pair) = both(&model, &state, 400) else { return };
+    let off = apart(&pair[0].state, &pair[1].state);
+    let [own, cpu] = pair.each_ref().map(|s| &s.state.joints);
+    let turned: Vec<[f64; 2]> = own.iter().zip(cpu).map(|(a, b)| [a.coordinate, b.coordinate]).collect();
+    eprintln!("{off} m, reactions to {}, coordinates {turned:?}", reactions(&pair));
+    assert!(off < 1e-4 && reactions(&pair) < 1e-2, "{off} m");
+    // All but the hinges between the links hang in their limits.
+    assert!((own[0].coordinate - 20f64.to_radians()).abs() < 2e-3 && (own[3].coordinate - 0.6).abs() < 2e-3);
+    assert!((own[4].coordinate - 0.1).abs() < 2e-3 && own[4].force_world.length() > 50.0);
+}
+
+/// A chain of plates whose hinges hardly turn, that falls over a block, and is pulled along.
+#[test]
+fn limits_among_contacts_are_those_of_the_cpu() {
+    let mut text = HEAD.to_string() + "bodies:\n  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}\n";
+    text += "  - {name: block, material: m, fixed: true, position: [0.9, 0, 0.1], box: {size: [0.2, 0.6, 0.2]}}\n";
+    for k in 0..8 {
+        let x = 0.2 * k as f64;
+        text +=
+            &format!("  - {{name: p{k}, material: m, position: [{x}, 0, 0.25], box: {{size: [0.18, 0.4, 0.06]}}}}\n");
+    }
+    text += "joints:\n";
+    for k in 1..8 {
+        let (a, x) = (k - 1, 0.2 * k as f64 - 0.1);
+        text += &format!(
+            "  - {{name: j{k}, kind: revolute, a: p{a}, b: p{k}, position: [{x}, 0, 0.25], axis: [0, 1, 0], limits: [-4, 9]}}\n"
+        );
+    }
+    let (mut model, state) = resolved(text);
+    model.solver = SolverSettings { iterations: Some(200), tolerance: 1e-7, ..model.solver };
+    let Some(pair) = both(&model, &state, 100) else { return };
+    let off = apart(&pair[0].state, &pair[1].state);
+    let n = pair[1].state.contacts.len();
+    let at_limit =
+        pair[0].state.joints.iter().filter(|j| j.coordinate.to_degrees() > 8.9 || j.coordinate.to_degrees() < -3.9);
+    let n_limits = at_limit.count();
+    eprintln!("{n} contacts, {n_limits} hinges at their limits, {off} m, reactions to {}", reactions(&pair));
+    assert!(n >= 2 && n_limits > 1 && off < 1e-4, "{n} contacts, {n_limits} at their limits, {off} m");
+}
+
 /// Loads of every kind, on spheres and on a box that slides.
 #[test]
 fn loads_act_as_on_the_cpu() {
