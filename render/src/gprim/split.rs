@@ -91,6 +91,11 @@ impl Queue {
         self.waiting.pop()
     }
 
+    /// Let pieces wait for their turn.
+    pub fn extend(&mut self, pieces: impl IntoIterator<Item = Waiting>) {
+        self.waiting.extend(pieces);
+    }
+
     /// Number of pieces that wait.
     pub fn len(&self) -> usize {
         self.waiting.len()

@@ -1,13 +1,13 @@
 //! Kernels: a shader with the shaders of the lights that shine on it, as one text.
 
 use super::super::bound::{Answer, BoundShader};
-use super::module::{Asked, Host, LightShader, Module, Refused, Slot};
+use super::module::{Asked, Host, LightShader, Module, Query, Refused, Slot};
 use super::registers::type_of;
 use super::specialise::specialised;
 use super::writer::Writer;
 use crate::ir::builtins::{How, SceneCall};
 use crate::ir::walk::writes_besides;
-use crate::ir::{Global, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
+use crate::ir::{Ask, Global, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -57,6 +57,8 @@ pub struct Kernel {
     pub(super) categories: Vec<String>,
     /// Queries whose answers are strings, with the answers that the kernel was written for.
     pub(super) asked: Vec<Asked>,
+    /// Queries that the host's functions answer.
+    queries: BTreeSet<Query>,
 }
 
 /// Points of a workgroup that shades points each on its own, as `parts/flat.wgsl` has it.
@@ -99,8 +101,8 @@ impl Kernel {
         }
         let group = if grid { host.group } else { FLAT_GROUP };
         let text = assemble(&module, shader, &text, group);
-        let Module { categories, asked, .. } = module;
-        Ok(Kernel { text, group, grid, shaders, of_light, categories, asked })
+        let Module { categories, asked, queries, .. } = module;
+        Ok(Kernel { text, group, grid, shaders, of_light, categories, asked, queries })
     }
 
     /// Count of results of a point.
@@ -111,6 +113,29 @@ impl Kernel {
     /// The values that the shader gives at every point.
     pub fn outputs(&self) -> &[Output] {
         &self.shaders[0].outputs
+    }
+
+    /// Whether it asks the host's functions a query.
+    pub fn asks(&self, query: Query) -> bool {
+        self.queries.contains(&query)
+    }
+
+    /// Whether its shader asks for numbers by name of something.
+    pub fn asks_by_name(&self, of: Ask) -> bool {
+        self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
+    }
+
+    /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than
+    /// that of an option. A [`super::Batch`] then serves one primitive alone.
+    pub fn light_of_primitive(&self) -> Option<&str> {
+        let own = |space: &String| matches!(space.as_str(), "object" | "shader");
+        let differs = |slot: &Slot| match slot {
+            Slot::Matrix { from, to } | Slot::NormalMatrix { from, to } => own(from) || own(to),
+            Slot::Map { .. } => false,
+            Slot::Answer { what, .. } => !matches!(what, Ask::Option | Ask::TextureInfo | Ask::RendererInfo),
+        };
+        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(differs))?;
+        Some(&light.bound.program.name)
     }
 
     /// Whether the kernel is that of a shader, too: one of the same program and strings.
@@ -382,7 +407,10 @@ fn assemble(module: &Module<'_>, shader: &BoundShader, functions: &str, group: u
     }
     text += &format!("\n{}", include_str!("parts/kernel.wgsl"));
     text += if module.grid { include_str!("parts/grid.wgsl") } else { include_str!("parts/flat.wgsl") };
-    let offered = module.host.functions.iter().filter(|(query, _)| module.queries.contains(query));
+    let mut offered = module.host.functions.iter().filter(|(query, _)| module.queries.contains(query)).peekable();
+    if offered.peek().is_some() && !module.host.declarations.is_empty() {
+        text += &format!("\n{}\n", module.host.declarations);
+    }
     offered.for_each(|(_, function)| text += &format!("\n{function}\n"));
     text += &module.functions;
     text += functions;

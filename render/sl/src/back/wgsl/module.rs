@@ -26,8 +26,11 @@ pub enum Query {
 pub struct Host<'a> {
     /// Most invocations of a workgroup. A grid whose points look at their neighbours has at most as many points.
     pub group: u32,
-    /// The queries that can be answered, with the text of their functions and of what these need.
+    /// The queries that can be answered, with the text of their functions.
     pub functions: &'a [(Query, &'a str)],
+    /// What any of these functions needs: written once, before the first. They read a grid's own numbers ([`super::Batch::give`]) from
+    /// `values[work.own]` on; bindings from 7 on are the host's.
+    pub declarations: &'a str,
     /// The scene, which is asked for strings when a kernel is written.
     pub scene: &'a dyn Scene,
 }

@@ -1,0 +1,91 @@
+//! What shaders' kernels read of the scene: what stops light, and what closes the sky. The layout stands in `world.wgsl`, `rays.wgsl` and
+//! `sky.wgsl`.
+
+use crate::cpu::bvh::{Bvh, Occluder};
+use crate::cpu::openness::Surroundings;
+use crate::cpu::openness::cones::cones;
+use crate::cpu::tree::Tree;
+use crate::scene::source::Item;
+use glam::{Vec3, Vec4};
+use sl::wgsl::Query;
+
+/// The queries that kernels may ask, and the text of their answers.
+pub const FUNCTIONS: [(Query, &str); 2] =
+    [(Query::Transmission, include_str!("rays.wgsl")), (Query::Openness, include_str!("sky.wgsl"))];
+
+/// What these need.
+pub const DECLARATIONS: &str = include_str!("world.wgsl");
+
+/// Rows of the head, before the axes of cones.
+const HEAD: usize = 3;
+
+/// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
+pub fn rows(rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
+    let mut rows = vec![[0; 4]; HEAD];
+    rows.extend(cones().map(|axis| bits(axis.extend(0.0))));
+    if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
+        rows[0] = [push_tree(&mut rows, bvh.tree()), 0, 1, 0];
+        rows[0][1] = rows.len() as u32;
+        bvh.occluders().iter().for_each(|(item, occluder)| push_occluder(&mut rows, bvh, id(*item), occluder));
+    }
+    if let Some(sky) = sky {
+        push_sky(&mut rows, sky, id);
+    }
+    rows
+}
+
+fn bits(v: Vec4) -> [u32; 4] {
+    v.to_array().map(f32::to_bits)
+}
+
+fn point(v: Vec3) -> [u32; 4] {
+    bits(v.extend(0.0))
+}
+
+/// Add the nodes of a tree; the row of the first.
+fn push_tree(rows: &mut Vec<[u32; 4]>, tree: &Tree) -> u32 {
+    let first = rows.len() as u32;
+    rows.extend(tree.nodes().iter().flat_map(|node| [bits(node.min_at), bits(node.max_count)]));
+    first
+}
+
+fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, id: u32, occluder: &Occluder) {
+    let none = [0; 4];
+    rows.extend(match *occluder {
+        Occluder::Sphere { center, radius } => [[0, id, 0, 0], bits(center.extend(radius)), none, none],
+        Occluder::Ellipsoid { inverse } => {
+            let m = bvh.inverse(inverse);
+            [[1, id, 0, 0], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
+        }
+        Occluder::Triangle { a, ab, ac, flat } => [[3 - flat as u32, id, 0, 0], point(a), point(ab), point(ac)],
+    });
+}
+
+fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u32) {
+    let spheres = &sky.spheres;
+    if !spheres.tree.is_empty() {
+        rows[1] = [push_tree(rows, &spheres.tree), 0, 0, 1];
+        rows[1][1] = rows.len() as u32;
+        for round in &spheres.rounds {
+            rows.push([id(round.item), round.axes.unwrap_or(0), round.axes.is_some() as u32, 0]);
+            rows.push(bits(round.center.extend(round.radius)));
+        }
+        rows[1][2] = rows.len() as u32;
+        rows.extend(spheres.axes.iter().flat_map(|axes| axes.map(point)));
+    }
+    let facets = &sky.facets;
+    if !facets.nodes.is_empty() {
+        rows[2] = [rows.len() as u32, 0, 1, 0];
+        for node in &facets.nodes {
+            rows.push(bits(node.center.extend(node.radius)));
+            rows.push(bits(node.normal.extend(node.area)));
+            rows.push([node.next, node.leaf as u32, 0, 0]);
+        }
+        rows[2][1] = rows.len() as u32;
+        for facet in &facets.facets {
+            let [a, b, c, d] = facet.corners.map(point);
+            let size = facet.area.length().sqrt();
+            rows.extend([[a[0], a[1], a[2], facet.closed as u32], b, c, d, bits(facet.area.extend(size))]);
+        }
+    }
+}
