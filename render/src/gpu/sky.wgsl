@@ -1,7 +1,8 @@
 // How open to the sky a place is, by cones about fixed directions.
 // Spheres are two rows: primitive, index of its half axes and whether it is an ellipsoid; middle and radius. Facets are five: four corners,
 // the first of them with 1 if it is of a closed surface; the normal by its area, and its size, the square root of the area. Nodes of
-// facets are three: middle and radius; sum of normals by area, and of areas; second child or facet, 1 if it is a leaf, 0, 0.
+// facets are three, in the order of a walk: middle and radius; sum of normals by area, and of areas; the next node that is not below, facet,
+// 1 if it is a leaf, 0.
 // Twin: cpu/openness.rs
 
 // As in cpu/openness/cones.rs, spheres.rs and facets.rs.
@@ -18,9 +19,33 @@ const IN_PLANE: f32 = 2e-6;
 var<private> sky_open: array<f32, 24>;
 var<private> sky_closed: array<f32, 24>;
 
-fn cone_axis(k: u32) -> vec3<f32> {
-    return world_row(3u + k).xyz;
-}
+// The axes of the cones.
+const AXES: array<vec3<f32>, 24> = array<vec3<f32>, 24>(
+    vec3<f32>(0.28565228, 0.0, 0.958333313),
+    vec3<f32>(-0.356977165, 0.327020347, 0.875),
+    vec3<f32>(0.0534130335, -0.608613968, 0.791666687),
+    vec3<f32>(0.429483652, 0.560185373, 0.708333313),
+    vec3<f32>(-0.768691719, -0.135970742, 0.625),
+    vec3<f32>(0.709255099, -0.451170057, 0.541666687),
+    vec3<f32>(-0.230731204, 0.858308613, 0.458333343),
+    vec3<f32>(-0.42727226, -0.822686732, 0.375),
+    vec3<f32>(0.89847964, 0.328123331, 0.291666657),
+    vec3<f32>(-0.904063463, 0.373184264, 0.208333328),
+    vec3<f32>(0.420521647, -0.898630381, 0.125),
+    vec3<f32>(0.299023956, 0.953335464, 0.0416666679),
+    vec3<f32>(-0.864459813, -0.500972152, -0.0416666679),
+    vec3<f32>(0.969015479, -0.21303533, -0.125),
+    vec3<f32>(-0.562509894, 0.800112426, -0.208333328),
+    vec3<f32>(-0.122923046, -0.948588669, -0.291666657),
+    vec3<f32>(0.708848596, 0.597418368, -0.375),
+    vec3<f32>(-0.88802141, 0.0367224738, -0.458333343),
+    vec3<f32>(0.595837295, -0.592937708, -0.541666687),
+    vec3<f32>(-0.0360581875, 0.779791534, -0.625),
+    vec3<f32>(-0.452262551, -0.54196167, -0.708333313),
+    vec3<f32>(0.605497062, 0.0814687759, -0.791666687),
+    vec3<f32>(-0.397396326, 0.27649802, -0.875),
+    vec3<f32>(0.0626953542, -0.278687119, -0.958333313),
+);
 
 fn smooth_step(x: f32) -> f32 {
     return x * x * (3.0 - 2.0 * x);
@@ -44,7 +69,7 @@ fn cap_of(way: vec3<f32>, sin2: f32, factor: f32) -> Cap {
 }
 
 fn cap_covers(cap: Cap, k: u32) -> f32 {
-    return cap.most * smooth_step(clamp((dot(cap.way, cone_axis(k)) - cap.low) * cap.scale, 0.0, 1.0));
+    return cap.most * smooth_step(clamp((dot(cap.way, AXES[k]) - cap.low) * cap.scale, 0.0, 1.0));
 }
 
 // The radius squared of the disc that has the area of an ellipsoid's silhouette.
@@ -79,28 +104,20 @@ fn close_sphere(place: vec3<f32>, normal: vec3<f32>, at: u32, own: u32) {
 }
 
 fn close_spheres(place: vec3<f32>, normal: vec3<f32>) {
-    if world[1].w == 0u {
-        return;
-    }
     let own = own_primitive();
-    var stack: array<u32, 64>;
-    var top = 1u;
-    while top > 0u {
-        top -= 1u;
-        let k = stack[top];
+    let n_nodes = world[1].w;
+    var k = 0u;
+    while k < n_nodes {
         let low = world[world[1].x + 2u * k];
         let high = world[world[1].x + 2u * k + 1u];
         if any(place < bitcast<vec3<f32>>(low.xyz)) || any(place > bitcast<vec3<f32>>(high.xyz)) {
+            k = low.w;
             continue;
         }
-        if high.w == 0u {
-            stack[top] = low.w;
-            stack[top + 1u] = k + 1u;
-            top += 2u;
-            continue;
-        }
-        for (var i = 0u; i < high.w; i += 1u) {
-            close_sphere(place, normal, world[1].y + 2u * (low.w + i), own);
+        k += 1u;
+        let last = (high.w >> 3u) + (high.w & 7u);
+        for (var i = high.w >> 3u; i < last; i += 1u) {
+            close_sphere(place, normal, world[1].y + 2u * i, own);
         }
     }
 }
@@ -157,7 +174,7 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
     let most = min(1.5 * solid / SOLID, 1.0);
     for (var k = 0u; k < CONES; k += 1u) {
         var cover = most;
-        let axis = cone_axis(k);
+        let axis = AXES[k];
         for (var e = 0u; e < 4u; e += 1u) {
             if any(edges[e] != vec3<f32>()) {
                 cover *= smooth_step(clamp(0.5 + dot(edges[e], axis) * (0.5 / SIN), 0.0, 1.0));
@@ -168,32 +185,25 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
 }
 
 fn close_facets(place: vec3<f32>, normal: vec3<f32>) {
-    if world[2].z == 0u {
-        return;
-    }
-    var stack: array<u32, 64>;
-    var top = 1u;
-    while top > 0u {
-        top -= 1u;
-        let k = stack[top];
+    let n_nodes = world[2].z;
+    var k = 0u;
+    while k < n_nodes {
         let at = world[2].x + 3u * k;
         let ball = world_row(at);
-        let to = ball.xyz - place;
-        if dot(to, normal) <= -ball.w {
-            continue;
-        }
-        let d2 = dot(to, to);
-        if d2 > FAR * FAR * ball.w * ball.w {
-            close_node(to, d2, ball, world_row(at + 1u));
-            continue;
-        }
         let next = world[at + 2u];
-        if next.y != 0u {
-            close_facet(place, normal, world[2].y + 5u * next.x);
+        let to = ball.xyz - place;
+        let d2 = dot(to, to);
+        let is_far = d2 > FAR * FAR * ball.w * ball.w;
+        if dot(to, normal) <= -ball.w {
+            k = next.x;
+        } else if is_far {
+            close_node(to, d2, ball, world_row(at + 1u));
+            k = next.x;
         } else {
-            stack[top] = next.x;
-            stack[top + 1u] = k + 1u;
-            top += 2u;
+            k += 1u;
+            if next.z != 0u {
+                close_facet(place, normal, world[2].y + 5u * next.y);
+            }
         }
     }
 }
@@ -213,7 +223,7 @@ fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f3
     var all = vec3<f32>();
     var sum = vec3<f32>();
     for (var k = 0u; k < CONES; k += 1u) {
-        let axis = cone_axis(k);
+        let axis = AXES[k];
         let height = dot(axis, up);
         let above = clamp(0.5 + height, 0.0, 1.0);
         let parts = vec3<f32>(above, above * max(height, 0.0), 1.0 - above) * max(dot(axis, normal), 0.0);

@@ -1,7 +1,6 @@
 // What shaders' kernels read of the scene: rows of whole numbers, or of the bits of numbers.
-// in   world  [n]  its first rows say where the others begin: 0 nodes and occluders of rays and whether there are any; 1 nodes, spheres and
-//                  half axes of what closes the sky, and whether there are any spheres; 2 nodes and facets of the same, and whether there
-//                  are any; from 3 on the axes of 24 cones
+// in   world  [n]  its first rows say where the others begin: 0 nodes and occluders of rays, and count of nodes; 1 nodes, spheres and half axes
+//                  of what closes the sky, and count of nodes; 2 nodes and facets of the same, and count of nodes
 
 @group(0) @binding(7) var<storage, read> world: array<vec4<u32>>;
 

@@ -92,7 +92,8 @@ impl Kernel {
         // Lights first: what calls them depends on what they do.
         for (k, program) in programs.iter().enumerate().skip(1) {
             let light = function(&mut module, program, bound[k], k, &mut text)?;
-            module.lights.push(LightShader { grid: program.reads_neighbours, parameters: parameters(program) });
+            let (grid, is_ambient) = (program.reads_neighbours, program.is_ambient);
+            module.lights.push(LightShader { grid, is_ambient, parameters: parameters(program) });
             shaders.push(light);
         }
         shaders.insert(0, function(&mut module, &programs[0], bound[0], 0, &mut text)?);
@@ -332,11 +333,35 @@ fn give_light(w: &mut Writer) {
     w.line(line);
 }
 
-/// The functions that run the shader of a light, and the sum of the ambient lights.
+/// The functions that run the shader of a light, of those that loops meet and of those that are ambient, and the sum of the latter.
 fn run_light(module: &Module<'_>) -> String {
+    let number = if module.has_grid_light() { "sl_uniform(i)" } else { "i" };
+    let [run_light, run_ambient] = [("run_light", false), ("run_ambient", true)].map(|kind| run_lights(module, kind));
+    format!(
+        "{run_light}{run_ambient}
+// The sum of the ambient lights.
+fn sl_ambient() -> vec3<f32> {{
+    var sum: vec3<f32>;
+    var i = 0u;
+    loop {{
+        let k = {number};
+        if k >= work.n_lights {{ break; }}
+        i += 1u;
+        let light = lights[work.first_light + k];
+        if light.w == 0u {{ continue; }}
+        sum += run_ambient(light, true, sl_read3(work.slots, 0u), sl_facing(), vec3<f32>(), -2.0).cl;
+    }}
+    return sum;
+}}
+"
+    )
+}
+
+/// The function that runs the shader of a light, of one of two kinds: a light is written once for each place that runs it.
+fn run_lights(module: &Module<'_>, (name, is_ambient): (&str, bool)) -> String {
     let together = module.has_grid_light();
     let mut cases = String::new();
-    for (k, light) in module.lights.iter().enumerate() {
+    for (k, light) in module.lights.iter().enumerate().filter(|(_, light)| light.is_ambient == is_ambient) {
         let (k, given) = (k + 1, "ps, ns, receiver, receiver_cosine");
         cases += &match (together, light.grid) {
             (_, true) => format!("        case {k}u: {{ lit = shader_{k}(light.y, on, {given}); }}\n"),
@@ -349,11 +374,11 @@ fn run_light(module: &Module<'_>) -> String {
         };
     }
     let kind = if together { "sl_uniform(light.x)" } else { "light.x" };
-    let number = if together { "sl_uniform(i)" } else { "i" };
+    let what = if is_ambient { "an ambient light" } else { "a light" };
     format!(
         "
-// What a light gives to a point.
-fn run_light(
+// What {what} gives to a point.
+fn {name}(
     light: vec4<u32>,
     on: bool,
     ps: vec3<f32>,
@@ -366,21 +391,6 @@ fn run_light(
 {cases}        default: {{}}
     }}
     return lit;
-}}
-
-// The sum of the ambient lights.
-fn sl_ambient() -> vec3<f32> {{
-    var sum: vec3<f32>;
-    var i = 0u;
-    loop {{
-        let k = {number};
-        if k >= work.n_lights {{ break; }}
-        i += 1u;
-        let light = lights[work.first_light + k];
-        if light.w == 0u {{ continue; }}
-        sum += run_light(light, true, sl_read3(work.slots, 0u), sl_facing(), vec3<f32>(), -2.0).cl;
-    }}
-    return sum;
 }}
 "
     )

@@ -72,6 +72,8 @@ pub(super) type Asked = (Ask, Vec<String>, Option<Answer>);
 pub(super) struct LightShader {
     /// Whether its points look at their neighbours.
     pub grid: bool,
+    /// Whether it is ambient: it is summed, and not met by loops over lights.
+    pub is_ambient: bool,
     /// Output parameters and other parameters: name, slot, width; and whether the light computes it.
     pub parameters: Vec<(String, usize, usize, bool)>,
 }
