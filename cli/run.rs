@@ -2,7 +2,7 @@
 
 use crate::batch::MadeOf;
 use crate::device::Drawer;
-use crate::job::{DrawOn, ImageJob, MovieFile, Origin, RunJob, Statistics};
+use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
 use crate::ledger::Ledger;
 use crate::report::Outcome;
 use crate::{images, model_run, movie};
@@ -16,7 +16,7 @@ pub fn run(job: RunJob) -> Outcome {
     let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
     let frames = (&images.frames[..], images.is_all);
     MadeOf::write(&Ledger::of(&images.folder), (&input, &home), job.options.choices, frames)?;
-    let failed = images::render(&mut images, None, Statistics::default(), &mut Drawer::new(DrawOn::Cpu))?;
+    let failed = images::render(&mut images, None, Statistics::default(), &mut Drawer::new(job.on))?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());

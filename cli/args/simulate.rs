@@ -25,6 +25,14 @@ pub struct RunArgs {
     /// model or another.
     #[arg(long)]
     pub fresh: bool,
+    /// Back end to simulate and to draw with, each as `scree simulate` and
+    /// `scree render` have it.
+    #[arg(long, default_value = "auto")]
+    pub backend: Backend,
+    /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
+    /// part of its name [default: the first that is no software adapter].
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
     #[command(flatten)]
     pub image: ImageArgs,
     #[command(flatten)]

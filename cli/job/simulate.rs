@@ -90,7 +90,7 @@ pub fn replacements<'a>(set: impl Iterator<Item = (&'a String, &'a String)>) -> 
 }
 
 /// What computes the steps of a back end, and of an adapter, if one is chosen.
-fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
+pub(super) fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
     match (backend, adapter) {
         (Backend::Gpu, adapter) => Ok(Computer::Gpu(adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named))),
         (Backend::Auto, None) => Ok(Computer::Auto),

@@ -1,4 +1,4 @@
-// Whether light gets from one point to another.
+// Whether light gets from one point to another, and what a ray meets first.
 // Nodes are two rows, in the order of a walk: a corner and the next node that is not below; the other corner and, of a leaf, 8 times its first
 // occluder and their count, 0 of others. Occluders are four:
 // kind and primitive; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
@@ -75,7 +75,9 @@ fn meets_box(start: vec3<f32>, inverse: vec3<f32>, far: f32, low: vec3<f32>, hig
     return max(max(max(near.x, near.y), near.z), 0.0) <= min(min(min(last.x, last.y), last.z), far);
 }
 
-fn is_blocked(start: vec3<f32>, end: vec3<f32>) -> bool {
+// Whether anything stands between two points; what a lamp lies in, as in a ceiling, does not.
+fn is_blocked(start: vec3<f32>, lamp: vec3<f32>) -> bool {
+    let end = start + (lamp - start) * 0.9999;
     let far = sqrt(dot(end - start, end - start));
     if !(far > 0.0) {
         return false;
@@ -106,7 +108,69 @@ fn is_blocked(start: vec3<f32>, end: vec3<f32>) -> bool {
     return blocked;
 }
 
-fn scene_transmission(start: vec3<f32>, end: vec3<f32>) -> vec3<f32> {
-    // What a lamp lies in, as in a ceiling, is not between.
-    return select(vec3<f32>(1.0), vec3<f32>(), is_blocked(start, start + (end - start) * 0.9999));
+// The nearer of the roots of a t² + 2 b t + c that is beyond a number; negative if none is.
+fn root(a: f32, b: f32, c: f32, near: f32) -> f32 {
+    let disc = b * b - a * c;
+    let half = sqrt(max(disc, 0.0));
+    let first = (-b - half) / a;
+    let second = (-b + half) / a;
+    return select(-1.0, select(select(-1.0, second, second > near), first, first > near), disc > 0.0);
+}
+
+// How far along a ray from a surface an occluder is met; negative if it is not. `near` says how near the start a surface does not count,
+// others and its own.
+fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f32>) -> f32 {
+    let head = world[at];
+    let is_own = head.y == own;
+    // Of a displaced sphere nobody knows where it was met, and what is flat does not meet itself.
+    if is_own && (head.x == 2u || (head.x < 2u && near.y > near.x)) {
+        return -1.0;
+    }
+    let a = world_row(at + 1u);
+    if head.x == 0u {
+        let o = start - a.xyz;
+        let room = select(0.0, min(near.y, 0.5 * a.w), is_own);
+        return root(1.0, dot(o, way), dot(o, o) - a.w * a.w, room);
+    }
+    let b = world_row(at + 2u);
+    let c = world_row(at + 3u);
+    if head.x == 1u {
+        let o = vec3<f32>(dot(a.xyz, start) + a.w, dot(b.xyz, start) + b.w, dot(c.xyz, start) + c.w);
+        let d = vec3<f32>(dot(a.xyz, way), dot(b.xyz, way), dot(c.xyz, way));
+        return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
+    }
+    let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
+    let room = max(select(near.x, near.y, is_own), size * select(0.5, 2.0, is_own));
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz);
+    return select(-1.0, t, t > select(room, 1e-5 * size, head.x == 2u));
+}
+
+// How far along a ray from the surface that is shaded anything is met; negative if nothing is.
+fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
+    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    // From a flat surface a ray is lifted off a little, and begun a little earlier.
+    let flat = vec3<f32>(values[work.own + 4u], values[work.own + 5u], values[work.own + 6u]);
+    let side = select(1.0, -1.0, dot(flat, way) < 0.0);
+    let start = place + select(vec3<f32>(), (2.0 * flat * side - way) * (0.05 * near.x), any(flat != vec3<f32>()));
+    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let own = own_primitive();
+    let head = world[0];
+    var far = 1e30;
+    var k = 0u;
+    while k < head.z {
+        let at = head.x + 2u * k;
+        let low = world[at];
+        let high = world[at + 1u];
+        if !meets_box(start, inverse, far, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz)) {
+            k = low.w;
+            continue;
+        }
+        k += 1u;
+        let last = (high.w >> 3u) + (high.w & 7u);
+        for (var i = high.w >> 3u; i < last; i += 1u) {
+            let t = distance_to(start, way, head.y + 4u * i, own, near);
+            far = select(far, t, t >= 0.0 && t < far);
+        }
+    }
+    return select(far, -1.0, far >= 1e30);
 }

@@ -33,7 +33,7 @@ const WINDOW_WIDTH: usize = 2048;
 /// Points of the first wave of a window, and of the largest, about.
 const WAVE: [usize; 2] = [1 << 17, 1 << 19];
 
-/// Points after which what is visible is shaded before more is diced.
+/// Points, at all moments, after which what is visible is shaded before more is diced.
 const MOST_POINTS: usize = 1 << 21;
 
 /// A device that draws images, with its kernels: what is compiled for an image serves the next.
@@ -58,6 +58,11 @@ impl Renderer {
     /// The adapter.
     pub fn adapter(&self) -> &gpu::Adapter {
         &self.device.adapter
+    }
+
+    /// Give the device up, as [`Device::lose`] does.
+    pub fn lose(&self) {
+        self.device.lose();
     }
 
     /// Whether the device is there no more.
@@ -181,7 +186,7 @@ impl<'a> Drawing<'a> {
             samples.sample(frame, &grids, &mut window)?;
             self.stats.seconds.sample += start.elapsed().as_secs_f64();
             held.extend(grids);
-            if samples.n_points() >= MOST_POINTS {
+            if samples.n_places() >= MOST_POINTS {
                 self.flush(samples, &window, &mut held)?;
             }
             wave = (2 * wave).min(WAVE[1]);

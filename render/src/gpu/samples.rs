@@ -114,9 +114,9 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The number of points of micropolygons that wait for their colours.
-    pub fn n_points(&self) -> usize {
-        self.n_points
+    /// The number of places of micropolygons that wait for their colours: points at all moments.
+    pub fn n_places(&self) -> usize {
+        self.n_places
     }
 
     /// Sample the micropolygons of grids; the depths of the window's blocks are what they are then.

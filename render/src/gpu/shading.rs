@@ -7,7 +7,7 @@ use crate::cpu::view::View;
 use crate::gpu::front::Diced;
 use crate::gpu::kernels::{FrameKernels, groups};
 use crate::gpu::refusal::Refusal;
-use crate::gpu::world::{DECLARATIONS, FUNCTIONS};
+use crate::gpu::world::{DECLARATIONS, FUNCTIONS, OF_RAYS};
 use crate::scene::attributes::Attributes;
 use crate::scene::source::{Item, ItemView};
 use crate::stats::Stats;
@@ -65,7 +65,8 @@ impl<'a> Shaders<'a> {
             }
         }
         let kernels = || self.looks.iter().flat_map(|look| [Some(&look.kernel), look.through.as_ref()]).flatten();
-        Ok([Query::Transmission, Query::Openness].map(|query| kernels().any(|kernel| kernel.asks(query))))
+        let asks = |queries: &[Query]| kernels().any(|kernel| queries.iter().any(|query| kernel.asks(*query)));
+        Ok([asks(&OF_RAYS), asks(&[Query::Openness])])
     }
 
     /// Let kernels read the scene.
@@ -96,6 +97,9 @@ impl<'a> Shaders<'a> {
         });
         let through = through.transpose()?;
         for kernel in [Some(&kernel), through.as_ref()].into_iter().flatten() {
+            if let Some((shader, map)) = kernel.other_map() {
+                return Err(Refusal::of_shader(shader, &format!("looks up the map `{map}`")));
+            }
             if let Some(light) = kernel.light_of_primitive() {
                 return Err(Refusal::of_shader(
                     light,
@@ -214,7 +218,7 @@ impl<'a> Shaders<'a> {
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
         let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
-        if [Query::Transmission, Query::Openness].iter().any(|query| kernel.asks(*query)) {
+        if FUNCTIONS.iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));
@@ -315,7 +319,8 @@ impl Few {
         let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
         let scene = prepare(frame, &surface, points);
         let id = frame.first_ids[grid.item.source as usize] + grid.item.index as usize;
-        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1]];
+        let [x, y, z] = scene.flat.unwrap_or_default().to_array();
+        let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
         add(batch, (&view.attributes.surface, &view.attached.surface), points, &scene, &own)?;
         if let (Some(later), Some(shader)) = (later, &view.attributes.atmosphere) {
             // The surface's results come here.

@@ -9,11 +9,18 @@ use glam::{Vec3, Vec4};
 use sl::wgsl::Query;
 
 /// The queries that kernels may ask, and the text of their answers.
-pub const FUNCTIONS: [(Query, &str); 2] =
-    [(Query::Transmission, include_str!("rays.wgsl")), (Query::Openness, include_str!("sky.wgsl"))];
+pub const FUNCTIONS: [(Query, &str); 4] = [
+    (Query::Transmission, include_str!("transmission.wgsl")),
+    (Query::Map, include_str!("shadow.wgsl")),
+    (Query::Hit, include_str!("hit.wgsl")),
+    (Query::Openness, include_str!("sky.wgsl")),
+];
+
+/// Those that ask what rays meet.
+pub const OF_RAYS: [Query; 3] = [Query::Transmission, Query::Map, Query::Hit];
 
 /// What these need.
-pub const DECLARATIONS: &str = include_str!("world.wgsl");
+pub const DECLARATIONS: &str = concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"));
 
 /// Rows of the head.
 const HEAD: usize = 3;

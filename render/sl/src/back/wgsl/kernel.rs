@@ -7,7 +7,7 @@ use super::specialise::specialised;
 use super::writer::Writer;
 use crate::ir::builtins::{How, SceneCall};
 use crate::ir::walk::writes_besides;
-use crate::ir::{Ask, Global, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
+use crate::ir::{Ask, Global, Lookup, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -124,6 +124,20 @@ impl Kernel {
     /// Whether its shader asks for numbers by name of something.
     pub fn asks_by_name(&self, of: Ask) -> bool {
         self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
+    }
+
+    /// A map that a shader looks up, other than shadow maps of lights: the names of the shader and of the map.
+    pub fn other_map(&self) -> Option<(&str, &str)> {
+        let other = |(k, shader): (usize, &'_ Shader)| {
+            shader
+                .slots
+                .iter()
+                .position(|slot| matches!(slot, Slot::Map { how, .. } if k == 0 || *how != Lookup::Shadow))
+                .map(|slot| (k, slot))
+        };
+        let (k, slot) = self.shaders.iter().enumerate().find_map(other)?;
+        let Slot::Map { name, .. } = &self.shaders[k].slots[slot] else { return None };
+        Some((&self.shaders[k].bound.program.name, name))
     }
 
     /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than
