@@ -18,9 +18,9 @@ impl Drawer {
         Drawer { on, open: None }
     }
 
-    /// The device, opened if it is not, or is lost; none if the processor draws.
+    /// The device, opened if it is not, or has failed; none if the processor draws.
     pub fn device(&mut self) -> Outcome<Option<Arc<DeviceRenderer>>> {
-        if self.open.as_ref().is_some_and(|device| device.is_lost()) {
+        if self.open.as_ref().is_some_and(|device| device.has_failed()) {
             self.open = None;
         }
         let choice = match &self.on {

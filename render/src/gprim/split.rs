@@ -48,6 +48,15 @@ impl Waiting {
         self.item
     }
 
+    /// What its turn comes by: its least depth, the item, the patch, and where in that it begins.
+    pub fn turn(&self) -> (f32, Item, u32, f32) {
+        (self.z, self.item, self.patch, self.start())
+    }
+
+    fn start(&self) -> f32 {
+        self.piece.u[0] + 2.0 * self.piece.v[0]
+    }
+
     /// Whether its turn comes before that of an item whose least depth is `z`.
     fn before(&self, z: f32, item: Item) -> bool {
         self.z.total_cmp(&z).then((self.item.source, self.item.index).cmp(&(item.source, item.index))).is_lt()
@@ -57,8 +66,7 @@ impl Waiting {
 impl Ord for Waiting {
     /// The nearest is the greatest.
     fn cmp(&self, o: &Waiting) -> Ordering {
-        let start = |w: &Waiting| w.piece.u[0] + 2.0 * w.piece.v[0];
-        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(start(o).total_cmp(&start(self)))
+        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(o.start().total_cmp(&self.start()))
     }
 }
 

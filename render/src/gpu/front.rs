@@ -15,6 +15,7 @@ use crate::scene::source::Item;
 use crate::stats::Stats;
 use rayon::prelude::*;
 use sl::machine::{Machine, Points};
+use std::cmp::Ordering;
 
 /// Items, and pieces of items, that are diced at a time.
 const ROUND: usize = 1024;
@@ -66,8 +67,22 @@ impl Window {
 /// What is diced next.
 #[derive(Clone, Copy)]
 enum Turn {
-    Item(Item),
+    Item(f32, Item),
     Piece(Waiting),
+}
+
+impl Turn {
+    /// Which of two comes first.
+    fn cmp(&self, other: &Turn) -> Ordering {
+        let key = |turn: &Turn| match turn {
+            // An item comes before its pieces.
+            Turn::Item(z, item) => (*z, *item, 0, -1.0),
+            Turn::Piece(waiting) => waiting.turn(),
+        };
+        let ((z, item, patch, start), (other_z, other, other_patch, other_start)) = (key(self), key(other));
+        let by_item = (item.source, item.index, patch).cmp(&(other.source, other.index, other_patch));
+        z.total_cmp(&other_z).then(by_item).then(start.total_cmp(&other_start))
+    }
 }
 
 /// The memory of a thread.
@@ -92,7 +107,8 @@ impl<'a> Front<'a> {
         Front { frame, items: items.into_iter().peekable(), queue: Queue::default() }
     }
 
-    /// Dice what comes next, until there are about so many points; nothing if all is diced.
+    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns: of what
+    /// is equally deep, the first is visible.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
         let (mut grids, mut n) = (vec![], 0);
         while n < n_points {
@@ -102,18 +118,19 @@ impl<'a> Front<'a> {
             }
             let frame = self.frame;
             let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
-                .into_par_iter()
+                .par_iter()
                 .with_min_len(4)
-                .map_init(Hand::default, |hand, turn| hand.dice(frame, window, turn))
+                .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
                 .collect();
-            for (own, waiting, of_turn) in diced {
+            for (turn, (own, waiting, of_turn)) in turns.into_iter().zip(diced) {
                 n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
-                grids.extend(own);
+                grids.extend(own.into_iter().map(|grid| (turn, grid)));
                 self.queue.extend(waiting);
                 *stats = stats.add(of_turn);
             }
         }
-        grids
+        grids.sort_by(|a: &(Turn, Diced), b| a.0.cmp(&b.0));
+        grids.into_iter().map(|(_, grid)| grid).collect()
     }
 
     /// The next items and pieces, in the order of their depths.
@@ -121,7 +138,7 @@ impl<'a> Front<'a> {
         let mut turns = vec![];
         while turns.len() < ROUND {
             let piece = self.queue.pop_before(self.items.peek()).map(Turn::Piece);
-            let next = piece.or_else(|| self.items.next().map(|(_, item)| Turn::Item(item)));
+            let next = piece.or_else(|| self.items.next().map(|(z, item)| Turn::Item(z, item)));
             let Some(turn) = next else { break };
             turns.push(turn);
         }
@@ -135,7 +152,7 @@ impl Hand {
         let (camera, parameters) = (&frame.camera, frame.needs_parameters());
         let begun = std::time::Instant::now();
         let item = match turn {
-            Turn::Item(item) => item,
+            Turn::Item(_, item) => item,
             Turn::Piece(waiting) => waiting.item(),
         };
         let view = frame.scene.view(item);

@@ -65,9 +65,9 @@ impl Renderer {
         self.device.lose();
     }
 
-    /// Whether the device is there no more.
-    pub fn is_lost(&self) -> bool {
-        matches!(self.device.check(), Err(GpuError::Lost(_)))
+    /// Whether the device is lost or a command of it has failed, so that it draws nothing more.
+    pub fn has_failed(&self) -> bool {
+        self.device.check().is_err()
     }
 
     /// Render an image; `progress` is called with the windows done and in all.
@@ -75,6 +75,20 @@ impl Renderer {
     /// # Errors
     /// Why the device cannot.
     pub(crate) fn render(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        camera: Camera,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Drawn, Refusal> {
+        self.draw(scene, options, camera, progress).map_err(|refusal| match (refusal, self.device.wait()) {
+            // What has failed by it may be known before the loss.
+            (Refusal::Device(_), Err(lost @ GpuError::Lost(_))) => Refusal::Device(lost),
+            (refusal, _) => refusal,
+        })
+    }
+
+    fn draw(
         &self,
         scene: &Scene,
         options: &Options,
