@@ -172,12 +172,7 @@ impl Deferred {
                 }
             }
         }
-        if frame.options.keep_ids {
-            samples.note_identities(|m| {
-                let grid = &grids[m.grid()];
-                identity(grid.item, &grid.points, m.corners(grid.points.nu))
-            });
-        }
+        note_identities(frame, samples, grids);
         let triangle_of = |m: Micropolygon| {
             let layout = &layouts[m.grid()];
             let corners = layout.corners(m);
@@ -190,6 +185,16 @@ impl Deferred {
         *n = 0;
         let shaded = stats.seconds.shade - shaded_before;
         stats.seconds.filter += begun.elapsed().as_secs_f64() - shaded;
+    }
+}
+
+/// Note what samples see that have no colour yet, if that is kept.
+fn note_identities(frame: &Frame<'_>, samples: &mut Samples, grids: &[DeferredGrid]) {
+    if frame.options.keep_ids {
+        samples.note_identities(|m| {
+            let grid = &grids[m.grid()];
+            identity(grid.item, &grid.points, m.corners(grid.points.nu))
+        });
     }
 }
 
