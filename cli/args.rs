@@ -16,8 +16,8 @@ pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitA
 pub use bench::{BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs, Comparison, Workload};
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
 pub use image::{ImageArgs, MovieArgs, QualityChoice, RenderArgs, RibArgs, StitchArgs};
-pub use simulate::{Backend, Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
-pub use value::{Assignment, Interval, ShardArg};
+pub use simulate::{Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
+pub use value::{Assignment, Backend, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;

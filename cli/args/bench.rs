@@ -1,7 +1,7 @@
 //! Arguments of `scree bench`.
 
-use super::simulate::{Backend, Friction, Method, Quality};
-use super::value::{Resolution, index, number, positive, resolution, whole};
+use super::simulate::{Friction, Method, Quality};
+use super::value::{Backend, Resolution, index, number, positive, resolution, whole};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,7 +1,6 @@
 //! Arguments of the commands that make images and movies: `render`, `movie`, `rib` and `stitch`.
 
-use super::simulate::Backend;
-use super::value::{Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
+use super::value::{Backend, Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
 use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::path::PathBuf;

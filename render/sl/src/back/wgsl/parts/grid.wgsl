@@ -76,6 +76,11 @@ fn sl_over(d: Differences) -> Differences {
     return Differences(d.row * uu + d.column * uv, d.row * uv + d.column * vv);
 }
 
+fn sl_own_width(x: f32) -> f32 {
+    let d = sl_differences(vec4<f32>(x, 0.0, 0.0, 0.0));
+    return max(abs(d.row.x), abs(d.column.x));
+}
+
 fn sl_width(x: f32) -> f32 {
     let d = sl_over(sl_differences(vec4<f32>(x, 0.0, 0.0, 0.0)));
     return max(abs(d.row.x), abs(d.column.x));
