@@ -13,11 +13,11 @@ pub use author::{
     CheckArgs, CompletionsArgs, DoctorArgs, InitArgs, ManArgs, SchemaArgs, SchemaKind, ShaderArgs, StarterArg,
 };
 pub use batch::{CutArgs, PlanArgs, ResumeArgs, SchedulerArg, StatusArgs, SubmitArgs, TaskArgs, VerifyArgs};
-pub use bench::{BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs, Workload};
+pub use bench::{BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs, Comparison, Workload};
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
 pub use image::{ImageArgs, MovieArgs, QualityChoice, RenderArgs, RibArgs, StitchArgs};
-pub use simulate::{Backend, Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
-pub use value::{Assignment, Interval, ShardArg};
+pub use simulate::{Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
+pub use value::{Assignment, Backend, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;

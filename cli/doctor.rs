@@ -157,7 +157,7 @@ impl Findings {
             println!("graphics: no Vulkan adapter; everything runs on the processor");
         } else {
             self.adapters.iter().for_each(Adapter::print);
-            println!("everything runs on the processor but `simulate --backend gpu`");
+            println!("everything runs on the processor but `simulate --backend gpu` and `render --backend gpu`");
         }
         match &self.preview {
             Some(program) => println!("previews: {}", program.display()),

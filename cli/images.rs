@@ -1,6 +1,7 @@
 //! The images of a job: those that are not there as they would be drawn again, by the ledger of their folder.
 
 use crate::batch::movie_images;
+use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
 use crate::failed::{FailedFrames, MissingValues};
 use crate::interrupt;
@@ -12,20 +13,25 @@ use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
 use bind::emit;
 use frame::{Fault, FaultKind, Frame, list};
-use render::RenderResult;
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
+use render::{DrawnBy, RenderResult};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Render the images of a job, or a shard of each, but for those that are up to date; the frames whose data cannot be drawn are
 /// returned.
-pub fn render(job: &mut ImageJob, shard: Option<Shard>, statistics: Statistics) -> Outcome<FailedFrames> {
+pub fn render(
+    job: &mut ImageJob,
+    shard: Option<Shard>,
+    statistics: Statistics,
+    drawer: &mut Drawer,
+) -> Outcome<FailedFrames> {
     let mut failed = FailedFrames::new("rendered");
     say_gaps(job);
     ranges::settle(job)?;
-    render_pass(job, shard, statistics, &mut failed)?;
+    render_pass(job, shard, statistics, drawer, &mut failed)?;
     Ok(failed)
 }
 
@@ -87,9 +93,17 @@ struct Tally {
     kept: usize,
     /// Why others were drawn again, and how many.
     again: BTreeMap<String, usize>,
+    /// Why the processor has drawn images in a device's stead, and how many.
+    fallen_back: BTreeMap<String, usize>,
 }
 
-fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, failed: &mut FailedFrames) -> Outcome {
+fn render_pass(
+    job: &ImageJob,
+    shard: Option<Shard>,
+    statistics: Statistics,
+    drawer: &mut Drawer,
+    failed: &mut FailedFrames,
+) -> Outcome {
     let mut frames: Vec<u64> = job.frames.iter().filter(|f| !failed.contains(**f)).copied().collect();
     let (ledger, n) = (Ledger::of(&job.folder), frames.len());
     frame::atomic::sweep(&job.folder);
@@ -108,7 +122,7 @@ fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, fai
                 busy.push(*frame);
                 continue;
             };
-            match work.image(*frame, &file, &mut tally) {
+            match work.image(*frame, &file, drawer, &mut tally) {
                 Ok(()) => proven = true,
                 Err(failure) => {
                     work.ledger.note_failure(&file, &failure.message)?;
@@ -128,7 +142,7 @@ fn render_pass(job: &ImageJob, shard: Option<Shard>, statistics: Statistics, fai
     tally.say(n);
     work.values.warn();
     work.check_others()?;
-    job.passes.iter().try_for_each(|pass| render_pass(pass, shard, statistics, failed))
+    job.passes.iter().try_for_each(|pass| render_pass(pass, shard, statistics, drawer, failed))
 }
 
 impl Tally {
@@ -139,6 +153,9 @@ impl Tally {
         }
         for (why, count) in &self.again {
             eprintln!("{count} of {n} images were drawn again: {why}");
+        }
+        for (why, count) in &self.fallen_back {
+            eprintln!("the processor has drawn {count} of {n} images: {why}");
         }
     }
 }
@@ -172,7 +189,7 @@ impl<'a> Work<'a> {
     }
 
     /// Render a frame and record its image, unless that is up to date.
-    fn image(&mut self, frame: u64, file: &str, tally: &mut Tally) -> Outcome {
+    fn image(&mut self, frame: u64, file: &str, drawer: &mut Drawer, tally: &mut Tally) -> Outcome {
         let started = Instant::now();
         let table = self.job.source.read(frame)?;
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
@@ -194,7 +211,10 @@ impl<'a> Work<'a> {
             why => *tally.again.entry(why.to_string()).or_default() += 1,
         }
         guard::trace();
-        let result = self.draw(&table, about)?;
+        let result = self.draw(&table, about, drawer)?;
+        if let DrawnBy::Fallback(why) = &result.drawn_by {
+            *tally.fallen_back.entry(why.clone()).or_default() += 1;
+        }
         let read = guard::trace();
         report_statistics(&result, frame, &written(&self.job.image(frame), self.shard), self.statistics)?;
         let seconds = started.elapsed().as_secs_f64();
@@ -254,10 +274,11 @@ impl<'a> Work<'a> {
     }
 
     /// Render a frame and write its image.
-    fn draw(&mut self, table: &Frame, about: Vec<(String, String)>) -> Outcome<RenderResult> {
+    fn draw(&mut self, table: &Frame, about: Vec<(String, String)>, drawer: &mut Drawer) -> Outcome<RenderResult> {
         let job = self.job;
         let mut context = context(&job.files)?;
         (context.shard, context.about) = (self.shard, about);
+        context.device = drawer.device()?;
         let image = job.image(table.number).to_string_lossy().to_string();
         context.image = Some(image.clone());
         context.allow_outside = job.allow_outside;

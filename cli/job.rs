@@ -42,7 +42,7 @@ pub use page::{MARK, PAGE, ReportJob, RunData, Subject};
 pub use plot::table as time_table;
 pub use plot::{Curve, Plot, PlotJob};
 pub use preview::PreviewJob;
-pub use render::{RenderFrames, RenderJob, RenderScene, Statistics};
+pub use render::{DrawOn, RenderFrames, RenderJob, RenderScene, Statistics};
 pub use rib::RibJob;
 pub use run::RunJob;
 pub use schema::SchemaJob;

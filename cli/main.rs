@@ -11,6 +11,7 @@ mod args;
 mod batch;
 mod bench;
 mod check;
+mod device;
 mod displays;
 mod doctor;
 mod export;

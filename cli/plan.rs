@@ -1,7 +1,8 @@
 //! `scree plan`: the tasks of a film and the time that they would take, from images that are there or a few that are drawn to be timed.
 
+use crate::device::Drawer;
 use crate::images;
-use crate::job::{PlanJob, Statistics, images_of};
+use crate::job::{DrawOn, PlanJob, Statistics, images_of};
 use crate::ledger::{Ledger, Standing};
 use crate::report::{Exit, Failure, Outcome};
 use crate::status::{describe, duration};
@@ -67,7 +68,7 @@ fn time(plan: &crate::batch::Plan, frames: &[u64]) -> Outcome<f64> {
     let chosen: Vec<u64> = (0..n).map(|k| frames[(2 * k + 1) * frames.len() / (2 * n)]).collect();
     let mut job = images_of(plan, &chosen)?;
     images::redirect(&mut job, folder.path());
-    let failed = images::render(&mut job, None, Statistics::default())?;
+    let failed = images::render(&mut job, None, Statistics::default(), &mut Drawer::new(DrawOn::Cpu))?;
     failed.outcome(n, "the others were drawn to be timed")?;
     let ledger = Ledger::of(folder.path());
     let seconds = ledger.files().iter().filter_map(|file| Some(ledger.entry(file)?.seconds)).sum::<f64>();

@@ -1,12 +1,14 @@
 //! `scree render`: frames or a RIB scene → images.
 
 use crate::batch::MadeOf;
+use crate::device::Drawer;
 use crate::displays::{context, report_statistics, write, written};
 use crate::job::{ImageJob, RenderFrames, RenderJob, RenderScene};
 use crate::ledger::Ledger;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run};
+use render::DrawnBy;
 use render::film::display;
 use render::ri::reader;
 use std::path::PathBuf;
@@ -24,9 +26,10 @@ fn frames(job: RenderFrames) -> Outcome {
     let (input, home) = (job.frames.input.clone(), job.frames.home.clone());
     let (binding, source) = model_run::provide(job.frames)?;
     let mut image_job = ImageJob::resolve(binding, source, job.folder, &job.options)?;
+    let mut drawer = Drawer::new(job.on);
     let frames = (&image_job.frames[..], image_job.is_all);
     MadeOf::write(&Ledger::of(&image_job.folder), (&input, &home), job.options.choices, frames)?;
-    let failed = images::render(&mut image_job, job.shard, job.statistics)?;
+    let failed = images::render(&mut image_job, job.shard, job.statistics, &mut drawer)?;
     if failed.len() < image_job.frames.len() {
         println!("{}", image_job.folder.display());
         image_job.passes.iter().for_each(|pass| println!("{}", pass.folder.display()));
@@ -40,6 +43,7 @@ fn scene(job: &RenderScene) -> Outcome {
     let mut context = context(&job.files)?;
     context.shard = job.shard;
     context.allow_outside = job.allow_outside;
+    context.device = Drawer::new(job.on.clone()).device()?;
     let progress = Arc::new(Progress::start("rendering", 100, "%"));
     let bar = progress.clone();
     context.on_progress(move |done, all| bar.at((100 * done / all.max(1)) as u64));
@@ -56,6 +60,9 @@ fn scene(job: &RenderScene) -> Outcome {
         return Err(Failure::new(Exit::Input, format!("{}: {message}", job.path.display())));
     }
     for result in &results {
+        if let DrawnBy::Fallback(why) = &result.drawn_by {
+            eprintln!("the processor has drawn the image: {why}");
+        }
         let files = display::files(&result.options.displays);
         let files: Vec<PathBuf> = files.iter().map(|(name, _)| written(&job.folder.join(name), job.shard)).collect();
         files.iter().for_each(|file| println!("{}", file.display()));

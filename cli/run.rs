@@ -1,6 +1,7 @@
 //! `scree run`: from a model or a metadata file to a movie.
 
 use crate::batch::MadeOf;
+use crate::device::Drawer;
 use crate::job::{ImageJob, MovieFile, Origin, RunJob, Statistics};
 use crate::ledger::Ledger;
 use crate::report::Outcome;
@@ -15,7 +16,7 @@ pub fn run(job: RunJob) -> Outcome {
     let mut images = ImageJob::resolve(binding, source, job.images, &job.options)?;
     let frames = (&images.frames[..], images.is_all);
     MadeOf::write(&Ledger::of(&images.folder), (&input, &home), job.options.choices, frames)?;
-    let failed = images::render(&mut images, None, Statistics::default())?;
+    let failed = images::render(&mut images, None, Statistics::default(), &mut Drawer::new(job.on))?;
     let n = images.frames.len();
     if failed.len() < n {
         println!("images: {} in {}", n - failed.len(), images.folder.display());

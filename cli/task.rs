@@ -1,8 +1,9 @@
 //! `scree task`: one task of a film, as the jobs of schedulers run it. Every task may be run any number of times.
 
 use crate::batch::{MadeOf, Movie, MovieStanding, Plan, Task, marks};
+use crate::device::Drawer;
 use crate::displays::written;
-use crate::job::{ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of, replacements};
+use crate::job::{DrawOn, ImageJob, ModelRun, MovieFile, Statistics, TaskJob, combination, images_of, replacements};
 use crate::ledger::{Ledger, Standing};
 use crate::report::{Exit, Failure, Outcome};
 use crate::{images, model_run, ranges, run, simulate, stitch};
@@ -64,7 +65,7 @@ fn draw(plan: &Plan, i: usize) -> Outcome {
     let shard = plan.shard_of(i).map(|part| Shard { part, parts: plan.buckets });
     let (input, frames) = ((plan.input.as_path(), plan.home.as_path()), (&plan.frames[..], plan.is_all));
     MadeOf::write(&Ledger::of(&job.folder), input, plan.images.clone(), frames)?;
-    let failed = images::render(&mut job, shard, Statistics::default())?;
+    let failed = images::render(&mut job, shard, Statistics::default(), &mut Drawer::new(DrawOn::Cpu))?;
     failed.outcome(job.frames.len(), "the others of the task were drawn")?;
     images::check_lost(&job)
 }

@@ -28,7 +28,7 @@ fills:
 ";
 
 /// Whether there is an adapter; without one the tests of runs are left out, unless `REQUIRE_GPU` is set.
-fn has_adapter() -> bool {
+pub fn has_adapter() -> bool {
     let has_one = !gpu::adapters().is_empty();
     assert!(has_one || std::env::var_os("REQUIRE_GPU").is_none(), "REQUIRE_GPU is set, but there is no adapter");
     if !has_one {

@@ -1,6 +1,7 @@
 //! The one test binary: each file of `tests/` is a module of it.
 
 mod analytic;
+mod backends;
 mod blur;
 mod broad_phase;
 mod cameras;

@@ -1,7 +1,7 @@
 //! Arguments of `scree bench`.
 
-use super::simulate::{Backend, Friction, Method, Quality};
-use super::value::{Resolution, index, number, positive, resolution, whole};
+use super::simulate::{Friction, Method, Quality};
+use super::value::{Backend, Resolution, index, number, positive, resolution, whole};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -83,9 +83,16 @@ pub struct BenchRenderArgs {
     /// Number of spheres.
     #[arg(long, default_value_t = 84_000, value_name = "N", value_parser = index::<usize>())]
     pub n: usize,
-    /// Back end to compute with.
+    /// Back end to draw with.
     #[arg(long, default_value = "cpu")]
     pub backend: Backend,
+    /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
+    /// part of its name [default: the first that is no software adapter].
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
+    /// Draw the same with this back end, too, and compare samples and pixels.
+    #[arg(long, value_name = "BACKEND")]
+    pub compare: Option<Comparison>,
     /// Move the spheres while the shutter is open, by about a third of their
     /// radius.
     #[arg(long)]
@@ -129,6 +136,13 @@ pub struct BenchGpuArgs {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Back ends to compare with.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub enum Comparison {
+    /// The processor.
+    Cpu,
 }
 
 /// Workloads.

@@ -1,6 +1,6 @@
 //! Arguments of the commands that make images and movies: `render`, `movie`, `rib` and `stitch`.
 
-use super::value::{Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
+use super::value::{Backend, Resolution, ShardArg, frame_rate, index, resolution, shard, whole};
 use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::path::PathBuf;
@@ -85,6 +85,14 @@ pub struct RenderArgs {
     /// the second of eight; `scree stitch` joins the shards.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub bucket: Option<ShardArg>,
+    /// Back end to draw with; auto takes the first adapter that is no software
+    /// adapter, if there is one. What an adapter cannot draw, the processor does.
+    #[arg(long, default_value = "auto")]
+    pub backend: Backend,
+    /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
+    /// part of its name [default: the first that is no software adapter].
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
     /// Print render statistics of every image: primitives, micropolygons,
     /// samples, seconds, memory.
     #[arg(short, long)]

@@ -1,7 +1,7 @@
 //! Arguments of the commands that simulate: `run`, `simulate` and `solve`.
 
 use super::image::{ImageArgs, RedrawArgs};
-use super::value::{Assignment, assignment, index, positive, whole};
+use super::value::{Assignment, Backend, assignment, index, positive, whole};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -25,6 +25,14 @@ pub struct RunArgs {
     /// model or another.
     #[arg(long)]
     pub fresh: bool,
+    /// Back end to simulate and to draw with, each as `scree simulate` and
+    /// `scree render` have it.
+    #[arg(long, default_value = "auto")]
+    pub backend: Backend,
+    /// Graphics adapter of --backend gpu, by its index in `scree doctor` or by a
+    /// part of its name [default: the first that is no software adapter].
+    #[arg(long, value_name = "TEXT")]
+    pub adapter: Option<String>,
     #[command(flatten)]
     pub image: ImageArgs,
     #[command(flatten)]
@@ -124,18 +132,6 @@ pub struct SolveArgs {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-}
-
-/// Back ends.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Backend {
-    /// Graphics adapter for large models, where there is one that is no software
-    /// adapter and can simulate the model; else processor.
-    Auto,
-    /// Processor.
-    Cpu,
-    /// Graphics adapter.
-    Gpu,
 }
 
 /// Levels of quality of a simulation.

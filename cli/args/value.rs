@@ -1,5 +1,6 @@
 //! Syntax of flag values: a parser for each, with the value as it is used.
 
+use clap::ValueEnum;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -152,4 +153,16 @@ pub fn whole<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Re
 /// A parser of whole numbers from 0.
 pub fn index<T: TryFrom<u64>>() -> impl Fn(&str) -> Result<T, String> + Clone {
     whole(0..=u64::MAX)
+}
+
+/// Back ends.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Graphics adapter for large models, where there is one that is no software
+    /// adapter and can simulate the model; else processor.
+    Auto,
+    /// Processor.
+    Cpu,
+    /// Graphics adapter.
+    Gpu,
 }

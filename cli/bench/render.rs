@@ -2,37 +2,85 @@
 //!
 //! It is the bed of the peers' scenes but for the random numbers of its jitter.
 
+use crate::device::Drawer;
 use crate::job::RenderBench;
 use crate::library;
 use crate::machine::{cpu_seconds, peak_bytes};
 use crate::report::{Exit, Failure, Outcome};
-use render::Context;
 use render::ri::{Class, Fail, InstanceShape, Instances, Param, Ri, Type};
+use render::{Context, DeviceRenderer, DrawnBy, RenderResult};
 use serde_json::json;
 use sim::SplitMix64;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Render the bed and measure it.
 pub fn measure(job: &RenderBench) -> Outcome<serde_json::Value> {
+    let device = Drawer::new(job.on.clone()).device()?;
     let (cpu, wall) = (cpu_seconds(), Instant::now());
-    let fault = |f: Fail| Failure::new(Exit::Fault, f.message);
-    let mut context = Context::new(library::files(Path::new("."))).map_err(fault)?;
-    request_bed(&mut context, job).map_err(fault)?;
-    let result = context.results.pop().ok_or_else(|| Failure::new(Exit::Fault, "no image was rendered"))?;
-    let displays: Vec<_> = result.options.displays.iter().collect();
-    let bytes = result.image.encode(&displays, &result.options.encoding()).map_err(|m| Failure::new(Exit::Fault, m))?;
+    let result = draw(job, device.clone())?;
+    if let DrawnBy::Fallback(why) = &result.drawn_by {
+        return Err(Failure::new(Exit::Usage, format!("--backend gpu: {why}")));
+    }
+    let bytes = encode(&result)?;
     if let Some(path) = &job.image {
         frame::atomic::write(path, &bytes)?;
     }
+    let (cpu, wall) = (cpu_seconds() - cpu, wall.elapsed().as_secs_f64());
+    let is_gpu = result.drawn_by == DrawnBy::Gpu;
     let s = result.stats;
-    Ok(json!({
-        "n": job.n, "backend": "cpu", "threads": rayon::current_num_threads(), "resolution": job.resolution,
+    let mut report = json!({
+        "n": job.n, "backend": if is_gpu { "gpu" } else { "cpu" }, "threads": rayon::current_num_threads(), "resolution": job.resolution,
         "motion": job.motion, "sky": job.sky, "f_stop": job.f_stop, "shading_rate": job.shading_rate,
-        "cpu_seconds": cpu_seconds() - cpu, "wall_seconds": wall.elapsed().as_secs_f64(),
-        "micropolygons": s.micropolygons, "samples": s.samples, "shaded_points": s.shaded_points,
+        "cpu_seconds": cpu, "wall_seconds": wall,
+        "micropolygons": s.micropolygons, "shaded_points": s.shaded_points,
         "grids": s.grids, "grids_hidden": s.grids_hidden, "seconds": s.seconds, "peak_bytes": peak_bytes(),
-    }))
+    });
+    match device.filter(|_| is_gpu) {
+        Some(device) => {
+            report["adapter"] = device.adapter().name.clone().into();
+            report["is_software"] = device.adapter().software.into();
+        }
+        // Devices do not count their tests.
+        None => report["samples"] = s.samples.into(),
+    }
+    if job.compares {
+        let other = draw(job, None)?;
+        report["ids_equal_fraction"] =
+            fraction_of(result.identities.iter().zip(&other.identities).map(|(a, b)| a == b)).into();
+        let pixels = |result: &RenderResult| encode(result).and_then(|bytes| bytes_of_pixels(&bytes));
+        let (own, others) = (pixels(&result)?, pixels(&other)?);
+        let near = |(a, b): (&[u8], &[u8])| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 2);
+        report["pixels_within_2_fraction"] = fraction_of(own.chunks(3).zip(others.chunks(3)).map(near)).into();
+    }
+    Ok(report)
+}
+
+/// Draw the bed.
+fn draw(job: &RenderBench, device: Option<Arc<DeviceRenderer>>) -> Outcome<RenderResult> {
+    let fault = |f: Fail| Failure::new(Exit::Fault, f.message);
+    let mut context = Context::new(library::files(Path::new("."))).map_err(fault)?;
+    (context.device, context.keep_ids) = (device, job.compares);
+    request_bed(&mut context, job).map_err(fault)?;
+    context.results.pop().ok_or_else(|| Failure::new(Exit::Fault, "no image was rendered"))
+}
+
+fn encode(result: &RenderResult) -> Outcome<Vec<u8>> {
+    let displays: Vec<_> = result.options.displays.iter().collect();
+    result.image.encode(&displays, &result.options.encoding()).map_err(|m| Failure::new(Exit::Fault, m))
+}
+
+/// The numbers of a PNG image, 8 bits each.
+fn bytes_of_pixels(png: &[u8]) -> Outcome<Vec<u8>> {
+    let image = image::load_from_memory(png).map_err(|e| Failure::new(Exit::Fault, e.to_string()))?;
+    Ok(image.into_rgb8().into_raw())
+}
+
+/// The part of some answers that hold.
+fn fraction_of(answers: impl Iterator<Item = bool>) -> f64 {
+    let (n, held) = answers.fold((0u64, 0u64), |(n, held), holds| (n + 1, held + holds as u64));
+    held as f64 / n.max(1) as f64
 }
 
 /// Radius of the spheres, m.

@@ -1,5 +1,6 @@
 //! The job of `scree bench`.
 
+use super::render::DrawOn;
 use super::simulate::cpu_only;
 use crate::args::{self, BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSimArgs};
 use crate::machine;
@@ -50,6 +51,10 @@ pub struct RenderBench {
     pub resolution: [u32; 2],
     /// The file of the image, if it is kept.
     pub image: Option<PathBuf>,
+    /// What draws.
+    pub on: DrawOn,
+    /// Whether the processor draws the same, too, for a comparison.
+    pub compares: bool,
 }
 
 /// A benchmark of a graphics adapter.
@@ -135,7 +140,8 @@ fn settle(args: &BenchSimArgs, solver: &mut SolverSettings) {
 }
 
 fn render_bench(args: BenchRenderArgs) -> Outcome<RenderBench> {
-    cpu_only(args.backend)?;
-    let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, image, .. } = args;
-    Ok(RenderBench { n: n.max(1), motion, sky, f_stop, shading_rate, resolution: res, image })
+    let on = DrawOn::check(args.backend, args.adapter)?;
+    let BenchRenderArgs { n, motion, sky, f_stop, shading_rate, res, image, compare, .. } = args;
+    let compares = matches!(compare, Some(args::Comparison::Cpu));
+    Ok(RenderBench { n: n.max(1), motion, sky, f_stop, shading_rate, resolution: res, image, on, compares })
 }

@@ -3,7 +3,8 @@
 use super::frames::FramesJob;
 use super::images::ImageOptions;
 use super::run_folder::spare_link;
-use crate::args::{RenderArgs, ShardArg};
+use super::simulate::adapter_alone;
+use crate::args::{Backend, RenderArgs, ShardArg};
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
@@ -36,6 +37,8 @@ pub struct RenderScene {
     pub shard: Option<Shard>,
     /// The statistics wanted.
     pub statistics: Statistics,
+    /// What draws.
+    pub on: DrawOn,
 }
 
 /// Frames to render.
@@ -50,6 +53,32 @@ pub struct RenderFrames {
     pub shard: Option<Shard>,
     /// The statistics wanted.
     pub statistics: Statistics,
+    /// What draws.
+    pub on: DrawOn,
+}
+
+/// What draws images.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum DrawOn {
+    /// The processor.
+    #[default]
+    Cpu,
+    /// The first hardware adapter, if there is one and it can; else the processor.
+    Auto,
+    /// A graphics adapter, and the processor what it cannot.
+    Gpu(gpu::Choice),
+}
+
+impl DrawOn {
+    /// Check a back end, and the adapter that is chosen, if one is.
+    pub fn check(backend: Backend, adapter: Option<String>) -> Outcome<DrawOn> {
+        match (backend, adapter) {
+            (Backend::Gpu, adapter) => Ok(DrawOn::Gpu(adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named))),
+            (Backend::Auto, None) => Ok(DrawOn::Auto),
+            (Backend::Cpu, None) => Ok(DrawOn::Cpu),
+            (Backend::Auto | Backend::Cpu, Some(_)) => Err(adapter_alone()),
+        }
+    }
 }
 
 /// Where the render statistics of every image go.
@@ -80,8 +109,9 @@ impl RenderJob {
             }
         };
         let shard = args.bucket.map(Shard::from);
+        let on = DrawOn::check(args.backend, args.adapter)?;
         let options = ImageOptions::check(args.image, args.redraw.redraw)?;
-        Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics })))
+        Ok(RenderJob::Frames(Box::new(RenderFrames { frames, folder, options, shard, statistics, on })))
     }
 }
 
@@ -94,6 +124,7 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         let message = "--res, --image-quality and --samples are for data: a RIB scene has its own Format, ShadingRate and PixelSamples";
         return Err(Failure::new(Exit::Usage, message));
     }
+    let on = DrawOn::check(args.backend, args.adapter)?;
     let rib = frame::read_bytes(FaultKind::Input, &args.input)?;
     let ImageOptions { programs, allow_outside, .. } = ImageOptions::check(args.image, true)?;
     let files = Files { programs, ..library::files(args.input.parent().unwrap_or(Path::new("."))) };
@@ -107,6 +138,7 @@ fn scene(args: RenderArgs) -> Outcome<RenderScene> {
         allow_outside,
         shard: args.bucket.map(Shard::from),
         statistics,
+        on,
     })
 }
 

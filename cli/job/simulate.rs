@@ -90,15 +90,18 @@ pub fn replacements<'a>(set: impl Iterator<Item = (&'a String, &'a String)>) -> 
 }
 
 /// What computes the steps of a back end, and of an adapter, if one is chosen.
-fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
+pub(super) fn computer(backend: Backend, adapter: Option<String>) -> Outcome<Computer> {
     match (backend, adapter) {
         (Backend::Gpu, adapter) => Ok(Computer::Gpu(adapter.map_or(gpu::Choice::Hardware, gpu::Choice::Named))),
         (Backend::Auto, None) => Ok(Computer::Auto),
         (Backend::Cpu, None) => Ok(Computer::Cpu),
-        (Backend::Auto | Backend::Cpu, Some(_)) => {
-            Err(Failure::new(Exit::Usage, "--adapter chooses a graphics adapter: give --backend gpu with it"))
-        }
+        (Backend::Auto | Backend::Cpu, Some(_)) => Err(adapter_alone()),
     }
+}
+
+/// An adapter is chosen for another back end.
+pub(super) fn adapter_alone() -> Failure {
+    Failure::new(Exit::Usage, "--adapter chooses a graphics adapter: give --backend gpu with it")
 }
 
 /// Refuse the back end that a benchmark does not have.

@@ -12,7 +12,7 @@ part() {
     local swap
     for swap in $swaps; do [ "${swap%%=*}" = "$1" ] && { echo "${swap#*=}"; return; }; done
     local room
-    for room in gpu/src/kernels sim/src/gpu; do
+    for room in gpu/src/kernels sim/src/gpu render/src/gpu; do
         [ "$path" = subgroups ] && [ -e "$room/$1_subgroup.wgsl" ] && { echo "$room/$1_subgroup.wgsl"; return; }
         [ -e "$room/$1.wgsl" ] && { echo "$room/$1.wgsl"; return; }
     done
@@ -93,3 +93,7 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
     row "${name}_rolls" "$kernels/$name.wgsl" plain rolls=$kernels/rolls_with.wgsl
 done
 row pair_count $kernels/pair_write.wgsl plain pair_pass=$kernels/pair_count.wgsl
+kernels=render/src/gpu
+for name in clear_samples sample_depth uncover sample_id block_depth visible_points point_colors relay sample_colors blur_depth blur_id blur_colors filter; do
+    row $name $kernels/$name.wgsl plain
+done

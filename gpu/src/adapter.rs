@@ -88,6 +88,13 @@ pub fn adapters() -> Vec<Adapter> {
     found().into_iter().map(|(adapter, _)| adapter).collect()
 }
 
+/// Whether this machine may have a hardware adapter, by the device files of drivers: to list the adapters takes some tenths of
+/// a second. On other systems than Linux it always may.
+pub fn may_have_hardware() -> bool {
+    const NODES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
+    !cfg!(target_os = "linux") || NODES.iter().any(|node| std::path::Path::new(node).exists())
+}
+
 /// Choose an adapter.
 ///
 /// # Errors

@@ -70,14 +70,24 @@ impl<T: Pod> Buffer<T> {
     /// # Panics
     /// If there are more rows than the buffer has room for.
     pub fn write(&self, device: &Device, rows: &[T]) {
-        assert!(rows.len() <= self.capacity, "{} rows for buffer `{}` of {}", rows.len(), self.name, self.capacity);
+        self.write_from(device, 0, rows);
+    }
+
+    /// Write rows from the row `first` on, which begins at a whole number of words, before any command that is submitted later.
+    ///
+    /// # Panics
+    /// If there are more rows than the buffer has room for.
+    pub fn write_from(&self, device: &Device, first: usize, rows: &[T]) {
+        let end = first + rows.len();
+        assert!(end <= self.capacity, "{end} rows for buffer `{}` of {}", self.name, self.capacity);
+        let start = (first * size_of::<T>()) as u64;
         let bytes: &[u8] = bytemuck::cast_slice(rows);
         let whole = bytes.len() / 4 * 4;
-        device.queue.write_buffer(&self.raw, 0, &bytes[..whole]);
+        device.queue.write_buffer(&self.raw, start, &bytes[..whole]);
         if whole < bytes.len() {
             let mut last = [0; 4];
             last[..bytes.len() - whole].copy_from_slice(&bytes[whole..]);
-            device.queue.write_buffer(&self.raw, whole as u64, &last);
+            device.queue.write_buffer(&self.raw, start + whole as u64, &last);
         }
     }
 

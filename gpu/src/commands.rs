@@ -6,7 +6,6 @@ use crate::error::GpuError;
 use crate::kernel::Kernel;
 use bytemuck::Pod;
 use std::time::Instant;
-use wgpu::util::DeviceExt;
 
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
 const MAX_GROUPS: u32 = 65_535;
@@ -74,11 +73,15 @@ impl Commands {
     /// If a buffer's rows are not as wide as those of the kernel, or their number is another: a defect of the caller.
     pub fn dispatch(&mut self, device: &Device, kernel: &Kernel, buffers: &[Bound], params: &[u32], work: Work) {
         let constants = (!params.is_empty()).then(|| {
-            device.raw.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            let raw = device.raw.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("params"),
-                contents: bytemuck::cast_slice(params),
-                usage: wgpu::BufferUsages::STORAGE,
-            })
+                size: 4 * params.len() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            // Written rather than mapped: what a lost device makes cannot be mapped, which only the next check may tell.
+            device.queue.write_buffer(&raw, 0, bytemuck::cast_slice(params));
+            raw
         });
         let params = constants.as_ref().map(|raw| Bound { raw, name: "params", width: 4 });
         let bound: Vec<Bound> = buffers.iter().copied().chain(params).collect();

@@ -22,7 +22,7 @@ pub mod reduce;
 pub mod scan;
 pub mod segments;
 
-pub use adapter::{Adapter, Choice, adapters};
+pub use adapter::{Adapter, Choice, adapters, may_have_hardware};
 pub use bandwidth::copy_bandwidth;
 pub use buffer::{Bound, Buffer, ReadBack};
 pub use commands::{Commands, Timings, Work};

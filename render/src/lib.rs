@@ -9,19 +9,22 @@
 //! | module | contents | uses |
 //! |---|---|---|
 //! | `context` | calls of the interface → the scene; `WorldEnd` → render results | all below |
+//! | `gpu` | the back end on a graphics device: what it has no kernels for, `cpu` does | `cpu`, all below |
 //! | `cpu` | the back end on the processor: buckets, sampling, visible points, shading, rays | `gprim`, `scene`, `film` |
 //! | `gprim` | geometric primitives: made from parameters, bounded, split, diced to grids for a `Sink` | `scene` |
 //! | `scene` | shapes, sources, attributes, options, camera, motion, area lights | `texture`, `film` |
 //! | `texture` | texture, environment and shadow maps, their MIP levels and tiles | – |
 //! | [`film`] | sample positions, filters, buckets and shards, displays, image files | – |
 //!
-//! `stats` and `warnings` stand beside these. A module uses only modules below it in the table, and no two files depend on each
-//! other: paths are written out, `crate::module::file`. Another back end would stand beside `cpu` and use the same modules.
+//! `stats`, `drawn` and `warnings` stand beside these. A module uses only modules below it in the table, and no two files depend on each
+//! other: paths are written out, `crate::module::file`.
 
 mod context;
 mod cpu;
+mod drawn;
 pub mod film;
 mod gprim;
+mod gpu;
 mod scene;
 mod stats;
 mod texture;
@@ -29,9 +32,10 @@ mod warnings;
 
 pub use {ri, sl};
 
-pub use context::result::RenderResult;
+pub use context::result::{DrawnBy, RenderResult};
 pub use context::state::Context;
 pub use cpu::lanes::has_wide_lanes;
 pub use film::display::Display;
+pub use gpu::render::Renderer as DeviceRenderer;
 pub use scene::options::{Hider, Options};
 pub use stats::{Seconds, Stats};

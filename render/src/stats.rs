@@ -15,7 +15,7 @@ pub struct Stats {
     pub shaded_points: u64,
     /// Count of micropolygons sampled.
     pub micropolygons: u64,
-    /// Count of tests of a sample against a micropolygon.
+    /// Count of tests of a sample against a micropolygon; 0 of an image of a graphics device, which does not count them.
     pub samples: u64,
     /// Time by stage.
     pub seconds: Seconds,

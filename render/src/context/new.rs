@@ -87,6 +87,8 @@ impl Context {
             image: None,
             allow_outside: false,
             about: vec![],
+            device: None,
+            keep_ids: false,
             dry: false,
             results: vec![],
         };

@@ -16,4 +16,20 @@ pub struct RenderResult {
     pub stats: Stats,
     /// Warnings about the scene.
     pub warnings: Vec<String>,
+    /// The back end.
+    pub drawn_by: DrawnBy,
+    /// The identities of what samples see, if these are kept ([`Context::keep_ids`](crate::Context::keep_ids)): row by row, one pixel's
+    /// samples after another's; 0 where nothing opaque is. Back ends give them alike.
+    pub identities: Vec<u64>,
+}
+
+/// What has drawn an image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DrawnBy {
+    /// The processor.
+    Cpu,
+    /// A graphics device.
+    Gpu,
+    /// The processor in a device's stead, and why.
+    Fallback(String),
 }

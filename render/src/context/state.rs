@@ -6,6 +6,7 @@ use crate::context::open_object::{Group, OpenObject};
 use crate::context::result::RenderResult;
 use crate::film::bucket::Shard;
 use crate::gprim::perspective::{is_projective, projected};
+use crate::gpu::render::Renderer;
 use crate::scene::attached::Attached;
 use crate::scene::attributes::{Attribute, Attributes, TEXTURE_CORNERS};
 use crate::scene::motion;
@@ -72,6 +73,10 @@ pub struct Context {
     pub image: Option<String>,
     /// Whether displays may be written outside of the folder that their names count from, by an absolute name or `..`.
     pub allow_outside: bool,
+    /// The graphics device that images are drawn on; the processor draws them if there is none, and those that the device cannot draw.
+    pub device: Option<Arc<Renderer>>,
+    /// Whether the identities of what samples see are kept, to compare back ends.
+    pub keep_ids: bool,
     /// Take all calls but render nothing: a check of a scene.
     pub dry: bool,
     /// Render results, one pushed at each `WorldEnd`; the caller takes them out.

@@ -1,8 +1,9 @@
 //! `WorldBegin` and `WorldEnd`, which renders.
 
-use crate::context::result::RenderResult;
+use crate::context::result::{DrawnBy, RenderResult};
 use crate::context::state::Context;
 use crate::cpu::render::render;
+use crate::drawn::Drawn;
 use crate::film::filter::FilterKind;
 use crate::film::image::{Image, expose};
 use crate::scene::camera::Camera;
@@ -95,7 +96,16 @@ impl Context {
             let stats = Stats { items, ..Stats::default() };
             let warnings = self.scene.take_warnings();
             let image = Image::new(0, 0, vec![]);
-            self.results.push(RenderResult { frame: self.frame, options, image, stats, warnings });
+            let (drawn_by, identities) = (DrawnBy::Cpu, vec![]);
+            self.results.push(RenderResult {
+                frame: self.frame,
+                options,
+                image,
+                stats,
+                warnings,
+                drawn_by,
+                identities,
+            });
             return self.leave_world();
         }
         let moves = match self.camera_moves.as_slice() {
@@ -112,7 +122,8 @@ impl Context {
         let camera = Camera::new(&self.options, to_camera, moves);
         self.options.shard = self.shard;
         self.options.about.clone_from(&self.about);
-        let (mut image, stats) = render(&self.scene, &self.options, camera, &*self.progress);
+        self.options.keep_ids = self.keep_ids;
+        let (Drawn { mut image, stats, identities }, drawn_by) = self.draw(camera);
         if let Some(message) = self.scene.stopped() {
             return Err(Fail::new(message));
         }
@@ -121,8 +132,20 @@ impl Context {
             expose(&mut image.pixels, self.options.gain, self.options.gamma);
         }
         let warnings = self.scene.take_warnings();
-        self.results.push(RenderResult { frame: self.frame, options: self.options.clone(), image, stats, warnings });
+        let (frame, options) = (self.frame, self.options.clone());
+        self.results.push(RenderResult { frame, options, image, stats, warnings, drawn_by, identities });
         self.leave_world()
+    }
+
+    /// Draw the scene on the device, if there is one and it can, else on the processor.
+    fn draw(&self, camera: Camera) -> (Drawn, DrawnBy) {
+        let (scene, options, progress) = (&self.scene, &self.options, &*self.progress);
+        let on_cpu = |camera| render(scene, options, camera, progress);
+        let Some(device) = &self.device else { return (on_cpu(camera), DrawnBy::Cpu) };
+        match device.render(scene, options, camera.clone(), progress) {
+            Ok(drawn) => (drawn, DrawnBy::Gpu),
+            Err(refusal) => (on_cpu(camera), DrawnBy::Fallback(refusal.to_string())),
+        }
     }
 
     /// Back to what held before `WorldBegin`; options and warnings stay.

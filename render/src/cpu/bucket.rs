@@ -72,6 +72,9 @@ pub fn render_bucket(
     let drawn = begun.elapsed().as_secs_f64();
     samples.resolve(&frame.aovs, &frame.scene.solids);
     let mut pixels = samples.filter(&frame.filter, margin, &frame.aovs);
+    if frame.options.keep_ids {
+        pixels.identities = samples.identities(margin);
+    }
     if let Some(imager) = &frame.options.imager {
         let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
         expose(&mut pixels.color, frame.options.gain, frame.options.gamma);

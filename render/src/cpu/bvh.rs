@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 /// What stops a ray.
 #[derive(Clone, Copy, Debug)]
-enum Occluder {
+pub enum Occluder {
     Sphere {
         center: Vec3,
         radius: f32,
@@ -118,6 +118,21 @@ impl Bvh {
                 (lo - room, hi + room)
             }
         }
+    }
+
+    /// The boxes of what stops rays, in whose order [`Bvh::occluders`] has it.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// What stops rays, by leaves.
+    pub fn occluders(&self) -> &[(Item, Occluder)] {
+        &self.occluders
+    }
+
+    /// The matrix of an ellipsoid.
+    pub fn inverse(&self, index: u32) -> &Mat4 {
+        &self.inverses[index as usize]
     }
 
     /// Whether light gets through some of what casts shadows, in part.

@@ -4,7 +4,7 @@
 //! neighbouring points is shaded whole.
 
 use crate::cpu::frame::Frame;
-use crate::cpu::micropolygon::{Micropolygon, POINT_BITS};
+use crate::cpu::micropolygon::{Micropolygon, POINT_BITS, identity};
 use crate::cpu::raster::Raster;
 use crate::cpu::samples::Samples;
 use crate::cpu::samples::visible::Triangle;
@@ -172,6 +172,7 @@ impl Deferred {
                 }
             }
         }
+        note_identities(frame, samples, grids);
         let triangle_of = |m: Micropolygon| {
             let layout = &layouts[m.grid()];
             let corners = layout.corners(m);
@@ -187,8 +188,18 @@ impl Deferred {
     }
 }
 
+/// Note what samples see that have no colour yet, if that is kept.
+fn note_identities(frame: &Frame<'_>, samples: &mut Samples, grids: &[DeferredGrid]) {
+    if frame.options.keep_ids {
+        samples.note_identities(|m| {
+            let grid = &grids[m.grid()];
+            identity(grid.item, &grid.points, m.corners(grid.points.nu))
+        });
+    }
+}
+
 /// Some points of a grid, as a row of their own; the first `n_uniform` of its primitive variables are the same all over.
-fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
+pub fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) {
     let n = points.n();
     (out.nu, out.nv, out.orientation) = (few.len(), 1, points.orientation);
     let of = |values: &[f32], out: &mut Vec<f32>| {

@@ -1,4 +1,8 @@
-//! Ids of micropolygons in a bucket, as samples keep them.
+//! Ids of micropolygons in a bucket, as samples keep them, and identities, which every back end gives them alike.
+
+use crate::scene::source::Item;
+use sl::Global;
+use sl::machine::Points;
 
 /// One triangle of a micropolygon of a grid of the bucket: the grid's index, the index of its first point, and which of the
 /// two triangles.
@@ -47,4 +51,16 @@ impl Micropolygon {
         let k = self.point();
         if self.0 & 1 == 0 { [k, k + 1, k + nu + 1] } else { [k, k + nu + 1, k + nu] }
     }
+}
+
+/// The identity of a triangle of a grid: a hash of its item and of where its corners are in the world; never 0.
+pub fn identity(item: Item, points: &Points, corners: [usize; 3]) -> u64 {
+    let (n, p) = (points.n(), points.get(Global::P).unwrap_or(&[]));
+    let places = corners.into_iter().flat_map(|k| (0..3).map(move |c| c * n + k));
+    let numbers = places.map(|at| p.get(at).map_or(0, |x| x.to_bits()));
+    let mixed = |x: u64, y: u32| {
+        let x = (x ^ y as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x ^ x >> 29
+    };
+    [item.source, item.index].into_iter().chain(numbers).fold(1, mixed).max(1)
 }

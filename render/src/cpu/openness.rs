@@ -14,14 +14,14 @@ use crate::scene::world::Scene;
 use glam::Vec3;
 use sl::machine::{OpenPlace, open_to};
 
-mod cones;
-mod facets;
-mod spheres;
+pub mod cones;
+pub mod facets;
+pub mod spheres;
 
 /// What closes cones in a scene.
 pub struct Surroundings {
-    spheres: Spheres,
-    facets: Facets,
+    pub spheres: Spheres,
+    pub facets: Facets,
 }
 
 impl Surroundings {

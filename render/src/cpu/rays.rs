@@ -72,6 +72,11 @@ impl<'a> Rays<'a> {
         Rays { surfaces: Bvh::build(scene, met), ..Rays::default() }
     }
 
+    /// What they meet, if that is neither displaced nor of solids.
+    pub fn plain_surfaces(&self) -> Option<&Bvh> {
+        (self.displaced.is_none() && self.solids.is_none()).then_some(&self.surfaces)
+    }
+
     /// Whether rays meet an item as displaced.
     pub fn meets_displaced(&self, item: Item) -> bool {
         self.all_displaced().any(|displaced| displaced.has(item))

@@ -4,6 +4,7 @@ use crate::cpu::bucket::{Memory, render_bucket};
 use crate::cpu::frame::Frame;
 use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::sort::items_of_buckets;
+use crate::drawn::Drawn;
 use crate::film::bucket::{Bucket, buckets};
 use crate::film::image::Image;
 use crate::scene::camera::Camera;
@@ -19,24 +20,21 @@ use std::time::Instant;
 const BATCH: usize = 1024;
 
 /// Render an image; `progress` is called with the buckets done and in all.
-pub fn render(
-    scene: &Scene,
-    options: &Options,
-    camera: Camera,
-    progress: &(dyn Fn(usize, usize) + Sync),
-) -> (Image, Stats) {
+pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn Fn(usize, usize) + Sync)) -> Drawn {
     let start = Instant::now();
     let frame = Frame::new(scene, options, camera);
     let hierarchy = start.elapsed().as_secs_f64();
     let size = options.bucket_size;
     let (columns, rows) = (options.width.div_ceil(size), options.height.div_ceil(size));
     let start = Instant::now();
-    let lists = items_of_buckets(&frame, columns, rows);
+    let lists = items_of_buckets(&frame, [size; 2], [columns, rows]);
     let bound = start.elapsed().as_secs_f64();
     let done = AtomicUsize::new(0);
     let [[x0, y0], [x1, y1]] = options.window();
     let inside = |t: &Bucket| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
     let own: Vec<Bucket> = buckets(options.width, options.height, size, options.shard).filter(inside).collect();
+    let per_pixel = if options.keep_ids { options.samples[0] * options.samples[1] } else { 0 };
+    let mut identities = vec![0; options.width * options.height * per_pixel];
     let mut image = Image::new(options.width, options.height, frame.aovs.clone());
     let items = scene.sources.iter().map(|s| s.len() as u64).sum();
     let mut stats = Stats { items, seconds: Seconds { hierarchy, bound, ..Seconds::default() }, ..Stats::default() };
@@ -61,10 +59,12 @@ pub fn render(
             for row in 0..bucket.height {
                 let (at, from) = ((bucket.y + row) * options.width + bucket.x, row * bucket.width);
                 image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);
+                let kept = bucket.width * per_pixel;
+                identities[at * per_pixel..][..kept].copy_from_slice(&pixels.identities[from * per_pixel..][..kept]);
                 let wide = bucket.width * frame.depth;
                 image.extra[at * frame.depth..][..wide].copy_from_slice(&pixels.extra[from * frame.depth..][..wide]);
             }
         }
     }
-    (image, stats)
+    Drawn { image, stats, identities }
 }

@@ -80,7 +80,7 @@ pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
 }
 
 /// Pixels along the edge of a block whose greatest depth is kept for culling.
-const BLOCK: usize = 4;
+pub(crate) const BLOCK: usize = 4;
 
 /// The samples of a bucket through a lens: one stratum of time after another, in each pixel after pixel, which has one sample there.
 #[derive(Default)]
@@ -135,6 +135,8 @@ pub struct Samples {
     outputs: Vec<f32>,
     layer_outputs: Vec<f32>,
     depth: usize,
+    /// The identities of what is visible, if these are kept; 0 where nothing is.
+    identities: Vec<u64>,
     /// The samples by their moments, where there is a lens.
     pub(crate) lens: LensSamples,
     block_z: Vec<f32>,
@@ -164,6 +166,7 @@ impl Samples {
         self.layers.clear();
         self.outputs.clear();
         self.outputs.resize(n * self.depth, 0.0);
+        self.identities.clear();
         self.blocks = width.div_ceil(BLOCK);
         self.block_z.clear();
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);

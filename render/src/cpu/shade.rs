@@ -35,17 +35,10 @@ pub struct Shading {
 
 /// Shade points: give them Ci and Oi, and [`Shading::outputs`] what displays take besides.
 pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shading: &mut Shading, stats: &mut Stats) {
-    let Surface { item, view, reach, z } = *surface;
+    let Surface { item, view, .. } = *surface;
     let a = view.attributes;
     let begun = std::time::Instant::now();
-    // A displaced surface does not shadow itself with what it was before.
-    let bias = 2.0 / frame.camera.pixels_at(z);
-    let mut scene = View::new(frame.scene, &frame.rays, item, view, [bias, bias + 2.0 * reach]);
-    fill_incident(points, &frame.camera);
-    surface_globals(points, view, frame.camera.eye);
-    if a.reads_neighbours() {
-        footprint::fill(points, &frame.camera, a.shading_rate);
-    }
+    let mut scene = prepare(frame, surface, points);
     shading.machine.run_with(&a.surface, &view.attached.surface, points, &scene);
     note_outputs(frame, item, view, points, shading);
     let n_lost = not_finite(points);
@@ -77,6 +70,19 @@ fn not_finite(points: &Points) -> usize {
     }
     let at = |v: &[f32], k: usize| (0..3).any(|c| v.get(if v.len() == 3 { c } else { c * n + k }).is_some_and(is_lost));
     (0..n).filter(|k| all.iter().any(|v| at(v, *k))).count()
+}
+
+/// Give points what their shaders start with; the scene as they see it.
+pub fn prepare<'a>(frame: &'a Frame<'_>, surface: &Surface<'a>, points: &mut Points) -> View<'a> {
+    let Surface { item, view, reach, z } = *surface;
+    fill_incident(points, &frame.camera);
+    surface_globals(points, view, frame.camera.eye);
+    if view.attributes.reads_neighbours() {
+        footprint::fill(points, &frame.camera, view.attributes.shading_rate);
+    }
+    // A displaced surface does not shadow itself with what it was before.
+    let bias = 2.0 / frame.camera.pixels_at(z);
+    View::new(frame.scene, &frame.rays, item, view, [bias, bias + 2.0 * reach])
 }
 
 /// Put what displays take besides colour into the outputs, point after point, as the surface shader has left it; what is not

@@ -6,9 +6,9 @@ use crate::scene::motion::instants;
 use crate::scene::source::Item;
 use rayon::prelude::*;
 
-/// For each bucket, its items with their least depth, nearest first.
-pub fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<Vec<(f32, Item)>> {
-    let size = frame.options.bucket_size as f32;
+/// For each bucket of a size, pixels, its items with their least depth, nearest first.
+pub fn items_of_buckets(frame: &Frame<'_>, size: [usize; 2], [columns, rows]: [usize; 2]) -> Vec<Vec<(f32, Item)>> {
+    let [width, height] = size.map(|n| n as f32);
     let margin = frame.margin().map(|n| n as f32);
     let items: Vec<Item> =
         frame.scene.items().filter(|i| frame.scene.sources[i.source as usize].attributes.visible).collect();
@@ -24,13 +24,13 @@ pub fn items_of_buckets(frame: &Frame<'_>, columns: usize, rows: usize) -> Vec<V
     let mut lists: Vec<Vec<(f32, Item)>> = vec![Vec::new(); columns * rows];
     for (item, bound) in items.iter().zip(bounds) {
         let Some(bound) = bound else { continue };
-        let range = |lo: f32, hi: f32, margin: f32, n: usize| {
+        let range = |[lo, hi]: [f32; 2], margin: f32, size: f32, n: usize| {
             let first = ((lo - margin) / size).floor().max(0.0);
             let last = ((hi + margin) / size).floor().min(n as f32 - 1.0);
             (first <= last).then_some(first as usize..last as usize + 1)
         };
-        let across = range(bound.min.x, bound.max.x, margin[0], columns);
-        let down = range(bound.min.y, bound.max.y, margin[1], rows);
+        let across = range([bound.min.x, bound.max.x], margin[0], width, columns);
+        let down = range([bound.min.y, bound.max.y], margin[1], height, rows);
         if let (Some(across), Some(down)) = (across, down) {
             for row in down {
                 for column in across.clone() {

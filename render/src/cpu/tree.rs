@@ -7,9 +7,9 @@ use std::ops::Range;
 /// A node: a leaf has `count` occluders from `at`, an inner node its second child at `at` and the first right behind it. Both
 /// numbers stand, by their bits, behind the corners of the box, so that a node is half a cache line.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    min_at: Vec4,
-    max_count: Vec4,
+pub struct Node {
+    pub min_at: Vec4,
+    pub max_count: Vec4,
 }
 
 impl Node {
@@ -58,6 +58,11 @@ impl Tree {
             split_into(&mut boxes, 0, &mut nodes);
         }
         (Tree { nodes }, boxes.iter().map(|x| x.min.w.to_bits()).collect())
+    }
+
+    /// The nodes, the root first.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
     }
 
     /// Whether there are no boxes.

@@ -129,6 +129,11 @@ impl PixelFilter {
         x.at((dx * dx + dy * dy * (x.half / y.half).powi(2)).sqrt())
     }
 
+    /// Its axes.
+    pub fn axes(&self) -> &[Filter; 2] {
+        &self.axes
+    }
+
     /// Whether it is a box of one pixel.
     pub fn is_pixel(&self) -> bool {
         self.axes.iter().all(Filter::is_pixel)
@@ -143,9 +148,9 @@ impl PixelFilter {
 /// A pixel filter along one axis, tabulated.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    table: Vec<f32>,
-    half: f32,
-    kind: FilterKind,
+    pub(crate) table: Vec<f32>,
+    pub(crate) half: f32,
+    pub(crate) kind: FilterKind,
 }
 
 impl Filter {

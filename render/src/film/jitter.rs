@@ -67,6 +67,11 @@ impl Jitter {
         Jitter { strata, offset, lens, moments: (lens || moves).then(|| Moments::new(strata)) }
     }
 
+    /// The positions of the pattern's samples from their pixels' corners on, row by row of strata.
+    pub(crate) fn offsets(&self) -> &[[f32; 2]] {
+        &self.offset
+    }
+
     /// The position of the sample in a stratum of a pixel, counted from the image's corner; 0 to 1 from the pixel's upper left
     /// corner.
     #[inline]

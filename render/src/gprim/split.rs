@@ -54,6 +54,15 @@ impl Waiting {
         self.item
     }
 
+    /// What its turn comes by: its least depth, the item, the patch, and where in that it begins.
+    pub fn turn(&self) -> (f32, Item, u32, f32) {
+        (self.z, self.item, self.patch, self.start())
+    }
+
+    fn start(&self) -> f32 {
+        self.piece.u[0] + 2.0 * self.piece.v[0]
+    }
+
     /// Whether its turn comes before that of an item whose least depth is `z`.
     fn before(&self, z: f32, item: Item) -> bool {
         self.z.total_cmp(&z).then((self.item.source, self.item.index).cmp(&(item.source, item.index))).is_lt()
@@ -63,8 +72,7 @@ impl Waiting {
 impl Ord for Waiting {
     /// The nearest is the greatest.
     fn cmp(&self, o: &Waiting) -> Ordering {
-        let start = |w: &Waiting| w.piece.u[0] + 2.0 * w.piece.v[0];
-        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(start(o).total_cmp(&start(self)))
+        o.z.total_cmp(&self.z).then(o.key().cmp(&self.key())).then(o.start().total_cmp(&self.start()))
     }
 }
 
@@ -95,6 +103,11 @@ impl Queue {
     pub fn pop_before(&mut self, next: Option<&(f32, Item)>) -> Option<Waiting> {
         self.waiting.peek().filter(|w| next.is_none_or(|(z, item)| w.before(*z, *item)))?;
         self.waiting.pop()
+    }
+
+    /// Let pieces wait for their turn.
+    pub fn extend(&mut self, pieces: impl IntoIterator<Item = Waiting>) {
+        self.waiting.extend(pieces);
     }
 
     /// Number of pieces that wait.

@@ -178,6 +178,11 @@ impl Camera {
         self.lens.map(|_| self.aperture)
     }
 
+    /// Of a lens: how far blur reaches, pixels, at infinity if all is sharp there, times a unit of depth, and the depth that is sharp.
+    pub fn focus(&self) -> Option<[f32; 2]> {
+        self.lens
+    }
+
     /// Whether there is a lens.
     pub fn has_lens(&self) -> bool {
         self.lens.is_some()

@@ -87,6 +87,8 @@ pub struct Options {
     pub about: Vec<(String, String)>,
     /// Imager shader, if any.
     pub imager: Option<Arc<BoundShader>>,
+    /// Whether the identities of what samples see are kept, for comparisons.
+    pub keep_ids: bool,
 }
 
 impl Default for Options {
@@ -123,6 +125,7 @@ impl Default for Options {
             hider: Hider::Hidden,
             about: vec![],
             imager: None,
+            keep_ids: false,
         }
     }
 }

@@ -80,7 +80,7 @@ pub struct Found {
 
 /// A device that answers all queries.
 pub fn host(world: &World) -> Host<'_> {
-    Host { group: 256, functions: &FUNCTIONS, scene: world }
+    Host { group: 256, functions: &FUNCTIONS, declarations: "", scene: world }
 }
 
 /// Run a shader's kernel on a device over grids.
@@ -105,7 +105,9 @@ pub fn run(bench: &Bench, kernel: &Kernel, batch: &Batch<'_>) -> (Vec<f32>, Vec<
 /// Compare a shader's kernel with the grid machine; an error if it has none, none without an adapter.
 pub fn compare(shader: &Arc<BoundShader>, world: &World) -> Result<Option<Found>, Refused> {
     // Two grids, the second without some of its globals.
-    let all = points();
+    let mut all = points();
+    // Slivers in one of them stand for more than themselves.
+    all.footprints = (0..all.n()).map(|k| [1.0 + 0.01 * k as f32, 0.2, 1.3]).collect();
     let mut few = Points::new(5, 3, 1.0);
     for (global, width) in [(Global::P, 3), (Global::N, 3), (Global::I, 3), (Global::U, 1), (Global::V, 1)] {
         let from = all.get(global).unwrap();

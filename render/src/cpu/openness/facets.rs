@@ -20,30 +20,30 @@ const IN_PLANE: f32 = 2e-6;
 
 /// A facet of four corners; of a triangle two are the same.
 #[derive(Clone, Copy)]
-struct Facet {
-    corners: [Vec3; 4],
+pub struct Facet {
+    pub corners: [Vec3; 4],
     /// Its normal by its area; of a closed surface it points outwards.
-    area: Vec3,
-    closed: bool,
+    pub area: Vec3,
+    pub closed: bool,
 }
 
 /// Facets, seen from afar.
 #[derive(Clone, Copy)]
-struct Node {
-    center: Vec3,
-    radius: f32,
+pub struct Node {
+    pub center: Vec3,
+    pub radius: f32,
     /// The sum of the normals by area, and that of the areas.
-    normal: Vec3,
-    area: f32,
+    pub normal: Vec3,
+    pub area: f32,
     /// Of an inner node, its second child, whose first is the next; of a leaf its facet.
-    next: u32,
-    leaf: bool,
+    pub next: u32,
+    pub leaf: bool,
 }
 
 /// All of a scene.
 pub struct Facets {
-    facets: Vec<Facet>,
-    nodes: Vec<Node>,
+    pub facets: Vec<Facet>,
+    pub nodes: Vec<Node>,
 }
 
 impl Facets {

@@ -14,20 +14,20 @@ const FADES: f32 = 3.0;
 
 /// A sphere, or an ellipsoid by its half axes.
 #[derive(Clone, Copy)]
-struct Round {
-    item: Item,
-    center: Vec3,
-    radius: f32,
+pub struct Round {
+    pub item: Item,
+    pub center: Vec3,
+    pub radius: f32,
     /// Index of the axes of an ellipsoid.
-    axes: Option<u32>,
+    pub axes: Option<u32>,
 }
 
 /// All of a scene.
 pub struct Spheres {
-    tree: Tree,
-    rounds: Vec<Round>,
+    pub tree: Tree,
+    pub rounds: Vec<Round>,
     /// Half axes, world space.
-    axes: Vec<[Vec3; 3]>,
+    pub axes: Vec<[Vec3; 3]>,
 }
 
 /// Those near some places, in a fixed order.

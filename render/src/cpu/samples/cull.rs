@@ -6,7 +6,8 @@ use crate::cpu::samples::{BLOCK, CELL, EDGE, Samples};
 impl Samples {
     /// Whether everything in a raster rectangle (absolute pixels) at or behind depth `z` is hidden already.
     pub fn hides(&mut self, min: [f32; 2], max: [f32; 2], z: f32) -> bool {
-        let Some(([bx0, bx1], [by0, by1])) = self.blocks_of(min, max) else { return true };
+        let at = [self.x0 as f32, self.y0 as f32];
+        let Some(([bx0, bx1], [by0, by1])) = blocks_of(at, [self.width, self.height], min, max) else { return true };
         for by in by0..=by1 {
             for bx in bx0..=bx1 {
                 let block = by * self.blocks + bx;
@@ -20,20 +21,6 @@ impl Samples {
             }
         }
         true
-    }
-
-    fn blocks_of(&self, min: [f32; 2], max: [f32; 2]) -> Option<([usize; 2], [usize; 2])> {
-        let (w, h) = (self.width as f32, self.height as f32);
-        let (x0, y0) = (min[0] - self.x0 as f32, min[1] - self.y0 as f32);
-        let (x1, y1) = (max[0] - self.x0 as f32, max[1] - self.y0 as f32);
-        if !(x1 >= -1.0 && y1 >= -1.0 && x0 <= w + 1.0 && y0 <= h + 1.0) {
-            return None;
-        }
-        let block = |x: f32, n: usize| (x.clamp(0.0, n as f32 - 1.0) as usize) / BLOCK;
-        Some((
-            [block(x0 - EDGE, self.width), block(x1 + EDGE, self.width)],
-            [block(y0 - EDGE, self.height), block(y1 + EDGE, self.height)],
-        ))
     }
 
     fn greatest_depth(&self, bx: usize, by: usize) -> f32 {
@@ -65,4 +52,24 @@ impl Samples {
             }
         }
     }
+}
+
+/// The blocks that a raster rectangle meets, along x and y the first and the last, of samples of so many pixels from a place on; none if
+/// it is beside them.
+pub fn blocks_of(
+    [left, top]: [f32; 2],
+    size: [usize; 2],
+    min: [f32; 2],
+    max: [f32; 2],
+) -> Option<([usize; 2], [usize; 2])> {
+    let [w, h] = size.map(|n| n as f32);
+    let (x0, y0, x1, y1) = (min[0] - left, min[1] - top, max[0] - left, max[1] - top);
+    if !(x1 >= -1.0 && y1 >= -1.0 && x0 <= w + 1.0 && y0 <= h + 1.0) {
+        return None;
+    }
+    let block = |x: f32, n: usize| (x.clamp(0.0, n as f32 - 1.0) as usize) / BLOCK;
+    Some((
+        [block(x0 - EDGE, size[0]), block(x1 + EDGE, size[0])],
+        [block(y0 - EDGE, size[1]), block(y1 + EDGE, size[1])],
+    ))
 }

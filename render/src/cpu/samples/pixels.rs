@@ -12,6 +12,8 @@ pub struct Pixels {
     pub color: Vec<[f32; 4]>,
     /// What displays take besides, one pixel's numbers after another's.
     pub extra: Vec<f32>,
+    /// The identities of what is visible, if these are kept, one pixel's samples after another's.
+    pub identities: Vec<u64>,
 }
 
 impl Samples {
@@ -69,6 +71,13 @@ impl Samples {
             }
         }
         out
+    }
+
+    /// The identities of what is visible in the pixels of the bucket proper, sample by sample.
+    pub fn identities(&self, margin: [usize; 2]) -> Vec<u64> {
+        let inner = (margin[1]..self.height - margin[1])
+            .flat_map(|py| (margin[0]..self.width - margin[0]).map(move |px| (px, py)));
+        inner.flat_map(|(px, py)| self.of_pixel(px, py)).map(|k| self.identities.get(k).copied().unwrap_or(0)).collect()
     }
 
     /// The samples of a pixel.

@@ -58,6 +58,17 @@ impl Samples {
         }
     }
 
+    /// Note the identities of micropolygons that are visible and have no colour yet.
+    pub fn note_identities(&mut self, identity_of: impl Fn(Micropolygon) -> u64) {
+        self.identities.resize(self.visible.len(), 0);
+        for (identity, id) in self.identities.iter_mut().zip(&self.visible) {
+            let micropolygon = Micropolygon::from_id(*id);
+            if micropolygon != Micropolygon::NONE {
+                *identity = identity_of(micropolygon);
+            }
+        }
+    }
+
     /// Give visible points their colours; `triangle_of` has the colours of a triangle, `outputs` has what displays take besides of all
     /// points.
     pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {

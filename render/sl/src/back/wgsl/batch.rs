@@ -31,7 +31,7 @@ pub struct Batch<'k> {
     kernel: &'k Kernel,
     /// Of each workgroup: its grid, and the first of the points that it shades.
     pub groups: Vec<[u32; 2]>,
-    /// Two rows a grid.
+    /// Three rows a grid.
     pub grids: Vec<[u32; 4]>,
     /// Where inputs begin, and of which kind they are.
     pub slots: Vec<Row>,
@@ -81,7 +81,7 @@ impl<'k> Batch<'k> {
         scene: &dyn Scene,
     ) -> Result<usize, Refused> {
         assert!(self.kernel.is_of(shader), "`{}` is not the kernel's shader", shader.program.name);
-        let (n, index) = (points.n(), self.grids.len() / 2);
+        let (n, index) = (points.n(), self.grids.len() / 3);
         for (what, names, answer) in &self.kernel.asked {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             if ask(*what, &names, scene) != *answer {
@@ -98,6 +98,8 @@ impl<'k> Batch<'k> {
         let n_lights = self.lights.len() as u32 - 1;
         self.grids.push([n as u32, points.nu as u32, points.orientation.to_bits(), first]);
         self.grids.push([0, n_lights, self.n_results as u32, 0]);
+        let footprints = self.footprints(points);
+        self.grids.push([footprints, 0, 0, 0]);
         let each = if self.kernel.grid { n } else { self.kernel.group as usize };
         self.groups.extend((0..n).step_by(each.max(1)).map(|k| [index as u32, k as u32]));
         self.n_results += n * self.kernel.n_results();
@@ -107,6 +109,24 @@ impl<'k> Batch<'k> {
             return Err(Refused { shader: shader.program.name.clone(), reason });
         }
         Ok(index)
+    }
+
+    /// Give the host's functions numbers of a grid, which they read in [`Batch::values`] from `work.own` on.
+    pub fn give(&mut self, grid: usize, own: &[f32]) {
+        self.grids[3 * grid + 1][3] = self.values.len() as u32;
+        self.values.extend_from_slice(own);
+    }
+
+    /// Where the values of a global at the points of a grid begin in [`Batch::values`], if it has one a point.
+    pub fn start_of(&self, grid: usize, global: Global) -> Option<usize> {
+        let [n, .., slots] = self.grids[3 * grid];
+        let [first, kind] = self.slots[slots as usize + global.slot()];
+        (kind == 2 || kind == 1 && n == 1).then_some(first as usize)
+    }
+
+    /// Where the results of a grid begin; those of an [`Output`](super::Output) stand `offset` times its count of points later.
+    pub fn results_of(&self, grid: usize) -> usize {
+        self.grids[3 * grid + 1][2] as usize
     }
 
     /// Count of numbers that the kernel writes.
@@ -140,7 +160,7 @@ impl<'k> Batch<'k> {
     }
 
     fn values_of<'r>(&self, grid: usize, offset: usize, width: usize, results: &'r [f32]) -> &'r [f32] {
-        let (n, first) = (self.grids[2 * grid][0] as usize, self.grids[2 * grid + 1][2] as usize);
+        let (n, first) = (self.grids[3 * grid][0] as usize, self.results_of(grid));
         &results[first + offset * n..first + (offset + width) * n]
     }
 
@@ -174,7 +194,7 @@ impl<'k> Batch<'k> {
         let n = points.n();
         for global in Global::all() {
             let width = global.kind().width();
-            let row = match points.get(global) {
+            let row = match points.get(global).filter(|values| !values.is_empty()) {
                 Some(values) => self.push(values, width, n),
                 None => unset(global, scene).map(|x| self.push(&[x], 1, n)).unwrap_or(Some(NONE)),
             };
@@ -191,6 +211,16 @@ impl<'k> Batch<'k> {
             self.slots.push(row);
         }
         Ok(())
+    }
+
+    /// What the points stand for: 1 more than where that begins among the values, 0 if they stand for their micropolygons.
+    fn footprints(&mut self, points: &Points) -> u32 {
+        if points.footprints.is_empty() {
+            return 0;
+        }
+        let first = self.values.len() as u32 + 1;
+        (0..3).for_each(|c| self.values.extend(points.footprints.iter().map(|footprint| footprint[c])));
+        first
     }
 
     /// Values of a width, one or one a point; none if there are as many as neither.

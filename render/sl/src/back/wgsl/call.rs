@@ -66,6 +66,8 @@ impl Writer<'_, '_> {
                 let last = if wide == "1" { ", 0u" } else { "" };
                 format!("sl_random{wide}({}, {p}, turn{last})", a[0])
             }
+            // Lights have no footprints, as in the grid machine.
+            ("width", _) if self.index > 0 => format!("sl_own_width({list})"),
             ("width", _) => format!("sl_width({list})"),
             ("area" | "calculatenormal", _) => format!("sl_{name}({list})"),
             ("du" | "dv", [1, ..]) => format!("sl_{name}({list})"),

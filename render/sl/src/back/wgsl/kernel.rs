@@ -1,13 +1,13 @@
 //! Kernels: a shader with the shaders of the lights that shine on it, as one text.
 
 use super::super::bound::{Answer, BoundShader};
-use super::module::{Asked, Host, LightShader, Module, Refused, Slot};
+use super::module::{Asked, Host, LightShader, Module, Query, Refused, Slot};
 use super::registers::type_of;
 use super::specialise::specialised;
 use super::writer::Writer;
 use crate::ir::builtins::{How, SceneCall};
 use crate::ir::walk::writes_besides;
-use crate::ir::{Global, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
+use crate::ir::{Ask, Global, Lookup, Op, Operand, Parameter, Program, Reg, ShaderKind, visit};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -57,6 +57,8 @@ pub struct Kernel {
     pub(super) categories: Vec<String>,
     /// Queries whose answers are strings, with the answers that the kernel was written for.
     pub(super) asked: Vec<Asked>,
+    /// Queries that the host's functions answer.
+    queries: BTreeSet<Query>,
 }
 
 /// Points of a workgroup that shades points each on its own, as `parts/flat.wgsl` has it.
@@ -90,7 +92,8 @@ impl Kernel {
         // Lights first: what calls them depends on what they do.
         for (k, program) in programs.iter().enumerate().skip(1) {
             let light = function(&mut module, program, bound[k], k, &mut text)?;
-            module.lights.push(LightShader { grid: program.reads_neighbours, parameters: parameters(program) });
+            let (grid, is_ambient) = (program.reads_neighbours, program.is_ambient);
+            module.lights.push(LightShader { grid, is_ambient, parameters: parameters(program) });
             shaders.push(light);
         }
         shaders.insert(0, function(&mut module, &programs[0], bound[0], 0, &mut text)?);
@@ -99,8 +102,8 @@ impl Kernel {
         }
         let group = if grid { host.group } else { FLAT_GROUP };
         let text = assemble(&module, shader, &text, group);
-        let Module { categories, asked, .. } = module;
-        Ok(Kernel { text, group, grid, shaders, of_light, categories, asked })
+        let Module { categories, asked, queries, .. } = module;
+        Ok(Kernel { text, group, grid, shaders, of_light, categories, asked, queries })
     }
 
     /// Count of results of a point.
@@ -111,6 +114,43 @@ impl Kernel {
     /// The values that the shader gives at every point.
     pub fn outputs(&self) -> &[Output] {
         &self.shaders[0].outputs
+    }
+
+    /// Whether it asks the host's functions a query.
+    pub fn asks(&self, query: Query) -> bool {
+        self.queries.contains(&query)
+    }
+
+    /// Whether its shader asks for numbers by name of something.
+    pub fn asks_by_name(&self, of: Ask) -> bool {
+        self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
+    }
+
+    /// A map that a shader looks up, other than shadow maps of lights: the names of the shader and of the map.
+    pub fn other_map(&self) -> Option<(&str, &str)> {
+        let other = |(k, shader): (usize, &'_ Shader)| {
+            shader
+                .slots
+                .iter()
+                .position(|slot| matches!(slot, Slot::Map { how, .. } if k == 0 || *how != Lookup::Shadow))
+                .map(|slot| (k, slot))
+        };
+        let (k, slot) = self.shaders.iter().enumerate().find_map(other)?;
+        let Slot::Map { name, .. } = &self.shaders[k].slots[slot] else { return None };
+        Some((&self.shaders[k].bound.program.name, name))
+    }
+
+    /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than
+    /// that of an option. A [`super::Batch`] then serves one primitive alone.
+    pub fn light_of_primitive(&self) -> Option<&str> {
+        let own = |space: &String| matches!(space.as_str(), "object" | "shader");
+        let differs = |slot: &Slot| match slot {
+            Slot::Matrix { from, to } | Slot::NormalMatrix { from, to } => own(from) || own(to),
+            Slot::Map { .. } => false,
+            Slot::Answer { what, .. } => !matches!(what, Ask::Option | Ask::TextureInfo | Ask::RendererInfo),
+        };
+        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(differs))?;
+        Some(&light.bound.program.name)
     }
 
     /// Whether the kernel is that of a shader, too: one of the same program and strings.
@@ -307,11 +347,35 @@ fn give_light(w: &mut Writer) {
     w.line(line);
 }
 
-/// The functions that run the shader of a light, and the sum of the ambient lights.
+/// The functions that run the shader of a light, of those that loops meet and of those that are ambient, and the sum of the latter.
 fn run_light(module: &Module<'_>) -> String {
+    let number = if module.has_grid_light() { "sl_uniform(i)" } else { "i" };
+    let [run_light, run_ambient] = [("run_light", false), ("run_ambient", true)].map(|kind| run_lights(module, kind));
+    format!(
+        "{run_light}{run_ambient}
+// The sum of the ambient lights.
+fn sl_ambient() -> vec3<f32> {{
+    var sum: vec3<f32>;
+    var i = 0u;
+    loop {{
+        let k = {number};
+        if k >= work.n_lights {{ break; }}
+        i += 1u;
+        let light = lights[work.first_light + k];
+        if light.w == 0u {{ continue; }}
+        sum += run_ambient(light, true, sl_read3(work.slots, 0u), sl_facing(), vec3<f32>(), -2.0).cl;
+    }}
+    return sum;
+}}
+"
+    )
+}
+
+/// The function that runs the shader of a light, of one of two kinds: a light is written once for each place that runs it.
+fn run_lights(module: &Module<'_>, (name, is_ambient): (&str, bool)) -> String {
     let together = module.has_grid_light();
     let mut cases = String::new();
-    for (k, light) in module.lights.iter().enumerate() {
+    for (k, light) in module.lights.iter().enumerate().filter(|(_, light)| light.is_ambient == is_ambient) {
         let (k, given) = (k + 1, "ps, ns, receiver, receiver_cosine");
         cases += &match (together, light.grid) {
             (_, true) => format!("        case {k}u: {{ lit = shader_{k}(light.y, on, {given}); }}\n"),
@@ -324,11 +388,11 @@ fn run_light(module: &Module<'_>) -> String {
         };
     }
     let kind = if together { "sl_uniform(light.x)" } else { "light.x" };
-    let number = if together { "sl_uniform(i)" } else { "i" };
+    let what = if is_ambient { "an ambient light" } else { "a light" };
     format!(
         "
-// What a light gives to a point.
-fn run_light(
+// What {what} gives to a point.
+fn {name}(
     light: vec4<u32>,
     on: bool,
     ps: vec3<f32>,
@@ -341,21 +405,6 @@ fn run_light(
 {cases}        default: {{}}
     }}
     return lit;
-}}
-
-// The sum of the ambient lights.
-fn sl_ambient() -> vec3<f32> {{
-    var sum: vec3<f32>;
-    var i = 0u;
-    loop {{
-        let k = {number};
-        if k >= work.n_lights {{ break; }}
-        i += 1u;
-        let light = lights[work.first_light + k];
-        if light.w == 0u {{ continue; }}
-        sum += run_light(light, true, sl_read3(work.slots, 0u), sl_facing(), vec3<f32>(), -2.0).cl;
-    }}
-    return sum;
 }}
 "
     )
@@ -382,7 +431,10 @@ fn assemble(module: &Module<'_>, shader: &BoundShader, functions: &str, group: u
     }
     text += &format!("\n{}", include_str!("parts/kernel.wgsl"));
     text += if module.grid { include_str!("parts/grid.wgsl") } else { include_str!("parts/flat.wgsl") };
-    let offered = module.host.functions.iter().filter(|(query, _)| module.queries.contains(query));
+    let mut offered = module.host.functions.iter().filter(|(query, _)| module.queries.contains(query)).peekable();
+    if offered.peek().is_some() && !module.host.declarations.is_empty() {
+        text += &format!("\n{}\n", module.host.declarations);
+    }
     offered.for_each(|(_, function)| text += &format!("\n{function}\n"));
     text += &module.functions;
     text += functions;

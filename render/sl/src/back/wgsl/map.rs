@@ -63,7 +63,9 @@ impl Writer<'_, '_> {
             return self.refuse("looks up a map where points run alone");
         }
         self.line(format!("let at_{id} = {};", corners[0]));
-        self.line(format!("let beside_{id} = sl_differences(vec4<f32>(at_{id}, 0.0));"));
+        let beside = format!("sl_differences(vec4<f32>(at_{id}, 0.0))");
+        let beside = if self.index > 0 { beside } else { format!("sl_over({beside})") };
+        self.line(format!("let beside_{id} = {beside};"));
         self.line(format!("let row_{id} = beside_{id}.row.xyz;"));
         self.line(format!("let column_{id} = beside_{id}.column.xyz;"));
         Ok(())

@@ -26,8 +26,11 @@ pub enum Query {
 pub struct Host<'a> {
     /// Most invocations of a workgroup. A grid whose points look at their neighbours has at most as many points.
     pub group: u32,
-    /// The queries that can be answered, with the text of their functions and of what these need.
+    /// The queries that can be answered, with the text of their functions.
     pub functions: &'a [(Query, &'a str)],
+    /// What any of these functions needs: written once, before the first. They read a grid's own numbers ([`super::Batch::give`]) from
+    /// `values[work.own]` on; bindings from 7 on are the host's.
+    pub declarations: &'a str,
     /// The scene, which is asked for strings when a kernel is written.
     pub scene: &'a dyn Scene,
 }
@@ -69,6 +72,8 @@ pub(super) type Asked = (Ask, Vec<String>, Option<Answer>);
 pub(super) struct LightShader {
     /// Whether its points look at their neighbours.
     pub grid: bool,
+    /// Whether it is ambient: it is summed, and not met by loops over lights.
+    pub is_ambient: bool,
     /// Output parameters and other parameters: name, slot, width; and whether the light computes it.
     pub parameters: Vec<(String, usize, usize, bool)>,
 }

@@ -64,8 +64,25 @@ fn sl_first3(v: vec3<f32>) -> vec3<f32> {
     return neighbours[0].xyz;
 }
 
-fn sl_width(x: f32) -> f32 {
+// Differences over what a point stands for.
+fn sl_over(d: Differences) -> Differences {
+    if work.footprints == 0u {
+        return d;
+    }
+    let first = work.footprints - 1u + point;
+    let uu = values[first];
+    let uv = values[first + work.n];
+    let vv = values[first + 2u * work.n];
+    return Differences(d.row * uu + d.column * uv, d.row * uv + d.column * vv);
+}
+
+fn sl_own_width(x: f32) -> f32 {
     let d = sl_differences(vec4<f32>(x, 0.0, 0.0, 0.0));
+    return max(abs(d.row.x), abs(d.column.x));
+}
+
+fn sl_width(x: f32) -> f32 {
+    let d = sl_over(sl_differences(vec4<f32>(x, 0.0, 0.0, 0.0)));
     return max(abs(d.row.x), abs(d.column.x));
 }
 

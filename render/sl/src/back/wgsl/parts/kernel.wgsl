@@ -2,8 +2,9 @@
 
 // A workgroup's grid, and the first of the points that it shades.
 @group(0) @binding(0) var<storage, read> groups: array<vec2<u32>>;
-// Grids, two rows each: points, points of a row, orientation (the bits of 1 or -1), first slot; first light, lights, where the results
-// begin, 0.
+// Grids, three rows each: points, points of a row, orientation (the bits of 1 or -1), first slot; first light, lights, where the results
+// begin, where the host's own numbers of the grid begin among the values; 1 more than where the footprints of its points begin there, 0
+// for none.
 @group(0) @binding(1) var<storage, read> grids: array<vec4<u32>>;
 // Inputs: where the numbers begin; 0 none, 1 one value, 2 a value a point, as runs.
 @group(0) @binding(2) var<storage, read> slots: array<vec2<u32>>;
@@ -22,6 +23,8 @@ struct Grid {
     first_light: u32,
     n_lights: u32,
     results: u32,
+    own: u32,
+    footprints: u32,
 }
 
 // What a light gives to a point.
@@ -53,9 +56,9 @@ var<private> point: u32;
 var<private> turns_left: u32 = 60000u;
 
 fn sl_grid(at: u32) -> Grid {
-    let a = grids[2u * at];
-    let b = grids[2u * at + 1u];
-    return Grid(a.x, a.y, bitcast<f32>(a.z), a.w, b.x, b.y, b.z);
+    let a = grids[3u * at];
+    let b = grids[3u * at + 1u];
+    return Grid(a.x, a.y, bitcast<f32>(a.z), a.w, b.x, b.y, b.z, b.w, grids[3u * at + 2u].x);
 }
 
 // The number of a value's component, of which `element` values of `width` numbers stand before.

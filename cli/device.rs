@@ -1,0 +1,54 @@
+//! The graphics device that images are drawn on, opened when the first image needs it.
+
+use crate::job::DrawOn;
+use crate::report::{Exit, Failure, Outcome};
+use gpu::{Choice, GpuError};
+use render::DeviceRenderer;
+use std::sync::Arc;
+
+/// The device of a command, if it draws on one.
+pub struct Drawer {
+    on: DrawOn,
+    open: Option<Arc<DeviceRenderer>>,
+}
+
+impl Drawer {
+    /// None is open yet.
+    pub fn new(on: DrawOn) -> Drawer {
+        Drawer { on, open: None }
+    }
+
+    /// The device, opened if it is not, or has failed; none if the processor draws.
+    pub fn device(&mut self) -> Outcome<Option<Arc<DeviceRenderer>>> {
+        if self.open.as_ref().is_some_and(|device| device.has_failed()) {
+            self.open = None;
+        }
+        let choice = match &self.on {
+            DrawOn::Cpu => return Ok(None),
+            DrawOn::Gpu(choice) => choice.clone(),
+            DrawOn::Auto if !gpu::may_have_hardware() => return Ok(None),
+            DrawOn::Auto => Choice::Hardware,
+        };
+        if self.open.is_none() {
+            match DeviceRenderer::open(&choice) {
+                Ok(device) => self.open = Some(Arc::new(device)),
+                Err(why) if self.on == DrawOn::Auto => {
+                    if !matches!(why, GpuError::NoAdapter { .. }) {
+                        eprintln!("--backend auto: the processor draws: {why}");
+                    }
+                    self.on = DrawOn::Cpu;
+                }
+                Err(why) => return Err(failure(&why)),
+            }
+        }
+        Ok(self.open.clone())
+    }
+}
+
+/// Why there is no device, as a command fails by it.
+fn failure(why: &GpuError) -> Failure {
+    match why {
+        GpuError::Choice { .. } => Failure::new(Exit::Usage, format!("--adapter: {why}")),
+        _ => Failure::new(Exit::Fault, format!("--backend gpu: {why}")),
+    }
+}

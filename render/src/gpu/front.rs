@@ -1,0 +1,231 @@
+//! The front of a frame, on the processor: items from front to back are bound, split, diced, displaced and projected, in waves. What is
+//! hidden by the waves before is not diced.
+
+use crate::cpu::displace::displace;
+use crate::cpu::frame::Frame;
+use crate::cpu::raster::Raster;
+use crate::cpu::samples::cull::blocks_of;
+use crate::gprim::bound::raster_bound;
+use crate::gprim::dice::Dicer;
+use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::split::{Queue, Waiting};
+use crate::scene::camera::RasterBound;
+use crate::scene::motion::{self, instants};
+use crate::scene::source::Item;
+use crate::stats::Stats;
+use rayon::prelude::*;
+use sl::machine::{Machine, Points};
+use std::cmp::Ordering;
+
+/// Items, and pieces of items, that are diced at a time.
+const ROUND: usize = 1024;
+
+/// A grid on the raster, some of whose micropolygons may be visible.
+pub struct Diced {
+    /// The item that it is of.
+    pub item: Item,
+    /// Its points, displaced.
+    pub points: Points,
+    /// Raster x and y, pixels, and depth of each point, at each moment of the item.
+    pub raster: Vec<Vec<[f32; 3]>>,
+    /// Of each span between two moments: the times from and until which it holds, when it begins, and one over its length, 0 if it has none.
+    pub keys: Vec<[f32; 4]>,
+    /// Its micropolygons, by their first points.
+    pub micropolygons: Vec<u32>,
+    /// How far it may be displaced.
+    pub reach: f32,
+    /// Its least depth.
+    pub z: f32,
+}
+
+/// The part of the raster that is drawn, and how deep blocks of its pixels are.
+pub struct Window {
+    /// First pixel.
+    pub corner: [i64; 2],
+    /// Pixels along x and y.
+    pub size: [usize; 2],
+    /// The greatest depth of the samples of each block; none before the first wave.
+    pub blocks: Vec<f32>,
+}
+
+impl Window {
+    /// Whether something within a bound may be visible.
+    fn shows(&self, bound: &RasterBound) -> bool {
+        let (min, max) = (bound.min.to_array(), bound.max.to_array());
+        let [left, top] = self.corner.map(|x| x as f32);
+        let [width, height] = self.size.map(|n| n as f32);
+        if !(max[0] >= left && max[1] >= top && min[0] <= left + width && min[1] <= top + height) {
+            return false;
+        }
+        let Some(([x0, x1], [y0, y1])) = blocks_of([left, top], self.size, min, max) else { return false };
+        let columns = self.size[0].div_ceil(crate::cpu::samples::BLOCK);
+        let mut all = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * columns + x));
+        self.blocks.is_empty() || all.any(|block| self.blocks[block] >= bound.z)
+    }
+}
+
+/// What is diced next.
+#[derive(Clone, Copy)]
+enum Turn {
+    Item(f32, Item),
+    Piece(Waiting),
+}
+
+impl Turn {
+    /// Which of two comes first.
+    fn cmp(&self, other: &Turn) -> Ordering {
+        let key = |turn: &Turn| match turn {
+            // An item comes before its pieces.
+            Turn::Item(z, item) => (*z, *item, 0, -1.0),
+            Turn::Piece(waiting) => waiting.turn(),
+        };
+        let ((z, item, patch, start), (other_z, other, other_patch, other_start)) = (key(self), key(other));
+        let by_item = (item.source, item.index, patch).cmp(&(other.source, other.index, other_patch));
+        z.total_cmp(&other_z).then(by_item).then(start.total_cmp(&other_start))
+    }
+}
+
+/// The memory of a thread.
+#[derive(Default)]
+struct Hand {
+    instants: Vec<motion::Instant>,
+    dicer: Dicer,
+    raster: Raster,
+    machine: Machine,
+}
+
+/// The items of a window that wait to be diced.
+pub struct Front<'a> {
+    frame: &'a Frame<'a>,
+    items: std::iter::Peekable<std::vec::IntoIter<(f32, Item)>>,
+    queue: Queue,
+}
+
+impl<'a> Front<'a> {
+    /// Of items with their least depths, the nearest first.
+    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>) -> Front<'a> {
+        Front { frame, items: items.into_iter().peekable(), queue: Queue::default() }
+    }
+
+    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns: of what
+    /// is equally deep, the first is visible.
+    pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
+        let (mut grids, mut n) = (vec![], 0);
+        while n < n_points {
+            let turns = self.turns();
+            if turns.is_empty() {
+                break;
+            }
+            let frame = self.frame;
+            let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
+                .par_iter()
+                .with_min_len(4)
+                .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
+                .collect();
+            for (turn, (own, waiting, of_turn)) in turns.into_iter().zip(diced) {
+                n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
+                grids.extend(own.into_iter().map(|grid| (turn, grid)));
+                self.queue.extend(waiting);
+                *stats = stats.add(of_turn);
+            }
+        }
+        grids.sort_by(|a: &(Turn, Diced), b| a.0.cmp(&b.0));
+        grids.into_iter().map(|(_, grid)| grid).collect()
+    }
+
+    /// The next items and pieces, in the order of their depths.
+    fn turns(&mut self) -> Vec<Turn> {
+        let mut turns = vec![];
+        while turns.len() < ROUND {
+            let piece = self.queue.pop_before(self.items.peek()).map(Turn::Piece);
+            let next = piece.or_else(|| self.items.next().map(|(z, item)| Turn::Item(z, item)));
+            let Some(turn) = next else { break };
+            turns.push(turn);
+        }
+        turns
+    }
+}
+
+impl Hand {
+    fn dice(&mut self, frame: &Frame<'_>, window: &Window, turn: Turn) -> (Vec<Diced>, Vec<Waiting>, Stats) {
+        let Hand { instants: moments, dicer, raster, machine } = self;
+        let (camera, parameters) = (&frame.camera, frame.needs_parameters());
+        let begun = std::time::Instant::now();
+        let item = match turn {
+            Turn::Item(_, item) => item,
+            Turn::Piece(waiting) => waiting.item(),
+        };
+        let view = frame.scene.view(item);
+        instants(camera, &view, moments);
+        let subject = Subject { item, view: &view, instants: moments, camera, parameters };
+        let (diced, stats) = (vec![], Stats::default());
+        let mut sink = Taken { frame, window, subject, raster, machine, diced, stats };
+        match turn {
+            Turn::Piece(waiting) => dicer.dice_waiting(&subject, &waiting, &mut sink),
+            Turn::Item(..) if raster_bound(camera, &view, moments).is_some_and(|b| sink.shows(&b)) => {
+                dicer.dice(&subject, &mut sink);
+            }
+            Turn::Item(..) => {}
+        }
+        let Taken { diced, mut stats, .. } = sink;
+        stats.splits = std::mem::take(&mut dicer.queue.splits);
+        stats.seconds.dice = begun.elapsed().as_secs_f64();
+        (diced, dicer.queue.take(), stats)
+    }
+}
+
+/// What becomes of an item's grids.
+struct Taken<'a> {
+    frame: &'a Frame<'a>,
+    window: &'a Window,
+    subject: Subject<'a>,
+    raster: &'a mut Raster,
+    machine: &'a mut Machine,
+    diced: Vec<Diced>,
+    stats: Stats,
+}
+
+impl Sink for Taken<'_> {
+    fn shows(&mut self, bound: &RasterBound) -> bool {
+        self.window.shows(bound)
+    }
+
+    fn take(&mut self, grid: &mut Grid) {
+        let Subject { item, view, instants, camera, .. } = self.subject;
+        displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, self.machine);
+        let Some(bound) = self.raster.project(camera, instants, grid) else { return };
+        self.stats.grids += 1;
+        if !self.shows(&bound) {
+            self.stats.grids_hidden += 1;
+            return;
+        }
+        self.raster.choose(camera, view, grid);
+        if self.raster.micropolygons.is_empty() {
+            return;
+        }
+        self.stats.micropolygons += self.raster.micropolygons.len() as u64;
+        self.diced.push(Diced {
+            item,
+            points: std::mem::take(&mut grid.points),
+            raster: std::mem::take(&mut self.raster.at),
+            keys: keys(instants),
+            micropolygons: std::mem::take(&mut self.raster.micropolygons),
+            reach: grid.reach,
+            z: bound.z,
+        });
+    }
+}
+
+/// The spans between the moments of an item.
+fn keys(instants: &[motion::Instant]) -> Vec<[f32; 4]> {
+    /// Later than any sample.
+    const NEVER: f32 = 1e30;
+    let last = instants.len() - 1;
+    let key = |k: usize| {
+        let (start, next) = (instants[k].time, (k + 1).min(last));
+        let rate = if next > k { 1.0 / (instants[next].time - start) } else { 0.0 };
+        let until = if k + 1 < last { instants[k + 1].time } else { NEVER };
+        [start, until, start, rate]
+    };
+    (0..last.max(1)).map(key).collect()
+}

@@ -1,0 +1,176 @@
+// Whether light gets from one point to another, and what a ray meets first.
+// Nodes are two rows, in the order of a walk: a corner and the next node that is not below; the other corner and, of a leaf, 8 times its first
+// occluder and their count, 0 of others. Occluders are four:
+// kind and primitive; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
+// triangle, a corner and two edges. Kinds: 0 sphere, 1 ellipsoid, 2 triangle of a flat patch, 3 triangle of a curved one.
+// Twin: cpu/bvh.rs
+
+// Not 0, of the same sign.
+fn not_zero(x: f32) -> f32 {
+    return select(x, select(1e-30, -1e-30, x < 0.0), abs(x) < 1e-30);
+}
+
+// A sphere's middle and radius.
+fn stops_ball(start: vec3<f32>, way: vec3<f32>, far: f32, ball: vec4<f32>) -> bool {
+    let to = ball.xyz - start;
+    let along = dot(to, way);
+    let off = to - way * along;
+    let left = ball.w * ball.w - dot(off, off);
+    let half = sqrt(max(left, 0.0));
+    return left > 0.0 && along + half > 0.0 && along - half < far;
+}
+
+// The rows of the matrix that makes an ellipsoid the unit sphere.
+fn stops_ellipsoid(start: vec3<f32>, way: vec3<f32>, far: f32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> bool {
+    let o = vec3<f32>(dot(x.xyz, start) + x.w, dot(y.xyz, start) + y.w, dot(z.xyz, start) + z.w);
+    let d = vec3<f32>(dot(x.xyz, way), dot(y.xyz, way), dot(z.xyz, way));
+    let a = dot(d, d);
+    let b = dot(o, d);
+    let disc = b * b - a * (dot(o, o) - 1.0);
+    let root = sqrt(max(disc, 0.0));
+    return disc > 0.0 && root - b > 0.0 && -b - root < far * a;
+}
+
+// How far along a ray a triangle is met, given by a corner and two edges; -1 where it is not (Möller and Trumbore 1997).
+fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> f32 {
+    let p = cross(way, ac);
+    let det = dot(ab, p);
+    let inverse = select(0.0, 1.0 / det, det != 0.0);
+    let s = start - a;
+    let u = dot(s, p) * inverse;
+    let q = cross(s, ab);
+    let v = dot(way, q) * inverse;
+    return select(-1.0, dot(ac, q) * inverse, det != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+}
+
+fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
+    let head = world[at];
+    let is_own = head.y == own;
+    // Neither spheres nor what is flat shadow themselves.
+    if is_own && head.x < 3u {
+        return false;
+    }
+    let a = world_row(at + 1u);
+    if head.x == 0u {
+        return stops_ball(start, way, far, a);
+    }
+    let b = world_row(at + 2u);
+    let c = world_row(at + 3u);
+    if head.x == 1u {
+        return stops_ellipsoid(start, way, far, a, b, c);
+    }
+    // A facet of a curved surface stands off it: its own neighbourhood is not in its shadow.
+    let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
+    let room = select(size * select(0.5, 2.0, is_own), 0.0, head.x == 2u);
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz);
+    return t > max(select(near.x, near.y, is_own), room) && t < far;
+}
+
+// Whether a ray meets a box within a length.
+fn meets_box(start: vec3<f32>, inverse: vec3<f32>, far: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
+    let t0 = (low - start) * inverse;
+    let t1 = (high - start) * inverse;
+    let near = min(t0, t1);
+    let last = max(t0, t1);
+    return max(max(max(near.x, near.y), near.z), 0.0) <= min(min(min(last.x, last.y), last.z), far);
+}
+
+// Whether anything stands between two points; what a lamp lies in, as in a ceiling, does not.
+fn is_blocked(start: vec3<f32>, lamp: vec3<f32>) -> bool {
+    let end = start + (lamp - start) * 0.9999;
+    let far = sqrt(dot(end - start, end - start));
+    if !(far > 0.0) {
+        return false;
+    }
+    let way = (end - start) / far;
+    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let own = own_primitive();
+    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    let head = world[0];
+    let n_nodes = head.z;
+    let first = head.y;
+    var k = 0u;
+    var blocked = false;
+    while k < n_nodes && !blocked {
+        let at = head.x + 2u * k;
+        let low = world[at];
+        let high = world[at + 1u];
+        if !meets_box(start, inverse, far, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz)) {
+            k = low.w;
+            continue;
+        }
+        k += 1u;
+        let last = (high.w >> 3u) + (high.w & 7u);
+        for (var i = high.w >> 3u; i < last && !blocked; i += 1u) {
+            blocked = stops(start, way, far, first + 4u * i, own, near);
+        }
+    }
+    return blocked;
+}
+
+// The nearer of the roots of a t² + 2 b t + c that is beyond a number; negative if none is.
+fn root(a: f32, b: f32, c: f32, near: f32) -> f32 {
+    let disc = b * b - a * c;
+    let half = sqrt(max(disc, 0.0));
+    let first = (-b - half) / a;
+    let second = (-b + half) / a;
+    return select(-1.0, select(select(-1.0, second, second > near), first, first > near), disc > 0.0);
+}
+
+// How far along a ray from a surface an occluder is met; negative if it is not. `near` says how near the start a surface does not count,
+// others and its own.
+fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f32>) -> f32 {
+    let head = world[at];
+    let is_own = head.y == own;
+    // Of a displaced sphere nobody knows where it was met, and what is flat does not meet itself.
+    if is_own && (head.x == 2u || (head.x < 2u && near.y > near.x)) {
+        return -1.0;
+    }
+    let a = world_row(at + 1u);
+    if head.x == 0u {
+        let o = start - a.xyz;
+        let room = select(0.0, min(near.y, 0.5 * a.w), is_own);
+        return root(1.0, dot(o, way), dot(o, o) - a.w * a.w, room);
+    }
+    let b = world_row(at + 2u);
+    let c = world_row(at + 3u);
+    if head.x == 1u {
+        let o = vec3<f32>(dot(a.xyz, start) + a.w, dot(b.xyz, start) + b.w, dot(c.xyz, start) + c.w);
+        let d = vec3<f32>(dot(a.xyz, way), dot(b.xyz, way), dot(c.xyz, way));
+        return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
+    }
+    let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
+    let room = max(select(near.x, near.y, is_own), size * select(0.5, 2.0, is_own));
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz);
+    return select(-1.0, t, t > select(room, 1e-5 * size, head.x == 2u));
+}
+
+// How far along a ray from the surface that is shaded anything is met; negative if nothing is.
+fn nearest(place: vec3<f32>, way: vec3<f32>) -> f32 {
+    let near = vec2<f32>(values[work.own + 2u], values[work.own + 3u]);
+    // From a flat surface a ray is lifted off a little, and begun a little earlier.
+    let flat = vec3<f32>(values[work.own + 4u], values[work.own + 5u], values[work.own + 6u]);
+    let side = select(1.0, -1.0, dot(flat, way) < 0.0);
+    let start = place + select(vec3<f32>(), (2.0 * flat * side - way) * (0.05 * near.x), any(flat != vec3<f32>()));
+    let inverse = 1.0 / vec3<f32>(not_zero(way.x), not_zero(way.y), not_zero(way.z));
+    let own = own_primitive();
+    let head = world[0];
+    var far = 1e30;
+    var k = 0u;
+    while k < head.z {
+        let at = head.x + 2u * k;
+        let low = world[at];
+        let high = world[at + 1u];
+        if !meets_box(start, inverse, far, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz)) {
+            k = low.w;
+            continue;
+        }
+        k += 1u;
+        let last = (high.w >> 3u) + (high.w & 7u);
+        for (var i = high.w >> 3u; i < last; i += 1u) {
+            let t = distance_to(start, way, head.y + 4u * i, own, near);
+            far = select(far, t, t >= 0.0 && t < far);
+        }
+    }
+    return select(far, -1.0, far >= 1e30);
+}

@@ -1,0 +1,22 @@
+// What one shader has found becomes what the next is given: runs of numbers from the results of a kernel to the values of another.
+// in   runs     [n_runs]     first number among the results, first among the values, their number, 0
+// in   results  [n_results]
+// out  values   [n_values]
+// in   params   [1]          count of runs
+
+@group(0) @binding(0) var<storage, read> runs: array<vec4<u32>>;
+@group(0) @binding(1) var<storage, read> results: array<f32>;
+@group(0) @binding(2) var<storage, read_write> values: array<f32>;
+@group(0) @binding(3) var<storage, read> params: array<u32>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let at = group.x + group.y * 65535u;
+    if at >= params[0] {
+        return;
+    }
+    let run = runs[at];
+    for (var k = thread; k < run.z; k += 64u) {
+        values[run.y + k] = results[run.x + k];
+    }
+}

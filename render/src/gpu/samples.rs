@@ -1,0 +1,314 @@
+//! The samples of a part of the image, on the device: what is nearest at each, and its colour.
+//!
+//! Micropolygons are sampled in two passes: the least depth, then the first of those that have it; so every device finds what the processor
+//! finds. All is sampled before the points that are visible are shaded, and then the samples get their colours.
+
+use crate::cpu::frame::Frame;
+use crate::cpu::samples::BLOCK;
+use crate::film::jitter::{Jitter, Moments, PERIOD};
+use crate::gpu::front::{Diced, Window};
+use crate::gpu::kernels::{FrameKernels, groups};
+use gpu::{Bound, Buffer, Commands, Device, GpuError};
+
+/// What micropolygons are: colour is interpolated; nothing but a hole.
+const SMOOTH: u32 = 1;
+const MATTE: u32 = 2;
+
+/// What samples of an image of motion or a lens have besides their places.
+struct Blur {
+    /// Of each pixel of the pattern and stratum of time: time, place on the lens, number of the sample; then the same by these numbers.
+    moments: Buffer<[f32; 4]>,
+    /// Bounds of each stratum: of time, and of the place on the lens along x and y.
+    strata: Buffer<[f32; 2]>,
+    /// How grids move: a row of places, a row of counts, and their keys.
+    tracks: Buffer<[u32; 4]>,
+    n: usize,
+    /// Whether there is a lens; its reach, one over the depth that is sharp, and the least depth, as bits.
+    lens: [u32; 4],
+}
+
+/// The samples of a part of the image.
+pub struct Samples<'a> {
+    device: &'a Device,
+    kernels: &'a FrameKernels,
+    strata: [usize; 2],
+    n: usize,
+    /// What kernels are told of the part.
+    head: [u32; 7],
+    offsets: Buffer<[f32; 2]>,
+    depth: Buffer<u32>,
+    before: Buffer<u32>,
+    visible: Buffer<u32>,
+    color: Buffer<[f32; 4]>,
+    blocks: Buffer<u32>,
+    /// Micropolygons that wait for their colours, and their points, at all moments if the image is blurred.
+    points: Buffer<[f32; 4]>,
+    micropolygons: Buffer<[u32; 4]>,
+    n_points: usize,
+    n_places: usize,
+    n_micropolygons: usize,
+    /// What samples of a blurred image have besides.
+    blur: Option<Blur>,
+    /// Colours of the points.
+    colors: Buffer<[f32; 4]>,
+}
+
+impl<'a> Samples<'a> {
+    /// Room for the samples of windows of up to so many pixels.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::zeros`].
+    pub fn new(
+        device: &'a Device,
+        kernels: &'a FrameKernels,
+        frame: &Frame<'_>,
+        n_pixels: usize,
+        n_blocks: usize,
+    ) -> Result<Samples<'a>, GpuError> {
+        let strata = frame.jitter.strata;
+        let n = n_pixels * strata[0] * strata[1];
+        Ok(Samples {
+            device,
+            kernels,
+            strata,
+            n,
+            head: [0; 7],
+            offsets: Buffer::of(device, "sample places", &places(&frame.jitter))?,
+            depth: Buffer::zeros(device, "sample depths", n)?,
+            before: Buffer::zeros(device, "earlier sample depths", n)?,
+            visible: Buffer::zeros(device, "visible micropolygons", n)?,
+            color: Buffer::zeros(device, "sample colours", n)?,
+            blocks: Buffer::zeros(device, "block depths", n_blocks)?,
+            points: Buffer::zeros(device, "raster points", 1)?,
+            micropolygons: Buffer::zeros(device, "micropolygons", 1)?,
+            n_points: 0,
+            n_places: 0,
+            n_micropolygons: 0,
+            blur: frame.jitter.moments.as_ref().map(|moments| Blur::new(device, frame, moments)).transpose()?,
+            colors: Buffer::zeros(device, "point colours", 1)?,
+        })
+    }
+
+    /// Begin a window: nothing is there.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn start(&mut self, window: &Window) -> Result<(), GpuError> {
+        let ([x, y], [width, height]) = (window.corner.map(|x| x as i32 as u32), window.size.map(|n| n as u32));
+        self.head = [x, y, width, height, self.strata[0] as u32, self.strata[1] as u32, 0];
+        self.n = window.size[0] * window.size[1] * self.strata[0] * self.strata[1];
+        self.forget();
+        let mut commands = Commands::new();
+        let bound = [self.depth.bind(), self.visible.bind(), self.color.bind()];
+        let work = groups(self.n, 256);
+        commands.dispatch(self.device, &self.kernels.clear_samples, &bound, &[self.n as u32], work);
+        commands.submit(self.device)?;
+        Ok(())
+    }
+
+    /// No micropolygons wait for their colours.
+    fn forget(&mut self) {
+        (self.n_points, self.n_places, self.n_micropolygons) = (0, 0, 0);
+        if let Some(blur) = &mut self.blur {
+            blur.n = 0;
+        }
+    }
+
+    /// The number of places of micropolygons that wait for their colours: points at all moments.
+    pub fn n_places(&self) -> usize {
+        self.n_places
+    }
+
+    /// Sample the micropolygons of grids; the depths of the window's blocks are what they are then.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`] and [`Device::check`].
+    pub fn sample(&mut self, frame: &Frame<'_>, grids: &[Diced], window: &mut Window) -> Result<(), GpuError> {
+        let first = self.n_micropolygons;
+        self.upload(frame, grids)?;
+        let n = self.n_micropolygons - first;
+        let Samples { device, kernels, depth, before, visible, .. } = &*self;
+        let (seen, params) = self.seen([first, n]);
+        let [depth_kernel, id_kernel] = match &self.blur {
+            Some(_) => [&kernels.blur_depth, &kernels.blur_id],
+            None => [&kernels.sample_depth, &kernels.sample_id],
+        };
+        let mut commands = Commands::new();
+        commands.copy(depth, before, self.n);
+        let bound: Vec<_> = seen.iter().copied().chain([depth.bind()]).collect();
+        commands.dispatch(device, depth_kernel, &bound, &params, groups(n, 64));
+        let bound = [depth.bind(), before.bind(), visible.bind()];
+        commands.dispatch(device, &kernels.uncover, &bound, &[self.n as u32], groups(self.n, 256));
+        let bound: Vec<_> = seen.iter().copied().chain([depth.bind(), before.bind(), visible.bind()]).collect();
+        commands.dispatch(device, id_kernel, &bound, &params, groups(n, 64));
+        let n_blocks = window.size[0].div_ceil(BLOCK) * window.size[1].div_ceil(BLOCK);
+        let per_pixel = self.strata[0] * self.strata[1];
+        let params = [self.head[2], self.head[3], per_pixel as u32, n_blocks as u32];
+        let bound = [depth.bind(), self.blocks.bind()];
+        commands.dispatch(device, &kernels.block_depth, &bound, &params, groups(n_blocks, 64));
+        commands.submit(device)?;
+        window.blocks = self.blocks.read(device, n_blocks)?.into_iter().map(depth_of).collect();
+        Ok(())
+    }
+
+    /// What kernels over micropolygons bind first, and what they are told: the part, and a first micropolygon and their count.
+    fn seen(&self, range: [usize; 2]) -> (Vec<Bound<'_>>, Vec<u32>) {
+        let mut bound = vec![self.points.bind(), self.micropolygons.bind(), self.offsets.bind()];
+        let mut params: Vec<u32> = self.head.into_iter().chain(range.map(|n| n as u32)).collect();
+        if let Some(blur) = &self.blur {
+            bound.extend([blur.moments.bind(), blur.strata.bind(), blur.tracks.bind()]);
+            params.extend(blur.lens);
+        }
+        (bound, params)
+    }
+
+    fn upload(&mut self, frame: &Frame<'_>, grids: &[Diced]) -> Result<(), GpuError> {
+        let (mut points, mut micropolygons, mut tracks) = (vec![], vec![], vec![]);
+        let mut n_points = self.n_points;
+        let first_track = self.blur.as_ref().map_or(0, |blur| blur.n);
+        for grid in grids {
+            let a = frame.scene.attributes(grid.item);
+            let flags = if a.smooth { SMOOTH } else { 0 } | if a.matte { MATTE } else { 0 };
+            let (first, nu, track) = (n_points as u32, grid.points.nu as u32, (first_track + tracks.len()) as u32);
+            if self.blur.is_some() {
+                let place = (self.n_places + points.len()) as u32;
+                tracks.extend([[first, place, grid.points.n() as u32, track + 2], [grid.keys.len() as u32, 0, 0, 0]]);
+                tracks.extend(grid.keys.iter().map(|key| key.map(f32::to_bits)));
+            }
+            points.extend(grid.raster.iter().flatten().map(|[x, y, z]| [*x, *y, *z, 0.0]));
+            micropolygons.extend(grid.micropolygons.iter().map(|k| [first + k, nu, flags, track]));
+            n_points += grid.points.n();
+        }
+        self.points.reserve(self.device, self.n_places + points.len())?;
+        self.micropolygons.reserve(self.device, self.n_micropolygons + micropolygons.len())?;
+        self.points.write_from(self.device, self.n_places, &points);
+        self.micropolygons.write_from(self.device, self.n_micropolygons, &micropolygons);
+        if let Some(blur) = &mut self.blur {
+            blur.tracks.reserve(self.device, first_track + tracks.len())?;
+            blur.tracks.write_from(self.device, first_track, &tracks);
+            blur.n += tracks.len();
+        }
+        self.n_points = n_points;
+        self.n_places += points.len();
+        self.n_micropolygons += micropolygons.len();
+        Ok(())
+    }
+
+    /// Which points of the micropolygons that wait are visible, a bit each.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::zeros`] and [`Buffer::read`].
+    pub fn visible_points(&self) -> Result<Vec<u32>, GpuError> {
+        let n_words = self.n_points.div_ceil(32);
+        let wanted = Buffer::<u32>::zeros(self.device, "visible points", n_words)?;
+        let mut commands = Commands::new();
+        let bound = [self.visible.bind(), self.micropolygons.bind(), wanted.bind()];
+        let work = groups(self.n, 256);
+        commands.dispatch(self.device, &self.kernels.visible_points, &bound, &[self.n as u32], work);
+        commands.submit(self.device)?;
+        wanted.read(self.device, n_words)
+    }
+
+    /// The ids of what is visible at each sample, pixel after pixel: twice the micropolygon's number, and 1 more for its second triangle; all
+    /// bits where nothing waits for its colour.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn visible(&self) -> Result<Vec<u32>, GpuError> {
+        self.visible.read(self.device, self.n)
+    }
+
+    /// The colours of the points of the micropolygons that wait, black so far, for shading to fill.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::reserve`].
+    pub fn colors(&mut self) -> Result<&Buffer<[f32; 4]>, GpuError> {
+        self.colors.reserve(self.device, self.n_points)?;
+        let mut commands = Commands::new();
+        commands.clear(&self.colors);
+        commands.submit(self.device)?;
+        Ok(&self.colors)
+    }
+
+    /// Give the samples their colours: nothing waits any more.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn set_colors(&mut self) -> Result<(), GpuError> {
+        let (mut bound, params) = self.seen([0, 0]);
+        bound.extend([self.colors.bind(), self.visible.bind(), self.color.bind()]);
+        let kernel = if self.blur.is_some() { &self.kernels.blur_colors } else { &self.kernels.sample_colors };
+        let mut commands = Commands::new();
+        commands.dispatch(self.device, kernel, &bound, &params, groups(self.n, 64));
+        commands.submit(self.device)?;
+        self.forget();
+        Ok(())
+    }
+
+    /// The filtered pixels of the window but for its margins, row by row.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::zeros`] and [`Buffer::read`].
+    pub fn pixels(&self, frame: &Frame<'_>) -> Result<Vec<[f32; 4]>, GpuError> {
+        let [x, y] = frame.filter.axes();
+        let margin = frame.margin().map(|n| n as u32);
+        let kind = if frame.filter.is_pixel() { 1 } else { 2 * x.kind.is_round() as u32 };
+        let table: Vec<f32> = x.table.iter().chain(&y.table).copied().collect();
+        let table = Buffer::of(self.device, "filter", &table)?;
+        let own = [margin[0], margin[1], x.half.to_bits(), y.half.to_bits(), x.table.len() as u32, kind];
+        let params: Vec<u32> = self.head[..6].iter().copied().chain(own).collect();
+        let n = ((self.head[2] - 2 * margin[0]) * (self.head[3] - 2 * margin[1])) as usize;
+        let pixels = Buffer::zeros(self.device, "pixels", n)?;
+        let mut commands = Commands::new();
+        let bound = [self.color.bind(), self.offsets.bind(), table.bind(), pixels.bind()];
+        commands.dispatch(self.device, &self.kernels.filter, &bound, &params, groups(n, 64));
+        commands.submit(self.device)?;
+        pixels.read(self.device, n)
+    }
+}
+
+/// The depth of a key, which rises with it.
+fn depth_of(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key ^ 0x8000_0000 } else { !key })
+}
+
+impl Blur {
+    fn new(device: &Device, frame: &Frame<'_>, of: &Moments) -> Result<Blur, GpuError> {
+        let n = of.bounds.len();
+        let mut moments = vec![[0.0; 4]; 2 * PERIOD * PERIOD * n];
+        for (pixel, stratum) in (0..PERIOD * PERIOD).flat_map(|pixel| (0..n).map(move |stratum| (pixel, stratum))) {
+            let ([column, row], [time, x, y]) = of.of((pixel % PERIOD) as i64, (pixel / PERIOD) as i64, stratum);
+            // Without a lens, samples are in the order of their times.
+            let place = row as usize * frame.jitter.strata[0] + column as usize;
+            let sample = if frame.jitter.lens { place } else { stratum };
+            let moment = [time, x, y, sample as f32];
+            moments[pixel * n + stratum] = moment;
+            moments[(PERIOD * PERIOD + pixel) * n + sample] = moment;
+        }
+        let strata: Vec<[f32; 2]> = of.bounds.iter().flatten().copied().collect();
+        let lens = match frame.camera.focus() {
+            Some([reach, sharp]) => [1, reach.to_bits(), (1.0 / sharp).to_bits(), frame.camera.near.to_bits()],
+            None => [0; 4],
+        };
+        Ok(Blur {
+            moments: Buffer::of(device, "sample moments", &moments)?,
+            strata: Buffer::of(device, "strata", &strata)?,
+            tracks: Buffer::zeros(device, "tracks", 1)?,
+            n: 0,
+            lens,
+        })
+    }
+}
+
+/// The places of samples in their pixels, by their numbers: row by row of strata, or in images of motion without a lens by their times.
+fn places(jitter: &Jitter) -> Vec<[f32; 2]> {
+    let Some(moments) = jitter.moments.as_ref().filter(|_| !jitter.lens) else { return jitter.offsets().to_vec() };
+    let [nx, ny] = jitter.strata;
+    let place = |k: usize| {
+        let (x, y) = (k % (PERIOD * nx), k / (PERIOD * nx));
+        let pixel = [(x / nx) as i64, (y / ny) as i64];
+        let (stratum, _) = moments.of(pixel[0], pixel[1], y % ny * nx + x % nx);
+        jitter.in_pixel(pixel, stratum.map(usize::from))
+    };
+    (0..jitter.offsets().len()).map(place).collect()
+}

@@ -1,0 +1,139 @@
+//! What shaders' kernels read of the scene: what stops light, and what closes the sky. The layout stands in `world.wgsl`, `rays.wgsl` and
+//! `sky.wgsl`.
+
+use crate::cpu::bvh::{Bvh, Occluder};
+use crate::cpu::openness::Surroundings;
+use crate::cpu::tree::Tree;
+use crate::scene::source::Item;
+use glam::{Vec3, Vec4};
+use sl::wgsl::Query;
+
+/// The queries that kernels may ask, and the text of their answers.
+pub const FUNCTIONS: [(Query, &str); 4] = [
+    (Query::Transmission, include_str!("transmission.wgsl")),
+    (Query::Map, include_str!("shadow.wgsl")),
+    (Query::Hit, include_str!("hit.wgsl")),
+    (Query::Openness, include_str!("sky.wgsl")),
+];
+
+/// Those that ask what rays meet.
+pub const OF_RAYS: [Query; 3] = [Query::Transmission, Query::Map, Query::Hit];
+
+/// What these need.
+pub const DECLARATIONS: &str = concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"));
+
+/// Rows of the head.
+const HEAD: usize = 3;
+
+/// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
+pub fn rows(rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
+    let mut rows = vec![[0; 4]; HEAD];
+    if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
+        rows[0] = [push_tree(&mut rows, bvh.tree()), 0, bvh.tree().nodes().len() as u32, 0];
+        rows[0][1] = rows.len() as u32;
+        bvh.occluders().iter().for_each(|(item, occluder)| push_occluder(&mut rows, bvh, id(*item), occluder));
+    }
+    if let Some(sky) = sky {
+        push_sky(&mut rows, sky, id);
+    }
+    rows
+}
+
+fn bits(v: Vec4) -> [u32; 4] {
+    v.to_array().map(f32::to_bits)
+}
+
+fn point(v: Vec3) -> [u32; 4] {
+    bits(v.extend(0.0))
+}
+
+/// Add the nodes of a tree; the row of the first.
+fn push_tree(rows: &mut Vec<[u32; 4]>, tree: &Tree) -> u32 {
+    let first = rows.len() as u32;
+    let nodes = tree.nodes();
+    let next =
+        walk(nodes.len(), |k| (nodes[k].max_count.w.to_bits() == 0).then(|| nodes[k].min_at.w.to_bits() as usize));
+    for (node, next) in nodes.iter().zip(next) {
+        let ([x, y, z, at], [u, v, w, count]) = (bits(node.min_at), bits(node.max_count));
+        rows.extend([[x, y, z, next], [u, v, w, if count == 0 { 0 } else { at << 3 | count }]]);
+    }
+    first
+}
+
+/// Of the nodes of a tree, each of which stands before its first child, the next that is not below each: `second` has the second child of
+/// an inner node.
+fn walk(n: usize, second: impl Fn(usize) -> Option<usize>) -> Vec<u32> {
+    let mut next = vec![n as u32; n];
+    for k in 0..n {
+        if let Some(second) = second(k) {
+            next[second] = next[k];
+            next[k + 1] = second as u32;
+        }
+    }
+    next
+}
+
+fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, id: u32, occluder: &Occluder) {
+    let none = [0; 4];
+    rows.extend(match *occluder {
+        Occluder::Sphere { center, radius } => [[0, id, 0, 0], bits(center.extend(radius)), none, none],
+        Occluder::Ellipsoid { inverse } => {
+            let m = bvh.inverse(inverse);
+            [[1, id, 0, 0], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
+        }
+        Occluder::Triangle { a, ab, ac, flat } => [[3 - flat as u32, id, 0, 0], point(a), point(ab), point(ac)],
+    });
+}
+
+fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u32) {
+    let spheres = &sky.spheres;
+    if !spheres.tree.is_empty() {
+        rows[1] = [push_tree(rows, &spheres.tree), 0, 0, spheres.tree.nodes().len() as u32];
+        rows[1][1] = rows.len() as u32;
+        for round in &spheres.rounds {
+            rows.push([id(round.item), round.axes.unwrap_or(0), round.axes.is_some() as u32, 0]);
+            rows.push(bits(round.center.extend(round.radius)));
+        }
+        rows[1][2] = rows.len() as u32;
+        rows.extend(spheres.axes.iter().flat_map(|axes| axes.map(point)));
+    }
+    let facets = &sky.facets;
+    if !facets.nodes.is_empty() {
+        rows[2] = [rows.len() as u32, 0, facets.nodes.len() as u32, 0];
+        let nodes = &facets.nodes;
+        let next = walk(nodes.len(), |k| (!nodes[k].leaf).then_some(nodes[k].next as usize));
+        for (node, next) in nodes.iter().zip(next) {
+            rows.push(bits(node.center.extend(node.radius)));
+            rows.push(bits(node.normal.extend(node.area)));
+            rows.push([next, if node.leaf { node.next } else { 0 }, node.leaf as u32, 0]);
+        }
+        rows[2][1] = rows.len() as u32;
+        for facet in &facets.facets {
+            let [a, b, c, d] = facet.corners.map(point);
+            let size = facet.area.length().sqrt();
+            rows.extend([[a[0], a[1], a[2], facet.closed as u32], b, c, d, bits(facet.area.extend(size))]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cpu::openness::cones::cones;
+
+    #[test]
+    fn kernels_have_the_axes_of_the_cones() {
+        let rows =
+            include_str!("sky.wgsl").lines().filter_map(|line| line.strip_prefix("    vec3<f32>(")?.strip_suffix("),"));
+        let axes: Vec<Vec<f32>> = rows.map(|row| row.split(", ").filter_map(|x| x.parse().ok()).collect()).collect();
+        let own: Vec<Vec<f32>> = cones().iter().map(|axis| axis.to_array().to_vec()).collect();
+        assert_eq!(axes, own);
+    }
+
+    #[test]
+    fn a_walk_goes_on_behind_what_it_leaves_out() {
+        // 0 has 1 and 4, 1 has 2 and 3, 4 has 5 and 6.
+        let second = [Some(4), Some(3), None, None, Some(6), None, None];
+        assert_eq!(walk(7, |k| second[k]), [7, 4, 3, 4, 7, 6, 7]);
+    }
+}

@@ -1,0 +1,68 @@
+//! `scree render --backend gpu` and `scree bench render --backend gpu`, on an adapter, where there is one.
+
+use crate::cli::{scratch, scree};
+use crate::devices::has_adapter;
+
+const CAMERA: &str =
+    "Format 96 72 1 PixelSamples 4 4 PixelFilter \"gaussian\" 2 2 Projection \"perspective\" \"fov\" 45
+    Translate 0 0 6 Rotate -35 1 0 0 Rotate 20 0 1 0\n";
+
+/// The command says once why the processor has drawn images, and chooses adapters.
+#[test]
+fn scree_render_draws_on_a_device() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = scratch();
+    let scene = folder.path().join("t.rib");
+    let write = |options: &str| {
+        let world = "WorldBegin LightSource \"distantlight\" 1 Surface \"matte\" Sphere 1 -1 1 360 WorldEnd";
+        std::fs::write(&scene, format!("Display \"t.png\" \"png\" \"rgb\" {options} {CAMERA}{world}")).unwrap();
+    };
+    let out = folder.path().display().to_string();
+    let command = ["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", "0"];
+    write("");
+    let answer = scree(&command);
+    assert!(!answer.errors().contains("processor"), "{}", answer.errors());
+    answer.ok();
+    write("ClippingPlane 0 0 0 0 0 1");
+    let answer = scree(&command);
+    assert_eq!(
+        answer.errors().matches("the processor has drawn the image: the scene has clipping planes").count(),
+        1,
+        "{}",
+        answer.errors()
+    );
+    answer.ok();
+    let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--backend", "gpu", "--adapter", "nobody's"]);
+    assert!(answer.fails(2).contains("nobody's"));
+    let answer = scree(&["render", scene.to_str().unwrap(), "-o", &out, "--adapter", "0"]);
+    assert!(answer.fails(2).contains("--backend gpu"));
+}
+
+/// The benchmark compares both back ends.
+#[test]
+fn the_benchmark_compares_both_back_ends() {
+    if !has_adapter() {
+        return;
+    }
+    let answer = scree(&[
+        "bench",
+        "render",
+        "--n",
+        "300",
+        "--res",
+        "96x54",
+        "--backend",
+        "gpu",
+        "--adapter",
+        "0",
+        "--compare",
+        "cpu",
+        "--json",
+    ]);
+    let json: serde_json::Value = serde_json::from_str(&answer.ok()).unwrap();
+    let part = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{json}"));
+    assert!(part("ids_equal_fraction") >= 0.9999 && part("pixels_within_2_fraction") >= 0.999, "{json}");
+    assert!(json["backend"] == "gpu" && json["adapter"].is_string(), "{json}");
+}
