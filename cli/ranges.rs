@@ -50,7 +50,7 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
     let n = binding.objects.len();
     for i in 0..n {
         let Some([_, longest]) = found.range(n + i) else { continue };
-        if !matches!(binding.objects[i].shape, Shape::Arrow(Arrow { scale: None, .. })) {
+        if longest == 0.0 || !matches!(binding.objects[i].shape, Shape::Arrow(Arrow { scale: None, .. })) {
             continue;
         }
         let by_longest = emit::arrow_scale(binding, i, longest)?;

@@ -118,7 +118,7 @@ bodies:
     // 0.5 m for the weight of 2500 kg/m³ · 4/3 π (0.1 m)³ · 9.81 m/s² = 102.7 N.
     let arrow = "{arrow: {vector: ['abs(force_x)', 'abs(force_y)', 'abs(force_z)'], scale: 0.004868}}";
     let object = format!("  - {{name: f, rows: contacts, geometry: {arrow}, color: [0.8, 0.1, 0.1]}}\n");
-    assert_near(extent(work.path(), "{run: run}", &object, 5), [0.28, 0.32, -0.5, 0.0], "the weight");
+    assert_near(extent(work.path(), "{run: run}", &object, 4), [0.28, 0.32, -0.5, 0.0], "the weight");
     let file = metadata(work.path(), "{run: plain}", &object);
     let said = scree(&["render", &file, "-o", "o", "--res", "20x20"]).fails(3);
     assert!(said.contains("contact_tables") && said.contains("m.yaml:6"), "{said}");

@@ -142,6 +142,8 @@ impl Curves {
         if !self.colors.is_empty() {
             params.push(param("Cs", Class::Varying, Type::Color, self.colors.clone()));
         }
+        // They fade along few pixels, whatever the quality.
+        ri.shading_rate(1.0)?;
         ri.basis(THROUGH, 1, THROUGH, 1)?;
         ri.curves("cubic", self.n_vertices.clone(), "nonperiodic", params)
     }
