@@ -3,10 +3,11 @@
 use crate::failed::MissingValues;
 use crate::job::{CheckJob, FileKind, ImageJob, ImageOptions, ShaderFile, sweep};
 use crate::library;
+use crate::overlay::{Overlay, Prepared};
 use crate::report::{Exit, Failure, Outcome};
 use crate::shader;
 use crate::source::{self, Yaml};
-use bind::emit;
+use bind::{Moment, emit};
 use frame::{Fault, FaultKind};
 use render::Context;
 use render::ri::files::{Files, Permission};
@@ -133,8 +134,11 @@ fn check_image(job: &ImageJob, said: &mut Said) -> Outcome {
     context.dry = true;
     let image = job.image(frame);
     context.image = Some(image.to_string_lossy().into());
-    let missing =
-        emit::frame(&job.binding, &job.source.read(frame)?, &image.to_string_lossy(), &job.files, &mut context)?;
+    let table = job.source.read(frame)?;
+    let overlays = Prepared::find(&job.binding, &job.source)?;
+    Overlay::of(&job.binding, &overlays, &table)?.check(job.binding.output.resolution)?;
+    let moment = Moment::of(&job.binding, &job.source, &table)?;
+    let missing = emit::frame(&job.binding, &moment, &image.to_string_lossy(), &job.files, &mut context)?;
     let mut values = MissingValues::default();
     values.add(frame, &missing);
     said.notes.extend(values.notes());

@@ -11,7 +11,7 @@ use crate::overlay::{Overlay, Prepared};
 use crate::progress::Progress;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
-use bind::emit;
+use bind::{Moment, emit};
 use frame::{Fault, FaultKind, Frame, list};
 use render::film::bucket::Shard;
 use render::ri::imprint::Imprint;
@@ -57,7 +57,7 @@ fn standings_of(job: &ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standi
     for (done, frame) in job.frames.iter().enumerate() {
         let imprint = job.source.read(*frame).map_err(Failure::from).and_then(|table| {
             let about = work.about(&table);
-            work.imprint(&table, &about)
+            work.imprint(&Moment::of(&job.binding, &job.source, &table)?, &about)
         });
         let whole = work.file(*frame);
         let mut of_frame = vec![];
@@ -195,7 +195,8 @@ impl<'a> Work<'a> {
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
         self.job.binding.check_columns(&table).map_err(|fault| Fault { kind: FaultKind::Data, ..fault })?;
         let about = self.about(&table);
-        let imprint = self.imprint(&table, &about)?;
+        let moment = Moment::of(&self.job.binding, &self.job.source, &table)?;
+        let imprint = self.imprint(&moment, &about)?;
         let whole = self.job.image(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let standing = if self.job.redraw { Standing::Changed } else { self.standing(file, &whole, &imprint) };
         let lacks_statistics = || self.statistics.write && !self.job.folder.join(format!("{file}.stats.json")).exists();
@@ -211,7 +212,7 @@ impl<'a> Work<'a> {
             why => *tally.again.entry(why.to_string()).or_default() += 1,
         }
         guard::trace();
-        let result = self.draw(&table, about, drawer)?;
+        let result = self.draw(&moment, about, drawer)?;
         if let DrawnBy::Fallback(why) = &result.drawn_by {
             *tally.fallen_back.entry(why.clone()).or_default() += 1;
         }
@@ -258,13 +259,13 @@ impl<'a> Work<'a> {
     }
 
     /// A hash of all that is drawn: the program, and every call to the renderer, which has data, metadata and scene in it.
-    fn imprint(&self, table: &Frame, about: &[(String, String)]) -> Outcome<String> {
+    fn imprint(&self, moment: &Moment, about: &[(String, String)]) -> Outcome<String> {
         let mut hasher = blake3::Hasher::new();
         hasher.update(env!("CARGO_PKG_VERSION").as_bytes()).update(self.job.library.as_bytes());
         hasher.update(format!("{about:?}").as_bytes());
-        hasher.update(self.overlay(table)?.imprint().as_bytes());
+        hasher.update(self.overlay(moment.frame)?.imprint().as_bytes());
         let mut ri = Imprint::new(hasher);
-        emit::frame(&self.job.binding, table, "image", &self.job.files, &mut ri)?;
+        emit::frame(&self.job.binding, moment, "image", &self.job.files, &mut ri)?;
         Ok(ri.into_inner().finalize().to_hex().to_string())
     }
 
@@ -274,15 +275,15 @@ impl<'a> Work<'a> {
     }
 
     /// Render a frame and write its image.
-    fn draw(&mut self, table: &Frame, about: Vec<(String, String)>, drawer: &mut Drawer) -> Outcome<RenderResult> {
-        let job = self.job;
+    fn draw(&mut self, moment: &Moment, about: Vec<(String, String)>, drawer: &mut Drawer) -> Outcome<RenderResult> {
+        let (job, table) = (self.job, moment.frame);
         let mut context = context(&job.files)?;
         (context.shard, context.about) = (self.shard, about);
         context.device = drawer.device()?;
         let image = job.image(table.number).to_string_lossy().to_string();
         context.image = Some(image.clone());
         context.allow_outside = job.allow_outside;
-        let missing = emit::frame(&job.binding, table, &image, &job.files, &mut context)?;
+        let missing = emit::frame(&job.binding, moment, &image, &job.files, &mut context)?;
         self.values.add(table.number, &missing);
         let no_world = || Failure::new(Exit::Input, "the scene has no WorldBegin and WorldEnd: there is no image");
         write(context, &job.folder, Some(&self.overlay(table)?))?.pop().ok_or_else(no_world)

@@ -3,8 +3,8 @@
 use crate::failed::MissingValues;
 use crate::job::{InspectJob, Suggestion};
 use crate::report::{Exit, Failure, Outcome};
-use bind::emit;
 use bind::metadata::Data;
+use bind::{Moment, emit};
 use frame::table::Kind;
 use frame::{Column, Frame, list};
 use std::collections::{BTreeMap, BTreeSet};
@@ -102,7 +102,7 @@ fn warn_of_faults(path: &Path, frames: &[Frame]) -> Outcome {
     let binding = bind::read(path)?;
     let (mut values, mut faults) = (MissingValues::default(), vec![]);
     for frame in frames {
-        match binding.check_columns(frame).and_then(|()| emit::check(&binding, frame)) {
+        match binding.check_columns(frame).and_then(|()| emit::check(&binding, &Moment::alone(frame))) {
             Ok(missing) => values.add(frame.number, &missing),
             Err(fault) => faults.push((frame.number, fault)),
         }

@@ -43,6 +43,13 @@ impl Overlay<'_> {
         if overlays.is_empty() { String::new() } else { format!("{overlays:?} {:?}", self.content) }
     }
 
+    /// Check that they can be drawn into an image of a size.
+    pub fn check(&self, [width, height]: [u32; 2]) -> Result<(), Fault> {
+        let size = [width as usize, height as usize];
+        let em = block::em(size, self.binding.overlays.size);
+        self.blocks(size, em, &Style::on(self.binding.overlays.panel)).map(|_| ())
+    }
+
     /// Whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         self.binding.overlays.is_empty()

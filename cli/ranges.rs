@@ -4,9 +4,9 @@ use crate::job::ImageJob;
 use crate::ledger::Ledger;
 use crate::progress::Progress;
 use crate::report::Outcome;
-use bind::binding::Color;
+use bind::binding::{Arrow, Camera, Color, Shape};
 use bind::data::Source;
-use bind::{Binding, emit};
+use bind::{Binding, Moment, emit};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,12 +16,15 @@ use std::path::Path;
 struct Found {
     /// Hash of the objects and of how the data is read.
     of: String,
-    /// Of each frame, what its table was, and the range of each object's values.
+    /// Of each frame, what its table was, and the ranges of each object's values, then those of the lengths of its arrows.
     frames: BTreeMap<u64, (String, Vec<Option<[f64; 2]>>)>,
+    /// Where what the camera follows is in each frame.
+    #[serde(default)]
+    followed: BTreeMap<u64, [f64; 3]>,
 }
 
 impl Found {
-    /// The range of an object's values in all frames.
+    /// The range of an object's values in all frames; after those of all objects, of the lengths of its arrows.
     fn range(&self, object: usize) -> Option<[f64; 2]> {
         let ranges = self.frames.values().filter_map(|(_, ranges)| *ranges.get(object)?);
         ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
@@ -39,11 +42,28 @@ pub fn settle(job: &mut ImageJob) -> Outcome {
 
 /// Settle the ranges that a binding leaves open, of all frames of its data; what has been found is kept in a file.
 pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> Outcome {
-    let is_open = |color: &Color| matches!(color, Color::By { range: None, .. });
-    if !binding.objects.iter().any(|object| is_open(&object.color)) {
+    if !binding.is_open() {
         return Ok(());
     }
     let (found, before) = scan(binding, source, kept)?;
+    settle_camera(binding, source, &found);
+    let n = binding.objects.len();
+    for i in 0..n {
+        let Some([_, longest]) = found.range(n + i) else { continue };
+        if longest == 0.0 || !matches!(binding.objects[i].shape, Shape::Arrow(Arrow { scale: None, .. })) {
+            continue;
+        }
+        let by_longest = emit::arrow_scale(binding, i, longest)?;
+        let object = &mut binding.objects[i];
+        if let Shape::Arrow(Arrow { scale, .. }) = &mut object.shape {
+            *scale = Some(by_longest);
+        }
+        let name = &object.name;
+        eprintln!(
+            "note: the longest arrow of `{name}` is {longest}, drawn {} m long: `scale: {by_longest}`",
+            by_longest * longest
+        );
+    }
     for (i, object) in binding.objects.iter_mut().enumerate() {
         if let Color::By { range: range @ None, .. } = &mut object.color {
             *range = found.range(i);
@@ -63,26 +83,45 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
     Ok(())
 }
 
+/// Settle the way of the camera, over the frames of the data and those that it will have.
+fn settle_camera(binding: &mut Binding, source: &Source, found: &Found) {
+    let numbers: Vec<u64> = source.numbers().into_iter().chain(source.missing()).collect();
+    if let (Some(Camera::Placed(camera)), Some(first), Some(last)) =
+        (&mut binding.camera, numbers.iter().min(), numbers.iter().max())
+    {
+        camera.settle([*first, *last], &found.followed);
+    }
+}
+
 /// The ranges of all frames of the data, and what was kept of them. Frames that were looked at before, and are as they were, are not read again; those that cannot
 /// be read have none.
 fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<(Found, Found)> {
     let read = |bytes: Vec<u8>| serde_json::from_slice::<Found>(&bytes).ok();
     let before = kept.and_then(|path| read(std::fs::read(path).ok()?)).unwrap_or_default();
-    let text = format!("{:?}{:?}{:?}", binding.objects, source.derive, source.select);
+    let follow = match &binding.camera {
+        Some(Camera::Placed(camera)) => camera.follow.as_ref().map(|follow| &follow.expr),
+        _ => None,
+    };
+    let text = format!("{:?}{:?}{:?}{follow:?}", binding.objects, source.derive, source.select);
     let of = blake3::hash(text.as_bytes()).to_hex().to_string();
     let is_known = before.of == of;
-    let mut found = Found { of, frames: BTreeMap::new() };
+    let mut found = Found { of, frames: BTreeMap::new(), followed: BTreeMap::new() };
     let numbers = source.numbers();
     let mut progress = None;
     for (done, number) in numbers.iter().enumerate() {
         let stamp = source.stamp(*number);
         if let Some(known) = before.frames.get(number).filter(|known| is_known && known.0 == stamp) {
             found.frames.insert(*number, known.clone());
+            found.followed.extend(before.followed.get(number).map(|place| (*number, *place)));
             continue;
         }
         let progress =
             progress.get_or_insert_with(|| Progress::start("looking for ranges", numbers.len() as u64, "frames"));
-        let ranges = source.read(*number).map(|table| emit::color_ranges(binding, &table));
+        let ranges = source.read(*number).and_then(|table| {
+            found.followed.extend(emit::followed(binding, &table).map(|place| (*number, place)));
+            let moment = Moment::still(binding, source, &table)?;
+            Ok([emit::color_ranges(binding, &moment), emit::arrow_ranges(binding, &moment)].concat())
+        });
         found.frames.insert(*number, (stamp, ranges.unwrap_or_default()));
         progress.at(done as u64 + 1);
     }

@@ -6,7 +6,7 @@ use crate::library;
 use crate::model_run;
 use crate::ranges;
 use crate::report::{Exit, Failure, Outcome};
-use bind::emit;
+use bind::{Moment, emit};
 use frame::list;
 use render::ri::writer::Writer;
 use std::io::Write;
@@ -25,7 +25,13 @@ pub fn run(job: RibJob) -> Outcome {
     ranges::of_data(&mut binding, &source, None)?;
     let files = binding.files(library::files(&binding.folder()));
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
-    let missing = emit::frame(&binding, &table, &format!("{:06}.png", job.frame), &files, &mut writer)?;
+    let missing = emit::frame(
+        &binding,
+        &Moment::of(&binding, &source, &table)?,
+        &format!("{:06}.png", job.frame),
+        &files,
+        &mut writer,
+    )?;
     let mut values = MissingValues::default();
     values.add(job.frame, &missing);
     values.warn();

@@ -113,3 +113,71 @@ fn wrong_keys_are_refused_at_their_place() {
         }
     }
 }
+
+#[test]
+fn a_turntable_is_a_loop_and_turns_by_equal_angles() {
+    let turned = |camera: &str| {
+        draw(&format!("{{eye: [0, -4, 1], look_at: [0, 0, 0], {camera}}}"), "white_page.rib", &SPHERE)[0].clone()
+    };
+    let [turns, orbit] = ["turns: 1", "orbit: 120"].map(turned);
+    assert!(turns == orbit, "three frames are thirds of a turn");
+    assert!(turned("turns: -1")[1] == turns[2], "the other way round");
+    let work = scratch();
+    let file =
+        metadata(work.path(), "{eye: [0, -4, 1], look_at: [0, 0, 0], turns: 1, orbit: 3}", "white_page.rib", &SPHERE);
+    assert!(scree(&["check", &file]).fails(3).contains("instead of `orbit`"));
+}
+
+#[test]
+fn a_damped_camera_follows_without_shaking_or_lagging() {
+    let work = scratch();
+    // A body that goes along x, up and down by 0.2 m from frame to frame, and one that rests.
+    for frame in 0..9 {
+        let z = if frame % 2 == 0 { 0.1 } else { -0.1 };
+        let rows = format!("pos_x,pos_y,pos_z,r\n{},0,{z},0.1\n", 0.5 * frame as f64);
+        std::fs::write(work.path().join(format!("s_{frame}.csv")), rows).unwrap();
+    }
+    let place = |damping: &str, frame: u32| {
+        let text = format!(
+            "data: {{files: 's_*.csv'}}\nscene: white_page.rib\ncamera: {{eye: [0, -4, 0], look_at: [0, 0, 0], follow: r > 0{damping}}}\nobjects:
+  - {{name: spheres, geometry: {{sphere: {{radius: r}}}}, color: [0.9, 0.1, 0.1]}}\noutput: {{resolution: [320, 180], samples: [4, 4]}}\n"
+        );
+        let (file, out) = (work.path().join("m.yaml"), work.path().join("o"));
+        std::fs::write(&file, text).unwrap();
+        scree(&["render", file.to_str().unwrap(), "-o", out.to_str().unwrap(), "-f", &frame.to_string()]).ok();
+        middle(&image::open(out.join(format!("{frame:06}.png"))).unwrap().to_rgb8(), 0, 320)
+    };
+    // The view is 2.52 m high: 0.1 m are 7.1 pixels.
+    for frame in [0, 3, 4, 8] {
+        let [x, y] = place(", damping: 3", frame);
+        let up = if frame % 2 == 0 { -7.1 } else { 7.1 };
+        let end = frame == 0 || frame == 8;
+        assert!((x - 160.0).abs() < 1.0, "frame {frame}: it does not lag: {x}");
+        assert!(end || (y - 90.0 - up).abs() < 1.5, "frame {frame}: it does not shake: {y}");
+        assert!((place("", frame)[1] - 90.0).abs() < 1.0, "undamped it shakes along");
+    }
+    let file = metadata(work.path(), "{eye: [0, -4, 1], look_at: [0, 0, 0], damping: 3}", "white_page.rib", &SPHERE);
+    assert!(scree(&["check", &file]).fails(3).contains("needs `follow`"));
+}
+
+#[test]
+fn scenes_are_as_large_as_the_data() {
+    let scenes = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+    let mut n = 0;
+    for scene in scenes.map(|e| e.unwrap().file_name().into_string().unwrap()) {
+        let image = |size: f32| {
+            let spheres = [[0.1, 0.0, 0.2, 0.2], [-0.3, 0.2, 0.1, 0.1]].map(|sphere| sphere.map(|x: f32| x * size));
+            let camera = format!("{{eye: [{}, {}, {}], look_at: [0, 0, 0]}}", size, -1.7 * size, 0.9 * size);
+            draw(&camera, &scene, &spheres)[0][0].clone()
+        };
+        let of_machines = image(1.0);
+        for size in [0.01, 100.0] {
+            let other = image(size);
+            let pairs = of_machines.as_raw().iter().zip(other.as_raw());
+            let change = pairs.map(|(a, b)| a.abs_diff(*b) as f64).sum::<f64>() / other.as_raw().len() as f64;
+            assert!(change < 2.0, "{scene}: data of {size} m looks different by {change:.2} of 255");
+        }
+        n += 1;
+    }
+    assert!(n >= 12, "{n} scenes");
+}

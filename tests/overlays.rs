@@ -226,9 +226,12 @@ fn what_is_wrong_is_refused_at_its_place() {
         let work = scratch();
         let file = metadata(work.path(), CAMERAS[0], &[overlay], "");
         let out = work.path().join("o");
-        let said = scree(&["render", &file, "-o", out.to_str().unwrap(), "--res", "64x36"]).fails(3);
-        for part in expected.iter().filter(|part| **part != "µ") {
-            assert!(said.contains(part), "{overlay}: `{part}` is missing in {said}");
+        let drawn = scree(&["render", &file, "-o", out.to_str().unwrap(), "--res", "64x36"]).fails(3);
+        // Before a film is drawn, `check` says the same.
+        for said in [drawn, scree(&["check", &file]).fails(3)] {
+            for part in expected.iter().filter(|part| **part != "µ") {
+                assert!(said.contains(part), "{overlay}: `{part}` is missing in {said}");
+            }
         }
     }
 }

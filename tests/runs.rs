@@ -386,6 +386,23 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
 }
 
 #[test]
+fn what_brings_no_ground_has_the_floor_of_its_scene_under_it() {
+    let work = Work::new();
+    let scene = |bodies: &str| {
+        let head = "step: 0.002\nduration: 0.02\nframe_rate: 50\nmaterials: {m: {density: 2600, friction: 0.5}}\n";
+        let model = work.write("m.yaml", &format!("{head}bodies:\n{bodies}"));
+        scree(&["simulate", &model, "-o", &work.at("run"), "--fresh"]).ok();
+        work.read("run/metadata.yaml").lines().find(|l| l.starts_with("scene: ")).unwrap_or("").to_string()
+    };
+    let ball = "  - {name: ball, material: m, sphere: {radius: 0.1}, position: [0, 0, 1]}\n";
+    let ramp =
+        "  - {name: ramp, material: m, fixed: true, box: {size: [2, 1, 0.1]}, rotate: {axis: [0, 1, 0], angle: 20}}\n";
+    let ground = "  - {name: ground, material: m, plane: {normal: [0, 0, 1]}}\n";
+    assert_eq!(scene(&format!("{ramp}{ball}")), "scene: seamless.rib");
+    assert_eq!(scene(&format!("{ground}{ball}")), "scene: studio.rib");
+}
+
+#[test]
 fn the_ground_of_a_scene_goes_below_the_data() {
     let work = Work::new();
     let height = |bodies: &str| {
@@ -393,7 +410,8 @@ fn the_ground_of_a_scene_goes_below_the_data() {
         let model = work.write("m.yaml", &format!("{head}{bodies}"));
         let run = work.at("run");
         scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
-        let metadata = work.read("run/metadata.yaml").replace("studio.rib", "lunar.rib");
+        let metadata = work.read("run/metadata.yaml");
+        let metadata = metadata.replace("studio.rib", "lunar.rib").replace("seamless.rib", "lunar.rib");
         work.write("run/metadata.yaml", &metadata);
         let rib = scree(&["rib", &run, "-f", "0"]).ok();
         let shift = rib

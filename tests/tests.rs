@@ -27,6 +27,7 @@ mod lanes;
 mod language;
 mod light;
 mod looks;
+mod marks;
 mod movies;
 mod outputs;
 mod overlays;

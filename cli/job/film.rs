@@ -14,7 +14,6 @@ use crate::batch::{ImageChoices, MadeOf, Plan, Requests, Scheduler, Simulation, 
 use crate::report::{Exit, Failure, Outcome};
 use crate::source::{self, Yaml};
 use bind::Binding;
-use bind::binding::Color;
 use bind::data::{Source, Store};
 use frame::list::{self, FrameList};
 use frame::run::RunReader;
@@ -313,12 +312,10 @@ fn simulation(
         Some(list) => list.select(&all).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
         None => all,
     };
-    let is_settled = binding.is_some_and(|binding| {
-        binding.objects.iter().all(|object| !matches!(object.color, Color::By { range: None, .. }))
-    });
+    let is_settled = binding.is_some_and(|binding| !binding.is_open());
     if cut.segments > 1 && !is_settled {
         let message = "--segments: images can be drawn before the simulation has ended only by a metadata file whose colours \
-                       have a `range`: camera and colours are found from the whole run otherwise";
+                       have a `range`, its arrows a `scale`, and whose camera has neither `turns` nor `damping`: camera and colours are found from the whole run otherwise";
         return Err(Failure::new(Exit::Usage, message));
     }
     let n_chunks = plan.frames.len().div_ceil(plan.frames_per_task);

@@ -9,6 +9,7 @@ use bind::data::{Source, Store};
 use bind::emit;
 use frame::{Fault, Frame, nearest};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// What the overlays of a job say in all its frames.
 #[derive(Clone, Debug, Default)]
@@ -66,13 +67,48 @@ pub struct Graph {
     /// Their unit.
     pub unit: String,
     /// Names and points of the curves.
-    pub curves: Vec<(String, Vec<(f64, f64)>)>,
+    pub curves: Curves,
     /// All times, s, and all values.
     pub times: [f64; 2],
     /// The range of values.
     pub range: [f64; 2],
     /// The time of the frame, s.
     pub now: f64,
+}
+
+/// Curves by name. All images share them; in what tells images apart stands their hash, which is computed once.
+#[derive(Clone, Default)]
+pub struct Curves {
+    all: Arc<[(String, Vec<(f64, f64)>)]>,
+    hash: String,
+}
+
+impl Curves {
+    fn new(all: Vec<(String, Vec<(f64, f64)>)>) -> Curves {
+        let mut hasher = blake3::Hasher::new();
+        for (name, points) in &all {
+            hasher.update(&(name.len() as u64).to_le_bytes()).update(name.as_bytes());
+            hasher.update(&(points.len() as u64).to_le_bytes());
+            for (time, value) in points {
+                hasher.update(&time.to_le_bytes()).update(&value.to_le_bytes());
+            }
+        }
+        Curves { all: all.into(), hash: hasher.finalize().to_hex().to_string() }
+    }
+}
+
+impl std::ops::Deref for Curves {
+    type Target = [(String, Vec<(f64, f64)>)];
+
+    fn deref(&self) -> &Self::Target {
+        &self.all
+    }
+}
+
+impl std::fmt::Debug for Curves {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.hash)
+    }
 }
 
 impl Prepared {
@@ -179,7 +215,7 @@ fn graph(binding: &Binding, source: &Source, plot: &GrowingPlot) -> Outcome<Grap
         curves.push(Curve { label, points, has_start: column.has_start });
     }
     (graph.times, graph.range) = (range::times(&curves), range::vertical(&curves, false).range);
-    graph.curves = curves.into_iter().map(|c| (c.label, c.points)).collect();
+    graph.curves = Curves::new(curves.into_iter().map(|c| (c.label, c.points)).collect());
     graph.label = plot.label.clone().unwrap_or(graph.label);
     graph.unit = plot.unit.clone().unwrap_or(graph.unit);
     Ok(graph)
@@ -265,6 +301,17 @@ mod tests {
         assert_eq!([1.0, 0.99, 0.3, 0.05, 0.0007].map(label), ["1 m", "0.5 m", "0.2 m", "50 mm", "500 µm"]);
         assert_eq!([12.0, 5200.0, 2e-8].map(label), ["10 m", "5 km", "20 nm"]);
         assert_eq!(Scale { across: 1.0, length: 0.125 }.with_length(9.0).label(), "0.125 m", "as it was given");
+    }
+
+    #[test]
+    fn images_are_told_apart_by_the_hash_of_what_is_plotted() {
+        let text = |name: &str, last: f64| {
+            let points = (0..9999).map(|k| (k as f64, 1.0)).chain([(9999.0, last)]).collect();
+            format!("{:?}", Graph { curves: Curves::new(vec![(name.into(), points)]), ..Graph::default() })
+        };
+        assert!(text("load", 1.0).len() < 300, "not every point for every image");
+        assert_eq!(text("load", 1.0), text("load", 1.0));
+        assert!(text("load", 1.0) != text("load", 1.0 + 1e-15) && text("load", 1.0) != text("lift", 1.0));
     }
 
     #[test]

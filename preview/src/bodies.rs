@@ -6,7 +6,7 @@
 use crate::mesh::Triangles;
 use bind::binding::{Color, Shape};
 use bind::emit::{self, Group, Prepared};
-use bind::{Binding, expr};
+use bind::{Binding, Moment, expr};
 use frame::{Fault, Frame};
 use rerun::components::FillMode;
 use rerun::{
@@ -51,7 +51,7 @@ impl Bodies {
     /// Send a frame at the stream's present time.
     pub fn send(&mut self, frame: &Frame, stream: &RecordingStream) -> Result<(), SendError> {
         let binding = self.binding.clone();
-        let (objects, _) = emit::prepare(&binding, frame)?;
+        let (objects, _) = emit::prepare(&binding, &Moment::alone(frame))?;
         let before = std::mem::take(&mut self.shown);
         for object in &objects {
             for (k, group) in object.groups.iter().enumerate() {
@@ -90,6 +90,9 @@ impl Bodies {
             Shape::Cylinder(_) => self.parts(&entity, rows.cylinders(), stream)?,
             Shape::Capsule(_) => self.parts(&entity, rows.capsules(), stream)?,
             Shape::Cone(_) | Shape::Archive(..) => self.meshes(&entity, &rows, stream)?,
+            Shape::Arrow(_) if group.is_head => {}
+            Shape::Arrow(_) => stream.log(path(&entity), &rows.arrows())?,
+            Shape::Trail(_) => {}
         }
         if self.velocities.is_some() && all.moved.is_some() {
             let arrows = Arrows3D::from_vectors(rows.motion()).with_origins(rows.positions());
@@ -199,6 +202,19 @@ impl Rows<'_> {
         let to = self.all.moved.as_ref().map_or(&[][..], |(_, to)| to);
         let way = |(from, to): (&[f32; 3], &[f32; 3])| [0, 1, 2].map(|k| to[k] - from[k]);
         self.all.position.iter().zip(to).step_by(self.stride).map(way).collect()
+    }
+
+    /// The arrows of which these are the shafts: their heads are as long as eight of the shaft's radii.
+    fn arrows(&self) -> Arrows3D {
+        let along = |([x, y, z, w], [radius, _, half]): (&[f32; 4], &[f32; 3])| {
+            let axis = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)];
+            (axis.map(|c| c * half), axis.map(|c| c * (2.0 * half + 8.0 * radius)))
+        };
+        let all: Vec<_> = self.all.orientation.iter().zip(&self.all.scale).step_by(self.stride).map(along).collect();
+        let tail = |(at, (half, _)): (&[f32; 3], &([f32; 3], [f32; 3]))| [0, 1, 2].map(|k| at[k] - half[k]);
+        let tails: Vec<[f32; 3]> = self.positions().iter().zip(&all).map(tail).collect();
+        let vectors: Vec<[f32; 3]> = all.iter().map(|(_, vector)| *vector).collect();
+        Arrows3D::from_vectors(vectors).with_origins(tails).with_colors(self.colors())
     }
 
     /// The colour of each row, or the one of all.

@@ -2,7 +2,7 @@
 surface checker(float Ka = 1; float Kd = 0.9; float size = 1; color light = color(0.82, 0.82, 0.8); color dark = color(0.62, 0.63, 0.65);
                 float bar = 1; color barcolor = color(0.85, 0.2, 0.1); point origin = point "world" (0, 0, 0);) {
     normal Nf = faceforward(normalize(N), I);
-    point q = transform("world", P) - transform("world", origin);
+    vector q = vtransform("shader", P - origin);
     float x = xcomp(q) / size, y = ycomp(q) / size;
     // Squares fade to their mean where they are finer than the grid.
     float wide = max(filterwidth(x), filterwidth(y));

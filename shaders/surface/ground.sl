@@ -5,8 +5,9 @@
 
 surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.008; float contrast = 0.22; float size = 0.35; float bump = 0.12;
                float stones = 0; float pebble = 0.06;) {
-    point Q = transform("world", P);
-    float wide = pixelwidth(I, N);
+    // Lengths are those of the space in which the shader stands.
+    point Q = transform("shader", P);
+    float wide = pixelwidth(I, N) * length(vtransform("shader", vector "world" (1, 0, 0)));
     float x = xcomp(Q), y = ycomp(Q);
     normal Nf = faceforward(normalize(N), I);
     // Patches of paler and darker soil, of several sizes, that fade into their mean.

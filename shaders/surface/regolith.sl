@@ -4,11 +4,12 @@
 surface regolith(float Ka = 1; float Kd = 1.6; float grain = 0.01; color tint = color(0.36, 0.35, 0.33); float bump = 0.12;) {
     normal Nf = faceforward(normalize(N), I);
     vector V = -normalize(I);
-    point q = transform("object", P), w = transform("world", P);
+    point q = transform("object", P), w = transform("shader", P);
     float wide = pixelwidth(I, N), own = wide * objectunit();
     float shade = 0.9 + 0.3 * fading_octaves(q / (20 * grain), 3, own / (20 * grain));
     shade += 0.15 * fade(own, grain) * (cellnoise(q / grain) - 0.5);
     float size = 30 * grain;
+    wide *= length(vtransform("shader", vector "world" (1, 0, 0)));
     if (wide < 0.9 * size)
         Nf = normalize(Nf - tilt(xcomp(w) / size, ycomp(w) / size, wide / size, bump));
     color sum = Ka * ambient();

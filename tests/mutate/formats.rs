@@ -129,7 +129,7 @@ fn read_metadata(path: &Path) -> bool {
     let Ok(source) = binding.open_data() else { return false };
     let numbers = source.numbers();
     let Some(table) = numbers.first().and_then(|n| source.read(*n).ok()) else { return false };
-    binding.check_columns(&table).is_ok() && emit::check(&binding, &table).is_ok()
+    binding.check_columns(&table).is_ok() && emit::check(&binding, &bind::Moment::alone(&table)).is_ok()
 }
 
 fn jobs(work: &Path) -> Vec<Vec<u8>> {

@@ -14,6 +14,6 @@ mod overlays;
 mod resolved;
 
 pub use check::{delimiter, some_objects};
-pub use object::{Archive, Color, Formula, Object, Shader, Shape};
+pub use object::{Archive, Arrow, Color, Formula, Object, Reach, Shader, Shape, Trail};
 pub use overlays::{Axes, Corner, GrowingPlot, Legend, Overlays, Panel, ScaleBar, TIME_UNITS, TimeStamp, Title};
 pub use resolved::{Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality};

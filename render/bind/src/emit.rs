@@ -8,16 +8,20 @@
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
 //! #scree ground                     a shift of what follows, the scene's own ground, to the binding's height; objects marked as
 //!                                   `ground` are left out then
+//! #scree unit, #scree decade        a scale of what follows by a round length that suits the view
 //! ```
 
 mod archive;
+mod arrows;
 mod camera;
 mod instances;
 mod keys;
 mod missing;
 mod shapes;
+mod trails;
 
-use crate::binding::{Binding, Color, ImageFormat, Output, Quality, Shape};
+use crate::binding::{Binding, Camera, Color, ImageFormat, Output, Quality, Shape};
+use crate::moment::Moment;
 pub use camera::Stand;
 use frame::{Fault, Frame};
 pub use instances::{Group, Prepared};
@@ -53,12 +57,13 @@ const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter"
 /// if a column is missing, or if a RIB file is bad.
 pub fn frame(
     binding: &Binding,
-    frame: &Frame,
+    moment: &Moment,
     image: &str,
     files: &Files,
     ri: &mut dyn Ri,
 ) -> Result<Missing, EmitError> {
-    let (prepared, missing) = prepare(binding, frame)?;
+    let frame = moment.frame;
+    let (prepared, missing) = prepare(binding, moment)?;
     let stand = camera::stand(binding, frame)?;
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
@@ -97,8 +102,10 @@ pub fn frame(
                 ri.translate([x, y, binding.ground_height])?;
                 ri.scale([size; 3])
             }
+            (Some("unit"), None) => ri.scale([camera::unit(binding, &[5.0, 2.0, 1.0], 0.9); 3]),
+            (Some("decade"), None) => ri.scale([camera::unit(binding, &[1.0], 0.5); 3]),
             _ => Err(Fail::new(format!(
-                "`#scree {directive}` is unknown, expected `inject`, `override`, `ground` or `floor`"
+                "`#scree {directive}` is unknown, expected `inject`, `override`, `ground`, `floor`, `unit` or `decade`"
             ))),
         }
     });
@@ -121,15 +128,33 @@ fn set_quality(output: &Output, ri: &mut dyn Ri) -> RiResult {
 
 /// Check the values of a frame that the objects are drawn from; gives those that the rows lack. An error if a column is missing, or if a
 /// value is no number.
-pub fn check(binding: &Binding, frame: &Frame) -> Result<Missing, Fault> {
-    prepare(binding, frame).map(|(_, missing)| missing)
+pub fn check(binding: &Binding, moment: &Moment) -> Result<Missing, Fault> {
+    prepare(binding, moment).map(|(_, missing)| missing)
 }
 
 /// The range of the values that each object of a binding is coloured by, in a frame; none of an object of one colour, without rows,
 /// or whose values cannot be computed.
-pub fn color_ranges(binding: &Binding, frame: &Frame) -> Vec<Option<[f64; 2]>> {
-    let range = |(i, object)| instances::color_range(binding, i, object, frame).ok().flatten();
+pub fn color_ranges(binding: &Binding, moment: &Moment) -> Vec<Option<[f64; 2]>> {
+    let range = |(i, object)| instances::color_range(binding, i, object, moment).ok().flatten();
     binding.objects.iter().enumerate().map(range).collect()
+}
+
+/// The range of the lengths of the vectors of each object's arrows, in a frame; none of an object that has none.
+pub fn arrow_ranges(binding: &Binding, moment: &Moment) -> Vec<Option<[f64; 2]>> {
+    let range = |(i, object)| instances::arrow_range(binding, i, object, moment).ok().flatten();
+    binding.objects.iter().enumerate().map(range).collect()
+}
+
+/// The mean position of the rows that the camera follows, in a frame; none if it follows none, or the frame has no such rows.
+pub fn followed(binding: &Binding, frame: &Frame) -> Option<[f64; 3]> {
+    let Some(Camera::Placed(placed)) = &binding.camera else { return None };
+    camera::followed(binding, placed.follow.as_ref()?, frame).ok()
+}
+
+/// Length of the arrow of a vector of length 1, m, of the `i`th object, by its longest vector. An error if the camera does not say how much
+/// it sees.
+pub fn arrow_scale(binding: &Binding, i: usize, longest: f64) -> Result<f64, Fault> {
+    arrows::scale(binding, i, longest)
 }
 
 /// Where the camera of a frame stands, if the binding places it. An error if it follows rows that the frame does not have.
@@ -138,11 +163,11 @@ pub fn stand(binding: &Binding, frame: &Frame) -> Result<Option<Stand>, Fault> {
 }
 
 /// The instances of all objects, and what the rows lack. An error if a column is missing, or if a value is no number.
-pub fn prepare<'a>(binding: &'a Binding, frame: &Frame) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
+pub fn prepare<'a>(binding: &'a Binding, moment: &Moment) -> Result<(Vec<Prepared<'a>>, Missing), Fault> {
     let mut missing = Missing::default();
     let mut prepared = Vec::new();
     for (i, object) in binding.objects.iter().enumerate() {
-        let object = instances::prepare(binding, i, object, frame)?;
+        let object = instances::prepare(binding, i, object, moment)?;
         missing.undrawn.add(&object.missing.undrawn);
         missing.uncolored.add(&object.missing.uncolored);
         missing.absent.extend(object.missing.absent.iter().cloned());
@@ -271,8 +296,15 @@ fn inject_objects(
             // A plane is mostly seen at a slant, where micropolygons are slender: longer ones are as small.
             ri.shading_rate(SLANT * output.shading_rate)?;
         }
+        let is_mark = matches!(p.object.shape, Shape::Arrow(_) | Shape::Trail(_));
+        if is_mark {
+            // Marks are no bodies: they cast no shadows.
+            let no = vec![Param::floats("transmission", Class::Uniform, Type::Float, [0.0])];
+            ri.attribute("visibility", no)?;
+        }
         match &p.object.surface {
             Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
+            None if is_mark => ri.surface("mark", vec![])?,
             None => ri.surface("matte", vec![])?,
         }
         if let Some(displacement) = &p.object.displacement {
@@ -288,12 +320,15 @@ fn inject_objects(
         for group in &p.groups {
             if let Some(handle) = &group.handle {
                 ri.object_begin(handle)?;
-                shapes::define(&p.object.shape, group.archive, files, ri)?;
+                shapes::define(&p.object.shape, group, files, ri)?;
                 ri.object_end()?;
             }
             for instances in &group.instances {
                 ri.instances(instances.clone())?;
             }
+        }
+        if !p.trails.is_empty() {
+            p.trails.draw(p.object.opacity.unwrap_or(1.0), ri)?;
         }
         ri.attribute_end()?;
     }

@@ -13,8 +13,10 @@ pub mod emit;
 pub mod expr;
 pub mod file;
 pub mod metadata;
+pub mod moment;
 pub mod suggest;
 
 pub use binding::Binding;
 pub use file::read;
 pub use metadata::Metadata;
+pub use moment::Moment;

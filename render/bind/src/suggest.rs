@@ -10,7 +10,7 @@ mod survey;
 use crate::expr;
 use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec, Quantity,
-    RoundSpec, Shader, SphereSpec,
+    RoundSpec, RowsOf, Shader, SphereSpec,
 };
 use frame::{Column, Frame};
 use framing::{Classes, Subject, rounded};
@@ -94,10 +94,13 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
             )
         }]
     };
+    let has_ground = objects
+        .iter()
+        .any(|object| object.ground || object.surface.as_ref().is_some_and(|surface| surface.name == "ground"));
     let metadata = Metadata {
         data: Some(data),
-        // Data of others seldom has a ground: the scene has a floor under the lowest of it.
-        scene: if is_ours { "studio.rib" } else { "seamless.rib" }.into(),
+        // What brings no ground stands, or floats, over a floor under the lowest of it.
+        scene: if has_ground { "studio.rib" } else { "seamless.rib" }.into(),
         camera: Some(camera),
         ground_height,
         objects,
@@ -146,6 +149,7 @@ fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str)
     let surface = Some(Shader { name: surface.into(), bound: None, traced: None, parameters });
     Object {
         name: name.into(),
+        rows: RowsOf::default(),
         select,
         geometry,
         position,

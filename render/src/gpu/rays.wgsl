@@ -32,7 +32,8 @@ fn stops_ellipsoid(start: vec3<f32>, way: vec3<f32>, far: f32, x: vec4<f32>, y: 
 }
 
 // How far along a ray a triangle is met, given by a corner and two edges; -1 where it is not (Möller and Trumbore 1997).
-fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>) -> f32 {
+// `beside`: how far beside a triangle, in parts of it, a ray still meets it (bvh.rs has why).
+fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>, beside: f32) -> f32 {
     let p = cross(way, ac);
     let det = dot(ab, p);
     let inverse = select(0.0, 1.0 / det, det != 0.0);
@@ -40,7 +41,7 @@ fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, 
     let u = dot(s, p) * inverse;
     let q = cross(s, ab);
     let v = dot(way, q) * inverse;
-    return select(-1.0, dot(ac, q) * inverse, det != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+    return select(-1.0, dot(ac, q) * inverse, det != 0.0 && u >= -beside && v >= -beside && u + v <= 1.0 + beside);
 }
 
 fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
@@ -60,9 +61,8 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
         return stops_ellipsoid(start, way, far, a, b, c);
     }
     // A facet of a curved surface stands off it: its own neighbourhood is not in its shadow.
-    let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
-    let room = select(size * select(0.5, 2.0, is_own), 0.0, head.x == 2u);
-    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz);
+    let room = bitcast<f32>(head.z) * select(0.5, 2.0, is_own);
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, select(1e-5, 0.0, head.x == 2u));
     return t > max(select(near.x, near.y, is_own), room) && t < far;
 }
 
@@ -140,8 +140,8 @@ fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
     }
     let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
-    let room = max(select(near.x, near.y, is_own), size * select(0.5, 2.0, is_own));
-    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz);
+    let room = max(select(near.x, near.y, is_own), bitcast<f32>(head.z) * select(0.5, 2.0, is_own));
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, select(1e-5, 0.0, head.x == 2u));
     return select(-1.0, t, t > select(room, 1e-5 * size, head.x == 2u));
 }
 

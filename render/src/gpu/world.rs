@@ -81,7 +81,10 @@ fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, id: u32, occluder: &Occlud
             let m = bvh.inverse(inverse);
             [[1, id, 0, 0], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
         }
-        Occluder::Triangle { a, ab, ac, flat } => [[3 - flat as u32, id, 0, 0], point(a), point(ab), point(ac)],
+        Occluder::Triangle { a, ab, ac, room } => {
+            let kind = if room.is_none() { 2 } else { 3 };
+            [[kind, id, room.unwrap_or(0.0).to_bits(), 0], point(a), point(ab), point(ac)]
+        }
     });
 }
 

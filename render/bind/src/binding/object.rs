@@ -23,6 +23,8 @@ pub struct Formula {
 pub struct Object<F = Formula, M = Map> {
     /// Name of the object, for `#scree inject objects NAME`.
     pub name: String,
+    /// Whether the rows are the contacts of the frame, instead of those of its table.
+    pub of_contacts: bool,
     /// Condition on the object's rows; all rows if not given.
     pub select: Option<F>,
     /// Shape drawn at each row.
@@ -66,6 +68,41 @@ pub enum Shape<F = Formula> {
     Plane(F),
     /// Geometry from files, and its scale factor.
     Archive(Archive, F),
+    /// An arrow along a vector.
+    Arrow(Arrow<F>),
+    /// A line through the last places of a body.
+    Trail(Trail),
+}
+
+/// An arrow from the position of its row.
+#[derive(Clone, Debug)]
+pub struct Arrow<F = Formula> {
+    /// The vector.
+    pub vector: [F; 3],
+    /// Length of the arrow of a vector of length 1, m; chosen by the longest vector and the view if not given.
+    pub scale: Option<f64>,
+    /// Diameter of the shaft, m; chosen by the view if not given.
+    pub width: Option<f64>,
+}
+
+/// A line through the last places of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Trail {
+    /// How far it goes back.
+    pub reach: Reach,
+    /// Width of the line, m; chosen by the view if not given.
+    pub width: Option<f64>,
+    /// Whether it fades towards its end.
+    pub fade: bool,
+}
+
+/// How far a trail goes back.
+#[derive(Clone, Copy, Debug)]
+pub enum Reach {
+    /// Seconds.
+    Time(f64),
+    /// Frames.
+    Frames(u64),
 }
 
 /// RIB files or meshes (OBJ, STL, PLY).
@@ -155,6 +192,7 @@ impl Object<String, String> {
         let compile = |part: &str, text: String| Formula::compile(doc, format!("{key}.{part}"), &text);
         Ok(Object {
             name: self.name,
+            of_contacts: self.of_contacts,
             select: self.select.map(|text| compile("select", text)).transpose()?,
             shape: self.shape.compile(&compile)?,
             position: each("position", self.position, &compile)?,
@@ -201,11 +239,21 @@ impl Shape<String> {
             Shape::Cone(size) => Shape::Cone(round("cone", size)?),
             Shape::Plane(half) => Shape::Plane(compile("geometry.plane.half", half)?),
             Shape::Archive(file, scale) => Shape::Archive(file, compile("geometry.archive.scale", scale)?),
+            Shape::Arrow(Arrow { vector, scale, width }) => {
+                Shape::Arrow(Arrow { vector: each("geometry.arrow.vector", vector, compile)?, scale, width })
+            }
+            Shape::Trail(trail) => Shape::Trail(trail),
         })
     }
 }
 
 impl Object {
+    /// Whether what it looks like depends on values of all frames: on the range of its colours, or on its longest arrow.
+    pub fn is_open(&self) -> bool {
+        matches!(self.color, Color::By { range: None, .. })
+            || matches!(self.shape, Shape::Arrow(Arrow { scale: None, .. }))
+    }
+
     /// All formulas of the object, in the order in which faults in them are reported.
     pub fn formulas(&self) -> Vec<&Formula> {
         let mut all: Vec<&Formula> = self.select.iter().collect();
@@ -213,6 +261,8 @@ impl Object {
             Shape::Sphere(x) | Shape::Plane(x) | Shape::Archive(_, x) => all.push(x),
             Shape::Box(half) | Shape::Ellipsoid(half) => all.extend(half),
             Shape::Cylinder(size) | Shape::Capsule(size) | Shape::Cone(size) => all.extend(size),
+            Shape::Arrow(arrow) => all.extend(&arrow.vector),
+            Shape::Trail(_) => {}
         }
         all.extend(&self.position);
         all.extend(self.velocity.iter().flatten());

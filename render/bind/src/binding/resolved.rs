@@ -80,7 +80,7 @@ pub enum Camera {
     /// A RIB file of camera calls; `{frame}` in its name stands for the frame's number, `{frame:04}` for it with four digits.
     File(String),
     /// A place and a point to look at.
-    Placed(Placed),
+    Placed(Box<Placed>),
 }
 
 /// A camera by its position and a point to look at.
@@ -96,8 +96,14 @@ pub struct Placed {
     pub projection: Projection,
     /// Angle per frame, degrees, by which the camera orbits `look_at` about `up`.
     pub orbit: Option<f32>,
+    /// Turns about `look_at` in the length of the data; [`Placed::settle`] makes `orbit` of them.
+    pub turns: Option<f32>,
     /// Condition on the rows that the camera follows: `eye` and `look_at` are then relative to the mean position of these rows.
     pub follow: Option<Formula>,
+    /// Number of frames over which the way of what is followed is smoothed.
+    pub damping: Option<f64>,
+    /// The smoothed way, by frame; where it has none, it is the mean of the rows.
+    pub way: BTreeMap<u64, [f64; 3]>,
     /// The lens, for depth of field; a pinhole if not given.
     pub lens: Option<Lens>,
     /// Keyframes, by frame; none if it stands still but for `orbit` and `follow`.
@@ -105,6 +111,52 @@ pub struct Placed {
     /// How far to the right of `eye` the image is taken from, m, for one of a stereo pair. What is looked at is at the same place in both
     /// images of a pair.
     pub aside: f32,
+}
+
+impl Placed {
+    /// Whether its way depends on all frames.
+    pub fn is_open(&self) -> bool {
+        self.turns.is_some() || (self.damping.is_some() && self.follow.is_some())
+    }
+
+    /// Settle its way by the data: the numbers of its frames, and where what it follows is in them.
+    pub fn settle(&mut self, [first, last]: [u64; 2], followed: &BTreeMap<u64, [f64; 3]>) {
+        if let Some(turns) = self.turns {
+            // The frame after the last would be as the first.
+            self.orbit = Some((360.0 * turns as f64 / (last - first + 1) as f64) as f32);
+        }
+        if let Some(frames) = self.damping {
+            self.way = smoothed(followed, frames);
+        }
+    }
+}
+
+/// A way, smoothed by a bell curve over so many frames. At its ends it is mirrored through the end, so that it starts and ends where it does.
+fn smoothed(way: &BTreeMap<u64, [f64; 3]>, frames: f64) -> BTreeMap<u64, [f64; 3]> {
+    let (numbers, places): (Vec<u64>, Vec<[f64; 3]>) = way.iter().unzip();
+    let (n, reach) = (numbers.len(), (3.0 * frames).ceil() as usize);
+    let mirrored = |end: usize, inside: usize| {
+        let (end, inside) = (places[end], places[inside]);
+        [0, 1, 2].map(|c| 2.0 * end[c] - inside[c])
+    };
+    let at = |k: usize, step: usize, ahead: bool| match ahead {
+        true if k + step < n => places[k + step],
+        true => mirrored(n - 1, (2 * (n - 1)).saturating_sub(k + step)),
+        false if step <= k => places[k - step],
+        false => mirrored(0, (step - k).min(n - 1)),
+    };
+    let smooth = |k: usize| {
+        let mut sum = places[k];
+        let mut weights = 1.0;
+        for step in 1..=reach {
+            let weight = (-0.5 * (step as f64 / frames).powi(2)).exp();
+            let (a, b) = (at(k, step, false), at(k, step, true));
+            sum = [0, 1, 2].map(|c| sum[c] + weight * (a[c] + b[c]));
+            weights += 2.0 * weight;
+        }
+        sum.map(|x| x / weights)
+    };
+    (0..n).map(|k| (numbers[k], smooth(k))).collect()
 }
 
 /// A keyframe of a camera.
@@ -259,6 +311,12 @@ impl Default for Output {
 }
 
 impl Binding {
+    /// Whether it leaves something open that all frames of the data tell: ranges of colours, lengths of arrows, the camera's way.
+    pub fn is_open(&self) -> bool {
+        let moves = matches!(&self.camera, Some(Camera::Placed(camera)) if camera.is_open());
+        moves || self.objects.iter().any(Object::is_open)
+    }
+
     /// The search path `files` with the binding's folders and generated files added.
     pub fn files(&self, mut files: Files) -> Files {
         for (name, text) in &self.made {
@@ -294,7 +352,7 @@ impl Binding {
         Ok(Source { store, derive: data.derive.clone(), select: data.select.clone() })
     }
 
-    /// Check that `frame` has every column that the objects and the camera use. The error is at the key that names a missing one.
+    /// Check that `frame` has every column that the objects of its rows and the camera use. The error is at the key that names a missing one.
     pub fn check_columns(&self, frame: &Frame) -> Result<(), Fault> {
         // Writers of empty tables leave columns out.
         if frame.rows() == 0 {
@@ -305,7 +363,8 @@ impl Binding {
             Some(Camera::Placed(placed)) => placed.follow.as_ref(),
             _ => None,
         };
-        for formula in follow.into_iter().chain(self.objects.iter().flat_map(Object::formulas)) {
+        let own = self.objects.iter().filter(|object| !object.of_contacts);
+        for formula in follow.into_iter().chain(own.flat_map(Object::formulas)) {
             for column in formula.expr.columns() {
                 if !names.contains(&column.as_str()) {
                     let message = format!("unknown column `{column}`, the data has {}", frame::listed(&names));

@@ -97,6 +97,7 @@ impl Source<'_> {
             };
             out.push(Object {
                 name: if n == 1 { name.clone() } else { format!("{name}{k}") },
+                of_contacts: false,
                 select,
                 shape,
                 position: ["pos_x", "pos_y", "pos_z"].map(String::from),

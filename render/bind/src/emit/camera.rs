@@ -1,7 +1,7 @@
 //! The camera of a frame: its projection, and where it has gone.
 
 use super::{archive, keys};
-use crate::binding::{Binding, Camera, Placed, Projection};
+use crate::binding::{Binding, Camera, Formula, Placed, Projection};
 use crate::expr::Expr;
 use frame::{Fault, FaultKind, Frame};
 use glam::{Mat4, Quat, Vec3};
@@ -34,6 +34,37 @@ impl Stand {
         };
         ([self.at[0], self.at[1]], size)
     }
+}
+
+/// Metres across the image's shorter side at what the camera looks at, before it goes anywhere; none of a camera from a file.
+pub(super) fn view(binding: &Binding) -> Option<f32> {
+    let Some(Camera::Placed(camera)) = &binding.camera else { return None };
+    Some(match camera.projection {
+        Projection::Parallel(height) => height,
+        Projection::Perspective(fov) => {
+            let far = (Vec3::from(camera.look_at) - Vec3::from(camera.eye)).length();
+            2.0 * far * (0.5 * fov).to_radians().tan()
+        }
+    })
+}
+
+/// The largest length of these steps and a power of ten, m, of which the view has `most` or more; 1 of a camera from a file. It is the same
+/// in all frames.
+pub(super) fn unit(binding: &Binding, steps: &[f32], most: f32) -> f32 {
+    let Some(view) = view(binding) else { return 1.0 };
+    let fits = view / most * (1.0 + 1e-5);
+    let power = 10f32.powi(fits.log10().floor() as i32);
+    steps.iter().map(|step| step * power).find(|length| *length <= fits).unwrap_or(power)
+}
+
+/// The width of the lines of the `i`th object, m: as it is given, or as the view has room for.
+pub(super) fn width(binding: &Binding, i: usize, geometry: &str, given: Option<f64>) -> Result<f32, Fault> {
+    /// Part of the view.
+    const WIDTH: f32 = 0.007;
+    given.map(|width| width as f32).or_else(|| Some(WIDTH * view(binding)?)).ok_or_else(|| {
+        let message = "the file's camera does not say how much it sees: give `width`, m";
+        binding.doc.fault(&format!("objects.{i}.geometry.{geometry}.width"), message)
+    })
 }
 
 /// Projection and world-to-camera matrix.
@@ -118,22 +149,34 @@ fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fau
         eye = (Vec3::from(at) + turn * (Vec3::from(eye) - Vec3::from(at))).into();
     }
     if let Some(follow) = &camera.follow {
-        let fault = |message: String| binding.doc.fault(&follow.key, message);
-        let rows = follow.expr.select(frame).map_err(fault)?;
-        for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
-            let mut values = Expr::column(name).numbers(frame, &rows).map_err(fault)?;
-            values.retain(|x| x.is_finite());
-            if values.is_empty() {
-                let message =
-                    format!("the camera follows `{}`, which no row of frame {} is", follow.expr.text, frame.number);
-                return Err(Fault { kind: FaultKind::Data, ..fault(message) });
-            }
-            let middle = values.iter().sum::<f64>() / values.len() as f64;
-            eye[k] += middle as f32;
-            at[k] += middle as f32;
+        let middle = match camera.way.get(&frame.number) {
+            Some(place) => *place,
+            None => followed(binding, follow, frame)?,
+        };
+        for k in 0..3 {
+            eye[k] += middle[k] as f32;
+            at[k] += middle[k] as f32;
         }
     }
     Ok(Stand { eye, at, projection })
+}
+
+/// The mean position of the rows that a camera follows. That there is none is a fault of the data.
+pub(super) fn followed(binding: &Binding, follow: &Formula, frame: &Frame) -> Result<[f64; 3], Fault> {
+    let mut middle = [0.0; 3];
+    let fault = |message: String| binding.doc.fault(&follow.key, message);
+    let rows = follow.expr.select(frame).map_err(fault)?;
+    for (k, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
+        let mut values = Expr::column(name).numbers(frame, &rows).map_err(fault)?;
+        values.retain(|x| x.is_finite());
+        if values.is_empty() {
+            let message =
+                format!("the camera follows `{}`, which no row of frame {} is", follow.expr.text, frame.number);
+            return Err(Fault { kind: FaultKind::Data, ..fault(message) });
+        }
+        middle[k] = values.iter().sum::<f64>() / values.len() as f64;
+    }
+    Ok(middle)
 }
 
 /// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.

@@ -1,9 +1,11 @@
 //! The rows of an object → columns of instances.
 
 use super::missing::{Lack, Missing};
+use super::{arrows, trails};
 use crate::binding::{Archive, Binding, Color, Formula, Object, Shape};
 use crate::colormap::Map;
 use crate::expr::Expr;
+use crate::moment::Moment;
 use frame::{Fault, FaultKind, Frame};
 use glam::{Quat, Vec3};
 use ri::{Class, InstanceShape, Instances, Param, Type, Values};
@@ -16,6 +18,8 @@ pub struct Prepared<'a> {
     pub object: &'a Object,
     /// One, but one for each file that rows are drawn from.
     pub groups: Vec<Group<'a>>,
+    /// The trails of bodies.
+    pub trails: trails::Curves,
     /// What the rows lack.
     pub missing: Missing,
 }
@@ -26,29 +30,36 @@ pub struct Group<'a> {
     pub handle: Option<String>,
     /// The file of that object, if it is from one.
     pub archive: Option<&'a str>,
+    /// Whether it is the heads of arrows.
+    pub is_head: bool,
     /// One set, but three for a capsule: its middle and its ends.
     pub instances: Vec<Instances>,
 }
 
 /// Chosen rows of a frame, and where faults in them are told.
-struct Rows<'a> {
+pub(super) struct Rows<'a> {
     binding: &'a Binding,
-    frame: &'a Frame,
+    pub(super) frame: &'a Frame,
     key: String,
-    rows: Vec<usize>,
+    pub(super) rows: Vec<usize>,
     /// Rows without a value of what places them or gives their size, and the expression that has none.
     missing: RefCell<BTreeMap<usize, String>>,
 }
 
 impl<'a> Rows<'a> {
     /// The rows of the `i`th object.
-    fn of(binding: &'a Binding, i: usize, object: &Object, frame: &'a Frame) -> Result<Rows<'a>, Fault> {
-        let mut rows = Rows { binding, frame, key: format!("objects.{i}"), rows: vec![], missing: RefCell::default() };
-        rows.rows = (0..frame.rows()).collect();
+    pub(super) fn of(binding: &'a Binding, i: usize, object: &Object, frame: &'a Frame) -> Result<Rows<'a>, Fault> {
+        let mut rows = Rows::all(binding, i, frame);
         if let Some(select) = &object.select {
             rows.rows = select.expr.select(frame).map_err(|m| rows.row_fault("select", &select.expr, m))?;
         }
         Ok(rows)
+    }
+
+    /// All rows of a frame, for the `i`th object.
+    pub(super) fn all(binding: &'a Binding, i: usize, frame: &'a Frame) -> Rows<'a> {
+        let (key, rows) = (format!("objects.{i}"), (0..frame.rows()).collect());
+        Rows { binding, frame, key, rows, missing: RefCell::default() }
     }
 
     /// What is wrong with a part of the object.
@@ -66,7 +77,7 @@ impl<'a> Rows<'a> {
     }
 
     /// An expression's value for each row, not-a-number where it is missing.
-    fn values(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
+    pub(super) fn values(&self, part: &str, expr: &Expr) -> Result<Vec<f64>, Fault> {
         expr.numbers(self.frame, &self.rows).map_err(|m| self.row_fault(part, expr, m))
     }
 
@@ -83,7 +94,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Three expressions.
-    fn three(&self, part: &str, [x, y, z]: [&Expr; 3]) -> Result<Vec<[f32; 3]>, Fault> {
+    pub(super) fn three(&self, part: &str, [x, y, z]: [&Expr; 3]) -> Result<Vec<[f32; 3]>, Fault> {
         let columns = [self.numbers(part, x)?, self.numbers(part, y)?, self.numbers(part, z)?];
         Ok((0..self.rows.len()).map(|r| [0, 1, 2].map(|c| columns[c][r] as f32)).collect())
     }
@@ -102,6 +113,12 @@ impl<'a> Rows<'a> {
             Shape::Cylinder([radius, half]) | Shape::Capsule([radius, half]) | Shape::Cone([radius, half]) => {
                 [&radius.expr, &radius.expr, &half.expr]
             }
+            // Their rows need vectors and places, which are noted where they are missing.
+            Shape::Arrow(arrow) => {
+                self.three("geometry.arrow.vector", exprs(&arrow.vector))?;
+                return Ok(vec![[1.0; 3]; self.rows.len()]);
+            }
+            Shape::Trail(_) => return Ok(vec![[1.0; 3]; self.rows.len()]),
         };
         let is_round = std::ptr::eq(sizes[0], sizes[2]);
         let scale = if is_round { self.same("geometry", sizes[0])? } else { self.three("geometry", sizes)? };
@@ -169,7 +186,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The colours of rows by a value, and those that lack it.
-    fn colors(&self, value: &Formula, map: Map, range: Option<[f64; 2]>) -> Result<(Param, Lack), Fault> {
+    pub(super) fn colors(&self, value: &Formula, map: Map, range: Option<[f64; 2]>) -> Result<(Param, Lack), Fault> {
         let mut values = self.values("color", &value.expr)?;
         values.iter_mut().filter(|x| x.is_infinite()).for_each(|x| *x = f64::NAN);
         let (lo, hi) = range.map(|[a, b]| (a, b)).unwrap_or_else(|| range_of(&values));
@@ -221,7 +238,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn exprs<const N: usize>(formulas: &[Formula; N]) -> [&Expr; N] {
+pub(super) fn exprs<const N: usize>(formulas: &[Formula; N]) -> [&Expr; N] {
     formulas.each_ref().map(|formula| &formula.expr)
 }
 
@@ -230,14 +247,29 @@ pub(super) fn color_range(
     binding: &Binding,
     i: usize,
     object: &Object,
-    frame: &Frame,
+    moment: &Moment,
 ) -> Result<Option<[f64; 2]>, Fault> {
-    let Color::By { value, .. } = &object.color else { return Ok(None) };
-    if frame.rows() == 0 {
-        return Ok(None);
-    }
+    let (Color::By { value, .. }, Some(frame)) = (&object.color, frame_of(object, moment)) else { return Ok(None) };
     let (lo, hi) = range_of(&Rows::of(binding, i, object, frame)?.values("color", &value.expr)?);
     Ok((lo <= hi).then_some([lo, hi]))
+}
+
+/// The range of the lengths of the vectors of the `i`th object; none if it has no arrows.
+pub(super) fn arrow_range(
+    binding: &Binding,
+    i: usize,
+    object: &Object,
+    moment: &Moment,
+) -> Result<Option<[f64; 2]>, Fault> {
+    let Some(frame) = frame_of(object, moment) else { return Ok(None) };
+    let (lo, hi) = range_of(&arrows::lengths(&Rows::of(binding, i, object, frame)?, object)?);
+    Ok((lo <= hi).then_some([lo, hi]))
+}
+
+/// The table that has the rows of an object; none if it has no rows.
+fn frame_of<'a>(object: &Object, moment: &'a Moment) -> Option<&'a Frame> {
+    let frame = if object.of_contacts { moment.contacts.as_ref() } else { Some(moment.frame) };
+    frame.filter(|frame| frame.rows() > 0)
 }
 
 /// Evaluate the rows of the `i`th object into columns of instances.
@@ -245,12 +277,13 @@ pub(super) fn prepare<'a>(
     binding: &Binding,
     i: usize,
     object: &'a Object,
-    frame: &Frame,
+    moment: &Moment,
 ) -> Result<Prepared<'a>, Fault> {
-    if frame.rows() == 0 {
+    let trails = trails::Curves::default();
+    let Some(frame) = frame_of(object, moment) else {
         let missing = Missing { absent: vec![object.name.clone()], ..Missing::default() };
-        return Ok(Prepared { object, groups: vec![], missing });
-    }
+        return Ok(Prepared { object, groups: vec![], trails, missing });
+    };
     let mut rows = Rows::of(binding, i, object, frame)?;
     let sphere = matches!(object.shape, Shape::Sphere(_) | Shape::Ellipsoid(_));
     let handle = (!sphere).then(|| format!("scree:{}", object.name));
@@ -260,6 +293,10 @@ pub(super) fn prepare<'a>(
     if missing.undrawn.rows > 0 {
         instances = rows.instances(object, handle.as_ref())?;
     }
+    if let Shape::Trail(trail) = &object.shape {
+        let trails = trails::prepare(binding, i, object, *trail, moment)?;
+        return Ok(Prepared { object, groups: vec![], trails, missing });
+    }
     if let Color::By { value, map, range } = &object.color {
         let (colors, lack) = rows.colors(value, *map, *range)?;
         instances.params.push(colors);
@@ -268,7 +305,12 @@ pub(super) fn prepare<'a>(
     if object.surface.is_some() || object.displacement.is_some() {
         instances.params.push(rows.ids());
     }
-    let group = |handle: Option<String>, archive, instances| Group { handle, archive, instances: vec![instances] };
+    let group = |handle: Option<String>, archive, instances| Group {
+        handle,
+        archive,
+        is_head: false,
+        instances: vec![instances],
+    };
     let groups = match &object.shape {
         Shape::Archive(Archive::File(file), _) => vec![group(handle, Some(file.as_str()), instances)],
         Shape::Archive(Archive::ByColumn { column, files }, _) => {
@@ -284,15 +326,17 @@ pub(super) fn prepare<'a>(
         }
         Shape::Capsule(_) => {
             let ends = capsule_ends(&instances);
-            vec![Group { handle, archive: None, instances: std::iter::once(instances).chain(ends).collect() }]
+            let instances = std::iter::once(instances).chain(ends).collect();
+            vec![Group { handle, archive: None, is_head: false, instances }]
         }
+        Shape::Arrow(arrow) => arrows::groups((binding, i, object), arrow, &rows, &instances)?,
         _ => vec![group(handle, None, instances)],
     };
-    Ok(Prepared { object, groups, missing })
+    Ok(Prepared { object, groups, trails, missing })
 }
 
 /// Some of the instances.
-fn select(all: &Instances, chosen: &[usize]) -> Instances {
+pub(super) fn select(all: &Instances, chosen: &[usize]) -> Instances {
     fn of<T: Copy>(values: &[T], chosen: &[usize]) -> Vec<T> {
         if values.is_empty() { vec![] } else { chosen.iter().map(|i| values[*i]).collect() }
     }

@@ -1,20 +1,24 @@
 //! The objects that instances repeat, of unit size.
 
 use super::archive;
+use super::instances::Group;
 use crate::binding::Shape;
 use ri::files::Files;
 use ri::{Class, Declaration, Param, Params, Ri, RiResult, Type, Values};
 
-/// The retained object of a shape that is not a sphere: a unit box, a unit square, a cylinder, a cone, or what the file `archive` has.
-pub(super) fn define(shape: &Shape, archive: Option<&str>, files: &Files, ri: &mut dyn Ri) -> RiResult {
+/// The retained object of a shape that is not a sphere: a unit box, a unit square, a cylinder, a cone, a part of an
+/// arrow, or what the group's file has.
+pub(super) fn define(shape: &Shape, group: &Group, files: &Files, ri: &mut dyn Ri) -> RiResult {
     match shape {
-        Shape::Archive(..) => archive.map_or(Ok(()), |file| archive::include(file, files, ri)),
+        Shape::Archive(..) => group.archive.map_or(Ok(()), |file| archive::include(file, files, ri)),
         Shape::Plane(_) => {
             ri.polygon(polygon([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]))
         }
         Shape::Cylinder(_) => turned(1.0, true, ri),
         Shape::Capsule(_) => turned(1.0, false, ri),
         Shape::Cone(_) => turned(0.0, true, ri),
+        Shape::Arrow(_) => turned(if group.is_head { 0.0 } else { 1.0 }, true, ri),
+        Shape::Trail(_) => Ok(()),
         Shape::Box(_) | Shape::Sphere(_) | Shape::Ellipsoid(_) => cube(ri),
     }
 }

@@ -3,8 +3,8 @@
 use super::types;
 use super::types::{CameraSpec, Metadata, Parameter, Quantity, View};
 use crate::binding::{
-    Archive, Binding, Camera, Color, Data, Formula, ImageFormat, Key, Lens, Object, Output, Place, Placed, Projection,
-    Quality, Shader, Shape, delimiter, some_objects,
+    Archive, Arrow, Binding, Camera, Color, Data, Formula, ImageFormat, Key, Lens, Object, Output, Place, Placed,
+    Projection, Quality, Reach, Shader, Shape, Trail, delimiter, some_objects,
 };
 use frame::Fault;
 use frame::csv::Layout;
@@ -123,7 +123,8 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if c.view.is_some() && !c.keys.is_empty() {
         return Err(doc.fault("camera.keys", "belong to a camera with `eye` and `look_at`"));
     }
-    let moves = c.orbit.is_some() || c.follow.is_some() || !c.keys.is_empty() || c.stereo.is_some();
+    let moves =
+        c.orbit.is_some() || c.turns.is_some() || c.follow.is_some() || !c.keys.is_empty() || c.stereo.is_some();
     if c.file.is_some() && (moves || c.view.is_some()) {
         return Err(doc.fault("camera", "a camera from a file stays as the file has it"));
     }
@@ -148,6 +149,18 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     if c.orbit.is_some_and(|o| !o.is_finite()) {
         return Err(doc.fault("camera.orbit", "expected degrees a frame"));
     }
+    if c.turns.is_some_and(|turns| !turns.is_finite()) {
+        return Err(doc.fault("camera.turns", "expected a number of turns"));
+    }
+    if c.turns.is_some() && c.orbit.is_some() {
+        return Err(doc.fault("camera.turns", "stands instead of `orbit`, not beside it"));
+    }
+    if c.damping.is_some_and(|frames| !(frames > 0.0 && frames <= 1000.0)) {
+        return Err(doc.fault("camera.damping", "expected a number of frames above 0 and at most 1000"));
+    }
+    if c.damping.is_some() && c.follow.is_none() {
+        return Err(doc.fault("camera.damping", "needs `follow`: what is followed is smoothed"));
+    }
     if !(c.fov > 0.0 && c.fov < 179.0) {
         return Err(doc.fault("camera.fov", format!("is {}, expected an angle between 0 and 179 degrees", c.fov)));
     }
@@ -161,7 +174,20 @@ fn camera(c: &CameraSpec, doc: &Document) -> Result<Camera, Fault> {
     }
     let projection = c.orthographic.map_or(Projection::Perspective(c.fov), Projection::Parallel);
     let keys = keys(c, (eye, look_at), doc)?;
-    Ok(Camera::Placed(Placed { eye, look_at, up, projection, orbit: c.orbit, follow: None, lens, keys, aside: 0.0 }))
+    Ok(Camera::Placed(Box::new(Placed {
+        eye,
+        look_at,
+        up,
+        projection,
+        orbit: c.orbit,
+        turns: c.turns,
+        follow: None,
+        damping: c.damping,
+        way: Default::default(),
+        lens,
+        keys,
+        aside: 0.0,
+    })))
 }
 
 /// The keyframes: what one does not give is as before.
@@ -205,11 +231,16 @@ fn resolve_object(object: types::Object, i: usize, doc: &Document) -> Result<Obj
     let Some(shape) = shape(object.geometry, i, doc)? else {
         return Err(doc.fault(
             &format!("objects.{i}.geometry"),
-            "needs exactly one of `sphere`, `box`, `ellipsoid`, `cylinder`, `capsule`, `cone`, `plane` and `archive`",
+            "needs exactly one of `sphere`, `box`, `ellipsoid`, `cylinder`, `capsule`, `cone`, `plane`, `archive`, `arrow` and `trail`",
         ));
     };
+    let of_contacts = object.rows == types::RowsOf::Contacts;
+    if of_contacts && matches!(shape, Shape::Trail(_)) {
+        return Err(doc.fault(&format!("objects.{i}.rows"), "contacts have no trails: they are others in every frame"));
+    }
     Ok(Object {
         name: object.name,
+        of_contacts,
         select: object.select,
         shape,
         position: object.position.map(text),
@@ -239,6 +270,8 @@ fn shape(g: types::Geometry, i: usize, doc: &Document) -> Result<Option<Shape<St
         g.cone.map(|s| Shape::Cone(round(s))),
         g.plane.map(|s| Shape::Plane(text(s.half))),
         g.archive.map(|s| archive(s, i, doc)).transpose()?,
+        g.arrow.map(|s| arrow(s, i, doc)).transpose()?,
+        g.trail.map(|s| trail(s, i, doc)).transpose()?,
     ];
     let mut found = found.into_iter().flatten();
     Ok(found.next().filter(|_| found.next().is_none()))
@@ -257,6 +290,37 @@ fn archive(spec: types::ArchiveSpec, i: usize, doc: &Document) -> Result<Shape<S
         }
     };
     Ok(Shape::Archive(source, text(spec.scale)))
+}
+
+/// An arrow.
+fn arrow(spec: types::ArrowSpec, i: usize, doc: &Document) -> Result<Shape<String>, Fault> {
+    for (name, value) in [("scale", spec.scale), ("width", spec.width)] {
+        above_zero(value, &format!("objects.{i}.geometry.arrow.{name}"), doc)?;
+    }
+    Ok(Shape::Arrow(Arrow { vector: spec.vector.map(text), scale: spec.scale, width: spec.width }))
+}
+
+/// A trail, of a time or a number of frames.
+fn trail(spec: types::TrailSpec, i: usize, doc: &Document) -> Result<Shape<String>, Fault> {
+    let key = format!("objects.{i}.geometry.trail");
+    for (name, value) in [("length", spec.length), ("width", spec.width)] {
+        above_zero(value, &format!("{key}.{name}"), doc)?;
+    }
+    let reach = match (spec.length, spec.frames) {
+        (Some(seconds), None) => Reach::Time(seconds),
+        (None, Some(0)) => return Err(doc.fault(&format!("{key}.frames"), "expected a whole number of frames above 0")),
+        (None, Some(frames)) => Reach::Frames(frames),
+        _ => return Err(doc.fault(&key, "needs `length`, a time in s, or `frames`, their number")),
+    };
+    Ok(Shape::Trail(Trail { reach, width: spec.width, fade: spec.fade }))
+}
+
+/// Check that a length, if it is given, is above 0.
+fn above_zero(value: Option<f64>, key: &str, doc: &Document) -> Result<(), Fault> {
+    match value {
+        Some(x) if !(x > 0.0 && x.is_finite()) => Err(doc.fault(key, "expected a number above 0")),
+        _ => Ok(()),
+    }
 }
 
 /// A quantity as the text of an expression.

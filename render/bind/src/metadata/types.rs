@@ -119,9 +119,15 @@ pub struct CameraSpec {
     /// Angle per frame, degrees, by which the camera orbits `look_at` about `up`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orbit: Option<f32>,
+    /// Turns about `look_at` in the length of the data, instead of `orbit`: 1 for a turntable whose film is a loop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turns: Option<f32>,
     /// Condition on the rows that the camera follows: `eye` and `look_at` are then relative to the mean position of these rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follow: Option<String>,
+    /// Number of frames over which the way of what is followed is smoothed, before and after each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<f64>,
     /// The lens, for depth of field; a pinhole if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<Lens>,
@@ -188,6 +194,9 @@ pub enum View {
 pub struct Object {
     /// Name of the object, for `#scree inject objects NAME`.
     pub name: String,
+    /// What the rows are of: the bodies, or the contacts of a run with contact tables.
+    #[serde(default, skip_serializing_if = "RowsOf::is_default")]
+    pub rows: RowsOf,
     /// Condition on the object's rows; all rows if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub select: Option<String>,
@@ -220,6 +229,23 @@ pub struct Object {
     pub ground: bool,
 }
 
+/// What the rows of an object are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RowsOf {
+    /// The bodies: the rows of the data.
+    #[default]
+    Bodies,
+    /// The contacts: the rows of the contact table of the frame.
+    Contacts,
+}
+
+impl RowsOf {
+    fn is_default(&self) -> bool {
+        *self == RowsOf::default()
+    }
+}
+
 /// The geometry of an object: exactly one of these.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a map")]
@@ -248,6 +274,45 @@ pub struct Geometry {
     /// Geometry from a RIB, OBJ, STL or PLY file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub archive: Option<ArchiveSpec>,
+    /// An arrow along a vector.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrow: Option<ArrowSpec>,
+    /// A line through the places where a body has been.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trail: Option<TrailSpec>,
+}
+
+/// An arrow from the position of its row.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a map")]
+pub struct ArrowSpec {
+    /// The vector, in any unit: three columns or expressions.
+    #[serde(default = "default_vector")]
+    pub vector: [Quantity; 3],
+    /// Length of the arrow of a vector of length 1, m; if not given, the longest of all frames is a fifth of the view.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// Diameter of the shaft, m; if not given, chosen by the view.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<f64>,
+}
+
+/// A line through the last places of a body, which are those of the rows of its `id` and `part` in the frames before.
+#[derive(Clone, Debug, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a map")]
+pub struct TrailSpec {
+    /// Time of the trail, s, for data with times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Number of frames of the trail, instead of `length`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<u64>,
+    /// Width of the line, m; if not given, chosen by the view.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<f64>,
+    /// Whether the trail fades towards its end.
+    #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
+    pub fade: bool,
 }
 
 /// The size of a sphere.
@@ -504,6 +569,14 @@ fn default_fov() -> f32 {
 
 fn default_map() -> String {
     "viridis".into()
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn default_vector() -> [Quantity; 3] {
+    ["vel_x", "vel_y", "vel_z"].map(|c| Quantity::Expression(c.into()))
 }
 
 fn one() -> Quantity {
