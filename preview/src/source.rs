@@ -135,7 +135,8 @@ pub fn settle_ranges(input: &mut Input) -> Result<(), Failure> {
     if !input.binding.objects.iter().any(|object| is_open(&object.color)) {
         return Ok(());
     }
-    let ranges: Vec<_> = sample(&input.source)?.iter().map(|frame| emit::color_ranges(&input.binding, &Moment::alone(frame))).collect();
+    let ranges: Vec<_> =
+        sample(&input.source)?.iter().map(|frame| emit::color_ranges(&input.binding, &Moment::alone(frame))).collect();
     for (i, object) in input.binding.objects.iter_mut().enumerate() {
         if let Color::By { range: range @ None, .. } = &mut object.color {
             *range = ranges.iter().filter_map(|all| all[i]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
