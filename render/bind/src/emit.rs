@@ -14,9 +14,11 @@
 mod archive;
 mod arrows;
 mod camera;
+mod group;
 mod instances;
 mod keys;
 mod missing;
+mod rows;
 mod shapes;
 mod trails;
 
@@ -24,7 +26,8 @@ use crate::binding::{Binding, Camera, Color, ImageFormat, Output, Quality, Shape
 use crate::moment::Moment;
 pub use camera::Stand;
 use frame::{Fault, Frame};
-pub use instances::{Group, Prepared};
+pub use group::Group;
+pub use instances::Prepared;
 pub use missing::{Lack, Missing};
 use ri::files::Files;
 use ri::reader::{self, RibError};

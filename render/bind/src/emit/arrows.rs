@@ -1,7 +1,8 @@
 //! Arrows along vectors: a cylinder and a cone for each row.
 
 use super::camera;
-use super::instances::{Group, Rows, exprs, select};
+use super::group::{Group, select};
+use super::rows::{Rows, exprs};
 use crate::binding::{Arrow, Binding, Object, Shape};
 use frame::Fault;
 use glam::{Quat, Vec3};

@@ -1,7 +1,7 @@
 //! The objects that instances repeat, of unit size.
 
 use super::archive;
-use super::instances::Group;
+use super::group::Group;
 use crate::binding::Shape;
 use ri::files::Files;
 use ri::{Class, Declaration, Param, Params, Ri, RiResult, Type, Values};

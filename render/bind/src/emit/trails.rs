@@ -1,6 +1,6 @@
 //! Trails: curves through the last places of bodies.
 
-use super::instances::{Rows, exprs};
+use super::rows::{Rows, exprs};
 use crate::binding::{Binding, Color, Object, Reach, Trail};
 use crate::moment::Moment;
 use frame::{Fault, Frame};
