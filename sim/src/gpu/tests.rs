@@ -344,8 +344,6 @@ fn what_is_not_built_for_devices_is_refused() {
     model.shape_size[last] = DVec3::splat(100.0);
     assert!(refused(&model, &state).contains("1000 times"));
     model.shape_size[last] = DVec3::splat(0.1);
-    model.shape_kind[last] = ShapeKind::Hull;
-    assert!(refused(&model, &state).contains("hull"));
     let (model, state) = spheres(0, |_| unreachable!());
     assert!(refused(&model, &state).contains("no spheres"));
 }

@@ -143,7 +143,8 @@ fn spheres_on_surfaces_have_the_contacts_of_the_cpu() {
         }
         n_seams += own.keys().filter(|key| is_ground(key) && !expected.contains_key(*key)).count();
         eprintln!("{n} contacts, {n_seams} at seams of one alone");
-        assert!(n > 1000 && n_seams * 200 <= n, "{n} contacts, {n_seams} at seams of one alone");
+        // At a seam of two faces in one plane either may have the contact: it counts twice.
+        assert!(n > 1000 && n_seams * 100 <= n, "{n} contacts, {n_seams} at seams of one alone");
     }
 }
 
