@@ -120,7 +120,8 @@ bodies:
     let object = format!("  - {{name: f, rows: contacts, geometry: {arrow}, color: [0.8, 0.1, 0.1]}}\n");
     assert_near(extent(work.path(), "{run: run}", &object, 4), [0.28, 0.32, -0.5, 0.0], "the weight");
     let file = metadata(work.path(), "{run: plain}", &object);
-    let said = scree(&["render", &file, "-o", "o", "--res", "20x20"]).fails(3);
+    let out = work.path().join("o");
+    let said = scree(&["render", &file, "-o", out.to_str().unwrap(), "--res", "20x20"]).fails(3);
     assert!(said.contains("contact_tables") && said.contains("m.yaml:6"), "{said}");
 }
 
