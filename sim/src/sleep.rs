@@ -8,7 +8,7 @@
 //! one begins or ends to act, and when any body appears or begins to move on schedule. A step that finds that a sleeping body is touched is
 //! done again with it awake, so that no impulse is lost to what is held. The contacts start from the impulses that they had.
 //!
-//! What would wake an island is what belongs to it ([`touches`]), so that neighbours do not wake each other in turn.
+//! What would wake an island is what belongs to it (`touches`), so that neighbours do not wake each other in turn.
 
 use crate::contacts::Contacts;
 use crate::joint::{Joint, Motor, Spring};

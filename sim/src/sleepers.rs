@@ -10,7 +10,7 @@ pub const AWAKE: u32 = u32::MAX;
 pub struct Sleepers {
     /// Number of steps for which each body has been still (n_bodies; empty where no body may sleep).
     pub still: Vec<u32>,
-    /// Island of each body, the lowest id of its bodies; [`AWAKE`] for a body that does not sleep (n_bodies; empty while none has slept).
+    /// Island of each body, the lowest id of its bodies; `AWAKE` for a body that does not sleep (n_bodies; empty while none has slept).
     pub island: Vec<u32>,
     /// The contacts of the bodies that sleep, with the impulses of the step after which they fell asleep.
     pub contacts: Contacts,
