@@ -166,7 +166,7 @@ bodies:
         sim::checkpoint::read(&sim::checkpoint::latest(work.path().join(name).as_path()).unwrap().unwrap())
     };
     let [one, two] = ["one", "two"].map(|name| end(name).unwrap().0);
-    assert!(one.sleepers.n > 40 && one.steps == two.steps, "{} sleep", one.sleepers.n);
+    assert!(one.sleepers.n() > 40 && one.steps == two.steps, "{} sleep", one.sleepers.n());
     assert!(one.position == two.position && one.velocity == two.velocity && one.sleepers.island == two.sleepers.island);
     let read = |name: &str| std::fs::read(work.path().join(name).join("probes.csv")).unwrap_or_default();
     assert!(read("one") == read("two"));

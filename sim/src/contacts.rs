@@ -129,15 +129,9 @@ impl Contacts {
     /// Add contact `i` of other contacts, between the bodies, with the key and the law of this model, its impulses times `factor`. The
     /// arms are vectors.
     pub fn carry(&mut self, from: &Contacts, i: usize, bodies: [u32; 2], key: [u32; 3], law: u32, factor: f64) {
-        self.bodies.push(bodies);
-        self.key.push(key);
-        self.pair.push(NO_SPHERE_PAIR);
-        self.normal.push(from.normal[i]);
         let Arms::Any(arms) = &mut self.arms else { unreachable!("carried contacts have arms as vectors") };
         arms.push(from.arms(i));
-        self.gap.push(from.gap[i]);
-        self.law.push(law);
-        self.impulse.push(from.impulse[i] * factor);
+        self.push(from, i, (bodies, key, law), factor);
         self.rolling_impulse.push(from.rolling_impulse.get(i).map_or(DVec3::ZERO, |roll| *roll * factor));
     }
 
@@ -154,14 +148,19 @@ impl Contacts {
             Arms::Any(arms) => arms.push([arm_a, arm_b]),
             Arms::Along(reach) => reach.push([arm_a.dot(normal), -arm_b.dot(normal)]),
         }
-        self.bodies.push(from.bodies[i]);
-        self.key.push(from.key[i]);
-        self.pair.push(NO_SPHERE_PAIR);
-        self.normal.push(normal);
-        self.gap.push(from.gap[i]);
-        self.law.push(from.law[i]);
-        self.impulse.push(from.impulse[i]);
+        self.push(from, i, (from.bodies[i], from.key[i], from.law[i]), 1.0);
         self.rolling_impulse.extend(from.rolling_impulse.get(i));
+    }
+
+    /// Add contact `i` of other contacts but for its arms and its rolling impulse.
+    fn push(&mut self, from: &Contacts, i: usize, (bodies, key, law): ([u32; 2], [u32; 3], u32), factor: f64) {
+        self.bodies.push(bodies);
+        self.key.push(key);
+        self.pair.push(NO_SPHERE_PAIR);
+        self.normal.push(from.normal[i]);
+        self.gap.push(from.gap[i]);
+        self.law.push(law);
+        self.impulse.push(from.impulse[i] * factor);
     }
 
     /// Number of contacts.

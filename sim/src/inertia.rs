@@ -17,3 +17,8 @@ pub(crate) fn world_inv_inertia(orientation: DQuat, inv_inertia: DVec3) -> DMat3
 pub(crate) fn is_isotropic(inv_inertia: DVec3) -> bool {
     inv_inertia.x == inv_inertia.y && inv_inertia.y == inv_inertia.z
 }
+
+/// Radius of gyration about an axis, m; 0 where the body does not rotate about it.
+pub fn gyration(inv_mass: f64, inv_inertia: f64) -> f64 {
+    if inv_inertia > 0.0 { (inv_mass / inv_inertia).sqrt() } else { 0.0 }
+}

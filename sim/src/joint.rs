@@ -60,6 +60,16 @@ pub enum Motor {
     Effort(Function),
 }
 
+impl Motor {
+    /// Whether the motor drives its joint at time `t`, s: one of effort does not where that is zero.
+    pub fn is_on(&self, t: f64) -> bool {
+        match self {
+            Motor::Speed(_) | Motor::Position(_) => true,
+            Motor::Effort(effort) => effort.at(t) != 0.0,
+        }
+    }
+}
+
 /// A joint between two bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {

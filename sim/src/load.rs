@@ -88,6 +88,11 @@ pub struct Load {
 }
 
 impl Load {
+    /// Whether the load acts at time `t`, s, and is not zero then.
+    pub fn acts(&self, t: f64) -> bool {
+        t >= self.from && t < self.until && self.value.at(t) != 0.0
+    }
+
     /// Force, N, or torque, N m, world, at time `t`, s, with the orientation `frame` of the model file's body frame, body to world; zero
     /// while the load does not act.
     pub fn vector(&self, t: f64, frame: glam::DQuat) -> DVec3 {

@@ -117,12 +117,6 @@ impl Model {
         self.inv_mass.len()
     }
 
-    /// Greatest radius of gyration of a body, m; 0 for one that does not rotate.
-    pub fn gyration(&self, body: usize) -> f64 {
-        let least = self.inv_inertia[body].min_element();
-        if least > 0.0 { (self.inv_mass[body] / least).sqrt() } else { 0.0 }
-    }
-
     /// Number of shapes.
     pub fn n_shapes(&self) -> usize {
         self.shape_body.len()

@@ -178,14 +178,12 @@ impl Simulation {
         let mut watch = std::mem::take(&mut state.watch);
         let (stage_ms, outcome, survey) = match engine {
             Engine::Cpu(cpu) => {
-                let run = |cpu: &mut Cpu, plan: &StepPlan, state: &mut State| {
-                    run_stages(cpu, model, plan, state, is_checked).map_err(StepFault::Columns)
-                };
                 let stage_ms = loop {
-                    if let Some(stage_ms) = run(cpu, plan, state)? {
+                    let stepped = run_stages(cpu.as_mut(), model, plan, state, is_checked);
+                    if let Some(stage_ms) = stepped.map_err(StepFault::Columns)? {
                         break stage_ms;
                     }
-                    *plan = StepPlan::resolve(model, state);
+                    // The plan is the same whether bodies sleep or move.
                     cpu.prepare(model, state, plan);
                 };
                 let contacts = state.contacts.len() + state.sleepers.contacts.len();
@@ -202,7 +200,6 @@ impl Simulation {
         if let (Some(speed), Engine::Cpu(cpu)) = (model.solver.sleep, engine)
             && sleep::fall_asleep(model, state, speed)
         {
-            *plan = StepPlan::resolve(model, state);
             cpu.prepare(model, state, plan);
         }
         Ok(StepReport {
@@ -244,7 +241,7 @@ fn run_stages(
     // What the stages change before the bodies move, where bodies sleep.
     let mut before = None;
     for (stage, ms) in Stage::ALL.into_iter().zip(&mut stage_ms) {
-        if stage == Stage::ContactWrite && state.sleepers.n > 0 {
+        if stage == Stage::ContactWrite && !state.sleepers.are_none() {
             before = Some((state.contacts.clone(), state.manifolds.clone(), state.step_length));
         }
         let has_run = backend.run(stage, model, plan, state);

@@ -11,7 +11,8 @@
 //! What would wake an island is what belongs to it (`touches`), so that neighbours do not wake each other in turn.
 
 use crate::contacts::Contacts;
-use crate::joint::{Joint, Motor, Spring};
+use crate::inertia::gyration;
+use crate::joint::Joint;
 use crate::load::Function;
 use crate::model::Model;
 use crate::sleepers::{AWAKE, Sleepers};
@@ -27,20 +28,18 @@ const EVERY: u64 = 8;
 /// Wake what something other than a touch concerns in the step that begins now; all, if `has_changed`, or if no body may sleep any more. Returns
 /// whether any body has woken.
 pub fn rouse_driven(model: &Model, state: &mut State, has_changed: bool) -> bool {
-    if state.sleepers.n == 0 {
+    if state.sleepers.are_none() {
         return false;
     }
+    if has_changed || model.solver.sleep.is_none() {
+        return rouse_all(state);
+    }
     let (start, h) = (state.time, model.step);
-    let own = &state.sleepers.island;
-    let islands: Vec<u32> = if has_changed || model.solver.sleep.is_none() {
-        own.clone()
-    } else {
-        let switches = |acts: &dyn Fn(f64) -> bool| acts(start) != acts(start - h);
-        let joints = model.joints.iter().filter(|j| drives(j, start, h) || switches(&|t| j.acts(t)));
-        let springs = model.springs.iter().filter(|s| pulls(s, start) || switches(&|t| s.acts(t)));
-        let bodies = joints.flat_map(|j| j.bodies).chain(springs.flat_map(|s| s.bodies)).chain(loaded(model, state));
-        bodies.map(|b| own[b as usize]).collect()
-    };
+    let switches = |acts: &dyn Fn(f64) -> bool| acts(start) != acts(start - h);
+    let joints = model.joints.iter().filter(|j| switches(&|t| j.acts(t))).flat_map(|j| j.bodies);
+    let springs = model.springs.iter().filter(|s| switches(&|t| s.acts(t))).flat_map(|s| s.bodies);
+    let islands =
+        joints.chain(springs).chain(driven(model, state)).map(|b| state.sleepers.island[b as usize]).collect();
     rouse(state, islands)
 }
 
@@ -57,17 +56,16 @@ pub fn touched(model: &Model, state: &State, is_solved: bool) -> Vec<u32> {
     bodies.map(|b| state.sleepers.island[b as usize]).collect()
 }
 
-/// Wake all bodies.
-pub fn rouse_all(state: &mut State) {
+/// Wake all bodies. Returns whether any has woken.
+pub fn rouse_all(state: &mut State) -> bool {
     let all = state.sleepers.island.clone();
-    rouse(state, all);
+    rouse(state, all)
 }
 
 /// Wake islands: their contacts are added to those of the last step. Returns whether any body has woken.
 pub fn rouse(state: &mut State, mut islands: Vec<u32>) -> bool {
     islands.sort_unstable();
     islands.dedup();
-    let before = state.sleepers.n;
     let wakes = |island: u32| island != AWAKE && islands.binary_search(&island).is_ok();
     let asleep = std::mem::take(&mut state.sleepers.contacts);
     for i in 0..asleep.len() {
@@ -75,15 +73,15 @@ pub fn rouse(state: &mut State, mut islands: Vec<u32>) -> bool {
         let to = if own.into_iter().any(wakes) { &mut state.contacts } else { &mut state.sleepers.contacts };
         to.push_of(&asleep, i);
     }
-    let Sleepers { island, still, n, .. } = &mut state.sleepers;
+    let Sleepers { island, still, .. } = &mut state.sleepers;
+    let mut has_woken = false;
     for b in 0..island.len() {
         if wakes(island[b]) {
             (island[b], still[b]) = (AWAKE, 0);
             state.activity[b] = Activity::Moving;
-            *n -= 1;
+            has_woken = true;
         }
     }
-    let has_woken = *n != before;
     if has_woken {
         // The broad phase has left out pairs of bodies that do not move.
         state.fat_aabb = None;
@@ -98,24 +96,24 @@ pub fn fall_asleep(model: &Model, state: &mut State, speed: f64) -> bool {
     still.resize(n, 0);
     for (b, still) in still.iter_mut().enumerate() {
         let is_slow = || {
-            let turning = state.angular_velocity[b].length_squared() * model.gyration(b).powi(2);
+            let turning = state.angular_velocity[b].length_squared()
+                * gyration(model.inv_mass[b], model.inv_inertia[b].min_element()).powi(2);
             state.velocity[b].length_squared() + turning <= speed * speed
         };
         *still = if state.moves(b) && is_slow() { still.saturating_add(1) } else { 0 };
     }
     let enough = (STILL_FOR / model.step).ceil() as u32;
     let is_due = state.steps.is_multiple_of(EVERY) && still.iter().any(|steps| *steps >= enough);
-    let before = state.sleepers.n;
-    if is_due {
-        put_to_sleep(model, state, |b| still[b] >= enough);
-    }
+    let falling = if is_due { still_islands(model, state, |b| still[b] >= enough) } else { vec![] };
     state.sleepers.still = still;
-    state.sleepers.n != before
+    put_to_sleep(model, state, &falling);
+    !falling.is_empty()
 }
 
-/// Let the islands fall asleep all of whose bodies are still.
-fn put_to_sleep(model: &Model, state: &mut State, is_still: impl Fn(usize) -> bool) {
-    let (start, h) = (state.time, model.step);
+/// The bodies of the islands all of whose bodies are still, each with its island: the lowest id of its bodies.
+fn still_islands(model: &Model, state: &State, is_still: impl Fn(usize) -> bool) -> Vec<(u32, u32)> {
+    let start = state.time;
+    let bodies = || (0..model.n_bodies() as u32).filter(|b| state.moves(*b as usize));
     let mut islands = Islands((0..model.n_bodies() as u32).collect());
     let mut connect = |bodies: [u32; 2]| {
         if bodies.iter().all(|b| state.moves(*b as usize)) {
@@ -123,48 +121,51 @@ fn put_to_sleep(model: &Model, state: &mut State, is_still: impl Fn(usize) -> bo
         }
     };
     let c = &state.contacts;
-    let belongs: Vec<bool> = (0..c.len()).map(|i| c.impulse[i] != DVec3::ZERO || touches(model, state, i)).collect();
-    (0..c.len()).filter(|i| belongs[*i]).for_each(|i| connect(c.bodies[i]));
+    (0..c.len()).filter(|i| belongs(model, state, *i)).for_each(|i| connect(c.bodies[i]));
     model.joints.iter().filter(|j| j.acts(start)).for_each(|j| connect(j.bodies));
     model.springs.iter().filter(|s| s.acts(start)).for_each(|s| connect(s.bodies));
-    let driven = model.joints.iter().filter(|j| drives(j, start, h)).flat_map(|j| j.bodies);
-    let pulled = model.springs.iter().filter(|s| pulls(s, start)).flat_map(|s| s.bodies);
-    let restless = (0..model.n_bodies() as u32).filter(|b| state.moves(*b as usize) && !is_still(*b as usize));
     let mut stays = vec![false; model.n_bodies()];
-    for b in driven.chain(pulled).chain(loaded(model, state)).chain(restless) {
+    for b in driven(model, state).chain(bodies().filter(|b| !is_still(*b as usize))) {
         stays[islands.of(b) as usize] = true;
+    }
+    bodies().map(|b| (b, islands.of(b))).filter(|(_, island)| !stays[*island as usize]).collect()
+}
+
+/// Let bodies of whole islands fall asleep, with their contacts.
+fn put_to_sleep(model: &Model, state: &mut State, falling: &[(u32, u32)]) {
+    if falling.is_empty() {
+        return;
     }
     let mut sleepers = std::mem::take(&mut state.sleepers);
     sleepers.island.resize(model.n_bodies(), AWAKE);
-    let falls = |b: u32, islands: &mut Islands| state.moves(b as usize) && !stays[islands.of(b) as usize];
-    let falling: Vec<u32> = (0..model.n_bodies() as u32).filter(|b| falls(*b, &mut islands)).collect();
-    if !falling.is_empty() {
-        falling.iter().for_each(|b| sleepers.island[*b as usize] = islands.of(*b));
-        sleepers.n += falling.len();
-        let is_asleep = |b: u32| sleepers.island[b as usize] != AWAKE;
-        let (mut rest, contacts, c) = (Contacts::default(), &mut sleepers.contacts, &state.contacts);
-        for i in 0..c.len() {
-            // Those that are open, and those with other bodies, which do not touch, are found again.
-            match (c.bodies[i].into_iter().any(is_asleep), belongs[i]) {
-                (false, _) => rest.push_of(c, i),
-                (true, true) => contacts.push_of(c, i),
-                (true, false) => {}
-            }
+    falling.iter().for_each(|(b, island)| sleepers.island[*b as usize] = *island);
+    let is_asleep = |b: u32| sleepers.island[b as usize] != AWAKE;
+    let (mut rest, c) = (Contacts::default(), &state.contacts);
+    for i in 0..c.len() {
+        if !c.bodies[i].into_iter().any(is_asleep) {
+            rest.push_of(c, i);
+        } else if belongs(model, state, i) {
+            // The others, which are open, are found again.
+            sleepers.contacts.push_of(c, i);
         }
-        state.contacts = rest;
-        state.fat_aabb = None;
-        for b in falling {
-            let b = b as usize;
-            state.activity[b] = Activity::Asleep;
-            (state.velocity[b], state.angular_velocity[b]) = (DVec3::ZERO, DVec3::ZERO);
-        }
-        for (joint, now) in model.joints.iter().zip(&mut state.joints) {
-            if joint.bodies.iter().any(|b| state.activity[*b as usize] == Activity::Asleep) {
-                now.rate = 0.0;
-            }
+    }
+    state.contacts = rest;
+    state.fat_aabb = None;
+    for b in falling.iter().map(|(b, _)| *b as usize) {
+        state.activity[b] = Activity::Asleep;
+        (state.velocity[b], state.angular_velocity[b]) = (DVec3::ZERO, DVec3::ZERO);
+    }
+    for (joint, now) in model.joints.iter().zip(&mut state.joints) {
+        if joint.bodies.iter().any(|b| state.activity[*b as usize] == Activity::Asleep) {
+            now.rate = 0.0;
         }
     }
     state.sleepers = sleepers;
+}
+
+/// Whether what a contact of the last step is between belongs to one island: it has an impulse, or touches.
+fn belongs(model: &Model, state: &State, i: usize) -> bool {
+    state.contacts.impulse[i] != DVec3::ZERO || touches(model, state, i)
 }
 
 /// Whether a contact of the last step is closed, or will be within a step: what falls from rest moves by g h² in a step.
@@ -174,26 +175,15 @@ fn touches(model: &Model, state: &State, i: usize) -> bool {
     c.gap[i] + h * opening <= model.solver.rest_gap + model.gravity.length() * h * h
 }
 
-/// Whether a joint's motor acts in a step from `start` of length `h`, s, or its length changes.
-fn drives(joint: &Joint, start: f64, h: f64) -> bool {
-    let is_driven = match &joint.motor {
-        Some(Motor::Speed(_) | Motor::Position(_)) => true,
-        Some(Motor::Effort(effort)) => effort.at(start + 0.5 * h) != 0.0,
-        None => false,
-    };
-    joint.acts(start) && (is_driven || !matches!(joint.length, Function::Constant(_)))
-}
-
-/// Whether a spring's preload varies while it acts.
-fn pulls(spring: &Spring, start: f64) -> bool {
-    spring.acts(start) && !matches!(spring.preload, Function::Constant(_))
-}
-
-/// The bodies on which a load acts in the step that begins now.
-fn loaded<'a>(model: &'a Model, state: &State) -> impl Iterator<Item = u32> + use<'a> {
-    let middle = state.time + 0.5 * model.step;
-    let acts = move |l: &&crate::load::Load| middle >= l.from && middle < l.until && l.value.at(middle) != 0.0;
-    model.loads.iter().filter(acts).map(|l| l.body)
+/// The bodies that a motor, a length or a preload that varies, or a load acts on in the step that begins now.
+fn driven<'a>(model: &'a Model, state: &State) -> impl Iterator<Item = u32> + use<'a> {
+    let (start, middle) = (state.time, state.time + 0.5 * model.step);
+    let varies = |f: &Function| !matches!(f, Function::Constant(_));
+    let is_on = move |j: &Joint| j.motor.as_ref().is_some_and(|motor| motor.is_on(middle));
+    let joints = model.joints.iter().filter(move |j| j.acts(start) && (is_on(j) || varies(&j.length)));
+    let springs = model.springs.iter().filter(move |s| s.acts(start) && varies(&s.preload));
+    let loads = model.loads.iter().filter(move |l| l.acts(middle)).map(|l| l.body);
+    joints.flat_map(|j| j.bodies).chain(springs.flat_map(|s| s.bodies)).chain(loads)
 }
 
 /// Disjoint sets of bodies: of each body another one of its set with a lower id, or itself.

@@ -14,22 +14,28 @@ pub struct Sleepers {
     pub island: Vec<u32>,
     /// The contacts of the bodies that sleep, with the impulses of the step after which they fell asleep.
     pub contacts: Contacts,
-    /// Number of bodies that sleep.
-    pub n: usize,
 }
 
 impl Sleepers {
+    /// Number of bodies that sleep.
+    pub fn n(&self) -> usize {
+        self.island.iter().filter(|island| **island != AWAKE).count()
+    }
+
+    /// Whether no body sleeps.
+    pub fn are_none(&self) -> bool {
+        self.island.iter().all(|island| *island == AWAKE)
+    }
+
     /// Check that sleepers, as a file gives them, are bodies of a model with these counts.
     ///
     /// # Errors
     /// What does not fit, for a message.
     pub(crate) fn fit(&self, n_bodies: usize, n_shapes: usize, n_laws: usize) -> Result<(), String> {
+        let (still, island) = (self.still.len(), self.island.len());
         let is_sound = |length: usize| length == 0 || length == n_bodies;
-        if !is_sound(self.still.len()) || !is_sound(self.island.len()) {
+        if !is_sound(still) || !is_sound(island) || island > still || (island == 0 && !self.contacts.is_empty()) {
             return Err("has columns of sleeping bodies of other lengths than the model".into());
-        }
-        if self.island.iter().filter(|island| **island != AWAKE).count() != self.n {
-            return Err("has another number of sleeping bodies than it says".into());
         }
         self.contacts.fit(n_bodies, n_shapes, n_laws)
     }

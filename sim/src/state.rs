@@ -7,7 +7,7 @@ use crate::manifolds::Manifolds;
 use crate::model::{Model, Scheduled};
 use crate::pose::Pose;
 use crate::shape::FARTHEST;
-use crate::sleepers::Sleepers;
+use crate::sleepers::{AWAKE, Sleepers};
 use crate::twist::Twist;
 use crate::warning::WatchState;
 use glam::{DQuat, DVec3};
@@ -93,6 +93,10 @@ impl State {
         }
         self.contacts.fit(n, model.n_shapes(), model.laws.len())?;
         self.sleepers.fit(n, model.n_shapes(), model.laws.len())?;
+        let sleeps = |b: usize| self.sleepers.island.get(b).is_some_and(|island| *island != AWAKE);
+        if let Some(b) = (0..n).find(|b| (self.activity[*b] == Activity::Asleep) != sleeps(*b)) {
+            return Err(format!("has a body {b} that sleeps in one column and not in another"));
+        }
         self.manifolds.fit(model.n_shapes())?;
         let Some(boxes) = &self.fat_aabb else { return Ok(()) };
         is(boxes.len(), model.n_shapes(), "shapes")?;

@@ -14,7 +14,7 @@
 //! where F are weight and springs' forces: an oscillation of twice that is tolerated. A position, velocity, residual or joint error that
 //! is not finite, or a speed above 10⁵ m/s, ends a run ([`Broken`]).
 
-use crate::inertia::is_isotropic;
+use crate::inertia::{gyration, is_isotropic};
 use crate::joint::{Coordinate, Joint, JointState, Motor};
 use crate::load::Function;
 use crate::model::Model;
@@ -144,7 +144,7 @@ impl WatchState {
             include(place.position, DVec3::splat(model.shape_size[s].max_element()));
         }
         for b in (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0) {
-            include(state.position[b], DVec3::splat(model.gyration(b)));
+            include(state.position[b], DVec3::splat(gyration(model.inv_mass[b], model.inv_inertia[b].min_element())));
         }
         for joint in &model.joints {
             let frames = state.joint_frames(joint);
@@ -287,14 +287,10 @@ impl WatchState {
         let (end, h) = (state.time, model.step);
         let middle = end - 0.5 * h;
         let changes = |f: &Function| f.at(end) != f.at(end - h);
-        let loaded = model.loads.iter().any(|l| middle >= l.from && middle < l.until && l.value.at(middle) != 0.0);
+        let loaded = model.loads.iter().any(|l| l.acts(middle));
         let driven = model.joints.iter().any(|j| {
-            let motor = match &j.motor {
-                Some(Motor::Speed(_) | Motor::Position(_)) => true,
-                Some(Motor::Effort(effort)) => effort.at(middle) != 0.0,
-                None => false,
-            };
-            j.acts(end - h) && (motor || changes(&j.length))
+            let is_motor_on = j.motor.as_ref().is_some_and(|motor| motor.is_on(middle));
+            j.acts(end - h) && (is_motor_on || changes(&j.length))
         });
         let tensioned = model.springs.iter().any(|s| s.acts(end - h) && changes(&s.preload));
         let acting = acting(model, end - h);
@@ -344,11 +340,6 @@ fn energy_by_size(model: &Model, state: &State) -> f64 {
     let free = (0..model.n_bodies()).filter(|b| state.is_free(*b));
     let size = |b: usize| gyration(model.inv_mass[b], model.inv_inertia[b].max_element()) / model.inv_mass[b];
     model.gravity.length() * free.map(size).sum::<f64>()
-}
-
-/// Radius of gyration about an axis, m; 0 where the body does not rotate about it.
-fn gyration(inv_mass: f64, inv_inertia: f64) -> f64 {
-    if inv_inertia > 0.0 { (inv_mass / inv_inertia).sqrt() } else { 0.0 }
 }
 
 /// Message about a motor that prescribes `goal` where the joint has `is`, beyond `bound`; says whether the joint is at a limit.

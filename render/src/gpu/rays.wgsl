@@ -2,7 +2,8 @@
 // Nodes are two rows, in the order of a walk: a corner and the next node that is not below; the other corner and, of a leaf, 8 times its first
 // occluder and their count, 0 of others. Occluders are four:
 // kind and primitive; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
-// triangle, a corner and two edges. Kinds: 0 sphere, 1 ellipsoid, 2 triangle of a flat patch, 3 triangle of a curved one.
+// triangle, a corner and two edges, and after the primitive how near the start of a ray it may be in its own way. Kinds: 0 sphere, 1 ellipsoid,
+// 2 triangle of a flat patch, 3 triangle of a curved one.
 // Twin: cpu/bvh.rs
 
 // Not 0, of the same sign.
@@ -31,9 +32,12 @@ fn stops_ellipsoid(start: vec3<f32>, way: vec3<f32>, far: f32, x: vec4<f32>, y: 
     return disc > 0.0 && root - b > 0.0 && -b - root < far * a;
 }
 
+// How far beside a facet of a curved surface, in parts of it, a ray still meets it.
+const BESIDE: f32 = 1e-5;
+
 // How far along a ray a triangle is met, given by a corner and two edges; -1 where it is not (Möller and Trumbore 1997).
-// `beside`: how far beside a triangle, in parts of it, a ray still meets it (bvh.rs has why).
-fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>, beside: f32) -> f32 {
+fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, ac: vec3<f32>, is_flat: bool) -> f32 {
+    let beside = select(BESIDE, 0.0, is_flat);
     let p = cross(way, ac);
     let det = dot(ab, p);
     let inverse = select(0.0, 1.0 / det, det != 0.0);
@@ -42,6 +46,11 @@ fn meet_triangle(start: vec3<f32>, way: vec3<f32>, a: vec3<f32>, ab: vec3<f32>, 
     let q = cross(s, ab);
     let v = dot(way, q) * inverse;
     return select(-1.0, dot(ac, q) * inverse, det != 0.0 && u >= -beside && v >= -beside && u + v <= 1.0 + beside);
+}
+
+// A facet of a curved surface stands off it: its own neighbourhood is not in its shadow. 0 of what is flat.
+fn facet_room(head: vec4<u32>, is_own: bool) -> f32 {
+    return bitcast<f32>(head.z) * select(0.5, 2.0, is_own);
 }
 
 fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
@@ -60,9 +69,8 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
     if head.x == 1u {
         return stops_ellipsoid(start, way, far, a, b, c);
     }
-    // A facet of a curved surface stands off it: its own neighbourhood is not in its shadow.
-    let room = bitcast<f32>(head.z) * select(0.5, 2.0, is_own);
-    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, select(1e-5, 0.0, head.x == 2u));
+    let room = facet_room(head, is_own);
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
     return t > max(select(near.x, near.y, is_own), room) && t < far;
 }
 
@@ -140,8 +148,8 @@ fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
     }
     let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
-    let room = max(select(near.x, near.y, is_own), bitcast<f32>(head.z) * select(0.5, 2.0, is_own));
-    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, select(1e-5, 0.0, head.x == 2u));
+    let room = max(select(near.x, near.y, is_own), facet_room(head, is_own));
+    let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
     return select(-1.0, t, t > select(room, 1e-5 * size, head.x == 2u));
 }
 
