@@ -56,6 +56,8 @@ pub struct StepPlan {
     pub has_free_column: bool,
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
+    /// Whether sweeps may take over a step that begins far from its solution.
+    pub sweeps_landings: bool,
     /// The settings of a step with contacts none of which has an impulse to start from, where they differ.
     start: Option<SolverSettings>,
     /// The settings that the plan was resolved from.
@@ -87,6 +89,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
+            sweeps_landings: can_sweep && settings.sweep_landings && is_bed(model, state),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -145,9 +148,9 @@ pub fn can_sweep(model: &Model) -> bool {
     !rolls(model) && !coheres(model)
 }
 
-/// Whether a model of spheres is a bed: many, without joints, and none by far heavier than another. There Gauss–Seidel measures best.
+/// Whether a model is a bed: many bodies, without joints, and none by far heavier than another. There Gauss–Seidel measures best.
 fn is_bed(model: &Model, state: &State) -> bool {
-    /// The least number of spheres that move.
+    /// The least number of bodies that move.
     const LEAST: usize = 1_000;
     /// The greatest ratio of their masses.
     const GREATEST: f64 = 1_000.0;

@@ -93,6 +93,9 @@ pub struct SolverSettings {
     /// whose bodies stand on each other; if not given, `iterations`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_iterations: Option<u32>,
+    /// Whether Gauss–Seidel takes over from another method the steps of a bed that begin far from their solution and have more contacts
+    /// than iterations, as while it lands.
+    pub sweep_landings: bool,
     /// Residual (as in `report.csv`) below which the iteration stops, m/s; with 0 all iterations are done.
     pub tolerance: f64,
     /// Relaxation factor ω of Jacobi and Gauss–Seidel; if not given, 0.3 for Jacobi and 1 for Gauss–Seidel.
@@ -128,6 +131,7 @@ impl Default for SolverSettings {
             impacts: Impacts::Simultaneous,
             iterations: None,
             start_iterations: None,
+            sweep_landings: true,
             tolerance: 1e-7,
             omega: None,
             lambda: 1.0,

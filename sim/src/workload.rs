@@ -75,13 +75,14 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
     (model, state)
 }
 
-/// Solver settings of the workloads: a method and a fixed number of iterations, whatever the residual.
+/// Solver settings of the workloads: a method alone, and a fixed number of iterations, whatever the residual.
 pub fn solver(method: Method, iterations: u32) -> SolverSettings {
     SolverSettings {
         method: Some(method),
         iterations: Some(iterations),
         tolerance: 0.0,
         envelope: Some(2e-4),
+        sweep_landings: false,
         ..SolverSettings::default()
     }
 }

@@ -32,8 +32,9 @@ use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
 use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
+use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
-use super::solve::residual::worst_block;
+use super::solve::residual::{residual, worst_block};
 use super::solve::response::Response;
 use super::solve::support;
 use super::solve::sweeps::{self, Sweeps};
@@ -44,6 +45,7 @@ use crate::model::Model;
 use crate::outcome::Outcome;
 use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
+use crate::settings::SolverSettings;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
@@ -133,8 +135,14 @@ pub fn run(
         eta: &work.eta,
         envelope: model.envelope,
     };
+    let may_land = plan.sweeps_landings && limits.is_empty() && n > settings.max_iterations(n) as usize;
+    let lands = method != ContactMethod::Sweeps && may_land && is_far(&mut op, model, &gamma, response);
     let outcome = match method {
         ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, &mut work.sweeps),
+        ContactMethod::Blocks(_) if lands => {
+            let settings = SolverSettings { omega: None, ..settings.clone() };
+            sweeps::run(&mut op, &settings, &mut gamma, response, &mut work.sweeps)
+        }
         ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, &mut work.iterates),
     };
     let is_high = outcome.residual > residual_bound(model);
@@ -156,6 +164,15 @@ pub fn run(
     }
     work.gamma = gamma;
     (outcome, worst)
+}
+
+/// Whether the starting point γ is far from the solution: by more than a step of free fall changes speeds, in the root mean square.
+///
+/// What other methods than Gauss–Seidel leave of a bed's landing, when they are cut off, are errors that whole layers share, so that layers
+/// sink into each other for as long as it takes.
+fn is_far(op: &mut BodyOperator, model: &Model, gamma: &[DVec3], response: &mut Response) -> bool {
+    op.response(gamma, response);
+    residual(op, gamma, response) * (gamma.len() as f64).sqrt() > residual_bound(model)
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.
