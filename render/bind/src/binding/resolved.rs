@@ -349,7 +349,7 @@ impl Binding {
             }
             None => return Err(self.doc.fault("data", "needs exactly one of `run`, `files` and `csv`")),
         };
-        Ok(Source { store, derive: data.derive.clone(), select: data.select.clone() })
+        Ok(Source::new(store, data.derive.clone(), data.select.clone()))
     }
 
     /// Check that `frame` has every column that the objects of its rows and the camera use. The error is at the key that names a missing one.
