@@ -99,7 +99,8 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
     let translucent = !a.stays_opaque() || a.solid.is_some();
     // What rays meet displaced has one lattice, from wherever it is seen.
     let displaced = a.displacement.is_some();
-    let even_on_raster = !(translucent || a.reads_neighbours() || displaced && (a.traces_displaced() || sink.takes_unseen()));
+    let even_on_raster =
+        !(translucent || a.reads_neighbours() || displaced && (a.traces_displaced() || sink.takes_unseen()));
     if even_on_raster && (a.two_sided || !a.reversed) {
         let pixels = radius * camera.pixels_at(depth) / step;
         if let Some(cap) = Cap::new(subject, &sphere, pixels) {

@@ -116,7 +116,9 @@ mod tests {
 
     #[test]
     fn cells_are_whole_numbers_from_below() {
-        for x in [0.0, 0.5, 1.0, -0.25, -1.0, -1.0000001, 7.9999995, 8_388_607.5, -8_388_607.5, 1e9, -3e12, f32::INFINITY] {
+        for x in
+            [0.0, 0.5, 1.0, -0.25, -1.0, -1.0000001, 7.9999995, 8_388_607.5, -8_388_607.5, 1e9, -3e12, f32::INFINITY]
+        {
             assert_eq!(cell_of(x), x.floor(), "{x}");
         }
         assert!(cell_of(f32::NAN).is_nan());
