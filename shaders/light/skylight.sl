@@ -2,7 +2,7 @@
 // nothing were in the way, for drafts; contact: how much deeper than measured the shadows in gaps are, 1 for as measured; bounce: how much
 // of the light what is in the way sends on.
 #include "sky.h"
-light skylight(float intensity = 1; vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; color lightcolor = 1; color ground = color(0.3, 0.27, 0.23); float open = quality_of_sky(); float contact = 2; float bounce = 0.5;
+light skylight(float intensity = 1; vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; color lightcolor = 1; color ground = color(0.3, 0.27, 0.23); float open = quality_of_sky(); float contact = 2; float bounce = 0.25;
                color zenith = sky_share() * sky_color(vector(0, 0, 1), suns_way(sun), turbidity_of(turbidity));
                color horizon = sky_share() * horizon_color(suns_way(sun), turbidity_of(turbidity));
                color beneath = ground * (suns_color(suns_way(sun), turbidity_of(turbidity)) * max(0, zcomp(suns_way(sun))) + 0.5 * (zenith + horizon));) {
@@ -13,7 +13,7 @@ light skylight(float intensity = 1; vector sun = vector(0.5, 0.4, 0.7); float tu
         parts = openness(Ps, Ns, up);
         // What is in the way is lit itself, the less the deeper the gap that it makes.
         float free = clamp(xcomp(parts) + zcomp(parts), 0, 1);
-        sent = 0.5 * bounce * (1 - free) * sqrt(free);
+        sent = 0.5 * bounce * (1 - free) * free;
         // Gaps are deeper than measured, but what is under a roof is no hole: light comes in from around.
         parts *= pow(mix(0.35, 1, free), contact - 1);
     } else {

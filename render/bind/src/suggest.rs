@@ -220,6 +220,43 @@ fn floor_height(lo: f32, extent: f32) -> f32 {
     if !height.is_finite() || height.abs() < 0.5 * step { 0.0 } else { height.min(lo) }
 }
 
+/// The geometry of a shape of ours, and what it is made of if it is not painted: its surface and colour.
+fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
+    let half = ["half_x", "half_y", "half_z"].map(column);
+    let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
+    match shape {
+        "sphere" => (
+            Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
+            "gravel",
+            [0.56, 0.48, 0.4],
+        ),
+        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+        "plane" => {
+            let half = Quantity::Number(rounded(40.0 * extent));
+            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
+        }
+        "ellipsoid" => {
+            (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
+        }
+        "cylinder" => (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        "spring" => (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.85, 0.62, 0.16]),
+        "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        other => {
+            // Hulls, meshes and height fields lie beside the frames as archives.
+            let archive = ArchiveSpec {
+                file: Some(format!("geometry/{other}.rib")),
+                column: None,
+                files: Default::default(),
+                scale: Quantity::Number(1.0),
+            };
+            let ground = other.starts_with("height_field");
+            let (surface, color) = if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
+            (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
+        }
+    }
+}
+
 /// One object for each class and shape of a run of ours.
 fn kinds_as_objects(
     kinds: &[Kind<'_>],
@@ -245,46 +282,7 @@ fn kinds_as_objects(
     drawn()
         .map(|kind| {
             let Kind { class, shape, .. } = *kind;
-            let half = ["half_x", "half_y", "half_z"].map(column);
-            let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
-            let (geometry, surface, color) = match shape {
-                "sphere" => (
-                    Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
-                    "gravel",
-                    [0.56, 0.48, 0.4],
-                ),
-                "box" => {
-                    (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58])
-                }
-                "plane" => {
-                    let half = Quantity::Number(rounded(40.0 * extent));
-                    (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
-                }
-                "ellipsoid" => {
-                    (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
-                }
-                "cylinder" => {
-                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53])
-                }
-                "spring" => {
-                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.85, 0.62, 0.16])
-                }
-                "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
-                "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
-                other => {
-                    // Hulls, meshes and height fields lie beside the frames as archives.
-                    let archive = ArchiveSpec {
-                        file: Some(format!("geometry/{other}.rib")),
-                        column: None,
-                        files: Default::default(),
-                        scale: Quantity::Number(1.0),
-                    };
-                    let ground = other.starts_with("height_field");
-                    let (surface, color) =
-                        if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
-                    (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
-                }
-            };
+            let (geometry, surface, color) = look(shape, extent);
             let alone = kinds.iter().filter(|k| k.class == class).count() == 1;
             let name = if alone { class.to_string() } else { format!("{class}_{shape}") };
             let mut select = format!("class == '{class}'");

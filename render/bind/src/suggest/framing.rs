@@ -130,7 +130,9 @@ impl<'a> Classes<'a> {
         // which one may have begun to move.
         let (larger, rounds) = if n_bodies < MANY { (MECHANISM, n_bodies) } else { (1.0, 1) };
         for _ in 0..rounds {
-            let margin = MARGIN * (hi - lo);
+            // A mechanism may be flat: what bears it stands beside it.
+            let size = if n_bodies < MANY { Vec3::splat((hi - lo).max_element()) } else { hi - lo };
+            let margin = MARGIN * size;
             let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();
             let is_part = |thing: &&Thing| (thing.hi - thing.lo).length() < larger * (hi - lo).length();
             let Some([a, b]) = around(standing.iter().copied().filter(is_near).filter(is_part)) else { break };

@@ -31,7 +31,7 @@ fn slope(h: u32, x: f32, y: f32, z: f32) -> f32 {
 #[inline]
 fn cell_of(x: f32) -> f32 {
     // Beyond, all are whole.
-    if x.abs() >= 8_388_608.0 {
+    if !(x.abs() < 8_388_608.0) {
         return x;
     }
     let whole = x as i32 as f32;
