@@ -55,7 +55,7 @@ fn standings_of(job: &ImageJob, n_shards: usize) -> Outcome<Vec<(u64, Vec<Standi
     let mut work = Work::new(job, None, Statistics::default())?;
     let mut found = vec![];
     for (done, frame) in job.frames.iter().enumerate() {
-        let imprint = job.source.read(*frame).map_err(Failure::from).and_then(|table| {
+        let imprint = job.source.shared(*frame).map_err(Failure::from).and_then(|table| {
             let about = work.about(&table);
             work.imprint(&Moment::of(&job.binding, &job.source, &table)?, &about)
         });
@@ -191,7 +191,7 @@ impl<'a> Work<'a> {
     /// Render a frame and record its image, unless that is up to date.
     fn image(&mut self, frame: u64, file: &str, drawer: &mut Drawer, tally: &mut Tally) -> Outcome {
         let started = Instant::now();
-        let table = self.job.source.read(frame)?;
+        let table = self.job.source.shared(frame)?;
         // The metadata fits the data's first frame: a column that this one lacks is missing in the data.
         self.job.binding.check_columns(&table).map_err(|fault| Fault { kind: FaultKind::Data, ..fault })?;
         let about = self.about(&table);

@@ -53,15 +53,16 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
         if longest == 0.0 || !matches!(binding.objects[i].shape, Shape::Arrow(Arrow { scale: None, .. })) {
             continue;
         }
-        let by_longest = emit::arrow_scale(binding, i, longest)?;
+        let by_longest = significant(emit::arrow_scale(binding, i, longest)?);
         let object = &mut binding.objects[i];
         if let Shape::Arrow(Arrow { scale, .. }) = &mut object.shape {
             *scale = Some(by_longest);
         }
         let name = &object.name;
         eprintln!(
-            "note: the longest arrow of `{name}` is {longest}, drawn {} m long: `scale: {by_longest}`",
-            by_longest * longest
+            "note: the longest arrow of `{name}` is {}, drawn {} m long: `scale: {by_longest}`",
+            significant(longest),
+            significant(by_longest * longest)
         );
     }
     for (i, object) in binding.objects.iter_mut().enumerate() {
@@ -81,6 +82,11 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
         }
     }
     Ok(())
+}
+
+/// A number of three significant digits.
+fn significant(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
 }
 
 /// Settle the way of the camera, over the frames of the data and those that it will have.
@@ -131,4 +137,15 @@ fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<(Fou
         kept.map(|path| frame::atomic::write(path, &bytes)).transpose()?;
     }
     Ok((found, before))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn notes_have_three_digits() {
+        assert_eq!([0.123456789, 98765.4, 0.0, -2.0].map(significant), [0.123, 98800.0, 0.0, -2.0]);
+        assert_eq!(significant(1e-9).to_string(), "0.000000001");
+    }
 }

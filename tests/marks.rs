@@ -148,3 +148,20 @@ fn what_is_wrong_is_refused_at_its_place() {
         }
     }
 }
+
+#[test]
+fn a_film_with_trails_reads_each_table_once() {
+    let work = scratch();
+    table(work.path(), 6);
+    let file = metadata(work.path(), BODIES, "  - {name: w, geometry: {trail: {frames: 2}}}\n");
+    let binding = bind::read(Path::new(&file)).unwrap();
+    let source = binding.open_data().unwrap();
+    for frame in 0..4 {
+        let table = source.shared(frame).unwrap();
+        assert_eq!(bind::Moment::of(&binding, &source, &table).unwrap().before.len(), frame.min(2) as usize);
+        // What has been read is not there any more.
+        std::fs::remove_file(work.path().join(format!("b_{frame}.csv"))).unwrap();
+    }
+    // What no trail goes back to is let go of.
+    assert!(source.shared(3).is_ok() && source.shared(1).is_ok() && source.shared(0).is_err());
+}

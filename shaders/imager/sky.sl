@@ -13,7 +13,7 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
         vector look = normalize(transform("raster", "world", P) - eye);
         float high = zcomp(look);
         color behind = sky_color(vector(xcomp(look), ycomp(look), max(0.02, high)), way, haziness);
-        if (hills > 0) {
+        if (hills > 0 && high < radians(hills) * 2.2 + 0.001) {
             // Two ranges, the nearer one lower and less in haze; how high they are depends on the direction alone.
             float x = xcomp(look) / max(0.001, sqrt(1 - high * high)), y = ycomp(look) / max(0.001, sqrt(1 - high * high));
             float side = 0.5 + 0.5 * (x * xcomp(way) + y * ycomp(way)) / max(0.001, sqrt(1 - zcomp(way) * zcomp(way)));

@@ -1,4 +1,5 @@
-// What an imager gets and gives: colours that are exposed, (gain · c)^(1/gamma), as Exposure says (RISpec 4.1.2).
+// What an imager gets and gives: colours that are exposed, (gain · c)^(1/gamma), as Exposure says (RISpec 4.1.2). With Option "imager"
+// "float exposed" [0] it gets light, and gives colours that are exposed all the same.
 #ifndef EXPOSURE_H
 #define EXPOSURE_H
 
@@ -11,8 +12,14 @@ color signed_power(color c; float exponent) {
 color unexposed(color c) {
     uniform float exposure[2] = {1, 1};
     option("Exposure", exposure);
-    color light = exposure[1] == 1 ? c : signed_power(c, exposure[1]);
-    return exposure[0] == 0 ? light : light / exposure[0];
+    uniform float is_exposed = 1;
+    option("imager:exposed", is_exposed);
+    color light = c;
+    if (is_exposed != 0) {
+        light = exposure[1] == 1 ? c : signed_power(c, exposure[1]);
+        light = exposure[0] == 0 ? light : light / exposure[0];
+    }
+    return light;
 }
 
 // Light, exposed.

@@ -6,7 +6,9 @@ use frame::run::RunReader;
 use frame::table::{self, Stored};
 use frame::{Column, Fault, FaultKind, Frame};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A source of frames, with the operations on each frame: derived columns, then the selection of rows.
 #[derive(Clone, Debug)]
@@ -17,6 +19,19 @@ pub struct Source {
     pub derive: Vec<(String, Expr)>,
     /// Condition on the rows to keep; all rows if not given.
     pub select: Option<Expr>,
+    /// Tables that the next image is likely to need again.
+    recent: Recent,
+}
+
+/// The tables that trails go back to, by their frames' numbers.
+#[derive(Debug, Default)]
+struct Recent(Mutex<BTreeMap<u64, Arc<Frame>>>);
+
+impl Clone for Recent {
+    /// Without tables: a source that is changed reads others.
+    fn clone(&self) -> Recent {
+        Recent::default()
+    }
 }
 
 /// Stored frames: a run directory or tables of other programs.
@@ -37,11 +52,16 @@ pub enum Store {
 
 impl From<Store> for Source {
     fn from(store: Store) -> Source {
-        Source { store, derive: vec![], select: None }
+        Source::new(store, vec![], None)
     }
 }
 
 impl Source {
+    /// A source of stored frames, with what is derived and selected of each.
+    pub fn new(store: Store, derive: Vec<(String, Expr)>, select: Option<Expr>) -> Source {
+        Source { store, derive, select, recent: Recent::default() }
+    }
+
     /// Open the source at a path: a run directory, or a table of another program, or a pattern of such files. An error if there is none.
     /// Where the rows of a table are of different times, `time` is the column that has them.
     pub fn open(path: &Path, time: Option<&str>) -> Result<Source, Fault> {
@@ -107,6 +127,22 @@ impl Source {
             Store::Run(run) => Some(&run.index.model_hash),
             Store::Files { .. } => None,
         }
+    }
+
+    /// The table of a frame as [`Source::read`] gives it, read once for all images that [`Source::keep`] keeps it for.
+    pub fn shared(&self, number: u64) -> Result<Arc<Frame>, Fault> {
+        let recent = || self.recent.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(table) = recent().get(&number) {
+            return Ok(table.clone());
+        }
+        let table = Arc::new(self.read(number)?);
+        recent().insert(number, table.clone());
+        Ok(table)
+    }
+
+    /// Let go of all tables but those of a range of frames.
+    pub fn keep(&self, frames: Range<u64>) {
+        self.recent.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|number, _| frames.contains(number));
     }
 
     /// Read a frame, compute its derived columns and select its rows. An error if the file is bad or an expression cannot be

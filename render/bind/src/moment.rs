@@ -4,6 +4,7 @@ use crate::binding::{Binding, Reach, Shape, Trail};
 use crate::data::{Source, Store};
 use frame::csv::Layout;
 use frame::{Fault, Frame, table};
+use std::sync::Arc;
 
 /// A frame, and what is drawn with it.
 pub struct Moment<'a> {
@@ -12,7 +13,7 @@ pub struct Moment<'a> {
     /// The contacts of the frame, if an object is of them and they have been read.
     pub contacts: Option<Frame>,
     /// The frames before that trails go back to, the earliest first.
-    pub before: Vec<Frame>,
+    pub before: Vec<Arc<Frame>>,
 }
 
 impl<'a> Moment<'a> {
@@ -32,6 +33,10 @@ impl<'a> Moment<'a> {
             }
         }
         moment.before.reverse();
+        // The next image's trails go back to the same tables, this frame's among them.
+        let has_trails = binding.objects.iter().any(|object| matches!(object.shape, Shape::Trail(_)));
+        let earliest = numbers_back(source, frame.number, moment.before.len());
+        source.keep(if has_trails { earliest..frame.number + 1 } else { 0..0 });
         Ok(moment)
     }
 
@@ -59,7 +64,7 @@ impl<'a> Moment<'a> {
         let numbers = source.numbers();
         let earlier = numbers.iter().rev().filter(|number| **number < self.frame.number);
         for (k, number) in earlier.enumerate() {
-            let last = self.before.get(k.wrapping_sub(1)).unwrap_or(self.frame);
+            let last = self.before.get(k.wrapping_sub(1)).map_or(self.frame, |table| &**table);
             let is_whole = match reach {
                 Reach::Frames(n) => k as u64 >= n,
                 Reach::Time(seconds) => last.time <= self.frame.time - seconds,
@@ -68,7 +73,7 @@ impl<'a> Moment<'a> {
                 break;
             }
             if k == self.before.len() {
-                let Ok(table) = source.read(*number) else { break };
+                let Ok(table) = source.shared(*number) else { break };
                 self.before.push(table);
             }
             if matches!(reach, Reach::Time(_)) && self.before[k].time >= self.frame.time {
@@ -77,4 +82,11 @@ impl<'a> Moment<'a> {
         }
         Ok(())
     }
+}
+
+/// The number of the frame so many before another.
+fn numbers_back(source: &Source, number: u64, count: usize) -> u64 {
+    let numbers = source.numbers();
+    let at = numbers.partition_point(|n| *n < number);
+    numbers.get(at.saturating_sub(count)).copied().unwrap_or(number)
 }

@@ -9,13 +9,14 @@ mod survey;
 
 use crate::expr;
 use crate::metadata::{
-    ArchiveSpec, BoxSpec, CameraSpec, Color, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec, Quantity,
-    RoundSpec, RowsOf, Shader, SphereSpec,
+    ArchiveSpec, BoxSpec, CameraSpec, Color, ColorBy, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec,
+    Quantity, RoundSpec, RowsOf, Shader, SphereSpec,
 };
 use frame::{Column, Frame};
-use framing::{Classes, Subject, rounded};
+use framing::{Classes, MANY, Subject, rounded};
 use lengths::Length;
 use names::Names;
+use std::collections::{BTreeMap, BTreeSet};
 use survey::{Kind, Survey};
 
 fn column(name: &str) -> Quantity {
@@ -76,7 +77,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         None => framing::camera(lo, hi),
     };
     let objects = if is_ours {
-        kinds_as_objects(&kinds, &containers, ground_height, (hi - lo).length())
+        kinds_as_objects(&kinds, &classes.moving(), &containers, ground_height, (hi - lo).length())
     } else {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
@@ -142,10 +143,32 @@ const PAINTS: [[f32; 3]; 6] = [
     [0.55, 0.2, 0.36],
 ];
 
+/// Parameters of a shader that are numbers.
+fn number_of<const N: usize>(values: [(&str, f32); N]) -> BTreeMap<String, Parameter> {
+    values.map(|(name, x)| (name.to_string(), Parameter::Number(x))).into_iter().collect()
+}
+
+/// Draw spheres, the largest of which has this radius, as stones within them, each of a shade of its own.
+fn become_stones(object: &mut Object, radius: f32) {
+    /// Deepest that a stone of the library is cut, over its radius.
+    const CUT: f32 = 0.37;
+    let bound = Some(rounded(CUT * radius) as f32);
+    object.displacement =
+        Some(Shader { name: "stone".into(), bound, traced: Some(false), parameters: BTreeMap::new() });
+    let size = rounded(0.5 * radius) as f32;
+    object.surface = object.surface.take().map(|shader| Shader { parameters: number_of([("size", size)]), ..shader });
+    let by = ColorBy {
+        column: Quantity::Expression("id * 0.618 % 1".into()),
+        map: "stone".into(),
+        range: Some([-0.2, 0.9]),
+    };
+    object.color = Color::Column(by);
+}
+
 fn object(name: &str, select: Option<String>, geometry: Geometry, surface: &str) -> Object {
     let position = ["pos_x", "pos_y", "pos_z"].map(column);
-    let shiny = [("Kd", 0.85), ("Ks", 0.25)].map(|(name, x)| (name.to_string(), Parameter::Number(x)));
-    let parameters = if surface == "plastic" { shiny.into_iter().collect() } else { Default::default() };
+    let shiny = || number_of([("Kd", 0.85), ("Ks", 0.25)]);
+    let parameters = if surface == "plastic" { shiny() } else { BTreeMap::new() };
     let surface = Some(Shader { name: surface.into(), bound: None, traced: None, parameters });
     Object {
         name: name.into(),
@@ -197,12 +220,57 @@ fn floor_height(lo: f32, extent: f32) -> f32 {
     if !height.is_finite() || height.abs() < 0.5 * step { 0.0 } else { height.min(lo) }
 }
 
+/// The geometry of a shape of ours, and what it is made of if it is not painted: its surface and colour.
+fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
+    let half = ["half_x", "half_y", "half_z"].map(column);
+    let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
+    match shape {
+        "sphere" => (
+            Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
+            "gravel",
+            [0.56, 0.48, 0.4],
+        ),
+        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+        "plane" => {
+            let half = Quantity::Number(rounded(40.0 * extent));
+            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
+        }
+        "ellipsoid" => {
+            (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
+        }
+        "cylinder" => (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        "spring" => (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.85, 0.62, 0.16]),
+        "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
+        other => {
+            // Hulls, meshes and height fields lie beside the frames as archives.
+            let archive = ArchiveSpec {
+                file: Some(format!("geometry/{other}.rib")),
+                column: None,
+                files: Default::default(),
+                scale: Quantity::Number(1.0),
+            };
+            let ground = other.starts_with("height_field");
+            let (surface, color) = if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
+            (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
+        }
+    }
+}
+
 /// One object for each class and shape of a run of ours.
-fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32, extent: f32) -> Vec<Object> {
+fn kinds_as_objects(
+    kinds: &[Kind<'_>],
+    moving: &BTreeSet<&str>,
+    containers: &[&str],
+    ground_height: f32,
+    extent: f32,
+) -> Vec<Object> {
     // Walls would hide what is behind them.
     let drawn = || kinds.iter().filter(|kind| kind.has_others);
+    // What stands is not painted: the eye goes to what moves.
     let static_of = |class: &str| {
         matches!(class, "ground" | "floor" | "wall" | "left" | "right" | "front" | "back" | "beam" | "table")
+            || !moving.is_empty() && !moving.contains(class)
     };
     let mut names: Vec<&str> = vec![];
     for kind in drawn().filter(|k| !matches!(k.shape, "sphere" | "plane" | "spring") && !static_of(k.class)) {
@@ -214,46 +282,7 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
     drawn()
         .map(|kind| {
             let Kind { class, shape, .. } = *kind;
-            let half = ["half_x", "half_y", "half_z"].map(column);
-            let round = || RoundSpec { radius: column("half_x"), half: column("half_z") };
-            let (geometry, surface, color) = match shape {
-                "sphere" => (
-                    Geometry { sphere: Some(SphereSpec { radius: column("half_x") }), ..Geometry::default() },
-                    "gravel",
-                    [0.56, 0.48, 0.4],
-                ),
-                "box" => {
-                    (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58])
-                }
-                "plane" => {
-                    let half = Quantity::Number(rounded(40.0 * extent));
-                    (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
-                }
-                "ellipsoid" => {
-                    (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
-                }
-                "cylinder" => {
-                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53])
-                }
-                "spring" => {
-                    (Geometry { cylinder: Some(round()), ..Geometry::default() }, "plastic", [0.85, 0.62, 0.16])
-                }
-                "capsule" => (Geometry { capsule: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
-                "cone" => (Geometry { cone: Some(round()), ..Geometry::default() }, "plastic", [0.5, 0.5, 0.53]),
-                other => {
-                    // Hulls, meshes and height fields lie beside the frames as archives.
-                    let archive = ArchiveSpec {
-                        file: Some(format!("geometry/{other}.rib")),
-                        column: None,
-                        files: Default::default(),
-                        scale: Quantity::Number(1.0),
-                    };
-                    let ground = other.starts_with("height_field");
-                    let (surface, color) =
-                        if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
-                    (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
-                }
-            };
+            let (geometry, surface, color) = look(shape, extent);
             let alone = kinds.iter().filter(|k| k.class == class).count() == 1;
             let name = if alone { class.to_string() } else { format!("{class}_{shape}") };
             let mut select = format!("class == '{class}'");
@@ -264,13 +293,22 @@ fn kinds_as_objects(kinds: &[Kind<'_>], containers: &[&str], ground_height: f32,
                 select += " and quat_x * quat_x + quat_y * quat_y < 0.25";
             }
             let (surface, color) = match paint(class) {
-                Some(paint) if matches!(shape, "box" | "cylinder" | "capsule" | "cone") => ("plastic", paint),
+                Some(paint) if matches!(shape, "box" | "cylinder" | "capsule" | "cone") => ("paintedmetal", paint),
                 _ => (surface, color),
             };
             let ground = kind.is_level_at(ground_height);
             // Seen through once from the front and once behind, the content is still clear.
             let opacity = containers.contains(&class).then_some(0.25);
-            Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) }
+            let mut object =
+                Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) };
+            if shape == "sphere" && kind.count >= MANY {
+                become_stones(&mut object, kind.largest);
+            }
+            if let Some(shader) = object.surface.as_mut().filter(|shader| shader.name == "paintedmetal") {
+                let size = rounded(0.1 * extent) as f32;
+                shader.parameters = number_of([("wear", 0.1), ("size", size)]);
+            }
+            object
         })
         .collect()
 }

@@ -25,6 +25,7 @@ fn is_known_option(group: &str, name: &str) -> bool {
         "sky" => matches!(name, "sun" | "turbidity"),
         "quality" => matches!(name, "sky" | "sun"),
         "film" => name == "view",
+        "imager" => name == "exposed",
         "searchpath" | "user" => true,
         _ => false,
     }

@@ -11,7 +11,6 @@ use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::samples::{SampledGrid, Samples};
 use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
 use crate::film::bucket::Bucket;
-use crate::film::image::expose;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
@@ -77,7 +76,7 @@ pub fn render_bucket(
     }
     if let Some(imager) = &frame.options.imager {
         let (corner, machine) = ([bucket.x, bucket.y], &mut shading.machine);
-        expose(&mut pixels.color, frame.options.gain, frame.options.gamma);
+        imager::expose(frame.options, frame.scene, &mut pixels.color);
         imager::run(imager, frame.scene, machine, points, corner, bucket.width, &mut pixels.color);
     }
     let seconds = &mut stats.seconds;

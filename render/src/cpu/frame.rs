@@ -41,6 +41,7 @@ impl<'a> Frame<'a> {
     /// The frame of a scene, whose hierarchy is built.
     pub fn new(scene: &'a Scene, options: &'a Options, camera: Camera) -> Frame<'a> {
         let filter = PixelFilter::new(options.filter, options.filter_width);
+        let filter = if options.samples == [1, 1] { filter.of_middles() } else { filter };
         let jitter = Jitter::new(options.samples, camera.has_lens(), scene.moves(&camera));
         let aovs = aovs(&options.displays);
         let depth = display::depth(&aovs);

@@ -1,5 +1,7 @@
 //! Imager shaders: the filtered and exposed pixels of a bucket go through them (RISpec 4.1.2, figure 4.2).
 
+use crate::film::image;
+use crate::scene::options::Options;
 use crate::scene::world::Scene;
 use sl::Global;
 use sl::ir::Ask;
@@ -40,9 +42,36 @@ impl sl::machine::Scene for ImagerScene<'_> {
     }
 }
 
+/// Pixels that an imager is run over at a time, if it looks at each for itself: so that they stay in the caches.
+const AT_A_TIME: usize = 4096;
+
+/// Expose pixels as an imager takes them, unless the scene hands it light: `Option "imager" "exposed"` 0.
+pub fn expose(options: &Options, scene: &Scene, pixels: &mut [[f32; 4]]) {
+    let said = scene.ask(Ask::Option, &["imager:exposed"]);
+    if !matches!(said, Some(Answer::Numbers(v)) if v.first() == Some(&0.0)) {
+        image::expose(pixels, options.gain, options.gamma);
+    }
+}
+
 /// Run an imager over rows of `width` pixels whose first is at (`x`, `y`): P is the pixel's middle on the raster, Ci its
 /// colour, Oi and alpha its coverage.
 pub fn run(
+    imager: &BoundShader,
+    scene: &Scene,
+    machine: &mut Machine,
+    points: &mut Points,
+    [x, y]: [usize; 2],
+    width: usize,
+    pixels: &mut [[f32; 4]],
+) {
+    let rows = if imager.program.reads_neighbours { usize::MAX } else { (AT_A_TIME / width.max(1)).max(1) };
+    for (k, strip) in pixels.chunks_mut(rows.saturating_mul(width).max(1)).enumerate() {
+        run_strip(imager, scene, machine, points, [x, y + k * rows], width, strip);
+    }
+}
+
+/// The same of a few rows.
+fn run_strip(
     imager: &BoundShader,
     scene: &Scene,
     machine: &mut Machine,
@@ -59,16 +88,9 @@ pub fn run(
     points.refill(Global::Oi).extend((0..3).flat_map(|_| pixels.iter().map(|p| p[3])));
     points.refill(Global::Alpha).extend(pixels.iter().map(|p| p[3]));
     machine.run(imager, points, &ImagerScene(scene));
-    let value = |global, c: usize, k: usize, width: usize| {
-        let v = points.get(global).unwrap_or(&[]);
-        if v.len() == width { v[c] } else { v.get(c * n + k).copied().unwrap_or(0.0) }
-    };
+    let (ci, alpha) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), points.get(Global::Alpha).unwrap_or(&[0.0]));
+    let of = |v: &[f32], each: usize, c: usize, k: usize| if v.len() == each { v[c] } else { v[c * n + k] };
     for (k, pixel) in pixels.iter_mut().enumerate() {
-        *pixel = [
-            value(Global::Ci, 0, k, 3),
-            value(Global::Ci, 1, k, 3),
-            value(Global::Ci, 2, k, 3),
-            value(Global::Alpha, 0, k, 1),
-        ];
+        *pixel = [of(ci, 3, 0, k), of(ci, 3, 1, k), of(ci, 3, 2, k), of(alpha, 1, 0, k)];
     }
 }

@@ -119,6 +119,12 @@ impl PixelFilter {
         PixelFilter { axes: widths.map(|width| Filter::new(kind, width)) }
     }
 
+    /// The same filter for samples in the middles of pixels, one in each: where it takes nothing of a pixel's neighbours, a box of a pixel.
+    pub fn of_middles(self) -> PixelFilter {
+        let alone = self.at(0.0, 0.0) != 0.0 && self.at(1.0, 0.0) == 0.0 && self.at(0.0, 1.0) == 0.0;
+        if alone { PixelFilter::new(FilterKind::Box, [1.0; 2]) } else { self }
+    }
+
     /// Its value at a place from its centre, pixels.
     #[inline]
     pub fn at(&self, dx: f32, dy: f32) -> f32 {
@@ -202,6 +208,9 @@ mod tests {
         assert_eq!([disk.at(1.9, 0.0), disk.at(0.0, 0.9), disk.at(1.5, 0.7)], [1.0, 1.0, 0.0]);
         let half = 2.0 * 0.581_52 / 1.915_853 * std::f32::consts::FRAC_PI_4.cos();
         assert!((FilterKind::Bessel.value(1.0, 4.0) - half).abs() < 1e-3, "{}", FilterKind::Bessel.value(1.0, 4.0));
+        // Samples in the middles of pixels: none of a neighbour's within a width of two.
+        assert!(PixelFilter::new(FilterKind::Gaussian, [2.0; 2]).of_middles().is_pixel());
+        assert!(!PixelFilter::new(FilterKind::Gaussian, [2.0, 2.1]).of_middles().is_pixel());
         assert_eq!(Filter::new(FilterKind::Box, 1.0).margin(), 0);
         assert_eq!(Filter::new(FilterKind::Gaussian, 2.0).margin(), 1);
     }

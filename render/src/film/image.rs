@@ -169,11 +169,10 @@ impl Image {
         let [zero, one, min, max] = [zero, one, min.max(0), max.min(most)].map(|x| x as f32);
         let quantize = |(i, c, x): (usize, usize, f32)| {
             // Dither is noise of the pixel's own, the same in every run.
-            let noise = sl::noise::cell_noise(
-                [(i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5, c as f32 + 0.5],
-                9,
-            );
-            (zero + x * (one - zero) + encoding.dither * (2.0 * noise - 1.0)).round().clamp(min, max.max(min))
+            let noise = sl::noise::noise_of_cell([i % self.width, i / self.width, c].map(|x| x as i32), 9);
+            let level = zero + x * (one - zero) + encoding.dither * (2.0 * noise - 1.0);
+            // Rounded to the nearest whole number, as what is cut off by the conversion below.
+            level.clamp(min, max.max(min)) + 0.5
         };
         let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
         let data: Vec<u8> = if deep {

@@ -1,8 +1,8 @@
 //! Dicing spheres: as one lattice that is the same from every bucket, so that no two of its grids can part.
 //!
-//! Of a sphere that keeps its form and hides its back, the half that the eye sees is diced, evenly as the eye sees it ([`Cap`]).
-//! Others, and those whose shaders look at how things change from point to point, are six faces of a cube blown up to the sphere,
-//! even to a quarter, without poles. Where a sphere crosses the near plane or fills the image it is drawn as patches instead,
+//! Of a sphere that hides its back, and that rays do not meet displaced, the half that the eye sees is diced, evenly as the eye sees it
+//! ([`Cap`]). Others, and those whose surfaces look at how things change from point to point, are six faces of a cube blown up to the
+//! sphere, even to a quarter, without poles. Where a sphere crosses the near plane or fills the image it is drawn as patches instead,
 //! which are split as they need.
 
 pub mod cap;
@@ -97,7 +97,10 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
     };
     let a = view.attributes;
     let translucent = !a.stays_opaque() || a.solid.is_some();
-    let even_on_raster = !translucent && a.displacement.is_none() && !a.reads_neighbours();
+    // What rays meet displaced has one lattice, from wherever it is seen.
+    let displaced = a.displacement.is_some();
+    let even_on_raster =
+        !(translucent || a.reads_neighbours() || displaced && (a.traces_displaced() || sink.takes_unseen()));
     if even_on_raster && (a.two_sided || !a.reversed) {
         let pixels = radius * camera.pixels_at(depth) / step;
         if let Some(cap) = Cap::new(subject, &sphere, pixels) {

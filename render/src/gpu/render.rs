@@ -7,7 +7,7 @@ use crate::cpu::samples::BLOCK;
 use crate::cpu::sort::items_of_buckets;
 use crate::drawn::Drawn;
 use crate::film::bucket::{Bucket, buckets};
-use crate::film::image::{Image, expose};
+use crate::film::image::Image;
 use crate::gpu::front::{Diced, Front, Window};
 use crate::gpu::kernels::FrameKernels;
 use crate::gpu::refusal::Refusal;
@@ -266,7 +266,7 @@ impl<'a> Drawing<'a> {
             let mut pixels: Vec<[f32; 4]> =
                 rows.flat_map(|at| self.image.pixels[at..][..bucket.width].iter().copied()).collect();
             if let Some(imager) = &options.imager {
-                expose(&mut pixels, options.gain, options.gamma);
+                imager::expose(options, self.frame.scene, &mut pixels);
                 let (mut machine, mut points) = (Machine::default(), Points::default());
                 let corner = [bucket.x, bucket.y];
                 imager::run(imager, self.frame.scene, &mut machine, &mut points, corner, bucket.width, &mut pixels);

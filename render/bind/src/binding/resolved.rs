@@ -252,7 +252,7 @@ impl Quality {
     /// Area of a micropolygon, pixels.
     pub fn shading_rate(self) -> f32 {
         match self {
-            Quality::Draft => 16.0,
+            Quality::Draft => 25.0,
             Quality::Normal => 2.0,
             Quality::Final => 1.0,
         }
@@ -349,7 +349,7 @@ impl Binding {
             }
             None => return Err(self.doc.fault("data", "needs exactly one of `run`, `files` and `csv`")),
         };
-        Ok(Source { store, derive: data.derive.clone(), select: data.select.clone() })
+        Ok(Source::new(store, data.derive.clone(), data.select.clone()))
     }
 
     /// Check that `frame` has every column that the objects of its rows and the camera use. The error is at the key that names a missing one.

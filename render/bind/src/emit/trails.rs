@@ -45,7 +45,8 @@ pub(super) fn prepare(
     // The bodies of the present, and where they were, the latest place first.
     let mut trails: Vec<(Key, Vec<Place>)> = vec![];
     let mut index = HashMap::new();
-    for (k, frame) in std::iter::once(moment.frame).chain(moment.before.iter().rev()).enumerate() {
+    for (k, frame) in std::iter::once(moment.frame).chain(moment.before.iter().rev().map(|table| &**table)).enumerate()
+    {
         if frame.rows() == 0 {
             break;
         }

@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of alike bodies of a frame from which on they are grains, and the outermost of them are strays.
-const MANY: usize = 30;
+pub(super) const MANY: usize = 30;
 
 /// Share of alike rows that are strays on each side of each axis.
 const STRAYS: f32 = 0.03;
@@ -50,12 +50,15 @@ impl<'a> Classes<'a> {
     }
 
     /// Classes whose things move, or come and go.
-    fn moving(&self) -> BTreeSet<&'a str> {
+    pub(super) fn moving(&self) -> BTreeSet<&'a str> {
         let moves = |name: &str| {
             let all: Vec<_> = self.frames.iter().map(|frame| frame.get(name)).collect();
             let has_moved = |a: &Class<'_>, b: &Class<'_>| {
                 let ways = [a.mean - b.mean, a.lo - b.lo, a.hi - b.hi];
-                ways.iter().any(|way| way.length() > 0.25 * a.size)
+                // What turns in its place has parts that move.
+                let part_has_moved = |(p, q): (&&Thing, &&Thing)| p.center().distance(q.center()) > 0.25 * a.size;
+                let turns = a.things.len() == b.things.len() && a.things.iter().zip(&b.things).any(part_has_moved);
+                turns || ways.iter().any(|way| way.length() > 0.25 * a.size)
             };
             all.windows(2).any(|w| w[0].is_some() != w[1].is_some())
                 || all[0].is_some_and(|first| all.iter().flatten().any(|class| has_moved(first, class)))
@@ -127,7 +130,9 @@ impl<'a> Classes<'a> {
         // which one may have begun to move.
         let (larger, rounds) = if n_bodies < MANY { (MECHANISM, n_bodies) } else { (1.0, 1) };
         for _ in 0..rounds {
-            let margin = MARGIN * (hi - lo);
+            // A mechanism may be flat: what bears it stands beside it.
+            let size = if n_bodies < MANY { Vec3::splat((hi - lo).max_element()) } else { hi - lo };
+            let margin = MARGIN * size;
             let is_near = |thing: &&Thing| thing.lo.cmple(hi + margin).all() && thing.hi.cmpge(lo - margin).all();
             let is_part = |thing: &&Thing| (thing.hi - thing.lo).length() < larger * (hi - lo).length();
             let Some([a, b]) = around(standing.iter().copied().filter(is_near).filter(is_part)) else { break };

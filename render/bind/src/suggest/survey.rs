@@ -42,6 +42,9 @@ pub(super) struct Kind<'a> {
     pub(super) has_others: bool,
     /// Lowest and highest of the planes that are level, m; none if there are no planes but walls, or some that are inclined.
     pub(super) levels: Option<[f32; 2]>,
+    /// Rows in a frame, the most, and the largest radius or half length along x of these, m; none of planes.
+    pub(super) count: usize,
+    pub(super) largest: f32,
 }
 
 impl Thing {
@@ -161,12 +164,14 @@ impl<'a> Survey<'a> {
 
 impl<'a> Kind<'a> {
     fn new(class: &'a str, shape: &'a str) -> Kind<'a> {
-        Kind { class, shape, has_walls: false, has_others: false, levels: None }
+        Kind { class, shape, has_walls: false, has_others: false, levels: None, count: 0, largest: 0.0 }
     }
 
     fn add(&mut self, columns: &Columns<'_>, row: usize) {
         if self.shape != "plane" {
             self.has_others = true;
+            self.count += 1;
+            self.largest = self.largest.max(number(columns.half[0], row).unwrap_or(0.0));
             return;
         }
         let normal_z = columns.normal_z(row);
@@ -182,6 +187,7 @@ impl<'a> Kind<'a> {
     /// Add what is known of the same class and shape in another frame.
     pub(super) fn merge(&mut self, other: &Kind<'_>) {
         self.has_walls |= other.has_walls;
+        (self.count, self.largest) = (self.count.max(other.count), self.largest.max(other.largest));
         if other.has_others {
             self.levels = match (self.levels, other.levels) {
                 (Some([lo, hi]), Some([a, b])) => Some([lo.min(a), hi.max(b)]),

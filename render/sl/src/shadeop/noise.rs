@@ -27,6 +27,17 @@ fn slope(h: u32, x: f32, y: f32, z: f32) -> f32 {
     (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
 }
 
+/// The cell that a coordinate is in, by what processors without an instruction for it do quickest.
+#[inline]
+fn cell_of(x: f32) -> f32 {
+    // Beyond, all are whole.
+    if !(x.abs() < 8_388_608.0) {
+        return x;
+    }
+    let whole = x as i32 as f32;
+    if whole > x { whole - 1.0 } else { whole }
+}
+
 #[inline]
 fn fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
@@ -70,7 +81,7 @@ pub fn noise4(p: [f32; 3], t: f32, period: Option<[f32; 4]>, channel: u32) -> f3
 /// Gradient noise; `wrap` brings a lattice point's coordinate along an axis into range.
 #[inline]
 fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
-    let cell = p.map(f32::floor);
+    let cell = p.map(cell_of);
     let [x, y, z] = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
     let [i, j, k] = cell.map(|c| c as i32);
     let corner = |dx: i32, dy: i32, dz: i32| {
@@ -79,6 +90,10 @@ fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
     };
     let (u, v, w) = (fade(x), fade(y), fade(z));
     let near = lerp(v, lerp(u, corner(0, 0, 0), corner(1, 0, 0)), lerp(u, corner(0, 1, 0), corner(1, 1, 0)));
+    // Of two numbers alone, and on any other lattice plane, the next plane adds nothing.
+    if z == 0.0 {
+        return (0.5 + 0.5 * near).clamp(0.0, 1.0);
+    }
     let far = lerp(v, lerp(u, corner(0, 0, 1), corner(1, 0, 1)), lerp(u, corner(0, 1, 1), corner(1, 1, 1)));
     (0.5 + 0.5 * lerp(w, near, far)).clamp(0.0, 1.0)
 }
@@ -86,13 +101,28 @@ fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
 /// Cell noise: a number in [0, 1) that is constant over each unit cell; channels are independent of each other.
 #[inline]
 pub fn cell_noise(p: [f32; 3], channel: u32) -> f32 {
-    let [i, j, k] = p.map(|c| c.floor() as i32);
+    noise_of_cell(p.map(|c| cell_of(c) as i32), channel)
+}
+
+/// The same of the cell of these numbers.
+#[inline]
+pub fn noise_of_cell([i, j, k]: [i32; 3], channel: u32) -> f32 {
     hash(i, j, k, channel.wrapping_add(77)) as f32 / 4_294_967_296.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_are_whole_numbers_from_below() {
+        for x in
+            [0.0, 0.5, 1.0, -0.25, -1.0, -1.0000001, 7.9999995, 8_388_607.5, -8_388_607.5, 1e9, -3e12, f32::INFINITY]
+        {
+            assert_eq!(cell_of(x), x.floor(), "{x}");
+        }
+        assert!(cell_of(f32::NAN).is_nan());
+    }
 
     #[test]
     fn periodic_noise_repeats_and_four_numbers_are_smooth() {

@@ -22,6 +22,8 @@ pub struct Cap {
     rings: Vec<[f32; 2]>,
     /// The ring of the outline, and the angle of its normals.
     outline: (usize, [f32; 2]),
+    /// Its grids have an apron, for which the last ring is.
+    apron: bool,
 }
 
 /// Normals at the outline lean this much towards the eye, radians, so that none is taken for one that faces away.
@@ -29,6 +31,9 @@ const INWARDS: f32 = 2e-3;
 
 /// The most that a cap may reach round the outline, for eyes that move, radians.
 const ROUND: f32 = 0.5;
+
+/// The most that the cap of a displaced sphere reaches round the outline of what it was, radians: where cuts lay open what was behind.
+const LAID_OPEN: f32 = 0.8;
 
 impl Cap {
     /// The cap of a sphere whose radius on the raster is `radius` micropolygons; none where the eye is too near or moves too far.
@@ -61,12 +66,18 @@ impl Cap {
         let pair = |angle: f32| [angle.cos(), angle.sin()];
         let mut rings: Vec<[f32; 2]> = (0..=count as usize).map(|k| pair(angle(k as f32 / count))).collect();
         let outline = (rings.len() - 1, pair(angle(1.0) - INWARDS));
-        if round > 0.0 {
-            let more = (round * radius).ceil();
-            let horizon = angle(1.0);
-            rings.extend((1..=more as usize).map(|k| pair(horizon + round * k as f32 / more)));
+        let apron = subject.view.attributes.displacement.is_some();
+        let mut more = (round * radius).ceil();
+        if apron {
+            round += (1.0 - sphere.reach / sphere.longest()).clamp(-1.0, 1.0).acos().min(LAID_OPEN);
+            // What comes in sight there is seen at a slant.
+            more = (0.5 * round * radius).ceil().max(more);
         }
-        Some(Cap { axes: [to_eye, across, to_eye.cross(across)], rings, outline })
+        if round > 0.0 {
+            let horizon = angle(1.0);
+            rings.extend((1..=more as usize + apron as usize).map(|k| pair(horizon + round * k as f32 / more)));
+        }
+        Some(Cap { axes: [to_eye, across, to_eye.cross(across)], rings, outline, apron })
     }
 
     /// Dice it, tile by tile.
@@ -78,8 +89,8 @@ impl Cap {
         grid: &mut Grid,
         sink: &mut impl Sink,
     ) {
-        (grid.apron, grid.keep, grid.reach, grid.origin) = (false, [u32::MAX; 4], 0.0, None);
-        let half = self.rings.len() - 1;
+        (grid.apron, grid.keep, grid.reach, grid.origin) = (self.apron, [u32::MAX; 4], sphere.reach, None);
+        let half = self.half();
         // The outline has eight sides a ring.
         let delta = 0.25 * std::f32::consts::PI / self.outline.0 as f32;
         sphere.linear *= 1.0 / (1.0 - delta * delta / 6.0).sqrt();
@@ -89,7 +100,7 @@ impl Cap {
             let (i, j) = (range(tile % tiles), range(tile / tiles));
             let (middle, spread) = self.around(&mut scratch.disk, i, j);
             let around = sphere.center + sphere.linear * middle;
-            let reach = 2.0 * (0.5 * spread).sin() * sphere.longest();
+            let reach = 2.0 * (0.5 * spread).sin() * sphere.longest() + sphere.reach;
             let box_at = |instant: &Instant| {
                 let c = instant.to_camera.transform_point3(around);
                 (c - reach, c + reach)
@@ -102,9 +113,14 @@ impl Cap {
         }
     }
 
+    /// Rings about the middle that are drawn.
+    fn half(&self) -> usize {
+        self.rings.len() - 1 - self.apron as usize
+    }
+
     /// The direction of a point of the lattice.
     fn direction(&self, disk: &mut Disk, i: usize, j: usize) -> Vec3 {
-        let half = self.rings.len() as i32 - 1;
+        let half = self.half() as i32;
         let (a, b) = (i as i32 - half, j as i32 - half);
         let [cos, sin] = self.rings[a.abs().max(b.abs()) as usize];
         let [x, y] = disk.direction(a, b);
@@ -129,14 +145,15 @@ impl Cap {
         scratch: &mut Scratch,
         grid: &mut Grid,
     ) {
-        let half = self.rings.len() as i32 - 1;
-        let size = [i, j].map(|[lo, hi]| hi - lo + 1);
+        let (half, ring) = (self.half() as i32, self.apron as i32);
+        let [i, j] = [i, j].map(|[lo, hi]| lo as i32 - ring..=hi as i32 + ring);
+        let size = [&i, &j].map(|range| (range.end() - range.start() + 1) as usize);
         let [to_eye, across, up] = self.axes;
         let Scratch { directions, disk } = scratch;
         directions.clear();
-        for b in j[0]..=j[1] {
-            for a in i[0]..=i[1] {
-                let (a, b) = (a as i32 - half, b as i32 - half);
+        for b in j {
+            for a in i.clone() {
+                let (a, b) = (a - half, b - half);
                 let ring = a.abs().max(b.abs()) as usize;
                 let [x, y] = disk.direction(a, b);
                 let side = across * x + up * y;
@@ -180,7 +197,7 @@ mod tests {
         for (half, horizon) in [(3usize, 1.5f32), (12, 1.2), (40, 0.7), (55, 1.56)] {
             let angle = |k: usize| (k as f32 / half as f32 * horizon.sin()).min(1.0).asin();
             let rings = (0..=half).map(|k| [angle(k).cos(), angle(k).sin()]).collect();
-            let cap = Cap { axes: [Vec3::Z, Vec3::X, Vec3::Y], rings, outline: (half, [0.0, 1.0]) };
+            let cap = Cap { axes: [Vec3::Z, Vec3::X, Vec3::Y], rings, outline: (half, [0.0, 1.0]), apron: false };
             let mut disk = Disk::default();
             let tiles = (2 * half).div_ceil(TILE);
             let range = |k: usize| [k * 2 * half / tiles, (k + 1) * 2 * half / tiles];
