@@ -38,6 +38,13 @@ pub fn at<T: Blend>(keys: &[(f32, T)], time: f32) -> T {
     if time <= keys[0].0 { keys[0].1 } else { from(keys[0], &keys[1..], time) }
 }
 
+/// The last of some rising times that is not after another time, the first at least, and the part of the way to the next.
+pub fn segment(times: &[f32], time: f32) -> (usize, f32) {
+    let before = times.partition_point(|t| *t <= time).saturating_sub(1);
+    let part = times.get(before + 1).map_or(0.0, |next| (time - times[before]) / (next - times[before]));
+    (before, part.clamp(0.0, 1.0))
+}
+
 /// The value at a time from a first key on.
 fn from<T: Blend>(first: (f32, T), keys: &[(f32, T)], time: f32) -> T {
     let next = keys.partition_point(|(t, _)| *t <= time);
