@@ -195,12 +195,19 @@ impl Attributes {
         !self.color_moves.is_empty() || !self.opacity_moves.is_empty()
     }
 
-    /// The parts of the time that the shutter is open at which its colour or opacity turns to another course, after the first.
+    /// The parts of the time that the shutter is open from which on its colour or opacity goes straight to that of the
+    /// next, after the first.
     pub fn fade_times(&self) -> Vec<f32> {
         let mut times: Vec<f32> = self.color_moves.iter().chain(&self.opacity_moves).map(|(time, _)| *time).collect();
         times.sort_by(f32::total_cmp);
         times.dedup();
-        times
+        if self.color_moves.is_empty() || self.opacity_moves.is_empty() {
+            return times;
+        }
+        // Where both move, what a shader makes of them is not straight in between: their product is usual.
+        let starts = std::iter::once(0.0).chain(times.iter().copied());
+        let parts = starts.zip(&times).flat_map(|(from, to)| (1..=4).map(move |k| from + (to - from) * k as f32 / 4.0));
+        parts.collect()
     }
 
     /// Colours and opacities of motion blocks as those of a shutter's time.
