@@ -37,6 +37,8 @@ pub struct Camera {
     depth_from: f32,
     /// Farthest depth.
     pub far: f32,
+    /// Clipping planes cut away some of what it sees.
+    pub clips: bool,
 }
 
 /// Nearest depth if no plane says.
@@ -89,6 +91,7 @@ impl Camera {
         Camera {
             // Raster y runs downwards, camera y upwards.
             view: [Vec2::new(view[0].x, -view[1].y), Vec2::new(view[1].x, -view[0].y)],
+            clips: !options.clipping_planes.is_empty(),
             to_camera,
             moves,
             lens,
