@@ -319,6 +319,7 @@ impl Context {
         if n == 0 {
             return Ok(());
         }
+        check_widths(widths)?;
         let instances = Instances {
             shape: InstanceShape::Sphere,
             position: points.iter().map(|p| p.to_array()).collect(),
@@ -342,6 +343,7 @@ impl Context {
         let points = positions(&params)?;
         let given = |name: &str| params.iter().find(|p| p.decl.name == name).filter(|p| !p.numbers().is_empty());
         let (widths, constant, normals) = (given("width"), given("constantwidth"), given("N"));
+        check_widths(widths.or(constant))?;
         let to_eye = self.transform.inverse()
             * self
                 .to_camera
@@ -509,6 +511,9 @@ impl Context {
             return Err(Fail::new("the quadric's numbers make no surface"));
         }
         let mut patches = quadric_patches(&quadric, quadric.pieces())?;
+        if patches.iter().all(has_no_area) {
+            self.scene.warn("a quadric whose numbers make no area is not seen".into());
+        }
         let names = attach_variables(&mut patches, &params)?;
         self.add_patches(patches, names)
     }
@@ -580,6 +585,22 @@ pub(super) fn quadric_patches(quadric: &Quadric, pieces: [usize; 2]) -> Result<V
         return Ok(patches);
     }
     Err(Fail::new("the quadric's numbers make no surface"))
+}
+
+/// Whether a patch is a line or a point.
+fn has_no_area(patch: &Patch) -> bool {
+    let from = |k: usize| patch.p[k] - patch.p[0];
+    let longest =
+        (0..16).map(from).fold(Vec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
+    (0..16).all(|k| from(k).cross(longest) == Vec3::ZERO)
+}
+
+/// An error if a width of points or curves is below 0.
+fn check_widths(widths: Option<&Param>) -> RiResult {
+    match widths.and_then(|param| param.numbers().iter().find(|width| !(**width >= 0.0))) {
+        Some(width) => Err(Fail::new(format!("a width is {width}, expected 0 or more"))),
+        None => Ok(()),
+    }
 }
 
 /// A sphere about the origin, as an instance array of one, so that object space keeps its unit.

@@ -228,10 +228,13 @@ impl Camera {
         Some(RasterBound { min: lo - spread, max: hi + spread, z: min.z })
     }
 
-    /// The direction from the eye to a point, unnormalised: the shading language's I.
+    /// The way from the eye to a point: the shading language's I. In parallel projection it comes from the eye's plane.
     #[inline]
     pub fn incident(&self, p: Vec3) -> Vec3 {
-        if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
+        if self.perspective {
+            return p - self.eye;
+        }
+        self.to_world.transform_vector3(Vec3::Z) * self.to_camera.transform_point3(p).z.max(NEAREST)
     }
 }
 
