@@ -83,7 +83,13 @@ impl Context {
                 }
                 ("visibility", "transmission", None) => {
                     self.sets(Attribute::Shadows);
-                    self.attributes.casts_shadows = param.text() != Some("transparent");
+                    let kind = param.text().unwrap_or("");
+                    if !["transparent", "opaque", "Os", "shader"].contains(&kind) {
+                        self.scene.warn(format!(
+                            "unknown transmission `{kind}`, expected transparent, opaque, Os or shader: `shader` is taken"
+                        ));
+                    }
+                    self.attributes.casts_shadows = kind != "transparent";
                     self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
                 ("user", ..)

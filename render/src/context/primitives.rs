@@ -40,6 +40,12 @@ impl Context {
             self.scene
                 .warn(format!("the string `{name}` of a primitive does not reach its shaders: set their parameter"));
         }
+        for param in params.iter().filter(|param| param.decl.class == Class::Constant) {
+            let (name, n, width) = (&param.decl.name, param.numbers().len(), param.decl.width());
+            if n > width {
+                self.scene.warn(format!("`{name}` of class constant has {} values: the first holds", n / width.max(1)));
+            }
+        }
     }
 
     pub(super) fn draw_polygon(&mut self, params: Params) -> RiResult {

@@ -277,6 +277,9 @@ impl Context {
         if let Some(light) = attributes.area_light {
             // What shines does not stand in its own way.
             attributes.casts_shadows = false;
+            if !self.moves.is_empty() {
+                self.scene.warn("an area light shines from where it is when the shutter opens".into());
+            }
             let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
             match &shape {
                 SourceShape::One(shape) => area.add(shape, to_world, attributes.reversed),
