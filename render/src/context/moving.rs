@@ -1,7 +1,7 @@
 //! Motion blocks: what their calls come to at `MotionEnd` (RISpec 6.3).
 
 use crate::context::motion_block::{MotionBlock, Moving};
-use crate::context::primitives::{one_sphere, quadric_patches};
+use crate::context::quadrics::{one_sphere, quadric_patches};
 use crate::context::state::Context;
 use crate::gprim::quadric::Quadric;
 use crate::gprim::variables::{attach_variables, uniform_numbers};

@@ -67,6 +67,20 @@ impl Layout {
         m.corners(self.nu).map(|k| self.first + k)
     }
 
+    /// The colours of a triangle at a part of the time that the shutter is open, of those of all points.
+    #[inline(always)]
+    fn triangle(&self, m: Micropolygon, time: f32, color: &[Vec3A], opacity: &[Vec3A]) -> Triangle {
+        let corners = self.corners(m);
+        let (smooth, matte) = (self.smooth, self.matte);
+        let Some((n, before, part)) = self.moment(time) else {
+            let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k]));
+            return Triangle { color, opacity, corners, later: (0, 0.0), smooth, matte };
+        };
+        let corners = corners.map(|k| k + before);
+        let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k].lerp(all[k + n], part)));
+        Triangle { color, opacity, corners, later: (n, part), smooth, matte }
+    }
+
     /// Points from one time of its colour to the next, and which of these times are before and after a part of the time that the
     /// shutter is open: how many points on the first is, and the part of the way to the second.
     fn moment(&self, time: f32) -> Option<(usize, usize, f32)> {
@@ -201,20 +215,7 @@ impl Deferred {
             }
         }
         note_identities(frame, samples, grids);
-        let triangle_of = |m: Micropolygon, time: f32| {
-            let layout = &layouts[m.grid()];
-            let corners = layout.corners(m);
-            let (smooth, matte) = (layout.smooth, layout.matte);
-            let of = |all: &[Vec3A], corners: [usize; 3]| corners.map(|k| all[k]);
-            let Some((n, before, part)) = layout.moment(time) else {
-                let (color, opacity) = (of(color, corners), of(opacity, corners));
-                return Triangle { color, opacity, corners, later: (0, 0.0), smooth, matte };
-            };
-            let corners = corners.map(|k| k + before);
-            let between = |all: &[Vec3A]| corners.map(|k| all[k].lerp(all[k + n], part));
-            let (color, opacity) = (between(color), between(opacity));
-            Triangle { color, opacity, corners, later: (n, part), smooth, matte }
-        };
+        let triangle_of = |m: Micropolygon, time: f32| layouts[m.grid()].triangle(m, time, color, opacity);
         samples.set_colors(triangle_of, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));

@@ -1,7 +1,7 @@
 //! Attributes of primitives (RISpec section 5).
 
 use crate::scene::area::Emitter;
-use crate::scene::motion;
+use crate::scene::keys;
 use glam::Mat4;
 use sl::Global;
 use sl::machine::BoundShader;
@@ -214,7 +214,7 @@ impl Attributes {
     pub fn open(&mut self, shutter: [f32; 2]) {
         for (first, moves) in [(&mut self.color, &mut self.color_moves), (&mut self.opacity, &mut self.opacity_moves)] {
             if !moves.is_empty() {
-                (*first, *moves) = motion::in_shutter(moves, shutter);
+                (*first, *moves) = keys::in_shutter(moves, shutter);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::scene::attached::Attached;
 use crate::scene::attributes::Attributes;
-use crate::scene::motion::later;
+use crate::scene::keys::later;
 use crate::scene::shape::Shape;
 use crate::scene::variables::VariableName;
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};

@@ -223,7 +223,7 @@ impl Lower<'_> {
                 return error(at, format!("unknown basis `{name}` of `spline`, {known}"));
             }
         };
-        if (n - first) % step == 0 {
+        if (n - first).is_multiple_of(step) {
             return Ok(());
         }
         error(at, format!("a `{name}` spline has {first} knots and {step} more for each further segment, found {n}"))
