@@ -222,6 +222,12 @@ mod tests {
         fn color(&mut self, _: [f32; 3]) -> RiResult {
             Ok(())
         }
+        fn opacity(&mut self, _: [f32; 3]) -> RiResult {
+            Ok(())
+        }
+        fn surface(&mut self, _: &str, _: Params) -> RiResult {
+            Ok(())
+        }
         fn attribute_begin(&mut self) -> RiResult {
             Ok(())
         }
