@@ -207,10 +207,14 @@ fn names_that_requests_take_are_known_and_others_are_refused_or_warned_of() {
             "no coordinate system `lost`",
         ),
         ("", "Points \"P\" [0 0 0 1 0 0 0 1 0] \"width\" [1 2]", "`width` has 2 values for 3 points"),
+        ("", "Points \"P\" [0 0 0] \"width\" [-1]", "a width is -1, expected 0 or more"),
+        ("", "Cylinder 0 0 1 360", "no area"),
+        ("", "Scale 1e30 1e30 1e30 Disk 0 1 360", "a primitive that reaches farther than 1e12 units is not drawn"),
+        ("", "Sphere 1 -1 1 360 \"constant float f\" [1 2]", "`f` of class constant has 2 values: the first holds"),
         (
             "",
-            "MotionBegin [0 1] Color 1 0 0 Color 0 1 0 MotionEnd",
-            "`Color` in a motion block: what is shaded has that of when the shutter opens",
+            "MotionBegin [0 1] Disk 0 1 360 \"constant color Cs\" [1 0 0] Disk 0 1 360 \"constant color Cs\" [0 1 0] MotionEnd",
+            "they do not move",
         ),
         (
             "",

@@ -11,6 +11,7 @@ pub mod open_object;
 pub mod options;
 pub mod primitives;
 pub mod projected;
+pub mod quadrics;
 pub mod rational;
 pub mod result;
 pub mod shaders;

@@ -7,6 +7,7 @@ pub mod camera;
 pub mod emitters;
 pub mod facets;
 pub mod interpolation;
+pub mod keys;
 pub mod motion;
 pub mod options;
 pub mod patch;

@@ -223,10 +223,12 @@ impl<'a> Reader<'a> {
                 self.condition(conditional).map_err(|f| self.error(place, f.message))
             }
             known => {
+                ri.stands_at(Some((self.path, place)));
                 let done = match known {
                     Ok(request) => dispatch::dispatch(&mut self.arguments, ri, request),
                     Err(name) => dispatch::pass_over(&mut self.arguments, name),
                 };
+                ri.stands_at(None);
                 done.map_err(|Placed { fail, in_arguments }| {
                     // A fault in the arguments is placed where reading stopped, one of the call itself at its name.
                     let at = if in_arguments {

@@ -6,6 +6,7 @@ use crate::instances::{InstanceShape, Instances};
 use crate::params::{Class, Declaration, Param, Params, Type};
 use crate::table::requests;
 use glam::{Mat4, Quat, Vec3};
+use std::path::Path;
 
 /// Order, knots and range of a NURBS patch along one parameter (`NuPatch`, RISpec 5.3).
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +107,9 @@ macro_rules! calls {
             fn warn(&mut self, message: String) {
                 eprintln!("warning: {message}");
             }
+
+            /// Take the place of the request whose call follows, its file, line and column; none once that is done.
+            fn stands_at(&mut self, place: Option<(&Path, (usize, usize))>) {}
 
             /// The area of a bound (object space) on the raster, square pixels: the level of detail that `Procedural` programs are
             /// given.

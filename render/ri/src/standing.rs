@@ -164,7 +164,7 @@ impl Standing {
 fn instead_of_motion(request: Request) -> Option<&'static str> {
     use Request::*;
     match request {
-        Color | Opacity => Some("what is shaded has that of when the shutter opens"),
+        Color | Opacity => None,
         Surface | Displacement | Atmosphere | Interior | Exterior | Deformation | LightSource | AreaLightSource
         | Projection | Bound | Detail => Some("the first holds, it does not move here"),
         Identity | Transform | ConcatTransform | Perspective | Translate | Rotate | Scale | Skew
@@ -220,6 +220,12 @@ mod tests {
             Ok(())
         }
         fn color(&mut self, _: [f32; 3]) -> RiResult {
+            Ok(())
+        }
+        fn opacity(&mut self, _: [f32; 3]) -> RiResult {
+            Ok(())
+        }
+        fn surface(&mut self, _: &str, _: Params) -> RiResult {
             Ok(())
         }
         fn attribute_begin(&mut self) -> RiResult {
@@ -323,9 +329,10 @@ mod tests {
         let said = |text: &str| heard(text).0;
         let mixed = said("MotionBegin [0 1] Translate 0 0 0 Rotate 9 0 0 1 MotionEnd");
         assert_eq!(mixed, ["t.rib:1:35: `Rotate` in a motion block of `Translate`, expected one request at all times"]);
-        assert!(said("MotionBegin [0 1] Translate 0 0 0 Translate 1 0 0 MotionEnd").is_empty());
-        for (request, what) in [("Color 1 0 0", "has that of when the shutter opens"), ("Format 1 1 1", "may not move")]
-        {
+        for request in ["Translate 0 0 0", "Color 1 0 0", "Opacity 1 1 1"] {
+            assert!(said(&format!("MotionBegin [0 1] {request} {request} MotionEnd")).is_empty());
+        }
+        for (request, what) in [("Surface \"matte\"", "does not move here"), ("Format 1 1 1", "may not move")] {
             let said = said(&format!("MotionBegin [0 1] {request} {request} MotionEnd"));
             let name = request.split(' ').next().unwrap();
             assert_eq!(said.len(), 1, "{said:?}");

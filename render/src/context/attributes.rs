@@ -30,8 +30,23 @@ impl Context {
             block.colors.push((which, value));
             return Ok(());
         }
+        self.set_color_over_time(which, value, vec![])
+    }
+
+    /// The colour or the opacity as the shutter opens, and its keys if it moves.
+    pub(super) fn set_color_over_time(
+        &mut self,
+        which: Attribute,
+        value: [f32; 3],
+        keys: Vec<(f32, [f32; 3])>,
+    ) -> RiResult {
         self.sets(which);
-        *(if which == Attribute::Opacity { &mut self.attributes.opacity } else { &mut self.attributes.color }) = value;
+        let a = &mut self.attributes;
+        if which == Attribute::Opacity {
+            (a.opacity, a.opacity_moves) = (value, keys);
+        } else {
+            (a.color, a.color_moves) = (value, keys);
+        }
         Ok(())
     }
 
@@ -68,7 +83,13 @@ impl Context {
                 }
                 ("visibility", "transmission", None) => {
                     self.sets(Attribute::Shadows);
-                    self.attributes.casts_shadows = param.text() != Some("transparent");
+                    let kind = param.text().unwrap_or("");
+                    if !["transparent", "opaque", "Os", "shader"].contains(&kind) {
+                        self.scene.warn(format!(
+                            "unknown transmission `{kind}`, expected transparent, opaque, Os or shader: `shader` is taken"
+                        ));
+                    }
+                    self.attributes.casts_shadows = kind != "transparent";
                     self.attributes.whole_shadows = param.text() == Some("opaque");
                 }
                 ("user", ..)

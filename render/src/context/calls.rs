@@ -10,6 +10,7 @@ use crate::texture::{self, Wrap};
 use glam::{Mat4, Vec3};
 use ri::{Fail, Instances, Knots, Params, Ri, RiResult, Tags, TrimCurves};
 use sl::ir::Kind;
+use std::path::Path;
 use std::sync::Arc;
 
 impl Ri for Context {
@@ -451,7 +452,10 @@ impl Ri for Context {
         self.draw_geometry(name, params)
     }
     fn warn(&mut self, message: String) {
-        self.scene.warn(message);
+        self.scene.warnings.add_placed(message);
+    }
+    fn stands_at(&mut self, place: Option<(&Path, (usize, usize))>) {
+        self.scene.warnings.set_place(place);
     }
     fn sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
         self.say_texts(&params);

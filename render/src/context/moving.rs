@@ -1,7 +1,7 @@
 //! Motion blocks: what their calls come to at `MotionEnd` (RISpec 6.3).
 
 use crate::context::motion_block::{MotionBlock, Moving};
-use crate::context::primitives::{one_sphere, quadric_patches};
+use crate::context::quadrics::{one_sphere, quadric_patches};
 use crate::context::state::Context;
 use crate::gprim::quadric::Quadric;
 use crate::gprim::variables::{attach_variables, uniform_numbers};
@@ -103,7 +103,7 @@ impl Context {
         if first_is_spheres { self.moving_spheres(&times, spheres) } else { self.moving_patches(&times, patches) }
     }
 
-    /// The colours or opacities of a motion block: what is shaded has that of when the shutter opens.
+    /// The colours or opacities of a motion block.
     fn moving_color(&mut self, which: Attribute, times: &[f32], values: &[[f32; 3]]) -> RiResult {
         let Some(first) = values.first() else { return Ok(()) };
         if values.len() != times.len() {
@@ -112,7 +112,7 @@ impl Context {
             return self.set_color(which, *first);
         }
         let keys: Vec<(f32, [f32; 3])> = times.iter().copied().zip(values.iter().copied()).collect();
-        self.set_color(which, motion::at(&keys, self.options.shutter[0]))
+        self.set_color_over_time(which, motion::at(&keys, self.options.shutter[0]), keys)
     }
 
     /// The transformations of a motion block, over what holds before it.
@@ -160,7 +160,19 @@ impl Context {
         if calls.is_empty() {
             return self.add_patches(first, names);
         }
+        let differs = |a: &Patch, b: &Patch| a.varying != b.varying || a.uniform != b.uniform;
+        if calls.iter().any(|(later, _)| first.iter().zip(later).any(|(a, b)| differs(a, b))) {
+            self.warn_of_variables();
+        }
+        let (before, part) = motion::segment(times, self.options.shutter[0]);
         for (k, patch) in first.iter_mut().enumerate() {
+            if before > 0 {
+                let Patch { st, curved_st, varying, uniform, normals, .. } = calls[before - 1].0[k].clone();
+                *patch = Patch { st, curved_st, varying, uniform, normals, ..patch.clone() };
+            }
+            if part > 0.0 {
+                patch.blend_variables(&calls[before].0[k], part);
+            }
             let keys: Vec<_> = times
                 .iter()
                 .copied()
@@ -172,8 +184,30 @@ impl Context {
         self.add_patches(first, names)
     }
 
-    /// The spheres of a motion block, with the variables of each call: those of the first hold.
-    fn moving_spheres(&mut self, times: &[f32], calls: Vec<(Instances, Vec<(VariableName, Vec<f32>)>)>) -> RiResult {
+    /// Say that variables do not move.
+    fn warn_of_variables(&mut self) {
+        let what =
+            "the variables of a primitive in a motion block are those of when the shutter opens; they do not move";
+        self.scene.warn(what.into());
+    }
+
+    /// The spheres of a motion block, with the variables of each call: those of the last before the shutter opens hold.
+    fn moving_spheres(
+        &mut self,
+        times: &[f32],
+        mut calls: Vec<(Instances, Vec<(VariableName, Vec<f32>)>)>,
+    ) -> RiResult {
+        let differs = |a: &(Instances, Vec<_>), b: &(Instances, Vec<_>)| a.1 != b.1 || a.0.params != b.0.params;
+        if calls.iter().any(|later| differs(&calls[0], later)) {
+            self.warn_of_variables();
+            let (before, _) = motion::segment(times, self.options.shutter[0]);
+            if let Some((spheres, uniform)) = calls.get(before).cloned()
+                && spheres.len() == calls[0].0.len()
+            {
+                calls[0].0.params = spheres.params;
+                calls[0].1 = uniform;
+            }
+        }
         let later: Vec<Instances> = calls[1..].iter().map(|(spheres, _)| spheres.clone()).collect();
         let Some((mut first, uniform)) = calls.into_iter().next() else { return Ok(()) };
         let Some(last) = later.last() else { return self.add_spheres(first, uniform) };

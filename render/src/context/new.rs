@@ -30,6 +30,8 @@ impl Context {
             set: SetAttributes::default(),
             color: [1.0; 3],
             opacity: [1.0; 3],
+            color_moves: vec![],
+            opacity_moves: vec![],
             surface: nothing,
             surface_space: Mat4::IDENTITY,
             displacement: None,

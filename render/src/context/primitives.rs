@@ -1,6 +1,6 @@
 //! Primitives: the calls of RISpec section 5 as patches, spheres and instances.
 
-use crate::context::motion_block::{Moving, PolygonCut};
+use crate::context::motion_block::PolygonCut;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
 use crate::gprim::basis::to_bezier;
@@ -8,17 +8,14 @@ use crate::gprim::blobby::{Field, LeafVariable};
 use crate::gprim::curves::{self, Segment, curve, ribbon};
 use crate::gprim::nurbs::{nurbs, nurbs_variable, span_of};
 use crate::gprim::patch_mesh::patch_mesh;
-use crate::gprim::perspective::is_projective;
 use crate::gprim::polygon::{polygon_cut, polygon_patches};
-use crate::gprim::quadric::{Outline, Quadric};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
     Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
-    set_varying, too_few, uniform_numbers, weighted,
+    set_varying, too_few, weighted,
 };
 use crate::scene::attached::Attached;
-use crate::scene::attributes::TEXTURE_CORNERS;
 use crate::scene::patch::Patch;
 use crate::scene::source::{SourceShape, instance_variables};
 use crate::scene::variables::{VariableName, VariableNames, Varying};
@@ -39,6 +36,12 @@ impl Context {
             let name = &param.decl.name;
             self.scene
                 .warn(format!("the string `{name}` of a primitive does not reach its shaders: set their parameter"));
+        }
+        for param in params.iter().filter(|param| param.decl.class == Class::Constant) {
+            let (name, n, width) = (&param.decl.name, param.numbers().len(), param.decl.width());
+            if n > width {
+                self.scene.warn(format!("`{name}` of class constant has {} values: the first holds", n / width.max(1)));
+            }
         }
     }
 
@@ -319,6 +322,7 @@ impl Context {
         if n == 0 {
             return Ok(());
         }
+        check_widths(widths)?;
         let instances = Instances {
             shape: InstanceShape::Sphere,
             position: points.iter().map(|p| p.to_array()).collect(),
@@ -342,6 +346,7 @@ impl Context {
         let points = positions(&params)?;
         let given = |name: &str| params.iter().find(|p| p.decl.name == name).filter(|p| !p.numbers().is_empty());
         let (widths, constant, normals) = (given("width"), given("constantwidth"), given("N"));
+        check_widths(widths.or(constant))?;
         let to_eye = self.transform.inverse()
             * self
                 .to_camera
@@ -479,40 +484,6 @@ impl Context {
         self.add_patches(patches, names)
     }
 
-    pub(super) fn draw_sphere(&mut self, radius: f32, z_min: f32, z_max: f32, sweep: f32, params: Params) -> RiResult {
-        if !(radius != 0.0 && radius.is_finite() && z_min.is_finite() && z_max.is_finite() && sweep.is_finite()) {
-            return Err(Fail::new(format!(
-                "a sphere of radius {radius} from {z_min} to {z_max} over {sweep}° cannot be drawn"
-            )));
-        }
-        let r = radius.abs();
-        let varies = params.iter().any(|p| !p.decl.class.is_whole());
-        let is_whole = z_min <= -r && z_max >= r && sweep.abs() >= 360.0;
-        let own_corners = self.attributes.texture_corners == TEXTURE_CORNERS;
-        if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
-            let uniform = uniform_numbers(params)?;
-            return self.add_spheres(one_sphere(r), uniform);
-        }
-        let angle = |z: f32| (z / r).clamp(-1.0, 1.0).asin();
-        self.quadric(Outline::Circle([0.0; 2], r, [z_min, z_max].map(angle)), sweep, params)
-    }
-
-    /// A quadric: a profile, swept.
-    pub(super) fn quadric(&mut self, outline: Outline, sweep: f32, params: Params) -> RiResult {
-        self.say_texts(&params);
-        let quadric = Quadric { outline, sweep };
-        if let Some(block) = &mut self.motion {
-            block.calls.push(Moving::Quadric(quadric, params));
-            return Ok(());
-        }
-        if sweep == 0.0 {
-            return Err(Fail::new("the quadric's numbers make no surface"));
-        }
-        let mut patches = quadric_patches(&quadric, quadric.pieces())?;
-        let names = attach_variables(&mut patches, &params)?;
-        self.add_patches(patches, names)
-    }
-
     /// One instance of an object.
     pub(super) fn draw_object(&mut self, handle: &str) -> RiResult {
         let place = Instances {
@@ -572,24 +543,10 @@ fn is_rational(params: &Params) -> bool {
         && is_there("Pw").is_some_and(|p| p.numbers().chunks_exact(4).any(|q| q[3] != p.numbers()[3]))
 }
 
-/// The patches of a quadric, of so many pieces; an error if its numbers are none.
-pub(super) fn quadric_patches(quadric: &Quadric, pieces: [usize; 2]) -> Result<Vec<Patch>, Fail> {
-    let patches = if quadric.sweep.is_finite() { quadric.patches(pieces) } else { vec![] };
-    let sound = |patch: &Patch| patch.p.iter().all(|p| p.is_finite());
-    if !patches.is_empty() && patches.iter().all(sound) {
-        return Ok(patches);
-    }
-    Err(Fail::new("the quadric's numbers make no surface"))
-}
-
-/// A sphere about the origin, as an instance array of one, so that object space keeps its unit.
-pub(super) fn one_sphere(radius: f32) -> Instances {
-    Instances {
-        shape: InstanceShape::Sphere,
-        position: vec![[0.0; 3]],
-        orientation: vec![],
-        scale: vec![[radius; 3]],
-        params: vec![],
-        moved: None,
+/// An error if a width of points or curves is below 0.
+fn check_widths(widths: Option<&Param>) -> RiResult {
+    match widths.and_then(|param| param.numbers().iter().find(|width| !(**width >= 0.0))) {
+        Some(width) => Err(Fail::new(format!("a width is {width}, expected 0 or more"))),
+        None => Ok(()),
     }
 }

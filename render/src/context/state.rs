@@ -17,13 +17,16 @@ use crate::scene::source::{Source, SourceShape, duplicates, instance_variables};
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use ri::files::Files;
 use ri::{Fail, Instances, RiResult};
 use sl::ir::{Kind, Program};
 use sl::machine::BoundShader;
 use std::collections::HashMap;
 use std::sync::Arc;
+
+/// The greatest coordinate of a primitive, in the world and from the eye: squares of areas are numbers up to there.
+const FARTHEST: f32 = 1e12;
 
 /// A function that is called with the buckets done and in all.
 type Progress = Box<dyn Fn(usize, usize) + Sync + Send>;
@@ -266,10 +269,17 @@ impl Context {
         if is_projective(&self.transform) {
             return self.push_projected(shape, &uniform);
         }
+        if self.reaches_too_far(&shape) {
+            self.scene.warn(format!("a primitive that reaches farther than {FARTHEST:e} units is not drawn"));
+            return Ok(());
+        }
         let mut attributes = self.attributes.clone();
         if let Some(light) = attributes.area_light {
             // What shines does not stand in its own way.
             attributes.casts_shadows = false;
+            if !self.moves.is_empty() {
+                self.scene.warn("an area light shines from where it is when the shutter opens".into());
+            }
             let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
             match &shape {
                 SourceShape::One(shape) => area.add(shape, to_world, attributes.reversed),
@@ -281,8 +291,9 @@ impl Context {
                 }),
             }
         }
-        let attributes = Arc::new(attributes);
         let shutter = self.open_shutter();
+        attributes.open(shutter);
+        let attributes = Arc::new(attributes);
         let (to_world, moves) =
             if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
         let mut shape = shape;
@@ -307,6 +318,32 @@ impl Context {
         };
         self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform, duplicates, attached });
         Ok(())
+    }
+}
+
+impl Context {
+    /// Whether a primitive reaches farther from the world's origin or from the eye than single precision can draw.
+    fn reaches_too_far(&self, shape: &SourceShape) -> bool {
+        let places = [self.transform, self.to_camera.unwrap_or(Mat4::IDENTITY) * self.transform];
+        // Of many instances the places are not looked at: there is nothing to split in what is far away.
+        let one = |columns: &Instances| if columns.len() == 1 { columns.matrix(0) } else { Mat4::IDENTITY };
+        let is_far = |shape: &Shape, own: Mat4| {
+            let far = |p: Vec3, place: &Mat4| !(place.transform_point3(p).abs().max_element() <= FARTHEST);
+            let all = places.map(|place| place * own);
+            match shape {
+                Shape::Patches(patches, _) => {
+                    all.iter().any(|place| patches.iter().flat_map(|patch| patch.p).any(|p| far(p, place)))
+                }
+                Shape::Sphere => {
+                    all.iter().any(|place| Vec3::AXES.into_iter().any(|p| far(p, place) || far(-p, place)))
+                }
+            }
+        };
+        match shape {
+            SourceShape::One(shape) => is_far(shape, Mat4::IDENTITY),
+            SourceShape::Spheres(columns) => is_far(&Shape::Sphere, one(columns)),
+            SourceShape::Objects(columns, parts) => parts.iter().any(|(shape, own)| is_far(shape, one(columns) * *own)),
+        }
     }
 }
 

@@ -83,6 +83,8 @@ impl Context {
     /// `WorldEnd`: the scene is rendered, and forgotten.
     pub(super) fn end_world(&mut self) -> RiResult {
         let Some(to_camera) = self.to_camera.take() else { return Err(Fail::new("WorldEnd without WorldBegin")) };
+        // What is found wrong while the image is drawn has no place in the file.
+        self.scene.warnings.set_place(None);
         if self.dry {
             return Ok(());
         }

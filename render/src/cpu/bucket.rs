@@ -2,7 +2,7 @@
 //! filtered to pixels.
 
 use crate::cpu::blur::quad::Track;
-use crate::cpu::deferred::Deferred;
+use crate::cpu::deferred::{Deferred, Shaded};
 use crate::cpu::displace::displace;
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
@@ -116,15 +116,17 @@ impl Sink for Grids<'_> {
             self.stats.grids_hidden += 1;
             return;
         }
-        let surface = Surface { item, view, reach: grid.reach, z: bound.z };
+        let surface = Surface { item, view, reach: grid.reach, z: bound.z, time: 0.0 };
         // What is surely opaque is shaded when the bucket knows which of its points are visible.
         let later = view.attributes.stays_opaque() && view.attached.opacity.is_none();
+        let moments = if later { vec![] } else { self.shade_over_time(&surface, &grid.points) };
         if !later {
             shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
         }
         // All surfaces of a solid are sampled, and shaded before it is known which are of the whole.
         let is_opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
         let opaque = is_opaque
+            && moments.is_empty()
             && view.attributes.solid.is_none()
             && view.attributes.seen == [0.0, 1.0]
             && self.frame.planes.is_empty();
@@ -132,7 +134,7 @@ impl Sink for Grids<'_> {
             return;
         }
         let shaded = if later { None } else { Some(&mut *self.shading) };
-        self.deferred.push(self.frame, &surface, &mut grid.points, self.raster, shaded);
+        self.deferred.push(self.frame, &surface, &mut grid.points, self.raster, (shaded, moments));
         if self.deferred.is_full() {
             self.deferred.flush(self.frame, self.samples, self.shading, self.stats);
         }
@@ -140,6 +142,17 @@ impl Sink for Grids<'_> {
 }
 
 impl Grids<'_> {
+    /// Shade points with the colours and opacities that they have after the shutter opens, at each time that these turn.
+    fn shade_over_time(&mut self, surface: &Surface<'_>, points: &Points) -> Vec<Shaded> {
+        let times = surface.view.attributes.fade_times().into_iter();
+        let shaded = times.map(|time| {
+            let mut points = points.clone();
+            shade(self.frame, &Surface { time, ..*surface }, &mut points, self.shading, self.stats);
+            Shaded { time, points, outputs: std::mem::take(&mut self.shading.outputs) }
+        });
+        shaded.collect()
+    }
+
     /// Whether triangles of a grid of positive area on the raster are where its primitive is entered.
     fn is_entered(&self, points: &Points) -> bool {
         let Subject { item, view, camera, .. } = self.subject;

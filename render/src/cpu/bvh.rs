@@ -35,6 +35,9 @@ pub enum Occluder {
 /// that nothing gets through between neighbours.
 const BESIDE: f32 = 1e-5;
 
+/// What rounding makes of places on two surfaces that touch, in parts of their coordinates.
+const ROUNDING: f32 = 4e-6;
+
 /// Where a ray meets something.
 pub struct Crossing {
     /// How far along it.
@@ -176,8 +179,8 @@ impl Bvh {
         });
     }
 
-    /// Whether anything that lets no light through stands between two points. How near the start a triangle does not count is `bias[0]`, and `bias[1]`
-    /// for the triangles of `own` itself, whose spheres and flat patches never count.
+    /// Whether anything that lets no light through stands between two points. How near the start the triangles of `own` itself do not
+    /// count is `bias[1]`, those of others what rounding makes, at most `bias[0]`; the spheres and flat patches of `own` never count.
     pub fn blocked(&self, own: Item, from: Vec3, to: Vec3, bias: [f32; 2]) -> bool {
         if self.tree.is_empty() {
             return false;
@@ -191,8 +194,7 @@ impl Bvh {
         let mut blocked = false;
         self.tree.leaves(from, dir, length, |leaf, length| {
             blocked = self.occluders[leaf].iter().any(|(item, o)| {
-                !self.translucent[item.source as usize]
-                    && self.stops(*item == own, o, from, dir, length, bias[(*item == own) as usize])
+                !self.translucent[item.source as usize] && self.stops(*item == own, o, from, dir, length, bias)
             });
             (!blocked).then_some(length)
         });
@@ -265,10 +267,7 @@ impl Bvh {
             }
             Occluder::Triangle { room: None, .. } if own => None,
             Occluder::Triangle { a, ab, ac, room } => {
-                let near = match room {
-                    None => 1e-5 * ab.length().max(ac.length()),
-                    Some(room) => bias[own as usize].max(facet_room(room, own)),
-                };
+                let near = near_start(own, room, [ab, ac], from, bias);
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
                 meet_triangle(from, dir, a, [ab, ac], beside).map(|(t, _)| t).filter(|t| *t > near.max(least))
             }
@@ -276,7 +275,7 @@ impl Bvh {
     }
 
     #[inline]
-    fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: f32) -> bool {
+    fn stops(&self, own: bool, occluder: &Occluder, from: Vec3, dir: Vec3, length: f32, bias: [f32; 2]) -> bool {
         match *occluder {
             Occluder::Sphere { center, radius } => {
                 !own && {
@@ -306,10 +305,22 @@ impl Bvh {
                 let beside = if room.is_some() { BESIDE } else { 0.0 };
                 !(own && room.is_none())
                     && meet_triangle(from, dir, a, [ab, ac], beside)
-                        .is_some_and(|(t, _)| t > bias.max(facet_room(room.unwrap_or(0.0), own)) && t < length)
+                        .is_some_and(|(t, _)| t < length && t > near_start(own, room, [ab, ac], from, bias))
             }
         }
     }
+}
+
+/// How near the start of a ray from a surface a triangle does not count: of the surface's own where it may have been shaded, of others
+/// where rounding may put it, and as far as it stands off its own curved surface.
+#[inline(always)]
+fn near_start(own: bool, room: Option<f32>, [ab, ac]: [Vec3; 2], from: Vec3, bias: [f32; 2]) -> f32 {
+    let room = facet_room(room.unwrap_or(0.0), own);
+    if own {
+        return bias[1].max(room);
+    }
+    let size = ab.length_squared().max(ac.length_squared()).sqrt();
+    bias[0].min(1e-5 * size + ROUNDING * from.abs().max_element()).max(room)
 }
 
 /// How near its start a ray passes a facet of a curved surface, which stands off the surface: its own neighbourhood is not in its

@@ -35,6 +35,18 @@ struct DeferredGrid {
     motion: Vec<[f32; 2]>,
     /// What displays take besides colour, if it is shaded.
     outputs: Vec<f32>,
+    /// The same grid as shaded later, if its colour or opacity moves.
+    moments: Vec<Shaded>,
+}
+
+/// A grid as shaded with the colour and opacity of a part of the time that the shutter is open.
+pub struct Shaded {
+    /// The part of that time.
+    pub time: f32,
+    /// Its points.
+    pub points: Points,
+    /// What displays take besides colour.
+    pub outputs: Vec<f32>,
 }
 
 /// What samples need of a grid, small enough for all of them to lie close.
@@ -44,6 +56,8 @@ struct Layout {
     nu: usize,
     smooth: bool,
     matte: bool,
+    /// If its colour or opacity moves: how many points it has, which are there again for each of these times.
+    moments: Option<Box<(usize, Vec<f32>)>>,
 }
 
 impl Layout {
@@ -51,6 +65,29 @@ impl Layout {
     #[inline(always)]
     fn corners(&self, m: Micropolygon) -> [usize; 3] {
         m.corners(self.nu).map(|k| self.first + k)
+    }
+
+    /// The colours of a triangle at a part of the time that the shutter is open, of those of all points.
+    #[inline(always)]
+    fn triangle(&self, m: Micropolygon, time: f32, color: &[Vec3A], opacity: &[Vec3A]) -> Triangle {
+        let corners = self.corners(m);
+        let (smooth, matte) = (self.smooth, self.matte);
+        let Some((n, before, part)) = self.moment(time) else {
+            let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k]));
+            return Triangle { color, opacity, corners, later: (0, 0.0), smooth, matte };
+        };
+        let corners = corners.map(|k| k + before);
+        let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k].lerp(all[k + n], part)));
+        Triangle { color, opacity, corners, later: (n, part), smooth, matte }
+    }
+
+    /// Points from one time of its colour to the next, and which of these times are before and after a part of the time that the
+    /// shutter is open: how many points on the first is, and the part of the way to the second.
+    fn moment(&self, time: f32) -> Option<(usize, usize, f32)> {
+        let (n, times) = self.moments.as_deref()?;
+        let next = times.partition_point(|t| *t < time).min(times.len() - 1);
+        let from = next.checked_sub(1).map_or(0.0, |k| times[k]);
+        Some((*n, next * n, ((time - from) / (times[next] - from)).clamp(0.0, 1.0)))
     }
 }
 
@@ -78,26 +115,28 @@ impl Deferred {
     }
 
     /// Defer a grid with visible points, in exchange for other memory. `shaded` has what displays take of its points, if it is
-    /// shaded.
+    /// shaded, and the same grid as shaded later, if its colour or opacity moves.
     pub fn push(
         &mut self,
         frame: &Frame<'_>,
         surface: &Surface<'_>,
         points: &mut Points,
         raster: &Raster,
-        shaded: Option<&mut Shading>,
+        (shaded, moments): (Option<&mut Shading>, Vec<Shaded>),
     ) {
-        let Surface { item, view, reach, z } = *surface;
+        let Surface { item, view, reach, z, .. } = *surface;
         let points = std::mem::replace(points, self.spare.pop().unwrap_or_default());
         let first = self.n;
-        self.n += points.n();
+        self.n += points.n() * (1 + moments.len());
         debug_assert!(points.n() <= 1 << POINT_BITS);
         let (smooth, matte) = (view.attributes.smooth, view.attributes.matte);
         let motion = if place_of(&frame.aovs, "motion").is_some() { raster.motion().collect() } else { vec![] };
         let is_shaded = shaded.is_some();
         let outputs = shaded.map_or(vec![], |shading| std::mem::take(&mut shading.outputs));
-        self.layouts.push(Layout { first, nu: points.nu, smooth, matte });
-        self.grids.push(DeferredGrid { motion, outputs, item, points, shaded: is_shaded, reach, z });
+        let times: Vec<f32> = moments.iter().map(|shaded| shaded.time).collect();
+        let fades = (!times.is_empty()).then(|| Box::new((points.n(), times)));
+        self.layouts.push(Layout { first, nu: points.nu, smooth, matte, moments: fades });
+        self.grids.push(DeferredGrid { motion, outputs, item, points, shaded: is_shaded, reach, z, moments });
     }
 
     /// Whether it should be flushed before more is pushed.
@@ -148,37 +187,35 @@ impl Deferred {
                     gather(&grid.points, view.attached.n_uniform, few, gathered);
                 }
                 let points = if whole { &mut grid.points } else { &mut *gathered };
-                let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
+                let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time: 0.0 };
                 shade(frame, &surface, points, shading, stats);
             }
             let points = if whole { &grid.points } else { &*gathered };
-            let n = points.n();
-            let (ci, oi) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), surface_opacity(points));
-            let of = |v: &[f32], k: usize| {
-                let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
-                Vec3A::new(v[a], v[b], v[c])
-            };
-            let (color, opacity) = (&mut color[range.clone()], &mut opacity[range]);
-            for (i, k) in few.iter().enumerate() {
-                let (k, from) = (*k as usize, if whole { *k as usize } else { i });
-                (color[k], opacity[k]) = (of(ci, from), of(oi, from));
-                if depth > 0 {
-                    let own = if grid.shaded { &grid.outputs } else { &shading.outputs };
-                    let goal = &mut outputs[(layout.first + k) * depth..][..depth];
-                    goal.copy_from_slice(&own[from * depth..][..depth]);
-                    if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
-                        goal[first..first + 2].copy_from_slice(motion);
+            let own = if grid.shaded { &grid.outputs } else { &shading.outputs };
+            let later = grid.moments.iter().map(|shaded| (&shaded.points, &shaded.outputs));
+            for (moment, (points, own)) in std::iter::once((points, own)).chain(later).enumerate() {
+                let n = points.n();
+                let (ci, oi) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), surface_opacity(points));
+                let of = |v: &[f32], k: usize| {
+                    let [a, b, c] = if v.len() == 3 { [0, 1, 2] } else { [k, n + k, 2 * n + k] };
+                    Vec3A::new(v[a], v[b], v[c])
+                };
+                let first = layout.first + moment * grid.points.n();
+                for (i, k) in few.iter().enumerate() {
+                    let (k, from) = (*k as usize, if whole { *k as usize } else { i });
+                    (color[first + k], opacity[first + k]) = (of(ci, from), of(oi, from));
+                    if depth > 0 {
+                        let goal = &mut outputs[(first + k) * depth..][..depth];
+                        goal.copy_from_slice(&own[from * depth..][..depth]);
+                        if let (Some(first), Some(motion)) = (motion, grid.motion.get(k)) {
+                            goal[first..first + 2].copy_from_slice(motion);
+                        }
                     }
                 }
             }
         }
         note_identities(frame, samples, grids);
-        let triangle_of = |m: Micropolygon| {
-            let layout = &layouts[m.grid()];
-            let corners = layout.corners(m);
-            let (smooth, matte) = (layout.smooth, layout.matte);
-            Triangle { color: corners.map(|k| color[k]), opacity: corners.map(|k| opacity[k]), corners, smooth, matte }
-        };
+        let triangle_of = |m: Micropolygon, time: f32| layouts[m.grid()].triangle(m, time, color, opacity);
         samples.set_colors(triangle_of, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));

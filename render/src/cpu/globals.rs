@@ -7,15 +7,14 @@ use glam::Vec3;
 use sl::Global;
 use sl::machine::Points;
 
-/// What a surface shader starts with besides where it is: colours, and Ng and E if it asks for them.
-pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3) {
+/// What a surface shader starts with besides where it is: colours, those of a part of the time that the shutter is open, and Ng and
+/// E if it asks for them.
+pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3, time: f32) {
     let a = view.attributes;
     let slots = view.attached;
-    let own = [
-        (Global::Cs, slots.color, view.color),
-        (Global::Os, slots.opacity, a.opacity),
-        (Global::Oi, slots.opacity, a.opacity),
-    ];
+    let (color, opacity) = view.paint(time);
+    let own =
+        [(Global::Cs, slots.color, color), (Global::Os, slots.opacity, opacity), (Global::Oi, slots.opacity, opacity)];
     for (global, slot, of_all) in own {
         points.refill_from(global, slot, &of_all);
     }

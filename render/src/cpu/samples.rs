@@ -115,7 +115,7 @@ pub struct Samples {
     /// Places, pixels from the bucket's first one.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
-    /// Part of the time that the shutter is open, in images of motion without a lens.
+    /// Part of the time that the shutter is open, in images of motion or with a lens.
     pub(crate) time: Vec<f32>,
     /// Which part of the pattern the places are of, and how many pixels; what depths are where nothing is.
     pattern: Option<([i64; 2], [usize; 2])>,
@@ -195,8 +195,8 @@ impl Samples {
         // Lanes of a cell that lie beyond the last stratum are nowhere, and take nothing.
         self.empty.clear();
         self.empty.resize(n, 0.0);
+        self.time.resize(if jitter.moments.is_some() { n } else { 0 }, 0.0);
         let moments = jitter.moments.as_ref().filter(|_| self.padded > 0);
-        self.time.resize(if moments.is_some() { n } else { 0 }, 0.0);
         for (px, py) in (0..height).flat_map(|py| (0..width).map(move |px| (px, py))) {
             let pixel = [px as i64 + self.x0, py as i64 + self.y0];
             for (row, column) in (0..sy).flat_map(|row| (0..sx).map(move |column| (row, column))) {
@@ -229,6 +229,7 @@ impl Samples {
                 x.push(self.x[k] + self.x0 as f32);
                 y.push(self.y[k] + self.y0 as f32);
                 time.push(moment[0]);
+                self.time[k] = moment[0];
                 lens_x.push(moment[1]);
                 lens_y.push(moment[2]);
                 sample.push(k as u32);

@@ -22,6 +22,8 @@ pub struct Surface<'a> {
     pub reach: f32,
     /// Their least depth.
     pub z: f32,
+    /// The part of the time that the shutter is open whose colour and opacity they have.
+    pub time: f32,
 }
 
 /// The machine that shaders run on, and what displays take of the points that it shaded last.
@@ -74,9 +76,9 @@ fn not_finite(points: &Points) -> usize {
 
 /// Give points what their shaders start with; the scene as they see it.
 pub fn prepare<'a>(frame: &'a Frame<'_>, surface: &Surface<'a>, points: &mut Points) -> View<'a> {
-    let Surface { item, view, reach, z } = *surface;
+    let Surface { item, view, reach, z, time } = *surface;
     fill_incident(points, &frame.camera);
-    surface_globals(points, view, frame.camera.eye);
+    surface_globals(points, view, frame.camera.eye, time);
     if view.attributes.reads_neighbours() {
         footprint::fill(points, &frame.camera, view.attributes.shading_rate);
     }

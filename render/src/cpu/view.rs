@@ -134,7 +134,7 @@ impl<'a> View<'a> {
         let moves = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;
         let moment = moves.then(|| view.source.moves.first().map_or(1.0, |(time, _)| *time));
         fill_velocity(points, view, moment, None, self.scene.shutter);
-        surface_globals(points, view, Vec3::ZERO);
+        surface_globals(points, view, Vec3::ZERO, 0.0);
         if a.surface.program.global(Global::E).is_some() {
             fill_triples(points, Global::E, hits.iter().map(|hit| hit.from));
         }

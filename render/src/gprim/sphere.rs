@@ -96,12 +96,13 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         n,
     };
     let a = view.attributes;
-    let translucent = !a.stays_opaque() || a.solid.is_some();
+    // Its back is seen where its front lets light through, is cut away, or is its inside and not there.
+    let shows_back = !a.stays_opaque() || a.solid.is_some() || camera.clips || (a.reversed && !a.two_sided);
     // What rays meet displaced has one lattice, from wherever it is seen.
     let displaced = a.displacement.is_some();
     let even_on_raster =
-        !(translucent || a.reads_neighbours() || displaced && (a.traces_displaced() || sink.takes_unseen()));
-    if even_on_raster && (a.two_sided || !a.reversed) {
+        !(shows_back || a.reads_neighbours() || displaced && (a.traces_displaced() || sink.takes_unseen()));
+    if even_on_raster {
         let pixels = radius * camera.pixels_at(depth) / step;
         if let Some(cap) = Cap::new(subject, &sphere, pixels) {
             return cap.dice(subject, LatticeSphere { linear: sphere.linear / swell, ..sphere }, scratch, grid, sink);
@@ -114,7 +115,7 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
         for tile in 0..tiles * tiles {
             let range = |k: usize| [k * sphere.n / tiles, (k + 1) * sphere.n / tiles];
             let part = Tile { face, i: range(tile % tiles), j: range(tile / tiles) };
-            if sink.takes_unseen() || part.may_show(subject, &sphere, translucent, sink) {
+            if sink.takes_unseen() || part.may_show(subject, &sphere, shows_back, sink) {
                 part.dice(subject, &sphere, &mut scratch.directions, grid);
                 sink.take(grid);
             }
@@ -132,7 +133,7 @@ struct Tile {
 
 impl Tile {
     /// Whether it may be visible; one that faces away is not, unless it is seen from behind.
-    fn may_show(&self, subject: &Subject<'_>, sphere: &LatticeSphere, translucent: bool, sink: &mut impl Sink) -> bool {
+    fn may_show(&self, subject: &Subject<'_>, sphere: &LatticeSphere, shows_back: bool, sink: &mut impl Sink) -> bool {
         let (Tile { face, i, j }, n) = (*self, sphere.n as i32);
         let at = |i: f32, j: f32| {
             let angle = |k: f32| (std::f32::consts::FRAC_PI_4 * (2.0 * k / n as f32 - 1.0)).tan();
@@ -141,7 +142,7 @@ impl Tile {
         let middle = at(0.5 * (i[0] + i[1]) as f32, 0.5 * (j[0] + j[1]) as f32);
         let corners = [(i[0], j[0]), (i[1], j[0]), (i[0], j[1]), (i[1], j[1])].map(|(i, j)| at(i as f32, j as f32));
         let spread = corners.iter().map(|c| c.dot(middle)).fold(1.0, f32::min).clamp(-1.0, 1.0).acos();
-        if !translucent {
+        if !shows_back {
             // The tile faces away if no direction d in it has d · eye > 1, at no moment.
             let lean = if sphere.reach > 0.0 { LEAN } else { 0.0 };
             let faces_away = |instant: &Instant| {

@@ -53,6 +53,15 @@ fn facet_room(head: vec4<u32>, is_own: bool) -> f32 {
     return bitcast<f32>(head.z) * select(0.5, 2.0, is_own);
 }
 
+// How near the start a triangle does not count: of the surface's own where it may have been shaded, of others where rounding may put it,
+// and as far as it stands off its own curved surface.
+fn near_start(head: vec4<u32>, is_own: bool, ab: vec3<f32>, ac: vec3<f32>, start: vec3<f32>, near: vec2<f32>) -> f32 {
+    let room = facet_room(head, is_own);
+    let size = sqrt(max(dot(ab, ab), dot(ac, ac)));
+    let far = max(max(abs(start.x), abs(start.y)), abs(start.z));
+    return max(select(min(near.x, 1e-5 * size + 4e-6 * far), near.y, is_own), room);
+}
+
 fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
     let head = world[at];
     let is_own = head.y == own;
@@ -69,9 +78,8 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
     if head.x == 1u {
         return stops_ellipsoid(start, way, far, a, b, c);
     }
-    let room = facet_room(head, is_own);
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return t > max(select(near.x, near.y, is_own), room) && t < far;
+    return t < far && t > near_start(head, is_own, b.xyz, c.xyz, start, near);
 }
 
 // Whether a ray meets a box within a length.
@@ -147,10 +155,8 @@ fn distance_to(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: vec2<f
         let d = vec3<f32>(dot(a.xyz, way), dot(b.xyz, way), dot(c.xyz, way));
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, select(0.0, near.y, is_own));
     }
-    let size = sqrt(max(dot(b.xyz, b.xyz), dot(c.xyz, c.xyz)));
-    let room = max(select(near.x, near.y, is_own), facet_room(head, is_own));
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return select(-1.0, t, t > select(room, 1e-5 * size, head.x == 2u));
+    return select(-1.0, t, t > near_start(head, is_own, b.xyz, c.xyz, start, near));
 }
 
 // How far along a ray from the surface that is shaded anything is met; negative if nothing is.

@@ -316,7 +316,7 @@ impl Few {
             gather(&grid.points, view.attached.n_uniform, &self.wanted, &mut self.gathered);
         }
         let points = if whole { &mut grid.points } else { &mut self.gathered };
-        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z };
+        let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time: 0.0 };
         let scene = prepare(frame, &surface, points);
         let id = frame.first_ids[grid.item.source as usize] + grid.item.index as usize;
         let [x, y, z] = scene.flat.unwrap_or_default().to_array();

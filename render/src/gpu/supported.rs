@@ -30,6 +30,9 @@ fn of_source(source: &Source, is_seen_through: bool) -> Option<String> {
     if a.visible && a.seen != [0.0, 1.0] {
         return Some("the scene has levels of detail that fade".into());
     }
+    if a.visible && a.fades() {
+        return Some("a colour or opacity moves".into());
+    }
     (a.visible && is_seen_through)
         .then(|| format!("primitives with the surface `{}` may be translucent", a.surface.program.name))
 }

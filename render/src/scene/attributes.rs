@@ -1,6 +1,7 @@
 //! Attributes of primitives (RISpec section 5).
 
 use crate::scene::area::Emitter;
+use crate::scene::keys;
 use glam::Mat4;
 use sl::Global;
 use sl::machine::BoundShader;
@@ -79,10 +80,15 @@ pub enum DisplacementBound {
 pub struct Attributes {
     /// Those that were set within the object that is open.
     pub set: SetAttributes,
-    /// Colour.
+    /// Colour, as the shutter opens.
     pub color: [f32; 3],
-    /// Opacity.
+    /// Opacity, as the shutter opens.
     pub opacity: [f32; 3],
+    /// Colours and opacities of a motion block, at its times; of a primitive in the scene, those after the shutter opens, by the
+    /// part of the time that it is open.
+    pub color_moves: Vec<(f32, [f32; 3])>,
+    /// The same of opacities.
+    pub opacity_moves: Vec<(f32, [f32; 3])>,
     /// Surface shader.
     pub surface: Arc<BoundShader>,
     /// The surface shader's space.
@@ -153,8 +159,8 @@ impl Attributes {
             };
         }
         take! {
-            Color: color;
-            Opacity: opacity;
+            Color: color color_moves;
+            Opacity: opacity opacity_moves;
             Surface: surface surface_space;
             Displacement: displacement displacement_space;
             DisplacementBound: displacement_bound;
@@ -184,10 +190,39 @@ impl Attributes {
         all
     }
 
-    /// Whether it is opaque and no shader makes it less.
+    /// Whether its colour or opacity changes while the shutter is open.
+    pub fn fades(&self) -> bool {
+        !self.color_moves.is_empty() || !self.opacity_moves.is_empty()
+    }
+
+    /// The parts of the time that the shutter is open from which on its colour or opacity goes straight to that of the
+    /// next, after the first.
+    pub fn fade_times(&self) -> Vec<f32> {
+        let mut times: Vec<f32> = self.color_moves.iter().chain(&self.opacity_moves).map(|(time, _)| *time).collect();
+        times.sort_by(f32::total_cmp);
+        times.dedup();
+        if self.color_moves.is_empty() || self.opacity_moves.is_empty() {
+            return times;
+        }
+        // Where both move, what a shader makes of them is not straight in between: their product is usual.
+        let starts = std::iter::once(0.0).chain(times.iter().copied());
+        let parts = starts.zip(&times).flat_map(|(from, to)| (1..=4).map(move |k| from + (to - from) * k as f32 / 4.0));
+        parts.collect()
+    }
+
+    /// Colours and opacities of motion blocks as those of a shutter's time.
+    pub fn open(&mut self, shutter: [f32; 2]) {
+        for (first, moves) in [(&mut self.color, &mut self.color_moves), (&mut self.opacity, &mut self.opacity_moves)] {
+            if !moves.is_empty() {
+                (*first, *moves) = keys::in_shutter(moves, shutter);
+            }
+        }
+    }
+
+    /// Whether it is opaque and no shader makes it less, nor the time.
     pub fn stays_opaque(&self) -> bool {
         let kept = |shader: &BoundShader| shader.program.keeps_opacity;
-        self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
+        !self.fades() && self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
     }
 
     /// Whether no light gets through it.

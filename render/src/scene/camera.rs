@@ -37,6 +37,8 @@ pub struct Camera {
     depth_from: f32,
     /// Farthest depth.
     pub far: f32,
+    /// Clipping planes cut away some of what it sees.
+    pub clips: bool,
 }
 
 /// Nearest depth if no plane says.
@@ -89,6 +91,7 @@ impl Camera {
         Camera {
             // Raster y runs downwards, camera y upwards.
             view: [Vec2::new(view[0].x, -view[1].y), Vec2::new(view[1].x, -view[0].y)],
+            clips: !options.clipping_planes.is_empty(),
             to_camera,
             moves,
             lens,
@@ -225,10 +228,13 @@ impl Camera {
         Some(RasterBound { min: lo - spread, max: hi + spread, z: min.z })
     }
 
-    /// The direction from the eye to a point, unnormalised: the shading language's I.
+    /// The way from the eye to a point: the shading language's I. In parallel projection it comes from the eye's plane.
     #[inline]
     pub fn incident(&self, p: Vec3) -> Vec3 {
-        if self.perspective { p - self.eye } else { self.to_world.transform_vector3(Vec3::Z) }
+        if self.perspective {
+            return p - self.eye;
+        }
+        self.to_world.transform_vector3(Vec3::Z) * self.to_camera.transform_point3(p).z.max(NEAREST)
     }
 }
 

@@ -13,6 +13,9 @@ const MOST_BENT: f32 = 0.28;
 /// Widths of a facet beyond which it is cut along its length, as far as there are segments.
 const SLIM: f32 = 16.0;
 
+/// How far control points lie out of the plane of what is nearly flat, in parts of its size.
+const NEARLY_FLAT: f32 = 0.02;
+
 /// How a patch is cut to facets.
 #[derive(Clone, Copy)]
 pub(crate) struct Cut {
@@ -40,7 +43,11 @@ impl Cut {
         let width = (u.1 / n[0]).min(v.1 / n[1]);
         let n = [(n[0], u.1), (n[1], v.1)].map(|(n, long)| n.max((long / (SLIM * width)).min(FACETS)) as usize);
         // A cubic leaves its chord by three quarters of what its control points do; a sixty-fourth of the way counts for nothing.
-        let room = [0, 1].map(|k| (48.0 * bends[k] / n[k] as f32).min(1.0));
+        // Nor does what is nearly flat stand off farther than its control points lie out of its plane, however its edges bend.
+        let off = p.iter().map(|q| (*q - a).dot(across).abs()).fold(0.0, f32::max) / u.1.max(v.1);
+        let off = if off > 1e-6 || across == Vec3::ZERO { off } else { 0.0 };
+        let most = |bend: f32| if off < NEARLY_FLAT && across != Vec3::ZERO { bend.min(off) } else { bend };
+        let room = [0, 1].map(|k| (48.0 * most(bends[k]) / n[k] as f32).min(1.0));
         Cut { n, room }
     }
 

@@ -67,6 +67,17 @@ impl Patch {
         }
     }
 
+    /// Give it variables that are a part `t` of the way from its own to those of the same patch at another time.
+    pub fn blend_variables(&mut self, to: &Patch, t: f32) {
+        let st = self.st.iter_mut().flatten().zip(to.st.iter().flatten());
+        let uniform = self.uniform.iter_mut().zip(&to.uniform).flat_map(|(a, b)| a.iter_mut().zip(b));
+        st.chain(uniform).for_each(|(a, b)| *a += (b - *a) * t);
+        let curved = self.curved_st.iter_mut().zip(&to.curved_st).flat_map(|(a, b)| a.iter_mut().zip(b.iter()));
+        let curved = curved.filter_map(|(a, b)| Some((a.as_mut()?, b.as_ref()?)));
+        let normals = self.normals.as_deref_mut().zip(to.normals.as_deref());
+        self.varying.iter_mut().zip(&to.varying).chain(curved).chain(normals).for_each(|(a, b)| a.blend(b, t));
+    }
+
     /// The point at (u, v).
     pub fn at(&self, u: f32, v: f32) -> Vec3 {
         point_of(&self.p, u, v)

@@ -2,6 +2,7 @@
 
 use crate::scene::attached::Attached;
 use crate::scene::attributes::Attributes;
+use crate::scene::keys::later;
 use crate::scene::shape::Shape;
 use crate::scene::variables::VariableName;
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
@@ -147,6 +148,15 @@ pub(crate) fn instance_variables(columns: &Instances) -> impl Iterator<Item = &P
 }
 
 impl ItemView<'_> {
+    /// Its colour and opacity at a part of the time that the shutter is open.
+    pub fn paint(&self, time: f32) -> ([f32; 3], [f32; 3]) {
+        let a = self.attributes;
+        // The colour of an instance goes before the attribute.
+        let own = self.instance.and_then(|(columns, i)| instance_color(columns, i));
+        let moves = if own.is_none() { a.color_moves.as_slice() } else { &[] };
+        (later(self.color, moves, time), later(a.opacity, &a.opacity_moves, time))
+    }
+
     /// Fill the first slots of the variables of points: those of the source and the instance.
     pub fn fill_variables(&self, points: &mut Points) {
         points.clear_variables();

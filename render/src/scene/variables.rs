@@ -43,6 +43,13 @@ impl Varying {
         Varying { width, values }
     }
 
+    /// A part `t` of the way to other values of the same kind.
+    pub fn blend(&mut self, to: &Varying, t: f32) {
+        if self.values.len() == to.values.len() {
+            self.values.iter_mut().zip(&to.values).for_each(|(a, b)| *a += (b - *a) * t);
+        }
+    }
+
     /// Numbers of a value.
     pub fn width(&self) -> usize {
         self.width

@@ -92,6 +92,7 @@ impl Scene {
         !camera.moves.is_empty()
             || self.sources.iter().any(|source| {
                 !source.moves.is_empty()
+                    || source.attributes.fades()
                     || match &source.shape {
                         SourceShape::One(shape) => deforms(shape),
                         SourceShape::Spheres(columns) => columns.moved.is_some(),

@@ -1,30 +1,23 @@
 //! Noise functions (RISpec 15.1), the same in every run: gradient noise in [0, 1] with mean ½, and cell noise.
 
-/// A well-mixed number of three whole coordinates and a channel.
+/// A whole coordinate along an axis, spread over all bits, for [`mix`].
 #[inline]
-fn hash(x: i32, y: i32, z: i32, channel: u32) -> u32 {
-    let mut h = (x as u32).wrapping_mul(0x8da6_b343)
-        ^ (y as u32).wrapping_mul(0xd816_3841)
-        ^ (z as u32).wrapping_mul(0xcb1a_b31f);
-    h ^= channel.wrapping_mul(0x9e37_79b9);
-    h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
-    h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
+fn spread(c: i32, axis: usize) -> u32 {
+    (c as u32).wrapping_mul([0x8da6_b343, 0xd816_3841, 0xcb1a_b31f][axis])
+}
+
+/// A well-mixed number of the coordinates' spread bits and a channel's.
+#[inline]
+fn mix(bits: u32) -> u32 {
+    let h = (bits ^ (bits >> 16)).wrapping_mul(0x7feb_352d);
+    let h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
     h ^ (h >> 16)
 }
 
-/// The gradient of a lattice point, one of the twelve edge directions of a cube, times the way from it.
+/// The bits of a channel, for [`mix`].
 #[inline]
-fn slope(h: u32, x: f32, y: f32, z: f32) -> f32 {
-    let h = h & 15;
-    let u = if h < 8 { x } else { y };
-    let v = if h < 4 {
-        y
-    } else if h == 12 || h == 14 {
-        x
-    } else {
-        z
-    };
-    (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+fn channel_bits(channel: u32) -> u32 {
+    channel.wrapping_mul(0x9e37_79b9)
 }
 
 /// The cell that a coordinate is in, by what processors without an instruction for it do quickest.
@@ -37,6 +30,24 @@ fn cell_of(x: f32) -> f32 {
     let whole = x as i32 as f32;
     if whole > x { whole - 1.0 } else { whole }
 }
+
+/// The gradients of lattice points by four bits of their numbers: the twelve edge directions of a cube, four of them twice.
+const GRADIENTS: [[f32; 3]; 16] = {
+    let mut all = [[0.0; 3]; 16];
+    let mut h = 0;
+    while h < 16 {
+        let u = if h < 8 { 0 } else { 1 };
+        let v = match h {
+            0..4 => 1,
+            12 | 14 => 0,
+            _ => 2,
+        };
+        all[h][u] = if h & 1 == 0 { 1.0 } else { -1.0 };
+        all[h][v] = if h & 2 == 0 { 1.0 } else { -1.0 };
+        h += 1;
+    }
+    all
+};
 
 #[inline]
 fn fade(t: f32) -> f32 {
@@ -83,18 +94,26 @@ pub fn noise4(p: [f32; 3], t: f32, period: Option<[f32; 4]>, channel: u32) -> f3
 fn lattice(p: [f32; 3], channel: u32, wrap: impl Fn(i32, usize) -> i32) -> f32 {
     let cell = p.map(cell_of);
     let [x, y, z] = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
-    let [i, j, k] = cell.map(|c| c as i32);
-    let corner = |dx: i32, dy: i32, dz: i32| {
-        let [i, j, k] = [wrap(i.wrapping_add(dx), 0), wrap(j.wrapping_add(dy), 1), wrap(k.wrapping_add(dz), 2)];
-        slope(hash(i, j, k, channel), x - dx as f32, y - dy as f32, z - dz as f32)
-    };
+    let cell = cell.map(|c| c as i32);
+    // Of the two planes of lattice points along each axis.
+    let bits = [0, 1, 2].map(|axis| [0, 1].map(|d: i32| spread(wrap(cell[axis].wrapping_add(d), axis), axis)));
+    let channel = channel_bits(channel);
     let (u, v, w) = (fade(x), fade(y), fade(z));
-    let near = lerp(v, lerp(u, corner(0, 0, 0), corner(1, 0, 0)), lerp(u, corner(0, 1, 0), corner(1, 1, 0)));
+    let plane = |dz: usize| {
+        let mixed: [u32; 4] = std::array::from_fn(|c| mix(bits[0][c & 1] ^ bits[1][c >> 1] ^ bits[2][dz] ^ channel));
+        // A lattice point's gradient times the way from it; two of the three products count.
+        let corner = |dx: usize, dy: usize| {
+            let [a, b, c] = GRADIENTS[(mixed[dx + 2 * dy] & 15) as usize];
+            a * (x - dx as f32) + b * (y - dy as f32) + c * (z - dz as f32)
+        };
+        lerp(v, lerp(u, corner(0, 0), corner(1, 0)), lerp(u, corner(0, 1), corner(1, 1)))
+    };
+    let near = plane(0);
     // Of two numbers alone, and on any other lattice plane, the next plane adds nothing.
     if z == 0.0 {
         return (0.5 + 0.5 * near).clamp(0.0, 1.0);
     }
-    let far = lerp(v, lerp(u, corner(0, 0, 1), corner(1, 0, 1)), lerp(u, corner(0, 1, 1), corner(1, 1, 1)));
+    let far = plane(1);
     (0.5 + 0.5 * lerp(w, near, far)).clamp(0.0, 1.0)
 }
 
@@ -107,7 +126,7 @@ pub fn cell_noise(p: [f32; 3], channel: u32) -> f32 {
 /// The same of the cell of these numbers.
 #[inline]
 pub fn noise_of_cell([i, j, k]: [i32; 3], channel: u32) -> f32 {
-    hash(i, j, k, channel.wrapping_add(77)) as f32 / 4_294_967_296.0
+    mix(spread(i, 0) ^ spread(j, 1) ^ spread(k, 2) ^ channel_bits(channel.wrapping_add(77))) as f32 / 4_294_967_296.0
 }
 
 #[cfg(test)]

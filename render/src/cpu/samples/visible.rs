@@ -13,6 +13,8 @@ pub struct Triangle {
     pub opacity: [Vec3A; 3],
     /// The corners among the points of all grids.
     pub corners: [usize; 3],
+    /// How many points on they are again, as shaded later, and the part of the way to that.
+    pub later: (usize, f32),
     /// What lies between the corners is between them; else it is as the first is.
     pub smooth: bool,
     /// It leaves a hole.
@@ -31,7 +33,11 @@ impl Triangle {
         let depth = own.len();
         for (i, own) in own.iter_mut().enumerate() {
             // What is the same at all corners stays that to the bit.
-            let [a, b, c] = self.corners.map(|k| all[k * depth + i]);
+            let (n, part) = self.later;
+            let [a, b, c] = self.corners.map(|k| {
+                let now = all[k * depth + i];
+                if n == 0 { now } else { now + (all[(k + n) * depth + i] - now) * part }
+            });
             *own = a + (b - a) * w[1] + (c - a) * w[2];
         }
     }
@@ -69,9 +75,9 @@ impl Samples {
         }
     }
 
-    /// Give visible points their colours; `triangle_of` has the colours of a triangle, `outputs` has what displays take besides of all
-    /// points.
-    pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+    /// Give visible points their colours; `triangle_of` has the colours of a triangle at a part of the time that the shutter is open,
+    /// `outputs` has what displays take besides of all points.
+    pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon, f32) -> Triangle, outputs: &[f32]) {
         let mut last = Micropolygon::NONE;
         let mut triangle = Triangle::default();
         for k in 0..self.list.len() {
@@ -81,7 +87,8 @@ impl Samples {
             }
             // Neighbouring samples often see the same micropolygon.
             if id != last {
-                (last, triangle) = (id, triangle_of(id));
+                // Nothing that is opaque changes its colour.
+                (last, triangle) = (id, triangle_of(id, 0.0));
             }
             if triangle.matte {
                 (self.color[k], self.alpha[k]) = ([0.0; 3], 0.0);
@@ -101,16 +108,17 @@ impl Samples {
     }
 
     /// The same of layers that others may be seen through.
-    fn set_layer_colors(&mut self, triangle_of: impl Fn(Micropolygon) -> Triangle, outputs: &[f32]) {
+    fn set_layer_colors(&mut self, triangle_of: impl Fn(Micropolygon, f32) -> Triangle, outputs: &[f32]) {
         self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
         for k in 0..self.list.len() {
+            let time = self.time.get(k).copied().unwrap_or(0.0);
             let mut at = self.list[k];
             while at != NONE {
                 let own = &mut self.layer_outputs[at as usize * self.depth..][..self.depth];
                 let layer = &mut self.layers[at as usize];
                 let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
                 if id != Micropolygon::NONE && layer.z < self.z[k] {
-                    let triangle = triangle_of(id);
+                    let triangle = triangle_of(id, time);
                     let w = triangle.weights(layer.weights);
                     let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
                     (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));

@@ -194,15 +194,39 @@ impl Lower<'_> {
             ty = if knot.ty == Ty::Float { ty } else { knot.ty };
             list.extend((0..knot.array.max(1)).map(|k| knot.element(k)));
         }
-        if value.ty != Ty::Float || list.len() < 2 {
+        if value.ty != Ty::Float || list.len() < 4 {
             return error(at, wrong);
         }
+        self.check_basis(at, basis, list.len())?;
         let mut args = vec![value.reg()];
         for knot in list {
             args.push(self.convert(at, knot, ty)?.reg());
         }
         let varying = v.iter().any(|v| v.varying);
         self.temp(at, ty, varying, |r| Op::Spline(r.reg(), basis.text(), args))
+    }
+
+    /// An error if a basis that is written in its place is none, or the knots do not make whole segments of it (RISpec 15.1).
+    fn check_basis(&self, at: usize, basis: Value, n: usize) -> Result<(), Error> {
+        let written = self.ops.iter().rev().find_map(|op| match op {
+            Op::TextConst(dst, text) if *dst == basis.text() => Some(text.as_str()),
+            _ => None,
+        });
+        let Some(name) = written else { return Ok(()) };
+        let (first, step) = match name.strip_prefix("solve").unwrap_or(name) {
+            "catmull-rom" | "bspline" | "b-spline" | "linear" => return Ok(()),
+            "bezier" => (4, 3),
+            "hermite" => (4, 2),
+            _ => {
+                let known =
+                    "expected catmull-rom, bspline, bezier, hermite or linear, with `solve` before it to invert it";
+                return error(at, format!("unknown basis `{name}` of `spline`, {known}"));
+            }
+        };
+        if (n - first).is_multiple_of(step) {
+            return Ok(());
+        }
+        error(at, format!("a `{name}` spline has {first} knots and {step} more for each further segment, found {n}"))
     }
 
     pub(super) fn derivative(&mut self, at: usize, f: Builtin, x: Value) -> Result<Value, Error> {
