@@ -4,6 +4,8 @@
 #import kinds
 #import triangle
 
+// A corner at the seam of two faces is that of one.
+const BEYOND: f32 = 0.0;
 // Sine of the angle between a normal and that of a face from which on they differ: that between shapes that nearly touch is no better known.
 const TILTED: f32 = 2e-3;
 // Cosine of the angle between the ways to a face and out of it, from which on a shape that is apart from it is under it; and what the shortest
@@ -11,6 +13,8 @@ const TILTED: f32 = 2e-3;
 const UNDER: f32 = 0.99;
 const SHORTER: f32 = 0.1;
 const DEEPER: f32 = 0.5;
+// Gap over the greatest half length up to which the direction of the nearest points may be rounding.
+const TRACE: f32 = 1e-5;
 // Weight of a corner from which on a point is beside the others.
 const WEIGHT: f32 = 1e-6;
 
@@ -80,8 +84,7 @@ fn bit_of(w: vec3<f32>) -> u32 {
 
 // The face of a triangle as a feature.
 fn triangle_face(b: Placed) -> Feature {
-    var f: Feature;
-    f.n = 0u;
+    var f = no_corners(1u);
     for (var k = 0u; k < 3u; k++) {
         push(&f, corner_of(b, k), k + 1u);
     }
@@ -106,7 +109,7 @@ fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) ->
     if nearest.gap <= 0.0 || dot(nearest.normal, face) >= 0.0 {
         // It has passed through: the way back out of the face.
         var is_beside = dot(nearest.normal, face) < UNDER;
-        if nearest.gap <= 0.0 {
+        if nearest.gap <= TRACE * max(a.half.x, max(a.half.y, a.half.z)) {
             is_beside = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
         }
         if deepest.w > reach || is_beside {
@@ -133,14 +136,10 @@ fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) ->
         let most = max(a.half.x, max(a.half.y, a.half.z));
         if length(on_second - (deepest.xyz - face * deepest.w)) > 1e-5 * most {
             // The deepest point is over another triangle.
-            var own = triangle_face(b);
-            var other = feature_of(a, -face);
-            return swap_shapes(clip(&own, &other, face, reach));
+            return swap_shapes(clip(triangle_face(b), feature_of(a, -face, 0u), face, reach));
         }
     }
-    var fa = feature_of(a, nearest.normal);
-    var fb = triangle_face(b);
-    return feature_points(&fa, &fb, nearest, reach, size);
+    return feature_points(feature_of(a, nearest.normal, 0u), triangle_face(b), nearest, reach, size);
 }
 
 // The points of a pair of a solid and a triangle, about an origin, with normals from the shape of the lower id. Returns their count.

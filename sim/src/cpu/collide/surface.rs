@@ -153,6 +153,8 @@ fn nearest_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> 
     /// What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
     const SHORTER: f64 = 0.1;
     const DEEPER: f64 = 0.5;
+    /// Gap over the shape's greatest half length up to which the direction of the nearest points may be round-off.
+    const TRACE: f64 = 1e-6;
     let nearest = convex::nearest(a, &corners, reach, &mut Axis::default())?;
     let facing = nearest.normal.dot(face);
     if nearest.gap > 0.0 && facing < 0.0 {
@@ -160,7 +162,7 @@ fn nearest_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> 
     }
     let deepest = a.support(-face) - face * Convex::radius(a);
     let gap = (deepest - corners[0]).dot(face);
-    let is_beside = match nearest.gap > 0.0 {
+    let is_beside = match nearest.gap > TRACE * a.size.max_element() {
         true => facing < UNDER,
         false => nearest.gap > SHORTER * gap && -gap > DEEPER * a.size.min_element(),
     };

@@ -1,7 +1,7 @@
 //! Meshes and height fields on a device against the CPU back end's.
 
 use super::solids::{cone, hold as hold_solids, lump};
-use super::whole::{apart, on_device, written};
+use super::whole::{on_device, written};
 use super::{device, vector};
 use crate::fill::SplitMix64;
 use crate::geometry::Surface;
@@ -165,14 +165,16 @@ fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64)) {
         assert!(a.broken.is_none(), "{a:?}");
     }
     own.fetch().unwrap();
-    let off = apart(&own.state, &cpu.state);
-    let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
-    let worst = (0..model.n_bodies()).max_by(|a, b| {
-        let off = |k: usize| (own.state.position[k] - cpu.state.position[k]).length();
-        off(*a).total_cmp(&off(*b))
-    });
-    eprintln!("{method:?}: {n_contacts} contacts, {off} m of body {worst:?}, {energies:?} J");
-    assert!(n_contacts > 40 && off < tolerance, "{method:?}: {n_contacts} contacts, {off} m");
+    let mut off: Vec<f64> =
+        own.state.position.iter().zip(&cpu.state.position).map(|(a, b)| (*a - *b).length()).collect();
+    off.sort_by(f64::total_cmp);
+    let (most, usual) = (off[off.len() - 1], off[off.len() * 9 / 10]);
+    eprintln!("{method:?}: {n_contacts} contacts, nine of ten bodies within {usual} m, all within {most} m");
+    // What touches a seam may be given to either of its triangles, and then turns another way.
+    assert!(
+        n_contacts > 40 && usual < tolerance && most < 20.0 * tolerance,
+        "{method:?}: {n_contacts} contacts, {usual}, {most} m"
+    );
 }
 
 /// Place the bodies that move in layers over the ground, falling.
@@ -192,7 +194,7 @@ fn steps_of_spheres_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(|k| ShapeFile::sphere(0.05 + 0.01 * (k % 4) as f64), 100, DVec3::ZERO);
     layers(&model, &mut state, 100);
     for method in [Method::Apgd, Method::GaussSeidel] {
-        fall(&mut model, &state, (method, 1e-4));
+        fall(&mut model, &state, (method, 2e-6));
     }
 }
 
@@ -235,5 +237,8 @@ fn solids_on_surfaces_have_the_contacts_of_the_cpu() {
 fn steps_of_solids_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(solids, 36, DVec3::ZERO);
     layers(&model, &mut state, 36);
-    fall(&mut model, &state, (Method::Apgd, 1e-4));
+    // A hundred sweeps of the processor leave more than a hundred iterations of APGD.
+    for (method, tolerance) in [(Method::Apgd, 2e-5), (Method::GaussSeidel, 3e-4)] {
+        fall(&mut model, &state, (method, tolerance));
+    }
 }
