@@ -8,9 +8,7 @@
 const BEYOND: f32 = 0.0;
 // Sine of the angle between a normal and that of a face from which on they differ: that between shapes that nearly touch is no better known.
 const TILTED: f32 = 2e-3;
-// Cosine of the angle between the ways to a face and out of it, from which on a shape that is apart from it is under it; and what the shortest
-// way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
-const UNDER: f32 = 0.99;
+// What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
 const SHORTER: f32 = 0.1;
 const DEEPER: f32 = 0.5;
 // Gap over the greatest half length up to which the direction of the nearest points may be rounding.
@@ -97,22 +95,31 @@ fn deepest_of(a: Placed, face: vec3<f32>, height: f32) -> vec4<f32> {
     return vec4(p, dot(p, face) + height);
 }
 
+// Whether the centre of a shape that is behind a face is right under it.
+fn is_under(a: Placed, b: Placed, most: f32) -> bool {
+    let face = b.frame[2];
+    let away = a.position - at_weights(b, weights_at(b, a.position));
+    return dot(away, face) < 0.0 && length(away - face * dot(away, face)) <= 1e-6 * most;
+}
+
 // The points of a shape and a triangle with the bits of its edges and corners that count. Returns their count.
 fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) -> u32 {
     let face = b.frame[2];
     let size = min(a.half.x, min(a.half.y, a.half.z));
+    let most = max(a.half.x, max(a.half.y, a.half.z));
     if !find_nearest(a, b, reach) {
         return 0u;
     }
     var nearest = found[0];
     let deepest = deepest_of(a, face, height);
+    let is_other = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
     if nearest.gap <= 0.0 || dot(nearest.normal, face) >= 0.0 {
         // It has passed through: the way back out of the face.
-        var is_beside = dot(nearest.normal, face) < UNDER;
-        if nearest.gap <= TRACE * max(a.half.x, max(a.half.y, a.half.z)) {
-            is_beside = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
+        var is_apart = is_other;
+        if nearest.gap > TRACE * most {
+            is_apart = !is_under(a, b, most);
         }
-        if deepest.w > reach || is_beside {
+        if deepest.w > reach || is_apart {
             return 0u;
         }
         nearest = Point(-face, deepest.xyz, deepest.xyz - face * deepest.w, deepest.w, 1u << 16u);
@@ -128,12 +135,11 @@ fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) ->
     }
     if !is_convex && tilt <= 0.99 {
         // Edges that do not stand out are no features: a contact on one is a contact on the face.
-        if deepest.w > reach {
+        if deepest.w > reach || is_other {
             return 0u;
         }
         let on_second = at_weights(b, weights_at(b, deepest.xyz));
         nearest = Point(-face, deepest.xyz, on_second, deepest.w, 1u << 16u);
-        let most = max(a.half.x, max(a.half.y, a.half.z));
         if length(on_second - (deepest.xyz - face * deepest.w)) > 1e-5 * most {
             // The deepest point is over another triangle.
             return swap_shapes(clip(triangle_face(b), feature_of(a, -face, 0u), face, reach));
