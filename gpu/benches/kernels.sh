@@ -77,9 +77,19 @@ for path in $(grep -l '^@compute' $kernels/*.wgsl); do
         done
         continue
         ;;
+    # The visits of Gauss–Seidel to shapes of any kind alone.
+    tile_manifolds | rest_manifolds)
+        row "$name" "$kernels/$name.wgsl" plain "$any"
+        row "${name}_rolls" "$kernels/$name.wgsl" plain "$any rolls=$kernels/rolls_with.wgsl"
+        continue
+        ;;
+    visit_write)
+        row "$name" "$kernels/$name.wgsl" plain "$any"
+        continue
+        ;;
     esac
     row "$name" "$kernels/$name.wgsl" plain
-    # Tiles are of spheres alone.
+    # Those to spheres alone.
     case $name in *_sweep) continue ;; esac
     # The same for shapes of any kind, where it differs.
     cp "$work/$name.wgsl" "$work/spheres.wgsl"

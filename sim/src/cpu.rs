@@ -12,7 +12,7 @@ mod contact_solve;
 mod contact_write;
 mod force;
 mod geometric_stiffness;
-mod impacts;
+pub(crate) mod impacts;
 mod integrate;
 mod joint_write;
 pub(crate) mod masses;

@@ -8,6 +8,7 @@
 //! be, and the rest. If there are more pairs than room, the bodies stay where they are, and the step is done again with more room.
 
 mod apgd;
+mod barzilai_borwein;
 mod bin_emit;
 mod bin_start;
 mod bodies;
@@ -22,7 +23,9 @@ pub mod fixtures;
 mod force;
 mod gauss_seidel;
 mod hulls;
+mod impacts;
 mod integrate;
+mod iterates;
 mod jacobi;
 mod joints;
 pub mod kinds;
@@ -32,6 +35,7 @@ mod overlaps;
 mod pair_write;
 mod parts;
 mod problem;
+mod rest;
 pub mod rows;
 mod scale;
 pub mod solids;
@@ -51,27 +55,31 @@ use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
 use crate::plan::{ContactMethod, Narrow, StepPlan, has_joints};
-use crate::settings::Method;
+use crate::settings::{Method, SolverSettings};
 use crate::stages::Stage;
 use crate::state::State;
-use crate::watch;
+use crate::twist::Twist;
+use crate::{sleep, watch};
 use collision::Collision;
 use contact_solve::ContactSolve;
 use exact::Rounds;
 use glam::DVec3;
 use gpu::{Commands, Device, Kernels, Timings};
+use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
+use rest::Rest;
 use rows::Summary;
+use std::sync::Arc;
 use std::time::Instant;
 use survey::Survey;
 use warm_start::WarmStart;
 
 /// The back end of a device, with the state on it.
 pub struct Gpu {
-    device: Device,
-    kernels: Kernels,
+    device: Arc<Device>,
+    kernels: Arc<Kernels>,
     collision: Collision,
     warm_start: WarmStart,
     solve: ContactSolve,
@@ -79,6 +87,9 @@ pub struct Gpu {
     survey: Survey,
     /// The bodies that joints, springs and loads act on.
     mechanism: Option<Mechanism>,
+    /// Impacts one after another, where the plan has them.
+    impacts: Option<Impacts>,
+    rest: Rest,
     recorded: Recorded,
     /// Mass of the moving bodies, kg.
     mass: f64,
@@ -86,10 +97,14 @@ pub struct Gpu {
     n_contacts: usize,
     /// Whether the state differs from that on the device.
     is_stale: bool,
+    /// Whether the contacts of the step are found, with their starting point.
+    has_found: bool,
 }
 
 /// The recorded commands of a step.
 struct Recorded {
+    /// The stages up to the contacts with their starting point.
+    find: Commands,
     start: Commands,
     solve: contact_solve::Recorded,
     /// What the contacts do to the bodies that joints act on.
@@ -101,8 +116,15 @@ struct Recorded {
     period: u64,
 }
 
-/// The rounds of a solve, where it has rounds, and the times of the commands of a step.
-type Submitted = (Option<Rounds>, Vec<Timings>);
+/// What has become of the commands of a step.
+enum Submitted {
+    /// They are done, with these rounds of the solve, where it has rounds.
+    Done(Option<Rounds>),
+    /// A limit of a joint holds or is let go with what the contacts do: the step is to be done again.
+    Again,
+    /// A sleeping body has woken: the step is to begin again.
+    Woken,
+}
 
 /// What a step has done.
 pub struct Stepped {
@@ -120,9 +142,16 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Unsupported`] for a model that needs what no kernel is built for, [`Fault::Position`], [`Fault::Gpu`].
     pub fn new(device: Device, model: &Model, state: &State, plan: &StepPlan) -> Result<Gpu, Fault> {
-        let kernels = Kernels::default();
+        Gpu::with((Arc::new(device), Arc::new(Kernels::default())), model, state, plan)
+    }
+
+    fn with(
+        (device, kernels): (Arc<Device>, Arc<Kernels>),
+        model: &Model,
+        state: &State,
+        plan: &StepPlan,
+    ) -> Result<Gpu, Fault> {
         let method = method_of(plan);
-        contact_solve::supported(model, method)?;
         let mut collision = Collision::new(&device, &kernels, model, state)?;
         if method == Method::GaussSeidel {
             collision.make_tiles(&device, &kernels)?;
@@ -136,10 +165,12 @@ impl Gpu {
         warm_start.place(&device, &state.contacts);
         let mechanism = Mechanism::new(&device, &kernels, (model, state), &collision.bodies)?;
         let joints = joints_of(model, mechanism.as_ref());
-        let solve = ContactSolve::with_joints(&device, &kernels, (model, method), (&collision, joints))?;
+        let solve = ContactSolve::with(&device, &kernels, model, (method, &model.solver), (&collision, joints))?;
         solve.place_step_length(&device, state.step_length);
         let overlaps = Overlaps::new(&device, &solve.problem)?;
         let survey = Survey::new(&device, model, state, &collision.bodies)?;
+        let impacts = Impacts::new(&device, &kernels, model, plan)?;
+        let rest = Rest::new(&device, &kernels)?;
         let recorded = Recorded::empty();
         let (mass, n_contacts, is_stale) = (moving_mass(model, state), n_last, false);
         let mut gpu = Gpu {
@@ -151,10 +182,13 @@ impl Gpu {
             overlaps,
             survey,
             mechanism,
+            impacts,
+            rest,
             recorded,
             mass,
             n_contacts,
             is_stale,
+            has_found: false,
         };
         gpu.record(model, plan)?;
         Ok(gpu)
@@ -168,14 +202,28 @@ impl Gpu {
 
     /// Give the device back, for a back end of another state.
     pub fn into_device(self) -> Device {
-        self.device
+        Arc::into_inner(self.device).expect("a back end has its device to itself")
+    }
+
+    /// Begin anew from a state, all of whose columns are up to date: bodies have fallen asleep or woken, or the layout of the rows is another.
+    ///
+    /// # Errors
+    /// Those of [`Gpu::new`].
+    pub fn renew(&mut self, model: &Model, state: &State, plan: &StepPlan) -> Result<(), Fault> {
+        *self = Gpu::with((self.device.clone(), self.kernels.clone()), model, state, plan)?;
+        Ok(())
     }
 
     /// Adopt a plan: the activity of a body or the settings of the solver have changed.
     ///
     /// # Errors
     /// Those of [`Gpu::new`].
-    pub fn prepare(&mut self, model: &Model, state: &State, plan: &StepPlan) -> Result<(), Fault> {
+    pub fn prepare(&mut self, model: &Model, state: &mut State, plan: &StepPlan) -> Result<(), Fault> {
+        if solids::narrow_of(model) != self.collision.bodies.layout.narrow {
+            self.fetch(model, state)?;
+            return self.renew(model, state, plan);
+        }
+        self.impacts = Impacts::new(&self.device, &self.kernels, model, plan)?;
         if self.collision.bodies.place_activity(&self.device, model, state) {
             self.collision.find_all(&self.device);
         }
@@ -191,12 +239,20 @@ impl Gpu {
 
     /// Make the solver again, for columns that have grown or settings that have changed, and record the step.
     fn renew_solve(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
+        self.rest.impulses = None;
+        self.solve_by(model, method_of(plan), &model.solver)?;
+        self.record(model, plan)
+    }
+
+    /// Make the solver again, with a method and settings.
+    fn solve_by(&mut self, model: &Model, method: Method, settings: &SolverSettings) -> Result<(), Fault> {
         let step_length = self.solve.step_length(&self.device)?;
         let columns = (&self.collision, joints_of(model, self.mechanism.as_ref()));
-        self.solve = ContactSolve::with_joints(&self.device, &self.kernels, (model, method_of(plan)), columns)?;
+        self.solve = ContactSolve::with(&self.device, &self.kernels, model, (method, settings), columns)?;
+        self.has_found = false;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
-        self.record(model, plan)
+        Ok(())
     }
 
     /// Take a step. The state's time goes on; its columns stay as they are until [`Gpu::fetch`].
@@ -204,12 +260,38 @@ impl Gpu {
     /// # Errors
     /// [`Fault::Gpu`].
     pub fn step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Stepped, Fault> {
-        let joint_ms = self.begin_joints(model, plan, state)?;
-        let (summary, rounds, times) = loop {
-            let Some((rounds, times)) = self.submit(model, plan, state)? else { continue };
+        loop {
+            if let Some(stepped) = self.try_step(model, plan, state)? {
+                return Ok(stepped);
+            }
+        }
+    }
+
+    /// Take a step; none where a sleeping body has woken that the step would touch: it begins again then.
+    fn try_step(&mut self, model: &Model, plan: &StepPlan, state: &mut State) -> Result<Option<Stepped>, Fault> {
+        if self.impacts.is_some() {
+            self.fetch(model, state)?;
+        }
+        if self.rest.impulses.is_some() {
+            self.renew_solve(model, plan)?;
+        }
+        let joint_ms = self.begin_joints(model, plan, state, &[])?;
+        let mut times = vec![];
+        if self.looks(plan, state) {
+            let has_woken = self.look(model, plan, state, &mut times)?;
+            if has_woken {
+                return Ok(None);
+            }
+        }
+        let (summary, rounds) = loop {
+            let rounds = match self.submit(model, plan, state, &mut times)? {
+                Submitted::Done(rounds) => rounds,
+                Submitted::Again => continue,
+                Submitted::Woken => return Ok(None),
+            };
             let summary = self.survey.summary.read(&self.device, 1)?[0];
             if summary.has_room == 1 {
-                break (summary, rounds, times);
+                break (summary, rounds);
             }
             self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
@@ -232,17 +314,89 @@ impl Gpu {
         state.steps += 1;
         state.time = state.steps as f64 * model.step;
         outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
-        Ok(Stepped { outcome, survey, stage_ms })
+        Ok(Some(Stepped { outcome, survey, stage_ms }))
     }
 
-    /// Hand the bodies that joints, springs and loads act on to the device. Returns the wall time, ms.
-    fn begin_joints(&mut self, model: &Model, plan: &StepPlan, state: &State) -> Result<f64, Fault> {
+    /// Hand the bodies that joints, springs and loads act on to the device, with what impacts change of their velocities. Returns the wall
+    /// time, ms.
+    fn begin_joints(&mut self, model: &Model, plan: &StepPlan, state: &State, impacts: &[Twist]) -> Result<f64, Fault> {
         let Some(mechanism) = &mut self.mechanism else { return Ok(0.0) };
         let started = Instant::now();
-        if mechanism.begin(&self.device, model, state, &self.collision.bodies)? {
+        if mechanism.begin(&self.device, (model, state), &self.collision.bodies, impacts)? {
             self.renew_solve(model, plan)?;
         }
         Ok(1e3 * started.elapsed().as_secs_f64())
+    }
+
+    /// Whether the processor has to know the contacts of a step before they are solved.
+    fn looks(&self, plan: &StepPlan, state: &State) -> bool {
+        plan.start().is_some() || self.impacts.is_some() || !state.sleepers.are_none()
+    }
+
+    /// Find the contacts of a step, and let the processor do what it has to: wake bodies, find impacts one after another, or begin from rest.
+    /// Returns whether a body has woken.
+    fn look(
+        &mut self,
+        model: &Model,
+        plan: &StepPlan,
+        state: &mut State,
+        times: &mut Vec<Timings>,
+    ) -> Result<bool, Fault> {
+        let n = loop {
+            times.push(self.recorded.find.submit(&self.device)?);
+            let room = self.collision.room().read_back(&self.device, 3)?;
+            let n = self.solve.problem.n_contacts.n.read_back(&self.device, 1)?;
+            let (room, n) = (room.wait(&self.device)?, n.wait(&self.device)?);
+            if room[1] == 1 {
+                break n[0] as usize;
+            }
+            self.make_room(model, plan, [room[0], room[2]].map(|n| n as usize))?;
+        };
+        self.has_found = true;
+        if self.wakes(model, plan, state, (n, false))? {
+            return Ok(true);
+        }
+        if self.impacts.is_some() {
+            let contacts = std::mem::replace(&mut state.contacts, self.contacts(n)?);
+            let impacts = impacts::found(model, state);
+            state.contacts = contacts;
+            if let Some(column) = &self.impacts {
+                column.place(&self.device, &impacts);
+            }
+            self.begin_joints(model, plan, state, &impacts)?;
+        }
+        if let Some((ContactMethod::Blocks(method), settings)) = plan.start()
+            && n > 0
+            && !self.rest.has_impulses(&self.device)?
+        {
+            let impulses = rest::impulses(model, state, self.contacts(n)?);
+            self.solve_by(model, method, settings)?;
+            self.rest.impulses = Some(impulses);
+            self.record_by(model, plan, 1)?;
+        }
+        Ok(false)
+    }
+
+    /// Wake what the step touches of the bodies that sleep, if it `is_solved` what it has touched. Returns whether any has woken.
+    fn wakes(
+        &mut self,
+        model: &Model,
+        plan: &StepPlan,
+        state: &mut State,
+        (n, is_solved): (usize, bool),
+    ) -> Result<bool, Fault> {
+        if state.sleepers.are_none() {
+            return Ok(false);
+        }
+        let contacts = std::mem::replace(&mut state.contacts, self.contacts(n)?);
+        let touched = sleep::touched(model, state, is_solved);
+        state.contacts = contacts;
+        if touched.is_empty() {
+            return Ok(false);
+        }
+        sleep::rouse(state, touched);
+        self.renew(model, state, plan)?;
+        Ok(true)
     }
 
     /// Bring a state up to date: its columns are those on the device.
@@ -261,15 +415,15 @@ impl Gpu {
         state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
         self.survey.fetch(&self.device, state)?;
         state.step_length = self.solve.step_length(&self.device)?;
-        self.fetch_contacts(state)?;
+        state.contacts = self.contacts(self.n_contacts)?;
         // Contact points are found anew in each step here.
         state.manifolds = Manifolds::default();
         self.is_stale = false;
         Ok(())
     }
 
-    fn fetch_contacts(&self, state: &mut State) -> Result<(), Fault> {
-        let n = self.n_contacts;
+    /// The first `n` contacts of the device, with their impulses.
+    fn contacts(&self, n: usize) -> Result<Contacts, Fault> {
         let rows = self.solve.problem.contact.read(&self.device, n)?;
         let impulses = self.solve.problem.gamma.read(&self.device, n)?;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
@@ -284,7 +438,7 @@ impl Gpu {
             true => self.solve.problem.roll.read(&self.device, n)?,
             false => vec![],
         };
-        state.contacts = Contacts {
+        Ok(Contacts {
             bodies: rows.iter().map(|c| c.bodies).collect(),
             key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], c.feature]).collect(),
             pair: vec![NO_SPHERE_PAIR; n],
@@ -295,28 +449,45 @@ impl Gpu {
             impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
             rolling_impulse: rolling.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
             ..Contacts::default()
-        };
-        Ok(())
+        })
     }
 
-    /// Submit the commands of a step; none where a limit of a joint holds or is let go with what the contacts do: the step is then to be done
-    /// again.
-    fn submit(&mut self, model: &Model, plan: &StepPlan, state: &State) -> Result<Option<Submitted>, Fault> {
-        let Recorded { start, solve, measure, end, recovery, period } = &self.recorded;
-        let mut times = vec![start.submit(&self.device)?];
-        let rounds = self.solve.submit(&self.device, solve, &mut times)?;
+    /// Submit the commands of a step.
+    fn submit(
+        &mut self,
+        model: &Model,
+        plan: &StepPlan,
+        state: &mut State,
+        times: &mut Vec<Timings>,
+    ) -> Result<Submitted, Fault> {
+        let Recorded { find, start, solve, measure, .. } = &self.recorded;
+        if !std::mem::take(&mut self.has_found) {
+            times.push(find.submit(&self.device)?);
+        }
+        if let Some(impulses) = &self.rest.impulses {
+            self.solve.problem.gamma.write(&self.device, impulses);
+        }
+        times.push(start.submit(&self.device)?);
+        let rounds = self.solve.submit(&self.device, solve, times)?;
         if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits()) {
             times.push(measure.submit(&self.device)?);
             if let Some(has_grown) = mechanism.settle(&self.device, model, state)? {
                 if has_grown {
                     self.renew_solve(model, plan)?;
                 }
-                return Ok(None);
+                return Ok(Submitted::Again);
             }
         }
+        if !state.sleepers.are_none() {
+            let n = self.solve.problem.n_contacts.read(&self.device)?;
+            if self.wakes(model, plan, state, (n, true))? {
+                return Ok(Submitted::Woken);
+            }
+        }
+        let Recorded { end, recovery, period, .. } = &self.recorded;
         let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
         times.push(end.submit(&self.device)?);
-        Ok(Some((rounds, times)))
+        Ok(Submitted::Done(rounds))
     }
 
     /// Make room for a number of pairs and of contacts.
@@ -328,20 +499,32 @@ impl Gpu {
 
     /// Record a step.
     fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
+        self.record_by(model, plan, recovery_period(plan))
+    }
+
+    /// Record a step, of which one in `period` recovers overlaps.
+    fn record_by(&mut self, model: &Model, plan: &StepPlan, period: u64) -> Result<(), Fault> {
         let Gpu { device, kernels, collision, warm_start, solve, .. } = &*self;
-        let mut start = Commands::new();
+        let mut find = Commands::new();
         if let Some(mechanism) = &self.mechanism {
-            start.stage(Stage::JointWrite.name());
-            mechanism.record_pose(device, &mut start, &collision.bodies);
+            find.stage(Stage::JointWrite.name());
+            mechanism.record_pose(device, &mut find, &collision.bodies);
         }
-        collision.record(device, &mut start, model);
-        start.stage(Stage::WarmStart.name());
+        collision.record(device, &mut find, model);
+        find.stage(Stage::WarmStart.name());
         match plan.warm_starts {
-            true => warm_start.record(device, &mut start, collision.columns(), solve.problem.impulses()),
-            false => solve.problem.impulses().into_iter().for_each(|column| start.clear(column)),
+            true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
+            false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
         }
+        if plan.start().is_some() {
+            self.rest.record(device, &mut find, &solve.problem);
+        }
+        let mut start = Commands::new();
         start.stage(Stage::Force.name());
         force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
+        if let Some(impacts) = &self.impacts {
+            impacts.record(device, &mut start, &solve.problem);
+        }
         if let Some(mechanism) = &self.mechanism {
             start.stage(Stage::JointWrite.name());
             solve.problem.record_inertia(&mut start, &collision.bodies);
@@ -349,7 +532,6 @@ impl Gpu {
         }
         solve.record_start(device, kernels, &mut start, (model, collision))?;
         let part = solve.record(device, kernels)?;
-        let period = recovery_period(plan);
         let mut measure = Commands::new();
         if let Some(mechanism) = &self.mechanism {
             solve.record_end(device, &mut measure);
@@ -357,7 +539,7 @@ impl Gpu {
             mechanism.record_effect(device, &mut measure, (&solve.problem, &self.overlaps));
         }
         let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
-        self.recorded = Recorded { start, solve: part, measure, end, recovery, period };
+        self.recorded = Recorded { find, start, solve: part, measure, end, recovery, period };
         Ok(())
     }
 
@@ -387,7 +569,15 @@ impl Gpu {
 impl Recorded {
     fn empty() -> Recorded {
         let none = Commands::new;
-        Recorded { start: none(), solve: Default::default(), measure: none(), end: none(), recovery: none(), period: 1 }
+        Recorded {
+            find: none(),
+            start: none(),
+            solve: Default::default(),
+            measure: none(),
+            end: none(),
+            recovery: none(),
+            period: 1,
+        }
     }
 }
 
@@ -415,7 +605,7 @@ fn method_of(plan: &StepPlan) -> Method {
 
 /// In one of how many steps overlaps are recovered, as on the CPU.
 fn recovery_period(plan: &StepPlan) -> u64 {
-    if plan.method == ContactMethod::Sweeps { 4 } else { 1 }
+    if plan.method == ContactMethod::Sweeps && plan.narrow == Narrow::Spheres { 4 } else { 1 }
 }
 
 /// Mass of the moving bodies, kg.

@@ -168,15 +168,16 @@ impl Simulation {
     fn advance(&mut self, is_checked: bool) -> Result<StepReport, StepFault> {
         let Simulation { model, state, plan, engine } = self;
         let has_changed = state.wake(model);
-        if sleep::rouse_driven(model, state, has_changed) || has_changed || !plan.is_current(model) {
+        let has_woken = sleep::rouse_driven(model, state, has_changed);
+        if has_woken || has_changed || !plan.is_current(model) {
             *plan = StepPlan::resolve(model, state);
             match engine {
                 Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
+                Engine::Gpu(gpu) if has_woken => gpu.renew(model, state, plan)?,
                 Engine::Gpu(gpu) => gpu.prepare(model, state, plan)?,
             }
         }
-        let mut watch = std::mem::take(&mut state.watch);
-        let (stage_ms, outcome, survey) = match engine {
+        let (stage_ms, outcome, watched) = match engine {
             Engine::Cpu(cpu) => {
                 let stage_ms = loop {
                     let stepped = run_stages(cpu.as_mut(), model, plan, state, is_checked);
@@ -188,19 +189,31 @@ impl Simulation {
                 };
                 let contacts = state.contacts.len() + state.sleepers.contacts.len();
                 let outcome = StepOutcome { contacts, worst_penetration: state.worst_penetration(), ..cpu.outcome() };
-                (stage_ms, outcome, watch.survey(model, state))
+                (stage_ms, outcome, None)
             }
             Engine::Gpu(gpu) => {
-                let stepped = gpu.step(model, plan, state)?;
-                (stepped.stage_ms, stepped.outcome, stepped.survey)
+                // Sleep is found in the columns of the state.
+                let sleeps = model.solver.sleep.is_some() || !state.sleepers.are_none();
+                let mut stepped = gpu.step(model, plan, state)?;
+                if sleeps {
+                    gpu.fetch(model, state)?;
+                    stepped.outcome.contacts += state.sleepers.contacts.len();
+                    stepped.outcome.worst_penetration = state.worst_penetration();
+                }
+                (stepped.stage_ms, stepped.outcome, Some(stepped.survey))
             }
         };
+        let mut watch = std::mem::take(&mut state.watch);
+        let survey = watched.unwrap_or_else(|| watch.survey(model, state));
         let (warnings, broken) = watch.check(model, state, (&outcome, &survey));
         state.watch = watch;
-        if let (Some(speed), Engine::Cpu(cpu)) = (model.solver.sleep, engine)
+        if let Some(speed) = model.solver.sleep
             && sleep::fall_asleep(model, state, speed)
         {
-            cpu.prepare(model, state, plan);
+            match engine {
+                Engine::Cpu(cpu) => cpu.prepare(model, state, plan),
+                Engine::Gpu(gpu) => gpu.renew(model, state, plan)?,
+            }
         }
         Ok(StepReport {
             step: state.steps,

@@ -24,7 +24,7 @@ pub fn measure(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
     METHODS.into_iter().map(of).collect()
 }
 
-/// Measure the methods for shapes of any kind on a bed of `n` mixed convex shapes.
+/// Measure the methods on a bed of `n` mixed convex shapes.
 pub fn measure_mixed(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
     let bed = workload::mixed(n).simulation().map_err(|fault| Fault::Unsupported(fault.to_string()))?;
     let of = |(method, iterations)| {
@@ -32,7 +32,7 @@ pub fn measure_mixed(adapter: &Choice, n: usize) -> Result<Vec<Value>, Fault> {
         (model.step, model.solver) = (1.5e-3, workload::solver(method, iterations));
         of_method(adapter, ("mixed", n), (model, bed.state.clone()), method)
     };
-    METHODS.into_iter().filter(|(method, _)| *method != Method::GaussSeidel).map(of).collect()
+    METHODS.into_iter().map(of).collect()
 }
 
 fn of_method(

@@ -76,15 +76,20 @@ impl Mechanism {
         self.moved.twist = self.free.clone();
     }
 
-    /// Forces, rows of the joints and their factorisation, and the velocities without contacts. Returns whether the structure of the
-    /// factor is another.
-    pub fn begin(&mut self, model: &Model, state: &State) -> bool {
+    /// Forces, rows of the joints and their factorisation, and the velocities without contacts, which `impacts` before these change (n_bodies,
+    /// or none). Returns whether the structure of the factor is another.
+    pub fn begin(&mut self, model: &Model, state: &State, impacts: &[Twist]) -> bool {
         /// Distance from a limit at which a joint is there, rad or m.
         const AT: f64 = 1e-7;
         let Mechanism { bodies, masses, free, joint_start: start, joints, limits, .. } = self;
         masses.rotate_bodies(model, state, bodies.iter().map(|b| *b as usize));
         let falling = Falling { model, state };
-        bodies.iter().for_each(|b| free[*b as usize] = falling.twist(*b as usize));
+        for b in bodies.iter().map(|b| *b as usize) {
+            free[b] = falling.twist(b);
+            if let Some(Twist { v, w }) = impacts.get(b) {
+                free[b] = Twist { v: free[b].v + *v, w: free[b].w + *w };
+            }
+        }
         force::apply(model, state, masses, free);
         joint_write::run(model, state, masses, joint_write::Output { start, joints, limits, free });
         // Those that the joints are at and do not leave, as the last step has left them.

@@ -186,9 +186,10 @@ impl Collision {
         self.tiles.as_ref()
     }
 
-    /// The pair of each contact, and the number of contacts of the pairs before each pair.
+    /// The pair of each contact, where each pair has one at most, and the number of contacts of the pairs before each pair.
     pub fn of_pairs(&self) -> [&Buffer<u32>; 2] {
-        [&self.contacts.touching, self.contacts.places()]
+        let place = self.manifolds.as_ref().map_or(self.contacts.places(), |manifolds| &manifolds.place);
+        [&self.contacts.touching, place]
     }
 
     /// Number of pairs, on the device.

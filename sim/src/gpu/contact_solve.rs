@@ -7,22 +7,23 @@
 //! out    motion   [n_bodies]    m/s, rad/s: velocities at the step's end
 //! ```
 //!
-//! Twin: cpu/contact_solve.rs. The methods are in `jacobi`, `apgd` and `gauss_seidel`, what they share in `problem`. A solve is recorded in three parts, of
+//! Twin: cpu/contact_solve.rs. The methods are in `jacobi`, `apgd`, `barzilai_borwein` and `gauss_seidel`, what they share in `problem`. A solve is recorded in three parts, of
 //! which that of the iterations is submitted as often as the most iterations ask: once it has converged, its dispatches are empty.
 
 use super::apgd::{self, Apgd};
+use super::barzilai_borwein::{self, BarzilaiBorwein};
 use super::collision::Collision;
 use super::exact::{self, Exact, Rounds};
 use super::fault::Fault;
 use super::gauss_seidel::{self, GaussSeidel};
+use super::iterates::interval;
 use super::joints::Joints;
 use super::problem::Problem;
 use super::rows::Body;
-use super::solids::narrow_of;
 use super::{force, jacobi, scale};
-use crate::model::{ContactLaw, Model};
-use crate::plan::{Narrow, has_joints};
-use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
+use crate::model::Model;
+use crate::plan::has_joints;
+use crate::settings::{FrictionLaw, Method, SolverSettings};
 use gpu::{Commands, Device, GpuError, Kernels, Timings};
 
 /// Name of the stage.
@@ -74,6 +75,7 @@ pub struct Recorded {
 enum Columns {
     Jacobi,
     Apgd(Box<Apgd>),
+    BarzilaiBorwein(Box<BarzilaiBorwein>),
     GaussSeidel(Box<GaussSeidel>),
 }
 
@@ -81,7 +83,7 @@ impl ContactSolve {
     /// For the contacts of a collision, as many as it has room for now: after more room has been made, the solver is made again.
     ///
     /// # Errors
-    /// [`Fault::Unsupported`] for a model with joints, laws or settings that no kernel is built for; [`Fault::Gpu`].
+    /// [`Fault::Unsupported`] for a model with joints; [`Fault::Gpu`].
     pub fn new(
         device: &Device,
         kernels: &Kernels,
@@ -91,38 +93,42 @@ impl ContactSolve {
         if has_joints(model) {
             return Err(Fault::Unsupported("joints are solved in whole steps alone".into()));
         }
-        ContactSolve::with_joints(device, kernels, (model, method), (collision, None))
+        ContactSolve::with(device, kernels, model, (method, &model.solver), (collision, None))
     }
 
-    /// The same for a model whose joints have columns.
+    /// The same for a model whose joints have columns, with these settings.
     ///
     /// # Errors
     /// Those of [`ContactSolve::new`].
-    pub(super) fn with_joints(
+    pub(super) fn with(
         device: &Device,
         kernels: &Kernels,
-        (model, method): (&Model, Method),
+        model: &Model,
+        (method, settings): (Method, &SolverSettings),
         (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<ContactSolve, Fault> {
-        supported(model, method)?;
-        let feeds = model.solver.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
+        let feeds = settings.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
         let problem = Problem::new(device, kernels, (model, feeds), (collision, joints))?;
         let exact = if feeds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
-                let method = GaussSeidel::new(device, kernels, model, (&problem, collision))?;
-                (Columns::GaussSeidel(Box::new(method)), gauss_seidel::BYTES)
+                let method = GaussSeidel::new(device, kernels, settings, (&problem, collision))?;
+                (Columns::GaussSeidel(Box::new(method)), gauss_seidel::BYTES[problem.layout.narrow as usize])
             }
-            _ => {
-                let method = Apgd::new(device, kernels, &problem, model.solver.tolerance)?;
+            Method::BarzilaiBorwein => {
+                let method = BarzilaiBorwein::new(device, kernels, &problem, settings.tolerance)?;
+                (Columns::BarzilaiBorwein(Box::new(method)), barzilai_borwein::BYTES)
+            }
+            Method::Apgd => {
+                let method = Apgd::new(device, kernels, &problem, settings.tolerance)?;
                 (Columns::Apgd(Box::new(method)), apgd::BYTES)
             }
         };
         let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
         let bytes = bytes / f64::from(sweeps);
         let is_software = device.adapter.software;
-        let (settings, fall) = (model.solver.clone(), model.gravity.length() * model.step);
+        let (settings, fall) = (settings.clone(), model.gravity.length() * model.step);
         Ok(ContactSolve { problem, method, exact, settings, fall, is_software, bytes, sweeps })
     }
 
@@ -160,7 +166,7 @@ impl ContactSolve {
             Columns::GaussSeidel(_) => (SLOW_ROWS / 10 / n, 1),
             Columns::Jacobi => (SLOW_ROWS / n, 1),
             // Whole intervals between its checks.
-            Columns::Apgd(_) => (SLOW_ROWS / n, apgd::interval(self.settings.tolerance)),
+            Columns::Apgd(_) | Columns::BarzilaiBorwein(_) => (SLOW_ROWS / n, interval(self.settings.tolerance)),
         };
         let most = (most as u32 / step * step).max(step);
         if most < all { most } else { all }
@@ -233,15 +239,30 @@ impl ContactSolve {
         exact.record_limit(device, first, &self.problem);
         self.record_solution(device, measure);
         exact.record_measure(device, measure, &self.problem, self.fall);
-        exact.record_again(device, again, (&self.problem, &self.settings));
+        exact.record_again(device, again, (&self.problem, self.first_length()));
         if self.problem.joints.is_some() {
             // The multipliers of the joints are those of the round's solution.
             self.problem.record_response(device, again, self.problem.bodies());
         }
-        if let Columns::Apgd(apgd) = &self.method {
-            apgd.record_start(again, &self.problem);
-        }
+        self.record_iterates(again);
         Ok(own)
+    }
+
+    /// The first step length of a method that has one in the scalars.
+    fn first_length(&self) -> f64 {
+        match &self.method {
+            Columns::BarzilaiBorwein(_) => barzilai_borwein::FIRST,
+            _ => self.settings.omega.unwrap_or(jacobi::OMEGA),
+        }
+    }
+
+    /// Record that a descent method begins from the impulses and velocities of the problem.
+    fn record_iterates(&self, commands: &mut Commands) {
+        match &self.method {
+            Columns::Apgd(apgd) => apgd.record_start(commands, &self.problem),
+            Columns::BarzilaiBorwein(own) => own.record_start(commands, &self.problem),
+            Columns::Jacobi | Columns::GaussSeidel(_) => {}
+        }
     }
 
     /// Record the beginning, from the impulses `gamma` of the problem.
@@ -258,14 +279,12 @@ impl ContactSolve {
         commands.stage(STAGE);
         self.problem.record(device, commands, model, &collision.bodies);
         if let Columns::GaussSeidel(sweeps) = &self.method {
-            sweeps.record_start(device, commands, &self.problem, self.settings.iterations);
+            sweeps.record_start(device, commands, &self.problem, &self.settings);
             return Ok(());
         }
-        let omega = self.settings.omega.unwrap_or(jacobi::OMEGA);
-        scale::record(device, kernels, commands, &self.problem, (self.settings.iterations, omega))?;
-        if let Columns::Apgd(apgd) = &self.method {
-            apgd.record_start(commands, &self.problem);
-        }
+        let first = (self.settings.iterations, self.first_length());
+        scale::record(device, kernels, commands, &self.problem, first)?;
+        self.record_iterates(commands);
         Ok(())
     }
 
@@ -280,6 +299,7 @@ impl ContactSolve {
                 jacobi::record(device, kernels, commands, (&self.settings, self.part()), &self.problem)?;
             }
             Columns::Apgd(apgd) => apgd.record(device, commands, &self.problem, self.part()),
+            Columns::BarzilaiBorwein(own) => own.record(device, commands, &self.problem, self.part()),
             Columns::GaussSeidel(sweeps) => sweeps.record(device, commands, &self.problem, self.part()),
         }
         Ok(())
@@ -302,6 +322,7 @@ impl ContactSolve {
                 return;
             }
             Columns::Apgd(apgd) => apgd.record_end(device, commands, &self.problem),
+            Columns::BarzilaiBorwein(own) => own.record_end(device, commands, &self.problem),
             Columns::Jacobi => {}
         }
         self.problem.record_residual(device, commands);
@@ -352,31 +373,5 @@ impl ContactSolve {
         self.record_end(device, &mut commands);
         commands.submit(device)?;
         Ok((seconds, n as usize * part.n_dispatches()))
-    }
-}
-
-/// Refuse joints, laws and methods that no kernel is built for.
-pub fn supported(model: &Model, method: Method) -> Result<(), Fault> {
-    let law = |has: fn(&ContactLaw) -> bool| model.laws.iter().any(has);
-    let bounces = law(|l| l.restitution > 0.0);
-    let faults = [
-        (method == Method::GaussSeidel && has_joints(model), "joints and springs by the method gauss_seidel"),
-        (model.solver.sleep.is_some(), "sleeping bodies"),
-        (bounces && model.solver.impacts == Impacts::Sequential, "sequential impacts"),
-        (method == Method::GaussSeidel && law(|l| l.cohesion != 0.0), "cohesion by the method gauss_seidel"),
-        (
-            method == Method::GaussSeidel && law(|l| l.rolling > 0.0 || l.spinning > 0.0),
-            "rolling and spinning friction by the method gauss_seidel",
-        ),
-        (method == Method::BarzilaiBorwein, "the method barzilai_borwein"),
-        (
-            method == Method::GaussSeidel && narrow_of(model) == Narrow::Any,
-            "the method gauss_seidel where bodies move that are no spheres",
-        ),
-        (model.solver.start_iterations.is_some() && model.solver.warm_start, "start_iterations"),
-    ];
-    match faults.iter().find(|(is_there, _)| *is_there) {
-        Some((_, what)) => Err(Fault::Unsupported(format!("no kernel is built yet for {what}"))),
-        None => Ok(()),
     }
 }

@@ -6,7 +6,6 @@
 //! in     motion  [n_bodies]    m/s, rad/s
 //! Kernels: slip_measure.wgsl, slip_sum.wgsl, slip_feed.wgsl, solve_limit.wgsl, solve_again.wgsl. Twin: cpu/solve/exact.rs
 
-use super::jacobi;
 use super::parts::{bits, kernel, kernel_of};
 use super::problem::Problem;
 use crate::settings::SolverSettings;
@@ -80,17 +79,12 @@ impl Exact {
         commands.dispatch(device, &self.sum, &[sums, self.sums.bind(), n], &[], Work::Groups(1));
     }
 
-    /// Record the beginning of another round.
-    pub fn record_again(
-        &self,
-        device: &Device,
-        commands: &mut Commands,
-        (problem, settings): (&Problem, &SolverSettings),
-    ) {
+    /// Record the beginning of another round, with the first step length of Jacobi or Barzilai–Borwein.
+    pub fn record_again(&self, device: &Device, commands: &mut Commands, (problem, omega): (&Problem, f64)) {
         let n = problem.n_contacts.n.bind();
         commands.dispatch(device, &self.feed, &[problem.row(), problem.slip.bind(), n], &[], problem.contacts());
         let bound = [problem.scalars.bind(), problem.work.bind(), self.most.bind(), n];
-        let params = [problem.n_bodies as u32, bits(settings.omega.unwrap_or(jacobi::OMEGA))];
+        let params = [problem.n_bodies as u32, bits(omega)];
         commands.dispatch(device, &self.again, &bound, &params, Work::Groups(1));
     }
 

@@ -1,4 +1,4 @@
-// The feature of a shape that faces a direction, with the radius around its core.
+// The feature of a shape that faces a direction, with the radius around its core, in one of the places of corners.
 // Twin: cpu/collide/manifold.rs
 #import clip
 #import support
@@ -6,19 +6,18 @@
 // Number of corners of the polygon in place of the flat end of a cylinder or a cone.
 const RIM: u32 = 8u;
 
-fn feature_of(shape: Placed, direction: vec3<f32>) -> Feature {
+fn feature_of(shape: Placed, direction: vec3<f32>, place: u32) -> Feature {
     if shape.kind == BOX {
-        return box_face(shape, direction);
+        return box_face(shape, direction, place);
     }
     if shape.kind == HULL {
-        return hull_face_facing(shape, direction * shape.frame);
+        return hull_face_facing(shape, direction * shape.frame, place);
     }
     let d = normalize(direction * shape.frame);
     let half = shape.half;
     let size = length(d.xy);
     let across = select(vec2(0.0), d.xy / size, size > 0.0);
-    var f: Feature;
-    f.n = 0u;
+    var f = no_corners(place);
     if (shape.kind == CYLINDER && abs(d.z) > 0.7) || (shape.kind == CONE && d.z < -0.7) {
         let side = select(0u, RIM, shape.kind == CYLINDER && d.z < 0.0);
         for (var k = 0u; k < RIM; k++) {
@@ -42,7 +41,7 @@ fn feature_of(shape: Placed, direction: vec3<f32>) -> Feature {
 }
 
 // The face of a hull whose normal is closest to a direction in its frame.
-fn hull_face_facing(shape: Placed, d: vec3<f32>) -> Feature {
+fn hull_face_facing(shape: Placed, d: vec3<f32>, place: u32) -> Feature {
     var face = 0u;
     var far = -3e38;
     for (var k = 0u; k < hull_size(shape).y; k++) {
@@ -52,8 +51,7 @@ fn hull_face_facing(shape: Placed, d: vec3<f32>) -> Feature {
             face = hull_face(shape, k);
         }
     }
-    var f: Feature;
-    f.n = 0u;
+    var f = no_corners(place);
     for (var k = 0u; k < (face & 31u); k++) {
         let v = hull_corner(shape, face, k);
         push_local(&f, shape, hull_vertex(shape, v), v + 1u);

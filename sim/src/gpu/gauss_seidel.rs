@@ -1,26 +1,29 @@
 //! Gauss–Seidel by tiles on a device: the bodies of a tile are loaded into the memory of a workgroup, its contacts are swept there colour by
-//! colour several times, and all is written back once. The tiles of a round share no moving body; eight rounds have all pairs of spheres
-//! that are not much larger than usual, and a last one the rest.
+//! colour several times, and all is written back once. The tiles of a round share no moving body; eight rounds have all pairs of shapes
+//! that are not much larger than usual, and a last one the rest. The joints are solved at the end of each iteration.
 //! in     row       [n_contacts]
 //! inout  gamma     [n_contacts]  N s, world
 //! inout  motion    [n_bodies]    m/s, rad/s
-//! Kernels: tile_start.wgsl, tile_sweep.wgsl, rest_sweep.wgsl, tile_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here
-//! it is one pass over the contacts in memory.
+//! Kernels: tile_start.wgsl, tile_sweep.wgsl and rest_sweep.wgsl for spheres, visit_write.wgsl, tile_manifolds.wgsl and rest_manifolds.wgsl for
+//! shapes of any kind, joint_response.wgsl, tile_decide.wgsl. Twin: cpu/solve/sweeps.rs, whose iteration is one sweep; here it is one pass over
+//! the contacts in memory.
 //!
-//! Bytes of a contact and iteration: its row (48), its impulse read and written (32), its pair, colour and places (12): 92 from memory,
-//! beside the bodies of the tiles, 32 bytes read and written for each tile that they are in.
+//! Bytes of a contact and iteration: of spheres its row (48), its impulse read and written (32), its pair, colour and places (12): 92 from
+//! memory; of any shapes its row (64), its impulse read and written (32), its row of visits (16), and a share of its pair (12 of a pair): 115
+//! where a pair has four, and another 112 for each sweep after the first that the cache has lost them for. Beside them the bodies of the tiles, 32
+//! bytes read and written for each tile that they are in.
 
 use super::collision::Collision;
 use super::fault::Fault;
-use super::parts::{bits, kernel};
+use super::parts::{bits, kernel_of};
 use super::problem::Problem;
 use super::tiles::Tiles;
-use crate::model::Model;
-use crate::settings::FrictionLaw;
-use gpu::{Bound, Buffer, Commands, Count, Device, Kernel, Kernels, Work};
+use crate::plan::Narrow;
+use crate::settings::{FrictionLaw, SolverSettings};
+use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Kernel, Kernels, Work};
 
-/// Bytes of a contact and iteration from memory.
-pub const BYTES: f64 = 92.0;
+/// Bytes of a contact and iteration from memory: of spheres, and of any shapes.
+pub const BYTES: [f64; 2] = [92.0, 115.0];
 
 /// Sweeps of a tile for one pass over its contacts in memory.
 pub const SWEEPS: u32 = 2;
@@ -31,10 +34,9 @@ const ROUNDS: usize = 8;
 /// The columns of the method, and its kernels.
 pub struct GaussSeidel {
     start: Kernel,
-    sweep: Kernel,
-    rest: Kernel,
+    visits: Visits,
     decide: Kernel,
-    /// Workgroups of each round, and of the big tiles (9).
+    /// Workgroups of each round, of the big tiles and of the joints (10).
     work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
     moved: Buffer<f32>,
@@ -44,6 +46,44 @@ pub struct GaussSeidel {
     /// Sweeps, whether Coulomb's law is exact, and ω; the tolerance, m/s.
     params: [u32; 3],
     tolerance: f64,
+}
+
+/// The kernels of the visits.
+enum Visits {
+    /// Of contacts of spheres.
+    Spheres { sweep: Kernel, rest: Kernel },
+    /// Of manifolds, the contacts of a pair of any shapes.
+    Manifolds {
+        write: Kernel,
+        sweep: Kernel,
+        rest: Kernel,
+        /// Step lengths along the normal and the tangents, kg, and the normal's effect on both tangents, 1/kg (n_contacts).
+        visits: Buffer<[f32; 4]>,
+    },
+}
+
+impl Visits {
+    fn new(device: &Device, kernels: &Kernels, problem: &Problem) -> Result<Visits, GpuError> {
+        let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
+        Ok(match problem.layout.narrow {
+            Narrow::Spheres => Visits::Spheres {
+                sweep: get("tile_sweep", include_str!("tile_sweep.wgsl"))?,
+                rest: get("rest_sweep", include_str!("rest_sweep.wgsl"))?,
+            },
+            Narrow::Any => Visits::Manifolds {
+                write: get("visit_write", include_str!("visit_write.wgsl"))?,
+                sweep: get("tile_manifolds", include_str!("tile_manifolds.wgsl"))?,
+                rest: get("rest_manifolds", include_str!("rest_manifolds.wgsl"))?,
+                visits: Buffer::zeros(device, "visits", problem.gamma.capacity())?,
+            },
+        })
+    }
+
+    /// The kernels over tiles and over big tiles.
+    fn sweeps(&self) -> [&Kernel; 2] {
+        let (Visits::Spheres { sweep, rest } | Visits::Manifolds { sweep, rest, .. }) = self;
+        [sweep, rest]
+    }
 }
 
 /// The columns of a collision with tiles that the method reads.
@@ -89,20 +129,18 @@ impl GaussSeidel {
     pub fn new(
         device: &Device,
         kernels: &Kernels,
-        model: &Model,
+        settings: &SolverSettings,
         (problem, collision): (&Problem, &Collision),
     ) -> Result<GaussSeidel, Fault> {
-        let get = |name, text| kernel(device, kernels, name, text);
+        let get = |name, text| kernel_of(problem.layout, device, kernels, (name, text));
         let tiles = collision.tiles().expect("pairs are in tiles");
-        let settings = &model.solver;
         let is_exact = (settings.friction == FrictionLaw::Exact) as u32;
         Ok(GaussSeidel {
             start: get("tile_start", include_str!("tile_start.wgsl"))?,
-            sweep: get("tile_sweep", include_str!("tile_sweep.wgsl"))?,
-            rest: get("rest_sweep", include_str!("rest_sweep.wgsl"))?,
+            visits: Visits::new(device, kernels, problem)?,
             decide: get("tile_decide", include_str!("tile_decide.wgsl"))?,
-            work: Buffer::zeros(device, "work of tiles", ROUNDS + 1)?,
-            moved: Buffer::zeros(device, "moved", problem.gamma.capacity())?,
+            work: Buffer::zeros(device, "work of tiles", ROUNDS + 2)?,
+            moved: Buffer::zeros(device, "moved", tiles.first.capacity())?,
             moved_rest: Buffer::zeros(device, "moved", 1)?,
             columns: Columns::of(collision, tiles),
             params: [SWEEPS, is_exact, bits(settings.omega.unwrap_or(1.0))],
@@ -111,37 +149,68 @@ impl GaussSeidel {
     }
 
     /// Record the start.
-    pub fn record_start(&self, device: &Device, commands: &mut Commands, problem: &Problem, iterations: Option<u32>) {
+    pub fn record_start(&self, device: &Device, commands: &mut Commands, problem: &Problem, settings: &SolverSettings) {
         let c = &self.columns;
         let counts = [c.round_start.bind(), c.n_big.n.bind(), problem.n_contacts.n.bind()];
         let bound = [problem.scalars.bind(), self.work.bind(), counts[0], counts[1], counts[2]];
-        commands.dispatch(device, &self.start, &bound, &[iterations.unwrap_or(0)], Work::Groups(1));
+        commands.dispatch(device, &self.start, &bound, &[settings.iterations.unwrap_or(0)], Work::Groups(1));
+        if let Visits::Manifolds { write, visits, .. } = &self.visits {
+            let [mass, orientation] = problem.inertia();
+            let bound = [problem.row(), mass, orientation, visits.bind(), problem.n_contacts.n.bind()];
+            commands.dispatch(device, write, &bound, &[self.params[1]], problem.contacts());
+        }
     }
 
     /// Record iterations.
     pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem, iterations: u32) {
         let c = &self.columns;
-        let (row, motion, gamma) = (problem.row(), problem.motion.bind(), problem.gamma.bind());
-        let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
-        let of_pairs = [row, c.touching.bind(), c.place.bind(), c.color.bind()];
-        let (first, size) = (c.first.bind(), c.size.bind());
-        let (n_tiles, n_pairs, start) = (c.n_tiles.n.bind(), c.n_pairs.n.bind(), c.round_start.bind());
-        let of_tiles = [c.local.bind(), first, c.body.bind(), size, c.is_big.bind(), start, n_tiles, n_pairs];
-        let of_sweep: Vec<Bound> = of_pairs.into_iter().chain(of_tiles).chain([motion, gamma, moved]).collect();
-        let of_big = [first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
-        let of_rest: Vec<Bound> = of_pairs.into_iter().chain(of_big).chain([motion, gamma, moved_rest]).collect();
+        let [of_sweep, of_rest] = self.bound(problem);
+        let start = c.round_start.bind();
         let counts = [start, problem.n_contacts.n.bind()];
-        let of_decision = [moved, moved_rest, problem.scalars.bind(), self.work.bind(), counts[0], counts[1]];
+        let scalars = problem.scalars.bind();
+        let moved = [self.moved.bind(), self.moved_rest.bind()];
+        let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
         let [sweeps, is_exact, omega] = self.params;
+        let [sweep, rest] = self.visits.sweeps();
         for _ in 0..iterations {
             for round in 0..ROUNDS {
                 let params = [round as u32, sweeps, is_exact, omega];
-                commands.dispatch(device, &self.sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
+                commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
             }
             let work = Work::Indirect(&self.work, ROUNDS);
-            commands.dispatch(device, &self.rest, &of_rest, &self.params, work);
+            commands.dispatch(device, rest, &of_rest, &self.params, work);
+            if let Some(joints) = &problem.joints {
+                let work = Work::Indirect(&self.work, ROUNDS + 1);
+                joints.record_more(device, commands, &problem.of_joints(), work);
+            }
             let params = [bits(self.tolerance)];
             commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
         }
+    }
+
+    /// What the kernels over tiles and over big tiles bind.
+    fn bound<'a>(&'a self, problem: &'a Problem) -> [Vec<Bound<'a>>; 2] {
+        let c = &self.columns;
+        let (row, motion, gamma) = (problem.row(), problem.motion.bind(), problem.gamma.bind());
+        let (moved, moved_rest) = (self.moved.bind(), self.moved_rest.bind());
+        let (place, color, first, size) = (c.place.bind(), c.color.bind(), c.first.bind(), c.size.bind());
+        let (n_tiles, n_pairs, start) = (c.n_tiles.n.bind(), c.n_pairs.n.bind(), c.round_start.bind());
+        let of_tiles = [c.local.bind(), first, c.body.bind(), size, c.is_big.bind(), start, n_tiles, n_pairs];
+        let of_big = [first, size, c.big.bind(), c.n_big.n.bind(), n_tiles, n_pairs];
+        let [mass, orientation] = problem.inertia();
+        let [roll, roll_row] = problem.rolling();
+        let of_pairs = match &self.visits {
+            Visits::Spheres { .. } => [row, c.touching.bind(), place, color],
+            Visits::Manifolds { visits, .. } => [row, visits.bind(), place, color],
+        };
+        let more = match &self.visits {
+            Visits::Spheres { .. } => vec![],
+            Visits::Manifolds { .. } => vec![mass, orientation, roll, roll_row],
+        };
+        let all = |own: &[Bound<'a>], moved: Bound<'a>| {
+            let columns = of_pairs.iter().chain(own).copied().chain([motion, gamma, moved]);
+            columns.chain(more.iter().copied()).collect()
+        };
+        [all(&of_tiles, moved), all(&of_big, moved_rest)]
     }
 }

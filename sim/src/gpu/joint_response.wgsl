@@ -3,7 +3,8 @@
 // inout motion  [n_bodies]  m/s, rad/s
 // in    free    [n_bodies]  m/s, rad/s: velocities with joints, without impulses
 // in    groups  [5]         workgroups of an iteration, the second over bodies
-// in    params  [2]         whether there is nothing to do where these are none; rounds
+// in    params  [3]         whether there is nothing to do where these are none; rounds, 0 for those of a trial; whether `motion` has the
+//                           multipliers that there are
 // Twin: cpu/solve/joints.rs
 #import sphere
 #import solve_row
@@ -28,7 +29,12 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     if params[0] == 1u && groups[1].x == 0u {
         return;
     }
-    solve_joints(thread, params[1]);
+    let rounds = select(params[1], joint_sizes[4], params[1] == 0u);
+    if params[2] == 1u {
+        solve_more(thread, rounds);
+    } else {
+        solve_joints(thread, rounds);
+    }
     for (var r = thread; r < joint_sizes[1]; r += 256u) {
         lambda[r] = vec4(lambda[r].xxx, 0.0);
     }

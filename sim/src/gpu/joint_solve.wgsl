@@ -101,6 +101,11 @@ fn solve_joints(thread: u32, rounds: u32) {
     for (var r = thread; r < joint_sizes[1]; r += 256u) {
         lambda[r].x = 0.0;
     }
+    solve_more(thread, rounds);
+}
+
+// Solve for what has changed since the multipliers that there are.
+fn solve_more(thread: u32, rounds: u32) {
     for (var round = 0u; round < rounds; round++) {
         fill_rows(thread);
         run_phases(thread);

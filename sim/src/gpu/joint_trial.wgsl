@@ -9,7 +9,7 @@
 // out   parts       [n_groups + 1]  J, twice: the last row
 // in    mass        [n_bodies]  1/kg, and principal, 1/(kg m²)
 // in    orientation [n_bodies]  of the principal frames
-// in    params      [1]         the last row of parts
+// in    params      [2]         the last row of parts; whether the trials are those of spectral projected gradients, each of which is taken in part
 // Twin: cpu/solve/apgd.rs, cpu/solve/joints.rs
 #import sphere
 #import solve_row
@@ -37,14 +37,16 @@ fn change_body(body: u32, change: Twist) {
     motion_next[body].w += change.w;
 }
 
-// If the last trial was taken, it is x now, and y is extrapolated as the impulses are.
+// If the last trial was taken, it is x now, and y is extrapolated as the impulses are; a part of it that was taken is both.
 fn extrapolate(thread: u32) {
-    if scalars[0].accepted == 0u {
+    let is_spectral = params[1] == 1u;
+    if scalars[0].accepted == 0u && !is_spectral {
         return;
     }
     for (var r = thread; r < joint_sizes[1]; r += 256u) {
         let own = lambda[r];
-        lambda[r] = vec4(own.x, own.x, own.x + (own.x - own.y) * scalars[0].beta, 0.0);
+        let y = own.x + (own.x - own.y) * scalars[0].beta;
+        lambda[r] = vec4(own.x, select(own.x, y, is_spectral), y, 0.0);
     }
 }
 

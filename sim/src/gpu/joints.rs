@@ -182,9 +182,15 @@ impl Joints {
 
     /// Record the velocities of a problem with the joints, from those without; with `is_checked`, where an iteration has bodies to do.
     pub fn record_response(&self, device: &Device, commands: &mut Commands, of: &Solve, is_checked: bool) {
-        let params = [is_checked as u32, EXACT_ROUNDS];
+        let params = [is_checked as u32, EXACT_ROUNDS, 0];
         let bound = self.bound(&[of.motion, of.free, of.groups]);
         commands.dispatch(device, &self.response, &bound, &params, Work::Groups(1));
+    }
+
+    /// Record what the joints make of velocities that have changed since the last solve, with its multipliers.
+    pub fn record_more(&self, device: &Device, commands: &mut Commands, of: &Solve, work: Work) {
+        let bound = self.bound(&[of.motion, of.free, of.groups]);
+        commands.dispatch(device, &self.response, &bound, &[0, 0, 1], work);
     }
 
     /// Record the energies of the starting point.
@@ -194,11 +200,19 @@ impl Joints {
         commands.dispatch(device, &self.scale, &bound, &[of.last()], Work::Groups(1));
     }
 
-    /// Record a trial of APGD, with the velocities of the trial and of y.
-    pub fn record_trial(&self, device: &Device, commands: &mut Commands, of: &Solve, [next, y]: [Bound; 2]) {
+    /// Record a trial of a descent method, with the velocities of the trial and of y; `is_spectral` tells that it is one of spectral projected
+    /// gradients.
+    pub fn record_trial(
+        &self,
+        device: &Device,
+        commands: &mut Commands,
+        of: &Solve,
+        ([next, y], is_spectral): ([Bound; 2], bool),
+    ) {
         let [mass, orientation] = of.inertia;
         let bound = [next, of.free, y, of.scalars, of.groups, of.of_bodies, mass, orientation];
-        commands.dispatch(device, &self.trial, &self.bound(&bound), &[of.last()], Work::Groups(1));
+        let params = [of.last(), is_spectral as u32];
+        commands.dispatch(device, &self.trial, &self.bound(&bound), &params, Work::Groups(1));
     }
 
     /// Record what the joints make of the displacement by pushes.

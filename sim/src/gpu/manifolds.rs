@@ -39,7 +39,7 @@ pub struct Manifolds {
     scan: Scan,
     groups: Groups,
     /// Number of points of each pair, then of the contacts before it, and of all (n_pairs + 1).
-    place: Buffer<u32>,
+    pub place: Buffer<u32>,
     n_places: Count,
     families: Vec<OfFamily>,
 }

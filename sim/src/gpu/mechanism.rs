@@ -83,12 +83,18 @@ impl Mechanism {
         Ok(())
     }
 
-    /// Begin a step. Returns whether a buffer has grown.
+    /// Begin a step, with what impacts before the contacts change of the velocities (n_bodies, or none). Returns whether a buffer has grown.
     ///
     /// # Errors
     /// [`Fault::Position`], [`Fault::Gpu`].
-    pub fn begin(&mut self, device: &Device, model: &Model, state: &State, bodies: &Bodies) -> Result<bool, Fault> {
-        let is_new = self.own.begin(model, state);
+    pub fn begin(
+        &mut self,
+        device: &Device,
+        (model, state): (&Model, &State),
+        bodies: &Bodies,
+        impacts: &[Twist],
+    ) -> Result<bool, Fault> {
+        let is_new = self.own.begin(model, state, impacts);
         self.rows.take(&self.own, is_new);
         let has_grown = self.joints.place(device, &self.rows, is_new)?;
         self.place_free(device, model, state)?;

@@ -25,8 +25,9 @@ struct Vertex {
     b: vec3<f32>,
 }
 
-// Up to four vertices, with the weights of the point nearest to the origin.
-var<private> simplex: array<Vertex, 4>;
+// Up to four vertices, with the weights of the point nearest to the origin. Their points on both shapes are in `corners`, where there are no
+// features yet, two rows for each, and behind them those of the nearest point: they are asked for at the end alone.
+var<private> simplex: array<vec3<f32>, 4>;
 var<private> weight: vec4<f32>;
 var<private> n_simplex: u32;
 
@@ -74,15 +75,34 @@ fn in_triangle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     return select(vec3(1.0, 0.0, 0.0), vec3(va, vb, vc) / sum, sum > 0.0);
 }
 
-// The point of the simplex nearest to the origin, with its points on both shapes.
-fn nearest_of_simplex() -> Vertex {
-    var sum = Vertex(vec3(0.0), vec3(0.0), vec3(0.0));
+// Rows of the nearest point.
+const NEAREST: u32 = 8u;
+
+fn put_vertex(i: u32, v: Vertex) {
+    simplex[i] = v.w;
+    corners[2u * i] = vec4(v.a, 0.0);
+    corners[2u * i + 1u] = vec4(v.b, 0.0);
+}
+
+// The point of the simplex nearest to the origin.
+fn nearest_of_simplex() -> vec3<f32> {
+    var sum = vec3(0.0);
     for (var i = 0u; i < n_simplex; i++) {
-        sum.w += simplex[i].w * weight[i];
-        sum.a += simplex[i].a * weight[i];
-        sum.b += simplex[i].b * weight[i];
+        sum += simplex[i] * weight[i];
     }
     return sum;
+}
+
+// Keep its points on both shapes.
+fn keep_nearest() {
+    var a = vec3(0.0);
+    var b = vec3(0.0);
+    for (var i = 0u; i < n_simplex; i++) {
+        a += corners[2u * i].xyz * weight[i];
+        b += corners[2u * i + 1u].xyz * weight[i];
+    }
+    corners[NEAREST] = vec4(a, 0.0);
+    corners[NEAREST + 1u] = vec4(b, 0.0);
 }
 
 // Leave out the vertices without weight.
@@ -91,6 +111,8 @@ fn drop_unweighted() {
     for (var i = 0u; i < n_simplex; i++) {
         if weight[i] > 0.0 {
             simplex[n] = simplex[i];
+            corners[2u * n] = corners[2u * i];
+            corners[2u * n + 1u] = corners[2u * i + 1u];
             weight[n] = weight[i];
             n++;
         }
@@ -109,14 +131,14 @@ fn reduce_tetrahedron() -> bool {
     var weights = vec4(0.0);
     for (var i = 0u; i < 4u; i++) {
         let f = face_of(i);
-        let p = simplex[f.x].w;
-        let normal = cross(simplex[f.y].w - p, simplex[f.z].w - p);
+        let p = simplex[f.x];
+        let normal = cross(simplex[f.y] - p, simplex[f.z] - p);
         let here = -dot(p, normal);
-        let there = dot(simplex[f.w].w - p, normal);
+        let there = dot(simplex[f.w] - p, normal);
         // The origin is beyond this face, or the tetrahedron is flat.
-        if here * there <= 0.0 || abs(there) <= 1e-6 * length(normal) * length(simplex[f.w].w) {
-            let own = in_triangle(p, simplex[f.y].w, simplex[f.z].w);
-            let at = p * own.x + simplex[f.y].w * own.y + simplex[f.z].w * own.z;
+        if here * there <= 0.0 || abs(there) <= 1e-6 * length(normal) * length(simplex[f.w]) {
+            let own = in_triangle(p, simplex[f.y], simplex[f.z]);
+            let at = p * own.x + simplex[f.y] * own.y + simplex[f.z] * own.z;
             if dot(at, at) < best {
                 best = dot(at, at);
                 weights = vec4(0.0);
@@ -137,11 +159,11 @@ fn reduce_simplex() -> bool {
         return reduce_tetrahedron();
     }
     if n_simplex == 3u {
-        weight = vec4(in_triangle(simplex[0].w, simplex[1].w, simplex[2].w), 0.0);
+        weight = vec4(in_triangle(simplex[0], simplex[1], simplex[2]), 0.0);
     } else if n_simplex == 2u {
-        let along = simplex[1].w - simplex[0].w;
+        let along = simplex[1] - simplex[0];
         let size = dot(along, along);
-        let t = select(0.0, clamp(-dot(simplex[0].w, along) / size, 0.0, 1.0), size > 0.0);
+        let t = select(0.0, clamp(-dot(simplex[0], along) / size, 0.0, 1.0), size > 0.0);
         weight = vec4(1.0 - t, t, 0.0, 0.0);
     }
     drop_unweighted();
@@ -153,14 +175,16 @@ const APART: u32 = 0u;
 const KNOWN: u32 = 1u;
 const TOUCHING: u32 = 2u;
 
-// Search for the nearest points of the cores with a distance of at most `reach`, from a direction from A to B.
-fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, nearest: ptr<function, Vertex>) -> u32 {
+// Search for the nearest points of the cores with a distance of at most `reach`, from a direction from A to B: `nearest` is that of their
+// difference.
+fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, nearest: ptr<function, vec3<f32>>) -> u32 {
     n_simplex = 1u;
     weight = vec4(1.0, 0.0, 0.0, 0.0);
-    simplex[0] = vertex_of(a, b, start);
+    put_vertex(0u, vertex_of(a, b, start));
+    keep_nearest();
     var best = simplex[0];
     for (var k = 0u; k < ROUNDS; k++) {
-        let v = best.w;
+        let v = best;
         let distance2 = dot(v, v);
         if distance2 <= NOTHING * NOTHING * scale * scale {
             *nearest = best;
@@ -175,17 +199,18 @@ fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, neares
         if distance2 - lower <= 1e-6 * distance2 {
             break;
         }
-        simplex[n_simplex] = next;
+        put_vertex(n_simplex, next);
         n_simplex += 1u;
         if !reduce_simplex() {
             *nearest = best;
             return TOUCHING;
         }
         let nearer = nearest_of_simplex();
-        if dot(nearer.w, nearer.w) >= distance2 {
+        if dot(nearer, nearer) >= distance2 {
             break;
         }
         best = nearer;
+        keep_nearest();
     }
     *nearest = best;
     return KNOWN;
@@ -215,13 +240,13 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
     var best = vec4(away + vec3(1e-12), 0.0);
     var shift = 0.0;
     var last = vec3(0.0);
-    var at = Vertex(vec3(0.0), vec3(0.0), vec3(0.0));
+    var at = vec3(0.0);
     for (var k = 0u; k <= MOVES; k++) {
         var moved = b;
         moved.position += best.xyz * shift;
         let outcome = search(a, moved, best.xyz, select(3e38, reach + round, k == 0u), scale, &at);
-        let distance = length(at.w);
-        let next = -at.w / distance;
+        let distance = length(at);
+        let next = -at / distance;
         if k > 0u {
             let before = best;
             if outcome != KNOWN || !try_axis(a, b, next, GROWS * scale, &best) {
@@ -249,9 +274,9 @@ fn find_nearest(a: Placed, b: Placed, reach: f32) -> bool {
         shift = max(-best.w, 0.0) + MOVED * scale;
     }
     let normal = best.xyz;
-    let on_a = at.a;
+    let on_a = corners[NEAREST].xyz;
     // What the points lie beside each other by is rounding.
-    let on_b = on_a + normal * (dot(at.b - on_a, normal) - shift);
+    let on_b = on_a + normal * (dot(corners[NEAREST + 1u].xyz - on_a, normal) - shift);
     let gap = best.w - round;
     found[0] = Point(normal, on_a + normal * radius_of(a), on_b - normal * radius_of(b), gap, 1u << 16u);
     return gap <= reach;
@@ -263,14 +288,14 @@ fn nearest_points(a: Placed, b: Placed, reach: f32) -> u32 {
         return 0u;
     }
     let nearest = found[0];
-    var fa = feature_of(a, nearest.normal);
-    var fb = feature_of(b, -nearest.normal);
+    let fa = feature_of(a, nearest.normal, 0u);
+    let fb = feature_of(b, -nearest.normal, 1u);
     let size = min(min(a.half.x, min(a.half.y, a.half.z)), min(b.half.x, min(b.half.y, b.half.z)));
-    return feature_points(&fa, &fb, nearest, reach, size);
+    return feature_points(fa, fb, nearest, reach, size);
 }
 
 // The corners of two clipped features, and the nearest point where none of them is as near. Returns the number of points.
-fn feature_points(fa: ptr<function, Feature>, fb: ptr<function, Feature>, nearest: Point, reach: f32, size: f32) -> u32 {
+fn feature_points(fa: Feature, fb: Feature, nearest: Point, reach: f32, size: f32) -> u32 {
     // What the nearest point may be nearer than all others by, and the points of parallel edges beside each other, over the size.
     const NEAR: f32 = 1e-5;
     const BESIDE: f32 = 1e-2;
@@ -279,13 +304,13 @@ fn feature_points(fa: ptr<function, Feature>, fb: ptr<function, Feature>, neares
     let of_b = abs(dot(face_normal(fb), n));
     let has_face = max(of_a, of_b) > 0.5;
     var kept = 0u;
-    if has_face || ((*fa).n == 2u && (*fb).n == 2u) {
-        kept = clip_either(*fa, *fb, n, reach, has_face && of_a < of_b - 1e-6);
+    if has_face || (fa.n == 2u && fb.n == 2u) {
+        kept = clip_either(fa, fb, n, reach, has_face && of_a < of_b - 1e-6);
     }
     if !has_face && kept > 0u {
         // Edges that cross touch at their nearest points alone.
-        let p = (*fa).corner[0].xyz;
-        let side = cross((*fa).corner[1].xyz - p, n);
+        let p = corners[fa.first].xyz;
+        let side = cross(corners[fa.first + 1u].xyz - p, n);
         let across = select(vec3(0.0), normalize(side), length(side) > 0.0);
         for (var k = 0u; k < kept; k++) {
             if abs(dot(found[k].on_second - p, across)) > BESIDE * size {

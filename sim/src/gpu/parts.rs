@@ -32,6 +32,8 @@ const PARTS: &[Part<'static>] = parts!(
     "contact_hash",
     "scalars",
     "visit",
+    "manifold",
+    "tensor",
     "row",
     "inertia",
     "contact_row",

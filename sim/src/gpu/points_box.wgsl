@@ -6,6 +6,8 @@
 #import nearest
 #import ordered
 
+// Of sides that clip, more than rounding: corners of faces that lie on each other keep their features from step to step.
+const BEYOND: f32 = 2e-6;
 // The least squared sine of the angle between edges of which a cross product is taken: that of edges more parallel is not known in single
 // precision, and lies between those of faces.
 const PARALLEL: f32 = 1e-4;
@@ -110,7 +112,7 @@ fn face_normal_of(a: Placed, b: Placed, face_at: u32) -> vec3<f32> {
 // The points of the face of a box clipped to that of the other.
 fn face_points(a: Placed, b: Placed, face_at: u32, reach: f32) -> u32 {
     let normal = face_normal_of(a, b, face_at);
-    return clip_either(box_face(a, normal), box_face(b, -normal), normal, reach, face_at >= 3u);
+    return clip_either(box_face(a, normal, 0u), box_face(b, -normal, 1u), normal, reach, face_at >= 3u);
 }
 
 // The points of faces that are not deep, and that of crossing edges.

@@ -3,6 +3,9 @@
 #import nearest
 #import ordered
 
+// Of sides that clip, more than rounding: corners of faces that lie on each other keep their features from step to step.
+const BEYOND: f32 = 2e-6;
+
 fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
     return nearest_points(a, b, reach);
 }

@@ -4,13 +4,15 @@
 #import kinds
 #import triangle
 
+// A corner at the seam of two faces is that of one.
+const BEYOND: f32 = 0.0;
 // Sine of the angle between a normal and that of a face from which on they differ: that between shapes that nearly touch is no better known.
 const TILTED: f32 = 2e-3;
-// Cosine of the angle between the ways to a face and out of it, from which on a shape that is apart from it is under it; and what the shortest
-// way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
-const UNDER: f32 = 0.99;
+// What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
 const SHORTER: f32 = 0.1;
 const DEEPER: f32 = 0.5;
+// Gap over the greatest half length up to which the direction of the nearest points may be rounding.
+const TRACE: f32 = 1e-5;
 // Weight of a corner from which on a point is beside the others.
 const WEIGHT: f32 = 1e-6;
 
@@ -80,8 +82,7 @@ fn bit_of(w: vec3<f32>) -> u32 {
 
 // The face of a triangle as a feature.
 fn triangle_face(b: Placed) -> Feature {
-    var f: Feature;
-    f.n = 0u;
+    var f = no_corners(1u);
     for (var k = 0u; k < 3u; k++) {
         push(&f, corner_of(b, k), k + 1u);
     }
@@ -94,22 +95,31 @@ fn deepest_of(a: Placed, face: vec3<f32>, height: f32) -> vec4<f32> {
     return vec4(p, dot(p, face) + height);
 }
 
+// Whether the centre of a shape that is behind a face is right under it.
+fn is_under(a: Placed, b: Placed, most: f32) -> bool {
+    let face = b.frame[2];
+    let away = a.position - at_weights(b, weights_at(b, a.position));
+    return dot(away, face) < 0.0 && length(away - face * dot(away, face)) <= 1e-6 * most;
+}
+
 // The points of a shape and a triangle with the bits of its edges and corners that count. Returns their count.
 fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) -> u32 {
     let face = b.frame[2];
     let size = min(a.half.x, min(a.half.y, a.half.z));
+    let most = max(a.half.x, max(a.half.y, a.half.z));
     if !find_nearest(a, b, reach) {
         return 0u;
     }
     var nearest = found[0];
     let deepest = deepest_of(a, face, height);
+    let is_other = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
     if nearest.gap <= 0.0 || dot(nearest.normal, face) >= 0.0 {
         // It has passed through: the way back out of the face.
-        var is_beside = dot(nearest.normal, face) < UNDER;
-        if nearest.gap <= 0.0 {
-            is_beside = nearest.gap > SHORTER * deepest.w && -deepest.w > DEEPER * size;
+        var is_apart = is_other;
+        if nearest.gap > TRACE * most {
+            is_apart = !is_under(a, b, most);
         }
-        if deepest.w > reach || is_beside {
+        if deepest.w > reach || is_apart {
             return 0u;
         }
         nearest = Point(-face, deepest.xyz, deepest.xyz - face * deepest.w, deepest.w, 1u << 16u);
@@ -125,22 +135,17 @@ fn triangle_points(a: Placed, b: Placed, sharp: u32, height: f32, reach: f32) ->
     }
     if !is_convex && tilt <= 0.99 {
         // Edges that do not stand out are no features: a contact on one is a contact on the face.
-        if deepest.w > reach {
+        if deepest.w > reach || is_other {
             return 0u;
         }
         let on_second = at_weights(b, weights_at(b, deepest.xyz));
         nearest = Point(-face, deepest.xyz, on_second, deepest.w, 1u << 16u);
-        let most = max(a.half.x, max(a.half.y, a.half.z));
         if length(on_second - (deepest.xyz - face * deepest.w)) > 1e-5 * most {
             // The deepest point is over another triangle.
-            var own = triangle_face(b);
-            var other = feature_of(a, -face);
-            return swap_shapes(clip(&own, &other, face, reach));
+            return swap_shapes(clip(triangle_face(b), feature_of(a, -face, 0u), face, reach));
         }
     }
-    var fa = feature_of(a, nearest.normal);
-    var fb = triangle_face(b);
-    return feature_points(&fa, &fb, nearest, reach, size);
+    return feature_points(feature_of(a, nearest.normal, 0u), triangle_face(b), nearest, reach, size);
 }
 
 // The points of a pair of a solid and a triangle, about an origin, with normals from the shape of the lower id. Returns their count.

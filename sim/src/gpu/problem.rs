@@ -19,6 +19,7 @@ use super::parts::{Layout, ROWS, bits, groups, kernel, kernel_of};
 use super::rows::{Arms, Body, Contact};
 use crate::model::{ContactLaw, Model};
 use crate::plan::{Narrow, coheres};
+use crate::settings::Impacts;
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
@@ -117,7 +118,10 @@ impl Problem {
     ) -> Result<Problem, Fault> {
         let (contact, n_contacts) = collision.columns();
         let (n_bodies, room) = (model.n_bodies(), contact.capacity());
-        let law = |l: &ContactLaw| [l.friction, l.restitution, l.rolling, l.spinning].map(|x| x as f32);
+        // Impacts one after another are over before the contacts are solved.
+        let bounces = model.solver.impacts == Impacts::Simultaneous;
+        let restitution = |l: &ContactLaw| if bounces { l.restitution } else { 0.0 };
+        let law = |l: &ContactLaw| [l.friction, restitution(l), l.rolling, l.spinning].map(|x| x as f32);
         let law: Vec<[f32; 4]> = model.laws.iter().map(law).collect();
         let cohesion: Vec<f32> = model.laws.iter().map(|l| l.cohesion as f32).collect();
         let sides = || Buffer::zeros(device, "sides", 2 * room);

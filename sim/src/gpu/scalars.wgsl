@@ -4,7 +4,7 @@
 // Of APGD: Nesterov's θ and the factor β of the extrapolation, the step length t, whether the last trial was taken, trials since one was
 // too long. Iterations so far and the most; whether the solve goes on. The least residual so far, whether it is that of the last iterate,
 // whether that is to be kept; the curvature below which there is rounding alone. The factor of the starting point. Of Jacobi: ω, and the
-// square of the last step. The residual, m/s.
+// square of the last step; of Barzilai–Borwein ω is the step length. The residual, m/s.
 struct Scalars {
     theta: f32,
     beta: f32,

@@ -5,18 +5,22 @@ use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, PLANE, S
 use super::rows::Solid;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
-use crate::plan::{Narrow, has_joints};
+use crate::plan::{Narrow, can_sweep, has_joints};
+use crate::settings::Method;
 use crate::shape::ShapeKind;
 
 /// The shapes that the kernels of a model are for: spheres about the centres of mass of bodies of isotropic inertia, among fixtures that are no
 /// hulls, or any.
+///
+/// Gauss–Seidel visits contacts of spheres by themselves where these know friction alone.
 pub fn narrow_of(model: &Model) -> Narrow {
     let is_fixture = |s: usize| !is_mover(model, s) && model.shape_kind[s] != ShapeKind::Hull;
     let has_spheres_only = (0..model.n_shapes()).all(|s| model.is_centred_sphere(s) || is_fixture(s));
     let is_turned = |b: usize| model.inv_mass[b] > 0.0 && !is_isotropic(model.inv_inertia[b]);
     // Joints have arms of any direction, and turn bodies.
     let is_turned = (0..model.n_bodies()).any(is_turned) || has_joints(model);
-    if has_spheres_only && !is_turned { Narrow::Spheres } else { Narrow::Any }
+    let has_own_visits = model.solver.method != Some(Method::GaussSeidel) || can_sweep(model);
+    if has_spheres_only && !is_turned && has_own_visits { Narrow::Spheres } else { Narrow::Any }
 }
 
 /// Whether a shape is one of those that are binned; the others are fixtures.

@@ -31,6 +31,8 @@ pub struct Spheres {
     pub bodies: Vec<u32>,
     /// Harmonic mean of the diameters, of other shapes of the widths of their boxes, m.
     pub width: f64,
+    /// Harmonic mean of the volumes of boxes about the shapes, as thick and as deep as the shape is at its least, m³.
+    pub volume: f64,
 }
 
 impl Spheres {
@@ -67,6 +69,9 @@ impl Spheres {
         };
         let rows: Vec<Sphere> = shapes.iter().map(sphere).collect();
         let n = rows.len();
+        let size = |s: &usize| (model.shape_size[*s].max_element(), solids::least_of(model, *s));
+        let volumes = shapes.iter().map(size).map(|(most, least)| 8.0 * most * least * least);
+        let volume = n as f64 / volumes.map(|volume| 1.0 / volume).sum::<f64>();
         let width = n as f64 / radii().map(|radius| 0.5 / radius).sum::<f64>();
         let spheres = Spheres {
             n,
@@ -82,6 +87,7 @@ impl Spheres {
             bodies: rows.iter().map(|s| s.body).collect(),
             shapes,
             width,
+            volume,
         };
         Ok((spheres, scale))
     }

@@ -410,43 +410,6 @@ fn jacobi_has_the_impulses_and_velocities_of_the_cpu() {
     }
 }
 
-#[test]
-fn the_solver_refuses_what_it_has_no_kernel_for() {
-    let Some((device, kernels)) = device() else { return };
-    let (model, state) = jacobi_bed(20);
-    let collision = Collision::new(device, kernels, &model, &state).unwrap();
-    let refused = |change: fn(&mut Model)| {
-        let mut model = model.clone();
-        change(&mut model);
-        let method = model.solver.method.unwrap();
-        match ContactSolve::new(device, kernels, (&model, method), &collision).err().unwrap() {
-            Fault::Unsupported(message) => message,
-            other => panic!("{other}"),
-        }
-    };
-    let sequential = |m: &mut Model| {
-        m.laws[0].restitution = 0.5;
-        m.solver.impacts = crate::Impacts::Sequential;
-    };
-    assert!(refused(sequential).contains("impacts"));
-    let rolling_tiles = |m: &mut Model| {
-        m.laws[0].rolling = 0.1;
-        m.solver.method = Some(Method::GaussSeidel);
-    };
-    assert!(refused(rolling_tiles).contains("rolling"));
-    let cohesive_tiles = |m: &mut Model| {
-        m.laws[0].cohesion = 1.0;
-        m.solver.method = Some(Method::GaussSeidel);
-    };
-    assert!(refused(cohesive_tiles).contains("cohesion"));
-    assert!(refused(|m| m.solver.method = Some(Method::BarzilaiBorwein)).contains("method"));
-    let tiles_of_others = |m: &mut Model| {
-        m.inv_inertia[7].x *= 2.0;
-        m.solver.method = Some(Method::GaussSeidel);
-    };
-    assert!(refused(tiles_of_others).contains("gauss_seidel where bodies move"));
-}
-
 /// Velocities of the solution are unique: APGD on the device comes to those of the CPU's, each by its own steps, and in far fewer
 /// iterations than Jacobi.
 #[test]

@@ -16,6 +16,7 @@
 // out  tile_body   [2 n_pairs]  bodies of each tile, from twice its first pair on
 // out  tile_size   [n_tiles]    number of bodies, and of colours
 // out  is_big      [n_tiles]
+// in   params      [1]          the most bodies of a tile that is not big
 // Twin: cpu/solve/schedule.rs
 #import sphere
 #import fixture
@@ -34,11 +35,11 @@
 @group(0) @binding(11) var<storage, read_write> tile_body: array<u32>;
 @group(0) @binding(12) var<storage, read_write> tile_size: array<vec2<u32>>;
 @group(0) @binding(13) var<storage, read_write> is_big: array<u32>;
+@group(0) @binding(14) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
-// The most pairs of a tile that is not big, four to a thread, its bodies and colours.
+// The most pairs of a tile that is not big, four to a thread, and its colours.
 const MOST: u32 = 1024u;
-const MOST_BODIES: u32 = 512u;
 const MOST_COLORS: u32 = 32u;
 const SLOTS: u32 = 1024u;
 const NONE: u32 = 0xffffffffu;
@@ -135,7 +136,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     }
     workgroupBarrier();
-    if thread == 0u && atomicLoad(&n_bodies) > MOST_BODIES {
+    if thread == 0u && atomicLoad(&n_bodies) > params[0] {
         atomicStore(&has_failed, 1u);
     }
     // Each round colours one pair at least.

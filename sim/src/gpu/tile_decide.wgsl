@@ -2,7 +2,7 @@
 // in    moved    [n_tiles]  residual terms squared, m²/s²
 // in    rest     [1]        those of big tiles
 // inout scalars  [1]
-// inout work     [9]        workgroups of each round, and of the big tiles
+// inout work     [10]       workgroups of each round, of the big tiles and of the joints
 // in    counts   [2]        n_tiles, n_contacts
 // in    params   [1]        as bits: tolerance (m/s)
 // Twin: cpu/solve/sweeps.rs
@@ -31,10 +31,10 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     var s = scalars[0];
     s.trials++;
-    s.residual = sqrt(sums.x + select(0.0, rest[0], work[8].x > 0u)) / f32(count[0]);
+    s.residual = sqrt(sums.x + select(0.0, rest[0], work[8].x > 0u)) / f32(blocks_of(count[0]));
     if s.residual <= bitcast<f32>(params[0]) || s.trials >= s.limit {
         s.goes_on = 0u;
-        for (var r = 0u; r < 9u; r++) {
+        for (var r = 0u; r < 10u; r++) {
             work[r] = vec4(0u, 0u, 1u, 0u);
         }
     }

@@ -10,7 +10,7 @@
 // out  key       [n_pairs]    round and cube; that of pairs in no tile comes after all others
 // out  id        [n_pairs]    the pair
 // in   count     [1]          n_pairs if they are to be put into tiles, else 0
-// in   params    [2]          bits of the index of a cube, and as bits: its edge (m)
+// in   params    [3]          bits of the index of a cube; as bits its edge (m); bits of the number of least bins along it
 // Twin: cpu/pair_write.rs
 #import sphere
 #import fixture
@@ -73,8 +73,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let way = select(select(!plain, vec3(true), all(shifted)), vec3(false), all(plain));
     let cell = vec3<u32>(vec3<i32>(floor(p + select(vec3(0.0), vec3(0.5), way))));
-    // Cubes are four times as wide as the least bins; their indices repeat, and what falls together is one tile.
-    let bits = vec3(grid[0], grid[1], grid[2]) - 2u;
+    // The indices of cubes repeat, as those of bins do, and what falls together is one tile.
+    let bits = vec3(grid[0], grid[1], grid[2]) - params[2];
     let at = cell & ((vec3(1u) << bits) - 1u);
     key[k] = (round_of(way) << params[0]) | at.x | (at.y | at.z << bits.y) << bits.x;
 }

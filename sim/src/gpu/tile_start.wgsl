@@ -1,6 +1,6 @@
 // Gauss–Seidel begins: the most iterations, and the workgroups of an iteration.
 // inout scalars      [1]
-// out   work         [9]   workgroups of each round, and of the big tiles
+// out   work         [10]  workgroups of each round, of the big tiles and of the joints
 // in    round_start  [10]  first tile of each round
 // in    n_big        [1]
 // in    count        [1]   n_contacts
@@ -18,7 +18,7 @@
 fn main(@builtin(local_invocation_index) thread: u32) {
     let n = count[0];
     if thread == 0u {
-        scalars[0].limit = select(params[0], max(50u, 50000u / max(n, 1u)), params[0] == 0u);
+        scalars[0].limit = select(params[0], max(50u, 50000u / max(blocks_of(n), 1u)), params[0] == 0u);
         scalars[0].trials = 0u;
         scalars[0].goes_on = select(0u, 1u, n > 0u);
         scalars[0].residual = 0.0;
@@ -29,5 +29,8 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     }
     if thread == 8u {
         work[8] = vec4(select(0u, 1u, n > 0u && n_big[0] > 0u), 1u, 1u, 0u);
+    }
+    if thread == 9u {
+        work[9] = vec4(select(0u, 1u, n > 0u), 1u, 1u, 0u);
     }
 }

@@ -19,12 +19,19 @@ use super::fixtures::Fixtures;
 use super::pair_write::Pairs;
 use super::parts::{ROWS, bits, kernel};
 use super::spheres::Spheres;
+use crate::plan::Narrow;
 use gpu::compact::Compact;
 use gpu::radix_sort::RadixSort;
 use gpu::{Bound, Buffer, Commands, Count, Device, GpuError, Groups, Kernel, Kernels, Work};
 
-/// Edge of a tile, over the usual width of a sphere: a hundred spheres or so are in a tile.
-const EDGE: f64 = 4.5;
+/// Volume of a tile over the usual one of a sphere's cube: a hundred spheres or so are in a tile.
+const CROWD: f64 = 91.125;
+
+/// Least edge of a tile over the usual width of a shape: neighbours are within a cube of one of the rounds.
+const LEAST_EDGE: f64 = 2.5;
+
+/// The most bodies of a tile of spheres that is not big, and of one of shapes of any kind.
+const MOST_BODIES: [u32; 2] = [512, 256];
 
 /// The tiles, with room for as many pairs as there is.
 pub struct Tiles {
@@ -61,6 +68,9 @@ pub struct Tiles {
     n_colored: Count,
     claim: Buffer<u32>,
     edge: f64,
+    /// Bits of the number of least bins along an edge.
+    edge_bits: u32,
+    most_bodies: u32,
     /// Bits of the index of a tile's cube.
     cube_bits: u32,
 }
@@ -89,6 +99,9 @@ impl Tiles {
         let of_body = spheres.bodies.iter().enumerate().rev();
         of_body.for_each(|(sphere, body)| home[*body as usize] = sphere as u32);
         let compact = || Compact::new(device, kernels, room);
+        let edge = (CROWD * spheres.volume).cbrt().max(LEAST_EDGE * spheres.width);
+        let edge_bits = if edge < 4.0 * spheres.width { 1 } else { 2 };
+        let is_any = bodies.layout.narrow == Narrow::Any;
         Ok(Tiles {
             first: column("tile_first")?,
             n: Count::found(device, room)?,
@@ -119,8 +132,10 @@ impl Tiles {
             n_due: Count::found(device, room)?,
             n_colored: Count::found(device, room)?,
             claim: Buffer::of(device, "claims", &vec![u32::MAX; bodies.n])?,
-            edge: EDGE * spheres.width,
-            cube_bits: bins.most_bits - 6,
+            edge,
+            edge_bits,
+            most_bodies: MOST_BODIES[is_any as usize],
+            cube_bits: bins.most_bits - 3 * edge_bits,
         })
     }
 
@@ -149,7 +164,7 @@ impl Tiles {
         let work = of_pairs.of_level(&self.n_due, 0);
         let boxes = [self.home.bind(), at.fat_aabb.bind(), bins.grid.bind()];
         let bound: Vec<Bound> = [pairs].into_iter().chain(shapes).chain(boxes).chain([key, id, n_due]).collect();
-        commands.dispatch(device, &kernels.key, &bound, &[self.cube_bits, bits(self.edge)], work);
+        commands.dispatch(device, &kernels.key, &bound, &[self.cube_bits, bits(self.edge), self.edge_bits], work);
         self.sort.record(device, commands, (&self.key, &self.id), &self.n_due, 8 << self.cube_bits);
         let sorted = self.sorted.bind();
         commands.dispatch(device, &kernels.pairs, &[pairs, key, id, sorted, self.flag.bind(), n_due], &[], work);
@@ -163,7 +178,7 @@ impl Tiles {
         let from = [sorted, sphere, fixture, activity, first, n_tiles, n_pairs, start];
         let out = [pairs, color, self.local.bind(), self.body.bind(), size, is_big];
         let bound: Vec<Bound> = from.into_iter().chain(out).collect();
-        commands.dispatch(device, &kernels.color, &bound, &[], of_tiles.of_level(&self.n_colored, 0));
+        commands.dispatch(device, &kernels.color, &bound, &[self.most_bodies], of_tiles.of_level(&self.n_colored, 0));
         self.compact[1].record(device, commands, &self.is_big, &self.n_colored, &self.big, &self.n_big);
         let from = [pairs, sphere, fixture, activity, first, n_tiles, n_pairs, n_colored];
         let out = [self.big.bind(), n_big, self.claim.bind(), color, size];

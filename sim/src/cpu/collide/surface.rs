@@ -125,7 +125,7 @@ pub fn triangle(a: &Placed, triangle: &Triangle, reach: f64, out: &mut Points) -
     } else {
         let deepest = a.support(normal) + normal * Convex::radius(a);
         let gap = (deepest - corners[0]).dot(face);
-        if gap > reach {
+        if gap > reach || is_beside(a, nearest.gap, gap) {
             return 0;
         }
         let (u, v, w) = nearest_in_triangle(deepest, corners);
@@ -148,28 +148,39 @@ fn nearest_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> 
     if a.kind == ShapeKind::Sphere {
         return sphere_to_face(a, triangle, face, reach);
     }
-    /// Cosine of the angle between the ways to a face and out of it, from which on a shape that is apart from it is under it.
-    const UNDER: f64 = 0.99;
-    /// What the shortest way out may be of that through the face, and this of the shape's width, for a shape that is beside the face.
-    const SHORTER: f64 = 0.1;
-    const DEEPER: f64 = 0.5;
+    /// Gap over the shape's greatest half length up to which the direction of the nearest points may be round-off.
+    const TRACE: f64 = 1e-6;
     let nearest = convex::nearest(a, &corners, reach, &mut Axis::default())?;
-    let facing = nearest.normal.dot(face);
-    if nearest.gap > 0.0 && facing < 0.0 {
+    if nearest.gap > 0.0 && nearest.normal.dot(face) < 0.0 {
         return Some(nearest);
     }
     let deepest = a.support(-face) - face * Convex::radius(a);
     let gap = (deepest - corners[0]).dot(face);
-    let is_beside = match nearest.gap > 0.0 {
-        true => facing < UNDER,
-        false => nearest.gap > SHORTER * gap && -gap > DEEPER * a.size.min_element(),
+    let is_apart = match nearest.gap > TRACE * a.size.max_element() {
+        true => !is_under(a, corners, face),
+        false => is_beside(a, nearest.gap, gap),
     };
-    (gap <= reach && !is_beside).then_some(Nearest {
+    (gap <= reach && !is_apart).then_some(Nearest {
         normal: -face,
         on_first: deepest,
         on_second: deepest - face * gap,
         gap,
     })
+}
+
+/// Whether the centre of a shape that is behind a face is right under it.
+fn is_under(a: &Placed, corners: [DVec3; 3], face: DVec3) -> bool {
+    let (u, v, w) = nearest_in_triangle(a.position, corners);
+    let away = a.position - (corners[0] * u + corners[1] * v + corners[2] * w);
+    away.dot(face) < 0.0 && (away - face * away.dot(face)).length() <= 1e-9 * a.size.max_element()
+}
+
+/// Whether a shape with its nearest points at a gap, whose deepest point has another over the plane of a face, is beside the face.
+fn is_beside(a: &Placed, nearest: f64, gap: f64) -> bool {
+    /// What the shortest way out may be of that through the face, and this of the shape's width.
+    const SHORTER: f64 = 0.1;
+    const DEEPER: f64 = 0.5;
+    nearest > SHORTER * gap && -gap > DEEPER * a.size.min_element()
 }
 
 fn sphere_to_face(a: &Placed, triangle: &Triangle, face: DVec3, reach: f64) -> Option<Nearest> {

@@ -2,6 +2,7 @@
 
 use super::point::{MAX_POINTS, Point};
 use super::*;
+use crate::fill::SplitMix64;
 use crate::geometry::{Hull, Surface};
 use glam::{DQuat, DVec3};
 
@@ -135,6 +136,19 @@ fn what_is_beside_a_face_is_not_under_it() {
             let n = collide_triangle(&shape, &top, 0.01, &mut out);
             assert!(out[..n].iter().all(|p| p.gap > -1e-3), "{kind:?} {half} {gap}: {:?}", &out[..n]);
         }
+    }
+    // Edge at edge in a corner, by a trace, any direction between the two faces is as good.
+    let mut random = SplitMix64(12);
+    for _ in 0..3000 {
+        let size = [random.between(0.1, 0.5), random.between(0.1, 0.5), 0.5];
+        let at = DVec3::new(
+            size[0] + random.between(-3e-12, 3e-12),
+            random.between(-0.5, 0.5),
+            size[2] + random.between(-3e-11, 3e-11),
+        );
+        let trace = DQuat::from_scaled_axis(DVec3::new(random.between(-1e-12, 1e-12), 1e-12, 3e-13));
+        let n = collide_triangle(&placed(ShapeKind::Box, size, at, trace), &top, 0.01, &mut out);
+        assert!(out[..n].iter().all(|p| p.gap > -1e-3), "{size:?} {at} {trace}: {:?}", &out[..n]);
     }
     // Under it, and in it.
     for z in [0.79, 0.9, 1.1] {

@@ -162,8 +162,15 @@ fn limits_among_contacts_are_those_of_the_cpu() {
         );
     }
     let (mut model, state) = resolved(text);
-    model.solver = SolverSettings { iterations: Some(200), tolerance: 1e-7, ..model.solver };
-    let Some(pair) = both(&model, &state, 100) else { return };
+    for method in [Method::Apgd, Method::GaussSeidel] {
+        model.solver =
+            SolverSettings { iterations: Some(200), tolerance: 1e-7, method: Some(method), ..model.solver.clone() };
+        hold_limits(&model, &state);
+    }
+}
+
+fn hold_limits(model: &Model, state: &State) {
+    let Some(pair) = both(model, state, 100) else { return };
     let off = apart(&pair[0].state, &pair[1].state);
     let n = pair[1].state.contacts.len();
     let at_limit =
@@ -193,7 +200,8 @@ fn loads_act_as_on_the_cpu() {
     let on_block = "  - {body: block, force: [1, 0.2, 0], value: 60, frame: body, point: [0.1, 0, 0]}\n";
     let spheres = HEAD.to_string() + ground + &balls + loads;
     let solids = HEAD.to_string() + ground + &balls + block + loads + on_block;
-    for (text, method) in [(&spheres, Method::GaussSeidel), (&spheres, Method::Apgd), (&solids, Method::Apgd)] {
+    let sweeps = [(&spheres, Method::GaussSeidel), (&solids, Method::GaussSeidel)];
+    for (text, method) in sweeps.into_iter().chain([(&spheres, Method::Apgd), (&solids, Method::Apgd)]) {
         let (mut model, state) = resolved(text.clone());
         model.solver = SolverSettings { iterations: Some(200), tolerance: 1e-8, method: Some(method), ..model.solver };
         let Some([own, cpu]) = both(&model, &state, 100) else { return };
@@ -238,6 +246,9 @@ fn joints_among_contacts_are_those_of_the_cpu() {
         (Method::Apgd, FrictionLaw::Relaxed),
         (Method::Jacobi, FrictionLaw::Relaxed),
         (Method::Apgd, FrictionLaw::Exact),
+        (Method::GaussSeidel, FrictionLaw::Relaxed),
+        (Method::GaussSeidel, FrictionLaw::Exact),
+        (Method::BarzilaiBorwein, FrictionLaw::Relaxed),
     ];
     for (method, friction) in laws {
         let (iterations, n_steps) = if method == Method::Jacobi { (Some(1000), 40) } else { (Some(400), 80) };
@@ -275,8 +286,14 @@ fn a_hub_among_contacts_is_that_of_the_cpu() {
 /// A run with joints repeats bit for bit, also from its middle, which the processor takes up, too.
 #[test]
 fn a_run_with_joints_repeats_bit_for_bit_also_from_its_middle() {
+    for method in [Method::Apgd, Method::GaussSeidel, Method::BarzilaiBorwein] {
+        repeats(method);
+    }
+}
+
+fn repeats(method: Method) {
     let (mut model, state) = resolved(track(8));
-    model.solver = SolverSettings { iterations: Some(60), ..model.solver };
+    model.solver = SolverSettings { iterations: Some(60), method: Some(method), ..model.solver };
     let Some(mut first) = on_device(&model, &state) else { return };
     let mut second = on_device(&model, &state).unwrap();
     steps(&mut first, 60);

@@ -1,7 +1,7 @@
 //! Meshes and height fields on a device against the CPU back end's.
 
 use super::solids::{cone, hold as hold_solids, lump};
-use super::whole::{apart, on_device, written};
+use super::whole::{on_device, written};
 use super::{device, vector};
 use crate::fill::SplitMix64;
 use crate::geometry::Surface;
@@ -165,14 +165,16 @@ fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64)) {
         assert!(a.broken.is_none(), "{a:?}");
     }
     own.fetch().unwrap();
-    let off = apart(&own.state, &cpu.state);
-    let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
-    let worst = (0..model.n_bodies()).max_by(|a, b| {
-        let off = |k: usize| (own.state.position[k] - cpu.state.position[k]).length();
-        off(*a).total_cmp(&off(*b))
-    });
-    eprintln!("{method:?}: {n_contacts} contacts, {off} m of body {worst:?}, {energies:?} J");
-    assert!(n_contacts > 40 && off < tolerance, "{method:?}: {n_contacts} contacts, {off} m");
+    let mut off: Vec<f64> =
+        own.state.position.iter().zip(&cpu.state.position).map(|(a, b)| (*a - *b).length()).collect();
+    off.sort_by(f64::total_cmp);
+    let (most, usual) = (off[off.len() - 1], off[off.len() * 9 / 10]);
+    eprintln!("{method:?}: {n_contacts} contacts, nine of ten bodies within {usual} m, all within {most} m");
+    // What touches a seam may be given to either of its triangles, and then turns another way.
+    assert!(
+        n_contacts > 40 && usual < tolerance && most < 20.0 * tolerance,
+        "{method:?}: {n_contacts} contacts, {usual}, {most} m"
+    );
 }
 
 /// Place the bodies that move in layers over the ground, falling.
@@ -192,7 +194,7 @@ fn steps_of_spheres_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(|k| ShapeFile::sphere(0.05 + 0.01 * (k % 4) as f64), 100, DVec3::ZERO);
     layers(&model, &mut state, 100);
     for method in [Method::Apgd, Method::GaussSeidel] {
-        fall(&mut model, &state, (method, 1e-4));
+        fall(&mut model, &state, (method, 2e-6));
     }
 }
 
@@ -235,5 +237,72 @@ fn solids_on_surfaces_have_the_contacts_of_the_cpu() {
 fn steps_of_solids_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(solids, 36, DVec3::ZERO);
     layers(&model, &mut state, 36);
-    fall(&mut model, &state, (Method::Apgd, 1e-4));
+    // A hundred sweeps of the processor leave more than a hundred iterations of APGD.
+    for (method, tolerance) in [(Method::Apgd, 2e-5), (Method::GaussSeidel, 3e-4)] {
+        fall(&mut model, &state, (method, tolerance));
+    }
+}
+
+/// Boxes that slide against the sides of a block of triangles on the ground, and along them past its edges, at any angle and with some sides in
+/// the planes of its faces: none is under another face, on either back end.
+#[test]
+fn what_slides_against_a_mesh_is_beside_it() {
+    let mut random = SplitMix64(15);
+    let n = 60;
+    let sizes: Vec<DVec3> = (0..n)
+        .map(|k| {
+            let size = DVec3::from_array(std::array::from_fn(|_| (random.between(0.1, 1.2) * 100.0).round() / 100.0));
+            if k % 5 == 0 { size.with_z(1.0) } else { size }
+        })
+        .collect();
+    let mut builder = ModelBuilder::new("sides");
+    builder.material("stone", 1000.0, 0.3);
+    builder.body("ground", "stone", ShapeFile::plane([0.0, 0.0, 1.0]));
+    builder.body("block", "stone", ShapeFile::cuboid([1.0, 2.0, 1.0])).fixed = true;
+    for (k, size) in sizes.iter().enumerate() {
+        let body = builder.body(&format!("s{k}"), "stone", ShapeFile::cuboid(size.to_array()));
+        body.position = [3.0 * k as f64 + 10.0, 0.0, 0.5 * size.z];
+    }
+    let mut sim = builder.simulation().unwrap();
+    let of_block = sim.model.body_names["block"] as usize;
+    let s = sim.model.shape_body.iter().position(|body| *body as usize == of_block).unwrap();
+    let surface = block(DVec3::new(0.5, 1.0, 0.5));
+    (sim.model.shape_kind[s], sim.model.shape_part[s]) = (ShapeKind::Mesh, 0);
+    sim.model.surfaces.push(surface);
+    sim.state.position[of_block] = DVec3::Z * 0.5;
+    // They pass through each other.
+    sim.model.group_names = vec!["all".into(), "ground".into()];
+    sim.model.groups_pass = vec![true, false, false, false];
+    for s in 0..sim.model.n_shapes() {
+        sim.model.shape_group[s] = (sim.model.inv_mass[sim.model.shape_body[s] as usize] == 0.0) as u32;
+    }
+    for (k, size) in sizes.iter().enumerate() {
+        let b = sim.model.body_names[&format!("s{k}")] as usize;
+        let (speed, aside) = (random.between(0.5, 6.0), random.between(-2.0, 2.0));
+        let reach = 0.55 * size.truncate().length();
+        let (position, velocity) = match k % 2 {
+            0 => (DVec3::new(-0.55 - reach, random.between(-1.0, 1.0), 0.0), DVec3::new(speed, aside, 0.0)),
+            _ => (DVec3::new(random.between(-0.5, 0.5), -1.05 - reach, 0.0), DVec3::new(aside, speed, 0.0)),
+        };
+        sim.state.position[b] = position.with_z(0.5 * size.z);
+        sim.state.velocity[b] = velocity;
+        sim.state.orientation[b] = DQuat::from_rotation_z(if k % 3 == 0 { random.between(0.0, 1.6) } else { 0.0 });
+    }
+    for (step, n_steps) in [(1e-3, 300), (5e-3, 100)] {
+        sim.model.step = step;
+        let solver = sim.model.solver.clone();
+        sim.model.solver = SolverSettings { method: Some(Method::Apgd), iterations: Some(60), ..solver };
+        let Some(own) = on_device(&sim.model, &sim.state) else { return };
+        for mut simulation in [Simulation::new(sim.model.clone(), sim.state.clone()), own] {
+            let mut worst = (0.0, 0);
+            for _ in 0..n_steps {
+                let report = simulation.step();
+                worst =
+                    if report.worst_penetration > worst.0 { (report.worst_penetration, report.step) } else { worst };
+            }
+            let what = format!("{} s, {}: {} m in step {}", step, simulation.backend(), worst.0, worst.1);
+            eprintln!("{what}");
+            assert!(worst.0 < 0.02, "{what}");
+        }
+    }
 }

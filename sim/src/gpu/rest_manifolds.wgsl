@@ -1,0 +1,107 @@
+// Gauss–Seidel over the pairs of big tiles and those in no tile of shapes of any kind, one tile after the other, by one workgroup on the
+// columns in memory.
+// in    rows         [n_contacts]
+// in    visits       [n_contacts]
+// in    place        [n_pairs + 1] number of contacts of the pairs before each pair
+// in    color        [n_pairs]
+// in    tile_first   [n_tiles]     first pair of each tile
+// in    tile_size    [n_tiles]     number of pairs without a colour, and of colours
+// in    big          [n_big]       the big tiles
+// in    counts       [3]           n_big, n_tiles, n_pairs
+// inout motion       [n_bodies]    m/s, rad/s
+// inout gamma        [n_contacts]  N s, world
+// out   moved        [1]           residual terms of the first sweep squared, m²/s²
+// in    mass         [n_bodies]    1/kg, and principal, 1/(kg m²)
+// in    orientation  [n_bodies]    of the principal frames
+// inout roll         [n_contacts]  N m s, world: rolling and spinning impulses on B
+// in    roll_row     [n_contacts]
+// in    params       [3]           sweeps, whether Coulomb's law is exact, and as bits ω
+// Twin: cpu/solve/sweeps.rs
+#import sphere
+#import manifold
+#import partial
+
+@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(1) var<storage, read> visits: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> place: array<u32>;
+@group(0) @binding(3) var<storage, read> color: array<u32>;
+@group(0) @binding(4) var<storage, read> tile_first: array<u32>;
+@group(0) @binding(5) var<storage, read> tile_size: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> big: array<u32>;
+@group(0) @binding(7) var<storage, read> n_big: array<u32>;
+@group(0) @binding(8) var<storage, read> n_tiles: array<u32>;
+@group(0) @binding(9) var<storage, read> n_pairs: array<u32>;
+@group(0) @binding(10) var<storage, read_write> motion: array<Body>;
+@group(0) @binding(11) var<storage, read_write> gamma: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> moved: array<f32>;
+@group(0) @binding(13) var<storage, read> mass: array<vec4<f32>>;
+@group(0) @binding(14) var<storage, read> orientation: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read_write> roll: array<vec4<f32>>;
+@group(0) @binding(16) var<storage, read> roll_row: array<vec4<f32>>;
+@group(0) @binding(17) var<storage, read> params: array<u32>;
+
+const THREADS: u32 = 256u;
+const NONE: u32 = 0xffffffffu;
+
+// Visit the contacts of a pair. Returns their residual terms squared.
+fn visit_pair(pair: u32) -> f32 {
+    let first = place[pair];
+    let end = place[pair + 1u];
+    if first == end {
+        return 0.0;
+    }
+    let bodies = rows[first].bodies;
+    let a = motion[bodies.x];
+    let b = motion[bodies.y];
+    var two = Two(a.v, a.inv_mass, a.w, b.inv_mass, b.v, b.w, tensor_of(bodies.x), tensor_of(bodies.y));
+    var term = 0.0;
+    for (var k = first; k < end; k++) {
+        term += visit(k, &two, params[1] == 1u, bitcast<f32>(params[2]));
+    }
+    if a.inv_mass > 0.0 {
+        motion[bodies.x] = Body(two.va, a.inv_mass, two.wa, a.inv_inertia);
+    }
+    if b.inv_mass > 0.0 {
+        motion[bodies.y] = Body(two.vb, b.inv_mass, two.wb, b.inv_inertia);
+    }
+    return term;
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(local_invocation_index) thread: u32) {
+    var term = 0.0;
+    for (var t = 0u; t < n_big[0]; t++) {
+        let tile = big[t];
+        let first = tile_first[tile];
+        var end = n_pairs[0];
+        if tile + 1u < n_tiles[0] {
+            end = tile_first[tile + 1u];
+        }
+        for (var sweep = 0u; sweep < params[0]; sweep++) {
+            for (var c = 0u; c < tile_size[tile].y; c++) {
+                storageBarrier();
+                workgroupBarrier();
+                for (var k = first + thread; k < end; k += THREADS) {
+                    if color[k] == c {
+                        term += select(0.0, visit_pair(k), sweep == 0u);
+                    }
+                }
+            }
+            if tile_size[tile].x > 0u {
+                storageBarrier();
+                workgroupBarrier();
+                for (var k = first; k < select(first, end, thread == 0u); k++) {
+                    if color[k] == NONE {
+                        term += select(0.0, visit_pair(k), sweep == 0u);
+                    }
+                }
+            }
+        }
+        storageBarrier();
+        workgroupBarrier();
+    }
+    let total = group_total(thread, vec4(term, 0.0, 0.0, 0.0));
+    if thread == 0u {
+        moved[0] = total.x;
+    }
+}
