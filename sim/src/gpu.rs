@@ -35,6 +35,7 @@ mod overlaps;
 mod pair_write;
 mod parts;
 mod problem;
+mod read_back;
 mod rest;
 pub mod rows;
 mod scale;
@@ -50,8 +51,6 @@ mod tests;
 
 pub use fault::Fault;
 
-use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
-use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::outcome::{Outcome, StepOutcome};
 use crate::plan::{ContactMethod, Narrow, StepPlan, has_joints};
@@ -63,7 +62,6 @@ use crate::{sleep, watch};
 use collision::Collision;
 use contact_solve::ContactSolve;
 use exact::Rounds;
-use glam::DVec3;
 use gpu::{Commands, Device, Kernels, Timings};
 use impacts::Impacts;
 use joints::Joints;
@@ -397,59 +395,6 @@ impl Gpu {
         sleep::rouse(state, touched);
         self.renew(model, state, plan)?;
         Ok(true)
-    }
-
-    /// Bring a state up to date: its columns are those on the device.
-    ///
-    /// # Errors
-    /// [`Fault::Gpu`].
-    pub fn fetch(&mut self, model: &Model, state: &mut State) -> Result<(), Fault> {
-        if !self.is_stale {
-            return Ok(());
-        }
-        let fetch = |state: &mut State| self.collision.bodies.fetch(&self.device, state);
-        match &self.mechanism {
-            Some(mechanism) => mechanism.keep(state, fetch)?,
-            None => fetch(state)?,
-        }
-        state.fat_aabb = Some(self.collision.fetch_boxes(&self.device, model)?);
-        self.survey.fetch(&self.device, state)?;
-        state.step_length = self.solve.step_length(&self.device)?;
-        state.contacts = self.contacts(self.n_contacts)?;
-        // Contact points are found anew in each step here.
-        state.manifolds = Manifolds::default();
-        self.is_stale = false;
-        Ok(())
-    }
-
-    /// The first `n` contacts of the device, with their impulses.
-    fn contacts(&self, n: usize) -> Result<Contacts, Fault> {
-        let rows = self.solve.problem.contact.read(&self.device, n)?;
-        let impulses = self.solve.problem.gamma.read(&self.device, n)?;
-        let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let arms = match self.solve.problem.layout.narrow {
-            Narrow::Spheres => Arms::Along(rows.iter().map(|c| c.reach.map(f64::from)).collect()),
-            Narrow::Any => {
-                let arms = self.solve.problem.arms.read(&self.device, n)?;
-                Arms::Any(arms.iter().map(|arm| [arm.a, arm.b].map(vector)).collect())
-            }
-        };
-        let rolling = match self.solve.problem.layout.rolls {
-            true => self.solve.problem.roll.read(&self.device, n)?,
-            false => vec![],
-        };
-        Ok(Contacts {
-            bodies: rows.iter().map(|c| c.bodies).collect(),
-            key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], c.feature]).collect(),
-            pair: vec![NO_SPHERE_PAIR; n],
-            normal: rows.iter().map(|c| vector(c.normal).normalize()).collect(),
-            arms,
-            gap: rows.iter().map(|c| c.gap as f64).collect(),
-            law: rows.iter().map(|c| c.law).collect(),
-            impulse: impulses.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
-            rolling_impulse: rolling.iter().map(|z| vector([z[0], z[1], z[2]])).collect(),
-            ..Contacts::default()
-        })
     }
 
     /// Submit the commands of a step.

@@ -135,15 +135,13 @@ pub fn run(
         eta: &work.eta,
         envelope: model.envelope,
     };
-    let may_land = plan.sweeps_landings && limits.is_empty() && n > settings.max_iterations(n) as usize;
-    let lands = method != ContactMethod::Sweeps && may_land && is_far(&mut op, model, &gamma, response);
+    let (iterates, sweeps) = (&mut work.iterates, &mut work.sweeps);
     let outcome = match method {
-        ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, &mut work.sweeps),
-        ContactMethod::Blocks(_) if lands => {
-            let settings = SolverSettings { omega: None, ..settings.clone() };
-            sweeps::run(&mut op, &settings, &mut gamma, response, &mut work.sweeps)
+        ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, sweeps),
+        ContactMethod::Blocks(_) if lands(&mut op, model, settings, &gamma, response) => {
+            sweeps::run(&mut op, &SolverSettings { omega: None, ..settings.clone() }, &mut gamma, response, sweeps)
         }
-        ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, &mut work.iterates),
+        ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, iterates),
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
@@ -166,13 +164,24 @@ pub fn run(
     (outcome, worst)
 }
 
-/// Whether the starting point γ is far from the solution: by more than a step of free fall changes speeds, in the root mean square.
+/// Whether sweeps are to take over a step, as while a bed lands: the starting point γ is far from the solution, by more than a step of free
+/// fall changes speeds, in the root mean square, and there are more contacts than iterations.
 ///
 /// What other methods than Gauss–Seidel leave of a bed's landing, when they are cut off, are errors that whole layers share, so that layers
 /// sink into each other for as long as it takes.
-fn is_far(op: &mut BodyOperator, model: &Model, gamma: &[DVec3], response: &mut Response) -> bool {
+fn lands(
+    op: &mut BodyOperator,
+    model: &Model,
+    settings: &SolverSettings,
+    gamma: &[DVec3],
+    response: &mut Response,
+) -> bool {
+    let n = gamma.len();
+    if !op.plan.sweeps_landings || !op.limits.is_empty() || n <= settings.max_iterations(n) as usize {
+        return false;
+    }
     op.response(gamma, response);
-    residual(op, gamma, response) * (gamma.len() as f64).sqrt() > residual_bound(model)
+    residual(op, gamma, response) * (n as f64).sqrt() > residual_bound(model)
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.
