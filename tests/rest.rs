@@ -2,7 +2,7 @@
 
 use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
-use sim::Simulation;
+use sim::{Simulation, workload};
 
 /// A bed of 300 spheres in a narrow shaft, 30 layers deep. Some of its loose grains roll on between the others for three seconds.
 const SHAFT: &str = "step: 1e-3
@@ -63,6 +63,29 @@ fn the_layers_of_a_bed_do_not_sink_into_each_other_while_it_lands() {
     }
     let alone = deepest("method: barzilai_borwein, sweep_landings: false");
     assert!(alone > 2e-3, "the bed tells nothing: {alone:.1e} m");
+}
+
+#[test]
+fn sweeps_go_on_where_a_step_would_add_overlap() {
+    let deepest = |overlap_tolerance| {
+        let solver = sim::SolverSettings {
+            friction: sim::FrictionLaw::Exact,
+            recovery_speed: 0.03,
+            overlap_tolerance,
+            ..workload::solver(sim::Method::GaussSeidel, 18)
+        };
+        let (model, state) = workload::build(workload::Workload::S, 1000, solver, 1.5e-3);
+        let mut sim = Simulation::new(model, state);
+        let (mut depth, mut sweeps) = (0.0f64, 0);
+        for _ in 0..250 {
+            let report = sim.step();
+            (depth, sweeps) = (depth.max(report.worst_penetration), sweeps + report.iterations);
+        }
+        (depth / 0.075, sweeps)
+    };
+    let ((alone, fewer), (with_more, more)) = (deepest(None), deepest(Some(3e-4 * 0.075)));
+    assert!(alone > 1.5e-3 && with_more < 9e-4, "{alone:.1e} of a radius alone, {with_more:.1e} with more sweeps");
+    assert!(fewer < more && more < fewer * 5 / 4, "{fewer} sweeps alone, {more} with more");
 }
 
 #[test]

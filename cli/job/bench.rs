@@ -111,6 +111,8 @@ fn spheres(args: &BenchSimArgs, workload: Workload, cpu_before: f64) -> Outcome<
     let n = args.n.unwrap_or(8000);
     let quality = args.quality.map(Quality::from);
     let solver = SolverSettings { recovery_speed: 0.03, ..workload::solver(Method::GaussSeidel, 24) };
+    let sweeps_more = args.iterations.is_none() && matches!(args.method, None | Some(args::Method::GaussSeidel));
+    let solver = if sweeps_more { workload::sweeping_more(workload, solver) } else { solver };
     let (mut model, state) = workload::build(workload, n, solver, args.step.unwrap_or(1.5e-3));
     if let Some(quality) = quality {
         let (step, solver) = quality.settings(&model, &state);

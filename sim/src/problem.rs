@@ -26,7 +26,7 @@ use crate::cpu::solve::cone::project_cone;
 use crate::cpu::solve::iterates::Iterates;
 use crate::cpu::solve::operator::Operator;
 use crate::cpu::solve::response::Response;
-use crate::cpu::solve::{exact, solve as solve_with};
+use crate::cpu::solve::{slip, solve as solve_with};
 use crate::fill::SplitMix64;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
 use glam::{DMat3, DVec3};
@@ -209,7 +209,7 @@ fn descend(op: &mut MatrixOperator, law: &Law, method: Method, mut gamma: Vec<DV
     while done < law.iterations && best.error > law.tolerance {
         if is_exact {
             op.response(&gamma, &mut response);
-            let slip = exact::measure(op, &response, gamma.len());
+            let slip = slip::measure(op, &response, gamma.len());
             op.set_slip_feedback(&slip);
         }
         let settings = SolverSettings {

@@ -89,6 +89,10 @@ pub struct SolverSettings {
     /// Maximum number of iterations per step; if not given, 50,000 divided by the number of contacts, and at least 50.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iterations: Option<u32>,
+    /// Overlap that a step may add at a contact, m: sweeps of Gauss–Seidel go on beyond `iterations`, up to four times as many, while they
+    /// leave more, as where something lands; if not given, they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overlap_tolerance: Option<f64>,
     /// Maximum number of iterations, of `apgd`, of a step in which no contact has an impulse to start from, as the first one of a model
     /// whose bodies stand on each other; if not given, `iterations`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,7 +100,8 @@ pub struct SolverSettings {
     /// Whether Gauss–Seidel takes over from another method the steps of a bed that begin far from their solution and have more contacts
     /// than iterations, as while it lands.
     pub sweep_landings: bool,
-    /// Residual (as in `report.csv`) below which the iteration stops, m/s; with 0 all iterations are done.
+    /// Residual (as in `report.csv`) below which the iteration stops, m/s, that of `jacobi` with exact friction below a tenth of it; with 0 all
+    /// iterations are done.
     pub tolerance: f64,
     /// Relaxation factor ω of Jacobi and Gauss–Seidel; if not given, 0.3 for Jacobi and 1 for Gauss–Seidel.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -130,6 +135,7 @@ impl Default for SolverSettings {
             friction: FrictionLaw::Relaxed,
             impacts: Impacts::Simultaneous,
             iterations: None,
+            overlap_tolerance: None,
             start_iterations: None,
             sweep_landings: true,
             tolerance: 1e-7,

@@ -22,7 +22,7 @@ pub enum Workload {
 /// The model and initial state of a workload: `n` spheres on a jittered lattice 12 layers high, in a box of a floor and four walls,
 /// with steps of `step`, s.
 pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) -> (Model, State) {
-    let r_max = if workload == Workload::S { 0.075 } else { 0.036 };
+    let r_max = radius(workload);
     let spacing = 2.1 * r_max;
     let side = (n as f64 / 12.0).sqrt().ceil() as usize;
     let length = side as f64 * spacing;
@@ -73,6 +73,16 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
         add(&mut model, &mut state, 1, ShapeKind::Sphere, DVec3::splat(r), DVec3::from_array(p), DQuat::IDENTITY, mass);
     }
     (model, state)
+}
+
+/// The greatest radius of a workload's spheres, m.
+fn radius(workload: Workload) -> f64 {
+    if workload == Workload::S { 0.075 } else { 0.036 }
+}
+
+/// The same settings with fewer sweeps, and more where spheres would overlap by 3e-4 of the radius in a step.
+pub fn sweeping_more(workload: Workload, solver: SolverSettings) -> SolverSettings {
+    SolverSettings { iterations: Some(18), overlap_tolerance: Some(3e-4 * radius(workload)), ..solver }
 }
 
 /// Solver settings of the workloads: a method alone, and a fixed number of iterations, whatever the residual.

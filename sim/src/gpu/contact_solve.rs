@@ -109,7 +109,9 @@ impl ContactSolve {
     ) -> Result<ContactSolve, Fault> {
         let feeds = settings.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
         let problem = Problem::new(device, kernels, (model, feeds), (collision, joints))?;
-        let exact = if feeds { Some(Exact::new(device, kernels, &problem)?) } else { None };
+        // Jacobi feeds the slip of each iterate.
+        let by_rounds = feeds && method != Method::Jacobi;
+        let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
@@ -296,7 +298,7 @@ impl ContactSolve {
         commands.stage(STAGE);
         match &self.method {
             Columns::Jacobi => {
-                jacobi::record(device, kernels, commands, (&self.settings, self.part()), &self.problem)?;
+                jacobi::record(device, kernels, commands, (&self.settings, self.part()), (&self.problem, self.fall))?;
             }
             Columns::Apgd(apgd) => apgd.record(device, commands, &self.problem, self.part()),
             Columns::BarzilaiBorwein(own) => own.record(device, commands, &self.problem, self.part()),

@@ -1,5 +1,5 @@
 // The slip that is fed back to the rate of a gap by Coulomb's law itself.
-// Twin: cpu/solve/exact.rs
+// Twin: cpu/solve/slip.rs
 
 // Share of the cone's width from which on a contact slides.
 const SLIDES: f32 = 0.99;

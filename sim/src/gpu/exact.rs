@@ -1,5 +1,6 @@
 //! Coulomb's law itself by a descent method on a device: the slip μ |v_t| is fed back to the rates of the gaps, and the convex problem solved
 //! again, until the slip that comes out is the slip that was fed. What a round has come to is read back, and decides whether there is another.
+//! Jacobi feeds the slip of each iterate itself.
 //! inout  row     [n_contacts]
 //! inout  slip    [n_contacts]  m/s
 //! inout  gamma   [n_contacts]  N s, world
@@ -79,7 +80,7 @@ impl Exact {
         commands.dispatch(device, &self.sum, &[sums, self.sums.bind(), n], &[], Work::Groups(1));
     }
 
-    /// Record the beginning of another round, with the first step length of Jacobi or Barzilai–Borwein.
+    /// Record the beginning of another round, with the first step length of Barzilai–Borwein.
     pub fn record_again(&self, device: &Device, commands: &mut Commands, (problem, omega): (&Problem, f64)) {
         let n = problem.n_contacts.n.bind();
         commands.dispatch(device, &self.feed, &[problem.row(), problem.slip.bind(), n], &[], problem.contacts());

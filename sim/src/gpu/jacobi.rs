@@ -1,6 +1,7 @@
 //! Projected Jacobi on a device: a kernel over contacts steps and projects the impulses, a kernel over bodies sums them; a third, of one
 //! workgroup, decides whether another iteration follows.
-//! in     row      [n_contacts]
+//! inout  row      [n_contacts]
+//! in     slip     [n_contacts]  m/s, by Coulomb's law itself: the slip of each iterate is fed
 //! in     free     [n_bodies]    m/s, rad/s
 //! inout  gamma    [n_contacts]  N s, world
 //! inout  motion   [n_bodies]    m/s, rad/s
@@ -13,6 +14,8 @@
 
 use super::parts::{bits, kernel_of};
 use super::problem::Problem;
+use crate::cpu::solve::jacobi::SHARE;
+use crate::cpu::solve::slip::KNOWN;
 use crate::settings::SolverSettings;
 use gpu::{Commands, Device, GpuError, Kernels, Work};
 
@@ -22,24 +25,28 @@ pub const BYTES: f64 = 216.0;
 /// ω where the model gives none.
 pub const OMEGA: f64 = 0.3;
 
-/// Record iterations.
+/// Record iterations; `fall` is the speed that a body gains in a step of free fall, m/s.
 pub fn record(
     device: &Device,
     kernels: &Kernels,
     commands: &mut Commands,
     (settings, iterations): (&SolverSettings, u32),
-    problem: &Problem,
+    (problem, fall): (&Problem, f64),
 ) -> Result<(), GpuError> {
     let contact = kernel_of(problem.layout, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
     let decide = kernel_of(problem.layout, device, kernels, ("jacobi_decide", include_str!("jacobi_decide.wgsl")))?;
     let (n, scalars, sums) = (problem.n_contacts.n.bind(), problem.scalars.bind(), problem.of_contacts.bind());
     let [roll, roll_row] = problem.rolling();
-    let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row];
+    let slip = problem.slip.bind();
+    let of_contacts =
+        [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row, slip];
+    let of_step = [bits(settings.lambda), problem.feeds as u32, bits(fall), bits(KNOWN * settings.tolerance)];
     let of_decision = [sums, scalars, problem.work.bind(), n];
-    let params = [bits(settings.tolerance), settings.omega.is_some() as u32];
+    let share = if problem.feeds { SHARE } else { 1.0 };
+    let params = [bits(share * settings.tolerance), settings.omega.is_some() as u32];
     for _ in 0..iterations {
         let work = Work::Indirect(&problem.work, 0);
-        commands.dispatch(device, &contact, &of_contacts, &[bits(settings.lambda)], work);
+        commands.dispatch(device, &contact, &of_contacts, &of_step, work);
         commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
         problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
     }

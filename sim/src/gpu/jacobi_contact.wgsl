@@ -1,5 +1,5 @@
 // Projected Jacobi, first half of an iteration: γ⁺ = λ Π(γ − ω η (Nγ + r)) + (1 − λ) γ, from the velocities that γ gives the bodies.
-// in    row      [n_contacts]
+// inout row      [n_contacts]
 // in    motion   [n_bodies]    m/s, rad/s
 // inout gamma    [n_contacts]  N s, world; the fourth number is not used
 // in    scalars  [1]
@@ -7,16 +7,19 @@
 // in    count    [1]           n_contacts
 // inout roll     [n_contacts]  N m s, world: rolling and spinning impulses on B
 // in    roll_row [n_contacts]
-// in    params   [1]           as bits: λ
+// in    slip     [n_contacts]  m/s, where slip is fed: the offset without slip
+// in    params   [4]           as bits: λ; whether the slip of each iterate is fed, by Coulomb's law itself; the least slip over μ that is
+//                              fed (m/s), and slip that is known over the root of the number of blocks (m/s)
 // Twin: cpu/solve/jacobi.rs
 #import sphere
 #import project
+#import creep
 #import residual_term
 #import scalars
 #import partial
 #import roll
 
-@group(0) @binding(0) var<storage, read> rows: array<Row>;
+@group(0) @binding(0) var<storage, read_write> rows: array<Row>;
 @group(0) @binding(1) var<storage, read> motion: array<Body>;
 @group(0) @binding(2) var<storage, read_write> gamma: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> scalars: array<Scalars>;
@@ -24,7 +27,8 @@
 @group(0) @binding(5) var<storage, read> count: array<u32>;
 @group(0) @binding(6) var<storage, read_write> roll: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> roll_row: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read> params: array<u32>;
+@group(0) @binding(8) var<storage, read> slip: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read> params: array<u32>;
 
 // The step of the rolling impulse of a contact with the impulse γ, and what it adds to the sums.
 fn roll_step(k: u32, row: Row, gamma_k: vec3<f32>, lambda: f32) -> vec4<f32> {
@@ -44,8 +48,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var own = vec4(0.0);
     if k < count[0] {
         let row = rows[k];
-        let gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
+        var gradient = gradient_of(row, motion[row.bodies.x], motion[row.bodies.y]);
         let x = gamma[k].xyz;
+        if params[1] == 1u {
+            let known = bitcast<f32>(params[3]) * sqrt(f32(blocks_of(count[0])));
+            let least_speed = min(bitcast<f32>(params[2]), known);
+            let offset = slip[k].x + slip_of(gradient, x, row.normal, row.friction, least_speed);
+            gradient += row.normal * (offset - row.offset);
+            rows[k].offset = offset;
+        }
         let z = project_row(x - gradient * (scalars[0].omega * row.eta), row);
         let lambda = bitcast<f32>(params[0]);
         let next = z * lambda + x * (1.0 - lambda);

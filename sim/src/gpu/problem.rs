@@ -72,7 +72,7 @@ pub struct Problem {
     side_start: Buffer<[u32; 2]>,
     n_sides: Count,
     /// Whether slip is fed back.
-    feeds: bool,
+    pub feeds: bool,
     all_bodies: Count,
     law: Buffer<[f32; 4]>,
     /// Cohesion of each law, N (n_laws).

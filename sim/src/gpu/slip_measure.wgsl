@@ -6,7 +6,7 @@
 // out   parts    [n_groups]    m/s: |change|, slip
 // in    count    [1]           n_contacts
 // in    params   [1]           as bits: slip over μ below which none is fed (m/s)
-// Twin: cpu/solve/exact.rs
+// Twin: cpu/solve/slip.rs
 #import sphere
 #import project
 #import creep

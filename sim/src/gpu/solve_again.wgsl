@@ -3,7 +3,7 @@
 // out   work     [5]  workgroups of an iteration over contacts and over bodies, of a check and of what is kept
 // in    limit    [1]  the most iterations of the round
 // in    count    [1]  n_contacts
-// in    params   [2]  n_bodies, and as bits the first step length of Jacobi or Barzilai–Borwein
+// in    params   [2]  n_bodies, and as bits the first step length of Barzilai–Borwein
 // Twin: cpu/solve/exact.rs
 #import begin_solve
 

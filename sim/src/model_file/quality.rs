@@ -35,6 +35,8 @@ struct Choice {
     friction: FrictionLaw,
     iterations: Option<u32>,
     start_iterations: Option<u32>,
+    /// Overlap that a step may add, over r.
+    overlap: Option<f64>,
     tolerance: f64,
     omega: Option<f64>,
     /// Greatest speed of recovery over √(g r).
@@ -58,8 +60,9 @@ impl Choice {
                 longest: level(4e-3, 2e-3, 1e-3),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Exact,
-                iterations: Some(count(16, 24, 60)),
+                iterations: Some(count(16, 18, 60)),
                 start_iterations: None,
+                overlap: Some(level(1e-3, 3e-4, 3e-4)),
                 tolerance: level(1e-7, 1e-8, 1e-9),
                 omega: None,
                 recovery: Some(0.035),
@@ -72,6 +75,7 @@ impl Choice {
                 friction: FrictionLaw::Relaxed,
                 iterations: Some(count(15, 15, 20)),
                 start_iterations: Some(count(2000, 2000, 4000)),
+                overlap: None,
                 tolerance: 1e-9,
                 omega: Some(1.3),
                 recovery: None,
@@ -84,6 +88,7 @@ impl Choice {
                 friction: FrictionLaw::Relaxed,
                 iterations: None,
                 start_iterations: None,
+                overlap: None,
                 tolerance: level(1e-6, 1e-7, 1e-8),
                 omega: None,
                 recovery: None,
@@ -143,6 +148,7 @@ impl Quality {
             friction: choice.friction,
             iterations: choice.iterations,
             start_iterations: choice.start_iterations,
+            overlap_tolerance: choice.overlap.map(|overlap| overlap * radius),
             tolerance: choice.tolerance,
             omega: choice.omega,
             recovery_speed: choice.recovery.map_or(open.recovery_speed, |share| share * (gravity * radius).sqrt()),
@@ -173,6 +179,10 @@ impl ModelFile {
             let fill = |key: &str| is_open(&format!("solver.{key}"));
             own.iterations = if fill("iterations") { chosen.iterations } else { own.iterations };
             own.omega = if fill("omega") { chosen.omega } else { own.omega };
+            // Iterations that are given are the most.
+            if fill("iterations") && fill("overlap_tolerance") {
+                own.overlap_tolerance = chosen.overlap_tolerance;
+            }
         }
         macro_rules! fill {
             ($($key:ident),*) => {

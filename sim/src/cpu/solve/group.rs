@@ -23,11 +23,16 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;
 
-    /// Visit groups one after the other, with the action `ACT`; returns the sum of `|Δγ/η|²`.
+    /// Visit groups one after the other, with the action `ACT`; returns the sum of `|Δγ/η|²`, and the greatest speed at which a gap closed
+    /// by more than its width when it was visited, m/s.
     ///
     /// # Safety
     /// No other thread touches the motions of the groups' moving bodies.
-    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64;
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(
+        groups: &mut [Self],
+        motion: &Cells<Motion<T>>,
+        omega: f64,
+    ) -> [f64; 2];
 }
 
 /// The action of a visit on a contact.
@@ -90,7 +95,7 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
     groups: &mut [G],
     motion: &Cells<Motion<T>>,
     omega: f64,
-) -> f64 {
+) -> [f64; 2] {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
@@ -98,7 +103,7 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
             groups: &mut [G],
             motion: &Cells<Motion<T>>,
             omega: f64,
-        ) -> f64 {
+        ) -> [f64; 2] {
             crate::lanes::align_stack();
             // SAFETY: the caller's promise.
             unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
@@ -156,4 +161,23 @@ pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
             }
         }
     }
+}
+
+/// The greater of the speeds of closing, m/s, so far and of contacts that open at some speed.
+#[inline(always)]
+pub fn faster<T: Real, const L: usize, V: Lanes<T, L>>(closing: V, opening: V) -> V {
+    let own = V::splat(T::of(0.0)) - opening;
+    closing.select_le(own, own, closing)
+}
+
+/// Sum of all lanes.
+#[inline(always)]
+pub fn sum<T: Real, const L: usize, V: Lanes<T, L>>(v: V) -> f64 {
+    v.to_array().iter().map(|x| x.wide()).sum()
+}
+
+/// The greatest of all lanes.
+#[inline(always)]
+pub fn max<T: Real, const L: usize, V: Lanes<T, L>>(v: V) -> f64 {
+    v.to_array().iter().map(|x| x.wide()).fold(0.0, f64::max)
 }

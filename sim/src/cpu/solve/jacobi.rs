@@ -7,10 +7,14 @@ use super::iterates::Iterates;
 use super::operator::Operator;
 use super::residual::residual;
 use super::response::Response;
+use super::slip;
 use crate::outcome::Outcome;
 use crate::rows::{fill_rows, sum_rows};
-use crate::settings::SolverSettings;
+use crate::settings::{FrictionLaw, SolverSettings};
 use glam::DVec3;
+
+/// Share of the tolerance at which it ends by Coulomb's law itself: what Jacobi leaves is an error of whole layers, which would slip.
+pub const SHARE: f64 = 0.1;
 
 /// Growth of a step's square that is more than rounding.
 const GROWS: f64 = 1.0 + 1e-6;
@@ -23,6 +27,8 @@ pub fn run(
     work: &mut Iterates,
 ) -> Outcome {
     let (mut omega, lambda) = (settings.omega.unwrap_or(0.3), settings.lambda);
+    let feeds = settings.friction == FrictionLaw::Exact;
+    let tolerance = if feeds { SHARE * settings.tolerance } else { settings.tolerance };
     let mut last_step2 = f64::INFINITY;
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut outcome = Outcome::default();
@@ -35,6 +41,9 @@ pub fn run(
         });
         std::mem::swap(gamma, &mut work.next);
         op.response(gamma, response);
+        if feeds {
+            slip::feed(op, settings, gamma, response);
+        }
         if settings.omega.is_none() {
             let [step2] = sum_rows(gamma.len(), |i| [(gamma[i] - work.next[i]).length_squared() / op.eta(i)]);
             if step2 > GROWS * last_step2 {
@@ -43,9 +52,9 @@ pub fn run(
             last_step2 = step2;
         }
         outcome.iterations = iteration;
-        if settings.tolerance > 0.0 || iteration == max {
+        if tolerance > 0.0 || iteration == max {
             outcome.residual = residual(op, gamma, response);
-            if outcome.residual <= settings.tolerance {
+            if outcome.residual <= tolerance {
                 break;
             }
         }

@@ -8,7 +8,7 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{Group, Grouped, Motion, act, gather, scatter};
+use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
 use super::operator::Operator;
 use super::schedule::Blocks;
 use crate::lanes::{Lane3, Lanes, Real, project};
@@ -104,21 +104,23 @@ impl<T: Real, const L: usize> Contact<T, L> {
         self.inv_eta = ((a + uu + ww) * V::splat(T::of(1.0 / 3.0))).to_array();
     }
 
-    /// The change of the impulses of a visit, and the sum of the squared residual terms.
+    /// The change of the impulses of a visit; what it adds to the sum of the squared residual terms and to the greatest speed of closing.
     #[inline(always)]
     fn solve<const ACT: u8, V: Lanes<T, L>>(
         &mut self,
         v: Lane3<V>,
         n: Lane3<V>,
         omega: V,
-        residual2: &mut V,
+        (residual2, closing): (&mut V, &mut V),
     ) -> Lane3<V> {
         let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
         let gamma = load3(&self.gamma);
         let (along, across, friction) = (V::load(&self.along), V::load(&self.across), V::load(&self.friction));
         let v_n = v.dot(n);
         let before_n = gamma.dot(n);
-        let normal = before_n - (v_n + V::load(&self.offset)) * along;
+        let opening = v_n + V::load(&self.offset);
+        *closing = group::faster(*closing, opening);
+        let normal = before_n - opening * along;
         let z = if ACT == act::EXACT {
             let kept = zero.select_le(normal, normal, zero);
             let v_t = v.minus(n.times(v_n)).plus(load3::<T, L, V>(&self.coupling).times(kept - before_n));
@@ -178,9 +180,13 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
     }
 
     #[inline(always)]
-    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(
+        groups: &mut [Self],
+        motion: &Cells<Motion<T>>,
+        omega: f64,
+    ) -> [f64; 2] {
         let omega = V::splat(T::of(omega));
-        let mut residual2 = V::splat(T::of(0.0));
+        let [mut residual2, mut closing] = [V::splat(T::of(0.0)); 2];
         for g in groups {
             // SAFETY: the caller's promise, here and below.
             let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
@@ -196,7 +202,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
                     load3(&contact.gamma)
                 } else {
                     let v = vb.plus(wb.cross(arm_b)).minus(va).minus(wa.cross(arm_a));
-                    contact.solve::<ACT, V>(v, n, omega, &mut residual2)
+                    contact.solve::<ACT, V>(v, n, omega, (&mut residual2, &mut closing))
                 };
                 va = va.minus(d.times(mass_a));
                 vb = vb.plus(d.times(mass_b));
@@ -207,7 +213,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
             unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };
         }
-        residual2.to_array().iter().map(|m| m.wide()).sum()
+        [group::sum(residual2), group::max(closing)]
     }
 }
 

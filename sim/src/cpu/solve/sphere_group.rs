@@ -7,7 +7,7 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{Group, Grouped, Motion, act, gather, scatter};
+use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
 use super::operator::Operator;
 use crate::contacts::Arms;
 use crate::lanes::{Lane3, Lanes, project};
@@ -66,10 +66,14 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
     }
 
     #[inline(always)]
-    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(groups: &mut [Self], motion: &Cells<Motion<T>>, omega: f64) -> f64 {
+    unsafe fn visit<const ACT: u8, V: Lanes<T, L>>(
+        groups: &mut [Self],
+        motion: &Cells<Motion<T>>,
+        omega: f64,
+    ) -> [f64; 2] {
         let (zero, one, third, omega) =
             (V::splat(T::of(0.0)), V::splat(T::of(1.0)), V::splat(T::of(1.0 / 3.0)), V::splat(T::of(omega)));
-        let mut residual2 = zero;
+        let (mut residual2, mut closing) = (zero, zero);
         for g in groups {
             // SAFETY: the caller's promise, here and below.
             let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
@@ -93,7 +97,9 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
                 let v = vb.minus(va).minus(rolling);
                 let v_n = v.dot(n);
                 let before_n = gamma.dot(n);
-                let normal = before_n - (v_n + V::load(&g.offset)) * along;
+                let opening = v_n + V::load(&g.offset);
+                closing = group::faster(closing, opening);
+                let normal = before_n - opening * along;
                 let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
                 let friction = V::load(&g.friction);
                 let z = if ACT == act::EXACT {
@@ -122,6 +128,6 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
             unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };
         }
-        residual2.to_array().iter().map(|m| m.wide()).sum()
+        [group::sum(residual2), group::max(closing)]
     }
 }

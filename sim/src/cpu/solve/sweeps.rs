@@ -16,7 +16,7 @@ use super::schedule::{Blocks, Colored, Tiled};
 use super::sphere_group::SphereGroup;
 use crate::contacts::Arms;
 use crate::outcome::Outcome;
-use crate::rows::{add, cut, fill_rows, reduce_tasks};
+use crate::rows::{cut, fill_rows, fold_tasks};
 use crate::settings::{FrictionLaw, SolverSettings};
 use crate::twist::Twist;
 use glam::DVec3;
@@ -86,11 +86,13 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
         op.joints.reset(response);
+        let closing = settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step);
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
-            coarse.sweeps(settings, gamma.len(), settings.tolerance.max(tolerance), &mut outcome, |_| ());
+            let stops = [settings.tolerance.max(tolerance), closing];
+            coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
             coarse.unpack(at, gamma);
         }
         if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
@@ -103,7 +105,7 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
                 }
             };
             solve_joints(fine);
-            fine.sweeps(settings, gamma.len(), settings.tolerance, &mut outcome, solve_joints);
+            fine.sweeps(settings, gamma.len(), [settings.tolerance, closing], &mut outcome, solve_joints);
             fine.unpack(at, gamma);
             fine.store(response);
         } else {
@@ -119,11 +121,13 @@ struct Packed<T, const L: usize, G> {
     /// Number of groups of each tile of both rounds, and of each colour of the blocks in no tile.
     n_groups: [Vec<usize>; 3],
     motion: Vec<Motion<T>>,
+    /// The greatest speed at which a gap closed in each tile of both rounds when it was visited last, m/s.
+    fastest: [Vec<f64>; 2],
 }
 
 impl<T, const L: usize, G> Default for Packed<T, L, G> {
     fn default() -> Self {
-        Packed { groups: vec![], n_groups: Default::default(), motion: vec![] }
+        Packed { groups: vec![], n_groups: Default::default(), motion: vec![], fastest: Default::default() }
     }
 }
 
@@ -151,7 +155,7 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         colors.for_each(|(groups, color)| pack(groups, [color].into_iter(), op, blocks, gamma, is_exact));
         self.motion.resize(n_bodies + 1, Motion::default());
         fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
-        self.visit::<{ act::APPLY }>(1.0);
+        self.visit::<{ act::APPLY }>(1.0, 0.0);
     }
 
     /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
@@ -182,50 +186,79 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         self.motion.iter().fold(0.0f64, |max, m| max.max(m.twist().v.length_squared())).sqrt()
     }
 
-    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations; `solve_joints` follows every sweep.
+    /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations. While a gap then still closes by more than its
+    /// width faster than at `closing`, m/s, sweeps over the tiles with such gaps alternate with those over all. `solve_joints` follows
+    /// every sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
         n: usize,
-        tolerance: f64,
+        [tolerance, closing]: [f64; 2],
         outcome: &mut Outcome,
         mut solve_joints: impl FnMut(&mut Self),
     ) {
-        let omega = settings.omega.unwrap_or(1.0);
-        while outcome.iterations < settings.max_iterations(n) {
+        /// The most sweeps over all, over the maximum number of iterations.
+        const BEYOND: u32 = 4;
+        /// Sweeps over some tiles between two over all.
+        const LOCAL: u32 = 3;
+        /// Share of the speed of closing from which on a tile is visited by them.
+        const NEAR: f64 = 0.5;
+        let max = settings.max_iterations(n);
+        while outcome.iterations < BEYOND * max {
+            for _ in 0..if outcome.iterations < max { 0 } else { LOCAL } {
+                self.sweep(settings, NEAR * closing);
+                solve_joints(self);
+            }
             // The residual terms of the blocks at the time of their visits, squared and summed.
-            let residual2 = match settings.friction {
-                FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega),
-                FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega),
-            };
+            let [residual2, fastest] = self.sweep(settings, 0.0);
             *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
-            if outcome.residual <= tolerance {
+            if outcome.residual <= tolerance || outcome.iterations >= max && fastest <= closing {
                 break;
             }
         }
     }
 
-    /// Visit all blocks once; returns the sum of `|Δγ/η|²`.
-    fn visit<const ACT: u8>(&mut self, omega: f64) -> f64 {
+    /// Visit the blocks once: those of tiles in which a gap closed at `least`, m/s, or faster, and those in no tile. Returns what
+    /// [`Group::visit`] does.
+    fn sweep(&mut self, settings: &SolverSettings, least: f64) -> [f64; 2] {
+        let omega = settings.omega.unwrap_or(1.0);
+        match settings.friction {
+            FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, least),
+            FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, least),
+        }
+    }
+
+    fn visit<const ACT: u8>(&mut self, omega: f64, least: f64) -> [f64; 2] {
         /// Number of groups of a shared colour that one task visits.
         const TASK: usize = 128;
-        let mut motion = std::mem::take(&mut self.motion);
+        let (mut motion, mut fastest) = (std::mem::take(&mut self.motion), std::mem::take(&mut self.fastest));
         let cells = Cells::new(&mut motion);
         // SAFETY: the tiles of a round, and the blocks of a shared colour, have no moving body in common.
-        let visit = |groups: &mut [G]| [unsafe { group::visit::<T, L, G, ACT>(groups, &cells, omega) }];
-        let mut residual2 = [0.0];
+        let visit = |groups: &mut [G]| unsafe { group::visit::<T, L, G, ACT>(groups, &cells, omega) };
+        let visit_tile = |(groups, fastest): (&mut [G], &mut f64)| {
+            if *fastest < least {
+                return [0.0, *fastest];
+            }
+            let visited = visit(groups);
+            *fastest = visited[1];
+            visited
+        };
+        let and = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b.max(d)];
+        let mut visited = [0.0; 2];
         let [first, second, shared] = self.parts();
-        for tiles in [first, second] {
+        for (tiles, fastest) in [first, second].into_iter().zip(&mut fastest) {
             let is_serial = tiles.iter().map(|groups| groups.len()).sum::<usize>() < SERIAL_LIMIT;
-            residual2 = add(residual2, reduce_tasks(tiles.into_par_iter(), is_serial, visit));
+            fastest.resize(tiles.len(), 0.0);
+            let tiles = tiles.into_par_iter().zip(fastest);
+            visited = and(visited, fold_tasks(tiles, is_serial, visit_tile, and));
         }
         for color in shared {
             let is_serial = color.len() < SERIAL_LIMIT;
-            residual2 = add(residual2, reduce_tasks(color.par_chunks_mut(TASK), is_serial, visit));
+            visited = and(visited, fold_tasks(color.par_chunks_mut(TASK), is_serial, visit, and));
         }
-        self.motion = motion;
-        residual2[0]
+        (self.motion, self.fastest) = (motion, fastest);
+        visited
     }
 
     /// Read the impulses back.
