@@ -22,12 +22,12 @@ pub const BYTES: f64 = 216.0;
 /// ω where the model gives none.
 pub const OMEGA: f64 = 0.3;
 
-/// Record iterations.
+/// Record an iteration.
 pub fn record(
     device: &Device,
     kernels: &Kernels,
     commands: &mut Commands,
-    (settings, iterations): (&SolverSettings, u32),
+    settings: &SolverSettings,
     problem: &Problem,
 ) -> Result<(), GpuError> {
     let contact = kernel_of(problem.layout, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
@@ -37,11 +37,9 @@ pub fn record(
     let of_contacts = [problem.row(), problem.motion.bind(), problem.gamma.bind(), scalars, sums, n, roll, roll_row];
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let params = [bits(settings.tolerance), settings.omega.is_some() as u32];
-    for _ in 0..iterations {
-        let work = Work::Indirect(&problem.work, 0);
-        commands.dispatch(device, &contact, &of_contacts, &[bits(settings.lambda)], work);
-        commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
-        problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
-    }
+    let work = Work::Indirect(&problem.work, 0);
+    commands.dispatch(device, &contact, &of_contacts, &[bits(settings.lambda)], work);
+    commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
+    problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
     Ok(())
 }
