@@ -211,6 +211,11 @@ impl Gpu {
         format!("{} ({})", adapter.name, adapter.driver)
     }
 
+    /// The longest time that a submission of commands has kept the device so far, s.
+    pub fn longest_submission(&self) -> f64 {
+        self.device.longest_submission()
+    }
+
     /// Give the device back, for a back end of another state.
     pub fn into_device(self) -> Device {
         Arc::into_inner(self.device).expect("a back end has its device to itself")
