@@ -474,13 +474,13 @@ impl Gpu {
         if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
             times.stages.push(measure.submit(&self.device)?);
         }
-        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits()) {
-            if let Some(has_grown) = mechanism.settle(&self.device, model, state)? {
-                if has_grown {
-                    self.renew_solve(model, plan)?;
-                }
-                return Ok(Submitted::Again);
+        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits())
+            && let Some(has_grown) = mechanism.settle(&self.device, model, state)?
+        {
+            if has_grown {
+                self.renew_solve(model, plan)?;
             }
+            return Ok(Submitted::Again);
         }
         if !state.sleepers.are_none() {
             let n = self.solve.problem.n_contacts.read(&self.device)?;

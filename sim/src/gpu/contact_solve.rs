@@ -95,7 +95,8 @@ pub struct Submissions {
 impl Recorded {
     /// The lists of the iterations after the first `done` up to `end`.
     fn lists(&self, done: u32, end: u32) -> impl Iterator<Item = &Commands> {
-        let check = |k: u32| self.check.as_ref().filter(|(interval, _)| k % interval == 0).map(|(_, check)| check);
+        let check =
+            |k: u32| self.check.as_ref().filter(|(interval, _)| k.is_multiple_of(*interval)).map(|(_, check)| check);
         (done + 1..=end).flat_map(move |k| [Some(&self.iteration), check(k)]).flatten()
     }
 
@@ -264,7 +265,7 @@ impl ContactSolve {
         times: &mut Submissions,
     ) -> Result<(), GpuError> {
         for part in 0..most.div_ceil(PART) {
-            if part > 0 && part % UNASKED == 0 && !self.goes_on(device)? {
+            if part > 0 && part.is_multiple_of(UNASKED) && !self.goes_on(device)? {
                 break;
             }
             let lists = solve.lists(PART * part, most.min(PART * (part + 1)));
