@@ -37,6 +37,7 @@ mod pair_write;
 mod parts;
 mod problem;
 mod read_back;
+mod record;
 mod rest;
 pub mod rows;
 mod scale;
@@ -63,11 +64,12 @@ use crate::{sleep, watch};
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Commands, Device, Kernels};
+use gpu::{Device, Kernels};
 use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
+use record::{Recorded, Solving};
 use rest::Rest;
 use rows::Summary;
 use std::sync::Arc;
@@ -100,29 +102,6 @@ pub struct Gpu {
     has_found: bool,
     /// Whether Gauss–Seidel has taken over the last step from the method, so that this one is begun for it.
     is_landing: bool,
-}
-
-/// The recorded commands of a step.
-struct Recorded {
-    /// The stages up to the contacts with their starting point.
-    find: Commands,
-    /// What follows by the method, and by Gauss–Seidel where it may take over.
-    own: Solving,
-    landing: Option<Solving>,
-    /// In one of how many steps overlaps are recovered.
-    period: u64,
-}
-
-/// The recorded commands of a step from its contacts on.
-#[derive(Default)]
-struct Solving {
-    start: Commands,
-    solve: contact_solve::Recorded,
-    /// What the contacts do to the bodies that joints act on.
-    measure: Commands,
-    end: Commands,
-    /// The end of a step that recovers overlaps.
-    recovery: Commands,
 }
 
 /// What has become of the commands of a step.
@@ -499,88 +478,6 @@ impl Gpu {
         self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         self.renew_solve(model, plan)
-    }
-
-    /// Record a step.
-    fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
-        self.record_by(model, plan, recovery_period(plan))
-    }
-
-    /// Record a step, of which one in `period` recovers overlaps.
-    fn record_by(&mut self, model: &Model, plan: &StepPlan, period: u64) -> Result<(), Fault> {
-        let Gpu { device, collision, warm_start, solve, .. } = &*self;
-        let mut find = Commands::new();
-        if let Some(mechanism) = &self.mechanism {
-            find.stage(Stage::JointWrite.name());
-            mechanism.record_pose(device, &mut find, &collision.bodies);
-        }
-        collision.record(device, &mut find, model);
-        find.stage(Stage::WarmStart.name());
-        match plan.warm_starts {
-            true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
-            false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
-        }
-        if plan.start().is_some() {
-            self.rest.record(device, &mut find, &solve.problem);
-        }
-        let own = self.record_solving(model, period, false)?;
-        let landing = if solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
-        self.recorded = Recorded { find, own, landing, period };
-        Ok(())
-    }
-
-    /// Record a step from its contacts on, by the method or by what takes over from it.
-    fn record_solving(&self, model: &Model, period: u64, is_landing: bool) -> Result<Solving, Fault> {
-        let Gpu { device, kernels, collision, solve, .. } = self;
-        let mut start = Commands::new();
-        start.stage(Stage::Force.name());
-        force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
-        if let Some(impacts) = &self.impacts {
-            impacts.record(device, &mut start, &solve.problem);
-        }
-        if let Some(mechanism) = &self.mechanism {
-            start.stage(Stage::JointWrite.name());
-            solve.problem.record_inertia(&mut start, &collision.bodies);
-            mechanism.record_free(device, &mut start, &solve.problem);
-        }
-        solve.record_start(device, kernels, &mut start, (model, collision, is_landing))?;
-        let mut measure = Commands::new();
-        if let Some(mechanism) = &self.mechanism {
-            solve.record_end(device, &mut measure, is_landing);
-            measure.stage(Stage::JointWrite.name());
-            mechanism.record_effect(device, &mut measure, (&solve.problem, &self.overlaps));
-        }
-        let end = |recovery| self.record_end(model, recovery, is_landing);
-        let (end, recovery) = (end(None)?, end(Some(period))?);
-        Ok(Solving { start, solve: solve.record(device, kernels, is_landing)?, measure, end, recovery })
-    }
-
-    /// Record the end of a step, with the recovery of overlaps for so many steps.
-    fn record_end(&self, model: &Model, recovery: Option<u64>, is_landing: bool) -> Result<Commands, Fault> {
-        let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
-        let (problem, room) = (&solve.problem, collision.room());
-        let mut commands = Commands::new();
-        let c = &mut commands;
-        solve.record_end(device, c, is_landing);
-        match recovery {
-            Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
-            None => overlaps.record_none(c),
-        }
-        c.stage(Stage::Integrate.name());
-        if let Some(mechanism) = &self.mechanism {
-            mechanism.record_effect(device, c, (problem, overlaps));
-        }
-        let bodies = &collision.bodies;
-        integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
-        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
-        survey.record(device, kernels, c, (model, bodies), (problem, room))?;
-        Ok(commands)
-    }
-}
-
-impl Recorded {
-    fn empty() -> Recorded {
-        Recorded { find: Commands::new(), own: Solving::default(), landing: None, period: 1 }
     }
 }
 
