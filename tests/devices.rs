@@ -185,8 +185,6 @@ fn models_go_on_on_a_device_as_on_the_processor() {
     assert_eq!(names.count(), MODELS.len(), "each model stands in the table");
     for (name, steps) in MODELS {
         let mut cpu = simulation(name);
-        // Each method alone: on a device no other takes over.
-        cpu.model.solver.sweep_landings = false;
         (0..steps).for_each(|_| drop(cpu.step()));
         // Solved so far that how a method has begun does not matter.
         cpu.model.solver.iterations = Some(60);

@@ -7,12 +7,12 @@ cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The file of a part: one that stands in its stead (name=file), that of the subgroup path, or that of its name.
+# The file of a part: one that stands in its stead (name=file), that of the subgroup path, or that of its name, in the kernel's own room first.
 part() {
     local swap
     for swap in $swaps; do [ "${swap%%=*}" = "$1" ] && { echo "${swap#*=}"; return; }; done
     local room
-    for room in gpu/src/kernels sim/src/gpu render/src/gpu; do
+    for room in "$kernels" gpu/src/kernels sim/src/gpu render/src/gpu; do
         [ "$path" = subgroups ] && [ -e "$room/$1_subgroup.wgsl" ] && { echo "$room/$1_subgroup.wgsl"; return; }
         [ -e "$room/$1.wgsl" ] && { echo "$room/$1.wgsl"; return; }
     done

@@ -4,13 +4,14 @@ use crate::buffer::{Bound, Buffer, ReadBack};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::kernel::Kernel;
+use crate::pace::{Key, Unit};
 use bytemuck::Pod;
 use std::time::Instant;
 
 /// The most workgroups in one dimension of a dispatch; longer ones go on in the second.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The most stages that are timed, by the limit of a query set.
+/// The most spans that are timed, by the limit of a query set.
 const MAX_TIMED: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
 /// The number of workgroups of a dispatch.
@@ -134,21 +135,73 @@ impl Commands {
     /// # Errors
     /// Those of [`Device::check`].
     pub fn submit(&self, device: &Device) -> Result<Timings, GpuError> {
-        device.check()?;
-        let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&self.stages.len());
-        let times = if is_timed { Some(Times::new(device, self.stages.len())?) } else { None };
-        let mut encoder = device.raw.create_command_encoder(&Default::default());
-        for (k, stage) in self.stages.iter().enumerate() {
-            encode(&mut encoder, stage, times.as_ref().map(|t| t.of_stage(k)));
-        }
-        if let Some(times) = &times {
-            times.resolve(&mut encoder);
-        }
-        device.queue.submit([encoder.finish()]);
-        let names = self.stages.iter().map(|s| s.name).collect();
-        let ticks = times.map(|t| t.read_back(device)).transpose()?;
-        Ok(Timings { names, ticks })
+        Commands::submit_all(device, [self])
     }
+
+    /// Submit the commands of several lists, any of them several times, in as few submissions as keep the device for no more than some
+    /// tenths of a second each, by the times that their stages have taken before.
+    ///
+    /// # Errors
+    /// Those of [`Device::check`].
+    pub fn submit_all<'a>(device: &Device, lists: impl IntoIterator<Item = &'a Commands>) -> Result<Timings, GpuError> {
+        device.check()?;
+        let stages: Vec<&Stage> = lists.into_iter().flat_map(|list| &list.stages).collect();
+        let keys: Vec<Key> = stages.iter().map(|stage| stage.key()).collect();
+        let plan = device.pace().plan(&keys);
+        // Neighbours of the same name are timed together.
+        let spans: Vec<(usize, &[(usize, Unit)])> = (0..)
+            .zip(&plan)
+            .flat_map(|(k, own)| own.chunk_by(|a, b| a.1.key.0 == b.1.key.0).map(move |units| (k, units)))
+            .collect();
+        let is_timed = device.has_timestamps && (1..=MAX_TIMED).contains(&spans.len());
+        let times = if is_timed { Some(Times::new(device, spans.len())?) } else { None };
+        let mut next = 0;
+        for (k, submission) in plan.iter().enumerate() {
+            let mut encoder = device.raw.create_command_encoder(&Default::default());
+            while let Some((_, units)) = spans.get(next).filter(|span| span.0 == k) {
+                let of_unit = |(stage, unit): &(usize, Unit)| &stages[*stage].commands[unit.first..unit.end];
+                let commands: Vec<&Command> = units.iter().flat_map(of_unit).collect();
+                let name = units[0].1.key.0;
+                encode(&mut encoder, (name, &commands), times.as_ref().map(|t| t.of_span(next)));
+                next += 1;
+            }
+            if let Some(times) = times.as_ref().filter(|_| k + 1 == plan.len()) {
+                times.resolve(&mut encoder);
+            }
+            let waits = !is_timed && device.pace().is_due(submission);
+            if waits {
+                device.wait()?;
+            }
+            let started = Instant::now();
+            device.queue.submit([encoder.finish()]);
+            if waits {
+                device.wait()?;
+                let (seconds, units) = (started.elapsed().as_secs_f64(), units_of(submission));
+                device.pace().observe(&units, seconds);
+                device.pace().submission(seconds);
+            }
+        }
+        let spans = spans.into_iter().map(|(submission, own)| Span { submission, units: units_of(own) }).collect();
+        let ticks = times.map(|t| t.read_back(device)).transpose()?;
+        Ok(Timings { spans, ticks, is_observed: true })
+    }
+
+    /// Tell that the commands have taken this time, s, where that is not to be had from their timings: see [`Timings::unobserved`].
+    pub fn observe(&self, device: &Device, seconds: f64) {
+        let whole = |key: Key| Unit { key, parts: 1, first: 0, end: key.1 };
+        let units: Vec<Unit> = self.stages.iter().map(|stage| whole(stage.key())).collect();
+        device.pace().observe(&units, seconds);
+    }
+}
+
+impl Stage {
+    fn key(&self) -> Key {
+        (self.name, self.commands.len())
+    }
+}
+
+fn units_of(units: &[(usize, Unit)]) -> Vec<Unit> {
+    units.iter().map(|(_, unit)| *unit).collect()
 }
 
 impl Commands {
@@ -166,19 +219,23 @@ impl Commands {
     }
 }
 
-/// Encode a stage: a pass for each run of dispatches between copies and clears, and two empty passes that take the time.
-fn encode(encoder: &mut wgpu::CommandEncoder, stage: &Stage, times: Option<(&wgpu::QuerySet, u32)>) {
+/// Encode commands: a pass for each run of dispatches between copies and clears, and two empty passes that take the time.
+fn encode(
+    encoder: &mut wgpu::CommandEncoder,
+    (name, commands): (&str, &[&Command]),
+    times: Option<(&wgpu::QuerySet, u32)>,
+) {
     let is_dispatch = |c: &Command| matches!(c, Command::Dispatch { .. } | Command::Indirect { .. });
     if let Some((set, first)) = times {
         mark(encoder, set, first);
     }
-    for run in stage.commands.chunk_by(|a, b| is_dispatch(a) && is_dispatch(b)) {
-        if is_dispatch(&run[0]) {
-            let desc = wgpu::ComputePassDescriptor { label: Some(stage.name), timestamp_writes: None };
+    for run in commands.chunk_by(|a, b| is_dispatch(a) && is_dispatch(b)) {
+        if is_dispatch(run[0]) {
+            let desc = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None };
             let mut pass = encoder.begin_compute_pass(&desc);
             run.iter().for_each(|command| run_in_pass(&mut pass, command));
         } else {
-            transfer(encoder, &run[0]);
+            transfer(encoder, run[0]);
         }
     }
     if let Some((set, first)) = times {
@@ -220,7 +277,7 @@ fn transfer(encoder: &mut wgpu::CommandEncoder, command: &Command) {
     }
 }
 
-/// Timestamps at the beginning and the end of each stage.
+/// Timestamps at the beginning and the end of each span of commands.
 struct Times {
     set: wgpu::QuerySet,
     ticks: Buffer<u64>,
@@ -229,8 +286,8 @@ struct Times {
 }
 
 impl Times {
-    fn new(device: &Device, n_stages: usize) -> Result<Times, GpuError> {
-        let n = 2 * n_stages as u32;
+    fn new(device: &Device, n_spans: usize) -> Result<Times, GpuError> {
+        let n = 2 * n_spans as u32;
         let set = device.raw.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("stages"),
             ty: wgpu::QueryType::Timestamp,
@@ -245,8 +302,8 @@ impl Times {
         Ok(Times { set, ticks: Buffer::zeros(device, "stages", n as usize)?, resolved, n })
     }
 
-    fn of_stage(&self, stage: usize) -> (&wgpu::QuerySet, u32) {
-        (&self.set, 2 * stage as u32)
+    fn of_span(&self, span: usize) -> (&wgpu::QuerySet, u32) {
+        (&self.set, 2 * span as u32)
     }
 
     fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -261,11 +318,29 @@ impl Times {
 
 /// The times of the stages of submitted commands.
 pub struct Timings {
-    names: Vec<&'static str>,
+    spans: Vec<Span>,
     ticks: Option<ReadBack<u64>>,
+    /// Whether later submissions are cut by these times.
+    is_observed: bool,
+}
+
+/// Commands of the same stage in a submission.
+struct Span {
+    submission: usize,
+    units: Vec<Unit>,
 }
 
 impl Timings {
+    /// Number of submissions that the commands were cut into.
+    pub fn n_submissions(&self) -> usize {
+        self.spans.last().map_or(0, |span| span.submission + 1)
+    }
+
+    /// The same times, which tell nothing of how long the commands may take: most of them may have had nothing to do.
+    pub fn unobserved(self) -> Timings {
+        Timings { is_observed: false, ..self }
+    }
+
     /// Wait for the commands. Returns the time of each stage, s; none if the adapter takes no times.
     ///
     /// # Errors
@@ -277,7 +352,24 @@ impl Timings {
         };
         let ticks = ticks.wait(device)?;
         let period = device.queue.get_timestamp_period() as f64 * 1e-9;
-        let seconds = ticks.chunks(2).map(|t| t[1].saturating_sub(t[0]) as f64 * period);
-        Ok(Some(self.names.into_iter().zip(seconds).collect()))
+        let between = |begin: u64, end: u64| end.saturating_sub(begin) as f64 * period;
+        let spans: Vec<(&Span, &[u64])> = self.spans.iter().zip(ticks.chunks(2)).collect();
+        let mut pace = device.pace();
+        for submission in spans.chunk_by(|a, b| a.0.submission == b.0.submission) {
+            let ends = [&submission[0], &submission[submission.len() - 1]];
+            pace.submission(between(ends[0].1[0], ends[1].1[1]));
+        }
+        let mut stages: Vec<(&'static str, f64)> = vec![];
+        for (span, ticks) in spans {
+            let (name, seconds) = (span.units[0].key.0, between(ticks[0], ticks[1]));
+            if self.is_observed {
+                pace.observe(&span.units, seconds);
+            }
+            match stages.last_mut().filter(|last| last.0 == name) {
+                Some(last) => last.1 += seconds,
+                None => stages.push((name, seconds)),
+            }
+        }
+        Ok(Some(stages))
     }
 }

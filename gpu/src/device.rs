@@ -2,7 +2,8 @@
 
 use crate::adapter::{Adapter, Choice, USED, choose};
 use crate::error::GpuError;
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::pace::Pace;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A message that a callback of the device leaves.
 type Message = Arc<Mutex<Option<String>>>;
@@ -21,6 +22,7 @@ pub struct Device {
     fault: Message,
     /// Held while errors are caught: those of all threads go into one stack of scopes.
     scopes: Mutex<()>,
+    pace: Mutex<Pace>,
 }
 
 impl Device {
@@ -49,12 +51,32 @@ impl Device {
         raw.on_uncaptured_error(Arc::new(move |error: wgpu::Error| leave(&note, error.to_string())));
         let subgroup = adapter.subgroup;
         let has_timestamps = features.contains(wgpu::Features::TIMESTAMP_QUERY);
-        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes: Mutex::default() })
+        let (scopes, pace) = Default::default();
+        Ok(Device { adapter, raw, queue, subgroup, has_timestamps, lost, fault, scopes, pace })
+    }
+
+    pub(crate) fn pace(&self) -> MutexGuard<'_, Pace> {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Tell by which factor all commands may come to take longer before their times are known again.
+    pub fn expect_growth(&self, factor: f64) {
+        self.pace().growth = factor;
+    }
+
+    /// The longest time that a submission of commands has kept the device so far, s, of those whose timings have been waited for.
+    pub fn longest_submission(&self) -> f64 {
+        self.pace().longest
     }
 
     /// The same device, whose kernels do without subgroup operations, as on an adapter that has none.
     pub fn without_subgroups(self) -> Device {
         Device { subgroup: None, ..self }
+    }
+
+    /// The same device, whose commands are timed by the clock of the processor alone, as on an adapter that has no timestamps.
+    pub fn without_timestamps(self) -> Device {
+        Device { has_timestamps: false, ..self }
     }
 
     /// Give the device up, as a driver does that resets it: whatever is asked of it afterwards is [`GpuError::Lost`].

@@ -17,6 +17,7 @@ mod device;
 mod error;
 mod kernel;
 pub mod layout;
+mod pace;
 pub mod radix_sort;
 pub mod reduce;
 pub mod scan;

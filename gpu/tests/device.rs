@@ -1,7 +1,7 @@
 //! Devices: their choice, their faults, buffers, commands, times and read-back.
 
 use crate::{Bench, benches, open};
-use gpu::{Buffer, Choice, Commands, Count, Device, GpuError, Work, adapters};
+use gpu::{Buffer, Choice, Commands, Count, Device, GpuError, Kernels, Work, adapters};
 
 /// Twice each value.
 const DOUBLE: &str = "
@@ -137,6 +137,52 @@ fn commands_run_in_order_in_one_submission_and_can_be_submitted_again() {
         }
         commands.submit(device).unwrap();
         assert_eq!(kept.read(device, 3).unwrap(), [0, 0, 0]);
+    }
+}
+
+/// Rounds that take long, of a stage that is known to after the first time.
+#[test]
+fn what_keeps_a_device_long_is_cut_into_submissions() {
+    let text = "
+        @group(0) @binding(0) var<storage, read_write> values: array<u32>;
+        @compute @workgroup_size(64)
+        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+            var x = values[id.x];
+            for (var i = 0u; i < 60000u; i++) { x = x * 1664525u + 1013904223u; }
+            values[id.x] = x;
+        }";
+    for has_timestamps in [true, false] {
+        let Some(Bench { device, .. }) = open(true) else { return };
+        let device = if has_timestamps { device } else { device.without_timestamps() };
+        let kernel = Kernels::default().get(&device, "rounds", text, &[]).unwrap();
+        let values = Buffer::of(&device, "values", &[1u32; 64]).unwrap();
+        let record = |n: usize| {
+            let mut commands = Commands::new();
+            commands.stage("rounds");
+            (0..n).for_each(|_| commands.dispatch(&device, &kernel, &[values.bind()], &[], Work::Groups(1)));
+            commands
+        };
+        let started = std::time::Instant::now();
+        record(1).submit(&device).unwrap().wait(&device).unwrap();
+        // As long as four tenths of a second, whatever the device; of a slow one at least 20 dispatches.
+        let n = ((0.4 / started.elapsed().as_secs_f64()) as usize).clamp(20, 20_000);
+        let long = record(n);
+        long.submit(&device).unwrap().wait(&device).unwrap();
+        long.observe(&device, 1.0);
+        let again = long.submit(&device).unwrap();
+        assert!((10..=n).contains(&again.n_submissions()), "{}", again.n_submissions());
+        again.wait(&device).unwrap();
+        // Lists of which the time is known are submitted together, as far as it goes.
+        let short = record(3);
+        short.submit(&device).unwrap().unobserved().wait(&device).unwrap();
+        short.observe(&device, 0.03);
+        let several = Commands::submit_all(&device, [&short, &short, &short]).unwrap();
+        assert_eq!(several.n_submissions(), 1);
+        several.wait(&device).unwrap();
+        assert!(device.longest_submission() > 0.0);
+        let round = |x: u32| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let expected = (0..60_000 * (1 + 2 * n + 4 * 3)).fold(1, |x, _| round(x));
+        assert_eq!(values.read(&device, 64).unwrap(), [expected; 64], "every command runs once each time");
     }
 }
 

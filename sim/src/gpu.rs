@@ -4,8 +4,8 @@
 //! Positions are in fixed point ([`fixed`]), so that gaps are right far from the origin. The stages are those of the CPU back end
 //! ([`crate::stages`]), with other columns in between: a sphere is in one bin, and pairs lie in the order of bins.
 //!
-//! A step is recorded once and submitted for every step: the stages up to the first iteration, a part of the iterations as often as need
-//! be, and the rest. If there are more pairs than room, the bodies stay where they are, and the step is done again with more room.
+//! A step is recorded once and submitted for every step: the stages up to the first iteration, an iteration as often as need be, and the
+//! rest. If there are more pairs than room, the bodies stay where they are, and the step is done again with more room.
 
 mod apgd;
 mod barzilai_borwein;
@@ -29,6 +29,7 @@ mod iterates;
 mod jacobi;
 mod joints;
 pub mod kinds;
+mod landing;
 mod manifolds;
 mod mechanism;
 mod overlaps;
@@ -36,6 +37,7 @@ mod pair_write;
 mod parts;
 mod problem;
 mod read_back;
+mod record;
 mod rest;
 pub mod rows;
 mod scale;
@@ -60,13 +62,14 @@ use crate::state::State;
 use crate::twist::Twist;
 use crate::{sleep, watch};
 use collision::Collision;
-use contact_solve::ContactSolve;
+use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Commands, Device, Kernels, Timings};
+use gpu::{Device, Kernels};
 use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
+use record::{Recorded, Solving};
 use rest::Rest;
 use rows::Summary;
 use std::sync::Arc;
@@ -97,28 +100,15 @@ pub struct Gpu {
     is_stale: bool,
     /// Whether the contacts of the step are found, with their starting point.
     has_found: bool,
-}
-
-/// The recorded commands of a step.
-struct Recorded {
-    /// The stages up to the contacts with their starting point.
-    find: Commands,
-    start: Commands,
-    solve: contact_solve::Recorded,
-    /// What the contacts do to the bodies that joints act on.
-    measure: Commands,
-    end: Commands,
-    /// The end of a step that recovers overlaps.
-    recovery: Commands,
-    /// In one of how many steps overlaps are recovered.
-    period: u64,
+    /// Whether Gauss–Seidel has taken over the last step from the method, so that this one is begun for it.
+    is_landing: bool,
 }
 
 /// What has become of the commands of a step.
 enum Submitted {
     /// They are done, with these rounds of the solve, where it has rounds.
     Done(Option<Rounds>),
-    /// A limit of a joint holds or is let go with what the contacts do: the step is to be done again.
+    /// A limit of a joint holds or is let go with what the contacts do, or the step is another method's: it is to be done again.
     Again,
     /// A sleeping body has woken: the step is to begin again.
     Woken,
@@ -151,7 +141,7 @@ impl Gpu {
     ) -> Result<Gpu, Fault> {
         let method = method_of(plan);
         let mut collision = Collision::new(&device, &kernels, model, state)?;
-        if method == Method::GaussSeidel {
+        if needs_tiles(plan) {
             collision.make_tiles(&device, &kernels)?;
         }
         let n_last = state.contacts.len();
@@ -163,7 +153,8 @@ impl Gpu {
         warm_start.place(&device, &state.contacts);
         let mechanism = Mechanism::new(&device, &kernels, (model, state), &collision.bodies)?;
         let joints = joints_of(model, mechanism.as_ref());
-        let solve = ContactSolve::with(&device, &kernels, model, (method, &model.solver), (&collision, joints))?;
+        let by = (method, &model.solver, plan.sweeps_landings);
+        let solve = ContactSolve::with(&device, &kernels, model, by, (&collision, joints))?;
         solve.place_step_length(&device, state.step_length);
         let overlaps = Overlaps::new(&device, &solve.problem)?;
         let survey = Survey::new(&device, model, state, &collision.bodies)?;
@@ -187,6 +178,7 @@ impl Gpu {
             n_contacts,
             is_stale,
             has_found: false,
+            is_landing: false,
         };
         gpu.record(model, plan)?;
         Ok(gpu)
@@ -196,6 +188,11 @@ impl Gpu {
     pub fn adapter(&self) -> String {
         let adapter = &self.device.adapter;
         format!("{} ({})", adapter.name, adapter.driver)
+    }
+
+    /// The longest time that a submission of commands has kept the device so far, s.
+    pub fn longest_submission(&self) -> f64 {
+        self.device.longest_submission()
     }
 
     /// Give the device back, for a back end of another state.
@@ -226,7 +223,7 @@ impl Gpu {
             self.collision.find_all(&self.device);
         }
         self.mass = moving_mass(model, state);
-        if method_of(plan) == Method::GaussSeidel {
+        if needs_tiles(plan) {
             self.collision.make_tiles(&self.device, &self.kernels)?;
         }
         if let Some(mechanism) = &mut self.mechanism {
@@ -238,15 +235,15 @@ impl Gpu {
     /// Make the solver again, for columns that have grown or settings that have changed, and record the step.
     fn renew_solve(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
         self.rest.impulses = None;
-        self.solve_by(model, method_of(plan), &model.solver)?;
+        self.solve_by(model, (method_of(plan), &model.solver, plan.sweeps_landings))?;
         self.record(model, plan)
     }
 
     /// Make the solver again, with a method and settings.
-    fn solve_by(&mut self, model: &Model, method: Method, settings: &SolverSettings) -> Result<(), Fault> {
+    fn solve_by(&mut self, model: &Model, by: (Method, &SolverSettings, bool)) -> Result<(), Fault> {
         let step_length = self.solve.step_length(&self.device)?;
         let columns = (&self.collision, joints_of(model, self.mechanism.as_ref()));
-        self.solve = ContactSolve::with(&self.device, &self.kernels, model, (method, settings), columns)?;
+        self.solve = ContactSolve::with(&self.device, &self.kernels, model, by, columns)?;
         self.has_found = false;
         self.solve.place_step_length(&self.device, step_length);
         self.overlaps = Overlaps::new(&self.device, &self.solve.problem)?;
@@ -274,7 +271,7 @@ impl Gpu {
             self.renew_solve(model, plan)?;
         }
         let joint_ms = self.begin_joints(model, plan, state, &[])?;
-        let mut times = vec![];
+        let mut times = Submissions::default();
         if self.looks(plan, state) {
             let has_woken = self.look(model, plan, state, &mut times)?;
             if has_woken {
@@ -291,16 +288,17 @@ impl Gpu {
             if summary.has_room == 1 {
                 break (summary, rounds);
             }
+            if self.solve.has_undone(&self.device)? {
+                self.is_landing = !self.is_landing;
+                continue;
+            }
             self.make_room(model, plan, [summary.pairs, summary.needed].map(|n| n as usize))?;
         };
         let mut stage_ms = [0.0; Stage::ALL.len()];
-        for timings in times {
-            for (name, seconds) in timings.wait(&self.device)?.unwrap_or_default() {
-                let stage = Stage::ALL.iter().position(|stage| stage.name() == name);
-                stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
-            }
-        }
+        self.take_times(times, &mut stage_ms, rounds.map_or(summary.iterations, |rounds| rounds.iterations))?;
         self.n_contacts = summary.contacts as usize;
+        let (n, room) = (self.solve.problem.n_bodies, self.collision.columns().0.capacity());
+        self.device.expect_growth((n + room) as f64 / (n + self.n_contacts).max(1) as f64);
         self.is_stale = true;
         let survey = self.survey.of_watch(&summary, self.mass);
         let mut outcome = outcome(&summary);
@@ -313,6 +311,39 @@ impl Gpu {
         state.time = state.steps as f64 * model.step;
         outcome.solver.iterations = rounds.map_or(summary.iterations, |rounds| rounds.iterations);
         Ok(Some(Stepped { outcome, survey, stage_ms }))
+    }
+
+    /// Take the times of a step of so many iterations.
+    fn take_times(
+        &self,
+        times: Submissions,
+        stage_ms: &mut [f64; Stage::ALL.len()],
+        iterations: u32,
+    ) -> Result<(), Fault> {
+        let mut add = |timings: gpu::Timings| {
+            let stages = timings.wait(&self.device)?.unwrap_or_default();
+            for (name, seconds) in &stages {
+                let stage = Stage::ALL.iter().position(|stage| stage.name() == *name);
+                stage_ms[stage.expect("stages are named as they are")] += 1e3 * seconds;
+            }
+            Ok::<f64, Fault>(stages.iter().map(|(_, seconds)| seconds).sum())
+        };
+        for timings in times.stages {
+            add(timings)?;
+        }
+        let mut seconds = 0.0;
+        for timings in times.iterations {
+            seconds += add(timings)?;
+        }
+        if iterations > 0 {
+            self.solving().solve.observe(&self.device, seconds / f64::from(iterations));
+        }
+        Ok(())
+    }
+
+    /// The commands of the step from its contacts on.
+    fn solving(&self) -> &Solving {
+        self.recorded.landing.as_ref().filter(|_| self.is_landing).unwrap_or(&self.recorded.own)
     }
 
     /// Hand the bodies that joints, springs and loads act on to the device, with what impacts change of their velocities. Returns the wall
@@ -338,10 +369,10 @@ impl Gpu {
         model: &Model,
         plan: &StepPlan,
         state: &mut State,
-        times: &mut Vec<Timings>,
+        times: &mut Submissions,
     ) -> Result<bool, Fault> {
         let n = loop {
-            times.push(self.recorded.find.submit(&self.device)?);
+            times.stages.push(self.recorded.find.submit(&self.device)?);
             let room = self.collision.room().read_back(&self.device, 3)?;
             let n = self.solve.problem.n_contacts.n.read_back(&self.device, 1)?;
             let (room, n) = (room.wait(&self.device)?, n.wait(&self.device)?);
@@ -368,7 +399,7 @@ impl Gpu {
             && !self.rest.has_impulses(&self.device)?
         {
             let impulses = rest::impulses(model, state, self.contacts(n)?);
-            self.solve_by(model, method, settings)?;
+            self.solve_by(model, (method, settings, plan.sweeps_landings))?;
             self.rest.impulses = Some(impulses);
             self.record_by(model, plan, 1)?;
         }
@@ -403,25 +434,32 @@ impl Gpu {
         model: &Model,
         plan: &StepPlan,
         state: &mut State,
-        times: &mut Vec<Timings>,
+        times: &mut Submissions,
     ) -> Result<Submitted, Fault> {
-        let Recorded { find, start, solve, measure, .. } = &self.recorded;
         if !std::mem::take(&mut self.has_found) {
-            times.push(find.submit(&self.device)?);
+            times.stages.push(self.recorded.find.submit(&self.device)?);
         }
         if let Some(impulses) = &self.rest.impulses {
             self.solve.problem.gamma.write(&self.device, impulses);
         }
-        times.push(start.submit(&self.device)?);
-        let rounds = self.solve.submit(&self.device, solve, times)?;
-        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits()) {
-            times.push(measure.submit(&self.device)?);
-            if let Some(has_grown) = mechanism.settle(&self.device, model, state)? {
-                if has_grown {
-                    self.renew_solve(model, plan)?;
-                }
-                return Ok(Submitted::Again);
+        let is_landing = self.is_landing && self.solve.may_land();
+        let Solving { start, solve, measure, .. } = self.solving();
+        times.stages.push(start.submit(&self.device)?);
+        if self.solve.asks(is_landing) && self.solve.has_undone(&self.device)? {
+            self.is_landing = !is_landing;
+            return Ok(Submitted::Again);
+        }
+        let rounds = self.solve.submit(&self.device, (solve, is_landing), times)?;
+        if self.mechanism.as_ref().is_some_and(Mechanism::has_limits) {
+            times.stages.push(measure.submit(&self.device)?);
+        }
+        if let Some(mechanism) = self.mechanism.as_mut().filter(|mechanism| mechanism.has_limits())
+            && let Some(has_grown) = mechanism.settle(&self.device, model, state)?
+        {
+            if has_grown {
+                self.renew_solve(model, plan)?;
             }
+            return Ok(Submitted::Again);
         }
         if !state.sleepers.are_none() {
             let n = self.solve.problem.n_contacts.read(&self.device)?;
@@ -429,9 +467,9 @@ impl Gpu {
                 return Ok(Submitted::Woken);
             }
         }
-        let Recorded { end, recovery, period, .. } = &self.recorded;
-        let end = if state.steps.is_multiple_of(*period) { recovery } else { end };
-        times.push(end.submit(&self.device)?);
+        let Solving { end, recovery, .. } = self.solving();
+        let end = if state.steps.is_multiple_of(self.recorded.period) { recovery } else { end };
+        times.stages.push(end.submit(&self.device)?);
         Ok(Submitted::Done(rounds))
     }
 
@@ -440,89 +478,6 @@ impl Gpu {
         self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         self.renew_solve(model, plan)
-    }
-
-    /// Record a step.
-    fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
-        self.record_by(model, plan, recovery_period(plan))
-    }
-
-    /// Record a step, of which one in `period` recovers overlaps.
-    fn record_by(&mut self, model: &Model, plan: &StepPlan, period: u64) -> Result<(), Fault> {
-        let Gpu { device, kernels, collision, warm_start, solve, .. } = &*self;
-        let mut find = Commands::new();
-        if let Some(mechanism) = &self.mechanism {
-            find.stage(Stage::JointWrite.name());
-            mechanism.record_pose(device, &mut find, &collision.bodies);
-        }
-        collision.record(device, &mut find, model);
-        find.stage(Stage::WarmStart.name());
-        match plan.warm_starts {
-            true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
-            false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
-        }
-        if plan.start().is_some() {
-            self.rest.record(device, &mut find, &solve.problem);
-        }
-        let mut start = Commands::new();
-        start.stage(Stage::Force.name());
-        force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
-        if let Some(impacts) = &self.impacts {
-            impacts.record(device, &mut start, &solve.problem);
-        }
-        if let Some(mechanism) = &self.mechanism {
-            start.stage(Stage::JointWrite.name());
-            solve.problem.record_inertia(&mut start, &collision.bodies);
-            mechanism.record_free(device, &mut start, &solve.problem);
-        }
-        solve.record_start(device, kernels, &mut start, (model, collision))?;
-        let part = solve.record(device, kernels)?;
-        let mut measure = Commands::new();
-        if let Some(mechanism) = &self.mechanism {
-            solve.record_end(device, &mut measure);
-            measure.stage(Stage::JointWrite.name());
-            mechanism.record_effect(device, &mut measure, (&solve.problem, &self.overlaps));
-        }
-        let (end, recovery) = (self.record_end(model, None)?, self.record_end(model, Some(period))?);
-        self.recorded = Recorded { find, start, solve: part, measure, end, recovery, period };
-        Ok(())
-    }
-
-    /// Record the end of a step, with the recovery of overlaps for so many steps.
-    fn record_end(&self, model: &Model, recovery: Option<u64>) -> Result<Commands, Fault> {
-        let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
-        let (problem, room) = (&solve.problem, collision.room());
-        let mut commands = Commands::new();
-        let c = &mut commands;
-        solve.record_end(device, c);
-        match recovery {
-            Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
-            None => overlaps.record_none(c),
-        }
-        c.stage(Stage::Integrate.name());
-        if let Some(mechanism) = &self.mechanism {
-            mechanism.record_effect(device, c, (problem, overlaps));
-        }
-        let bodies = &collision.bodies;
-        integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
-        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
-        survey.record(device, kernels, c, (model, bodies), (problem, room))?;
-        Ok(commands)
-    }
-}
-
-impl Recorded {
-    fn empty() -> Recorded {
-        let none = Commands::new;
-        Recorded {
-            find: none(),
-            start: none(),
-            solve: Default::default(),
-            measure: none(),
-            end: none(),
-            recovery: none(),
-            period: 1,
-        }
     }
 }
 
@@ -546,6 +501,11 @@ fn method_of(plan: &StepPlan) -> Method {
         ContactMethod::Sweeps => Method::GaussSeidel,
         ContactMethod::Blocks(method) => method,
     }
+}
+
+/// Whether the pairs of a plan have to be in tiles.
+fn needs_tiles(plan: &StepPlan) -> bool {
+    method_of(plan) == Method::GaussSeidel || plan.sweeps_landings
 }
 
 /// In one of how many steps overlaps are recovered, as on the CPU.

@@ -114,6 +114,14 @@ impl Simulation {
         }
     }
 
+    /// The longest time that a submission of commands has kept the graphics device so far, s; none on the CPU.
+    pub fn longest_submission(&self) -> Option<f64> {
+        match &self.engine {
+            Engine::Cpu(_) => None,
+            Engine::Gpu(gpu) => Some(gpu.longest_submission()),
+        }
+    }
+
     /// Name of the graphics adapter with its driver; none on the CPU.
     pub fn adapter(&self) -> Option<String> {
         match &self.engine {

@@ -45,11 +45,11 @@ use crate::model::Model;
 use crate::outcome::Outcome;
 use crate::plan::{ContactMethod, Narrow, StepPlan};
 use crate::rows::fill_rows;
-use crate::settings::{FrictionLaw, Method, SolverSettings};
+use crate::settings::SolverSettings;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
-use crate::watch::residual_bound;
+use crate::watch::{landing_bound, residual_bound};
 use glam::DVec3;
 
 /// The columns that the stage reads and writes besides those of the contacts.
@@ -165,8 +165,7 @@ pub fn run(
 }
 
 /// Whether sweeps are to take over a step, as while a bed lands: the starting point γ is far from the solution, by more than a step of free
-/// fall changes speeds, in the root mean square, and there are more contacts than iterations. For Jacobi with exact friction a tenth of that
-/// is far.
+/// fall changes speeds, in the root mean square ([`landing_bound`]), and there are more contacts than iterations.
 ///
 /// What other methods than Gauss–Seidel leave of a bed's landing, when they are cut off, are errors that whole layers share, so that layers
 /// sink into each other for as long as it takes.
@@ -182,9 +181,7 @@ fn lands(
         return false;
     }
     op.response(gamma, response);
-    let is_slow = settings.method == Some(Method::Jacobi) && settings.friction == FrictionLaw::Exact;
-    let share = if is_slow { 0.1 } else { 1.0 };
-    residual(op, gamma, response) * (n as f64).sqrt() > share * residual_bound(model)
+    residual(op, gamma, response) * (n as f64).sqrt() > landing_bound(model, settings)
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.

@@ -9,7 +9,7 @@
 //! Bytes of a contact and trial: its row (48), x, previous and z read and x, previous and z written (96), and again by its two bodies (id
 //! 4, z 16, row 48 each): 280 from memory.
 
-use super::iterates::{Iterates, interval};
+use super::iterates::Iterates;
 use super::parts::kernel_of;
 use super::problem::Problem;
 use super::rows::Body;
@@ -58,8 +58,8 @@ impl Apgd {
         commands.copy(&problem.motion, &self.motion_y, problem.n_bodies);
     }
 
-    /// Record trials, with checks of the residual at intervals; the trials of a solve are recorded in parts of a multiple of them.
-    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem, trials: u32) {
+    /// Record a trial. Returns the iterates, which are checked at intervals.
+    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) -> &Iterates {
         let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
         let ([row, z, free, side, start], y) = (problem.sums_of_bodies(&problem.gamma), self.motion_y.bind());
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
@@ -74,20 +74,15 @@ impl Apgd {
         let of_decision = [sums, body_sums, scalars, work, n];
         let of_motion = [next, problem.motion.bind(), y, scalars];
         let [over_contacts, over_bodies] = [0, 1].map(|row| Work::Indirect(&problem.work, row));
-        let interval = interval(self.iterates.tolerance);
-        for trial in 1..=trials {
-            commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
-            commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
-            if let Some(joints) = &problem.joints {
-                joints.record_trial(device, commands, &problem.of_joints(), ([next, y], false));
-            }
-            let params = [problem.n_sums()];
-            commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
-            commands.dispatch(device, &self.extrapolate, &of_motion, &[], over_bodies);
-            if trial % interval == 0 {
-                self.iterates.record_check(device, commands, problem);
-            }
+        commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
+        commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
+        if let Some(joints) = &problem.joints {
+            joints.record_trial(device, commands, &problem.of_joints(), ([next, y], false));
         }
+        let params = [problem.n_sums()];
+        commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
+        commands.dispatch(device, &self.extrapolate, &of_motion, &[], over_bodies);
+        &self.iterates
     }
 
     /// Record the end: the best iterate is the solution.

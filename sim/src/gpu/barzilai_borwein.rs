@@ -10,7 +10,7 @@
 //! Bytes of a contact and iteration: its row (48), x read and z written (32), again by its two bodies (id 4, z 16, row 48 each), and x and z
 //! read and x written where the step is taken (48): 264 from memory.
 
-use super::iterates::{Iterates, interval};
+use super::iterates::Iterates;
 use super::parts::kernel_of;
 use super::problem::Problem;
 use super::rows::Body;
@@ -59,8 +59,8 @@ impl BarzilaiBorwein {
         self.iterates.record_start(commands, problem);
     }
 
-    /// Record iterations, with checks of the residual at intervals; those of a solve are recorded in parts of a multiple of them.
-    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem, iterations: u32) {
+    /// Record an iteration. Returns the iterates, which are checked at intervals.
+    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) -> &Iterates {
         let (scalars, n) = (problem.scalars.bind(), problem.n_contacts.n.bind());
         let ([row, z, free, side, start], motion) = (problem.sums_of_bodies(&problem.gamma), problem.motion.bind());
         let (sums, body_sums, work) = (problem.of_contacts.bind(), problem.of_bodies.bind(), problem.work.bind());
@@ -72,22 +72,17 @@ impl BarzilaiBorwein {
         let of_bodies = [row, z, free, side, start, motion, next, body_sums, mass, orientation, roll];
         let of_decision = [sums, body_sums, scalars, work, n];
         let [over_contacts, over_bodies, until_end] = [0, 1, 2].map(|row| Work::Indirect(&problem.work, row));
-        let interval = interval(self.iterates.tolerance);
-        for iteration in 1..=iterations {
-            commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
-            commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
-            if let Some(joints) = &problem.joints {
-                joints.record_trial(device, commands, &problem.of_joints(), ([next, motion], true));
-            }
-            let params = [problem.n_sums()];
-            commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
-            let [contacts, bodies] = &self.take;
-            commands.dispatch(device, contacts, &[x, z, scalars, n, roll_x, roll], &[], until_end);
-            commands.dispatch(device, bodies, &[next, motion, scalars], &[], over_bodies);
-            if iteration % interval == 0 {
-                self.iterates.record_check(device, commands, problem);
-            }
+        commands.dispatch(device, &self.contact, &of_contacts, &[], over_contacts);
+        commands.dispatch(device, &self.body, &of_bodies, &[], over_bodies);
+        if let Some(joints) = &problem.joints {
+            joints.record_trial(device, commands, &problem.of_joints(), ([next, motion], true));
         }
+        let params = [problem.n_sums()];
+        commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
+        let [contacts, bodies] = &self.take;
+        commands.dispatch(device, contacts, &[x, z, scalars, n, roll_x, roll], &[], until_end);
+        commands.dispatch(device, bodies, &[next, motion, scalars], &[], over_bodies);
+        &self.iterates
     }
 
     /// Record the end: the best iterate is the solution.

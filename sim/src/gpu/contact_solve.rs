@@ -7,8 +7,9 @@
 //! out    motion   [n_bodies]    m/s, rad/s: velocities at the step's end
 //! ```
 //!
-//! Twin: cpu/contact_solve.rs. The methods are in `jacobi`, `apgd`, `barzilai_borwein` and `gauss_seidel`, what they share in `problem`. A solve is recorded in three parts, of
-//! which that of the iterations is submitted as often as the most iterations ask: once it has converged, its dispatches are empty.
+//! Twin: cpu/contact_solve.rs. The methods are in `jacobi`, `apgd`, `barzilai_borwein` and `gauss_seidel`, what they share in `problem`. One
+//! iteration is recorded, and submitted as often as the most iterations ask: once a solve has converged, its dispatches are empty. How many
+//! go into one submission follows from the time that they have taken.
 
 use super::apgd::{self, Apgd};
 use super::barzilai_borwein::{self, BarzilaiBorwein};
@@ -18,22 +19,22 @@ use super::fault::Fault;
 use super::gauss_seidel::{self, GaussSeidel};
 use super::iterates::interval;
 use super::joints::Joints;
+use super::landing::Landing;
 use super::problem::Problem;
 use super::rows::Body;
 use super::{force, jacobi, scale};
 use crate::model::Model;
 use crate::plan::has_joints;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
-use gpu::{Commands, Device, GpuError, Kernels, Timings};
+use crate::watch::landing_bound;
+use gpu::{Buffer, Commands, Device, GpuError, Kernels, Timings};
+use std::time::Instant;
 
 /// Name of the stage.
 const STAGE: &str = "contact_solve";
 
-/// The most iterations that are recorded.
+/// Iterations that are submitted at a time.
 const PART: u32 = 50;
-
-/// Bodies times iterations of a part on a software adapter.
-const SLOW_ROWS: usize = 250_000;
 
 /// Parts of the iterations that are submitted before the device is asked whether more are needed.
 const UNASKED: u32 = 2;
@@ -49,12 +50,13 @@ pub struct ContactSolve {
     /// The problem.
     pub problem: Problem,
     method: Columns,
+    /// What takes over the steps in which a bed lands, where that may be.
+    landing: Option<(Landing, Columns)>,
     /// Coulomb's law itself, where it is by rounds.
     exact: Option<Exact>,
     settings: SolverSettings,
     /// Speed of one step of free fall, m/s.
     fall: f64,
-    is_software: bool,
     /// Bytes of a contact and sweep from memory.
     pub bytes: f64,
     /// Sweeps of an iteration.
@@ -64,7 +66,9 @@ pub struct ContactSolve {
 /// The recorded commands of a solve.
 #[derive(Default)]
 pub struct Recorded {
-    part: Commands,
+    iteration: Commands,
+    /// A check of the iterate, and the iterations from one to the next.
+    check: Option<(u32, Commands)>,
     /// By rounds: what begins the first and the others, and what measures the slip that has come out.
     first: Commands,
     again: Commands,
@@ -77,6 +81,32 @@ enum Columns {
     Apgd(Box<Apgd>),
     BarzilaiBorwein(Box<BarzilaiBorwein>),
     GaussSeidel(Box<GaussSeidel>),
+}
+
+/// The times of submitted commands of a step.
+#[derive(Default)]
+pub struct Submissions {
+    /// Those of its stages.
+    pub stages: Vec<Timings>,
+    /// Those of the iterations.
+    pub iterations: Vec<Timings>,
+}
+
+impl Recorded {
+    /// The lists of the iterations after the first `done` up to `end`.
+    fn lists(&self, done: u32, end: u32) -> impl Iterator<Item = &Commands> {
+        let check =
+            |k: u32| self.check.as_ref().filter(|(interval, _)| k.is_multiple_of(*interval)).map(|(_, check)| check);
+        (done + 1..=end).flat_map(move |k| [Some(&self.iteration), check(k)]).flatten()
+    }
+
+    /// Tell the time of one iteration, s: their timings have those in them that had nothing to do.
+    pub fn observe(&self, device: &Device, seconds: f64) {
+        self.iteration.observe(device, seconds);
+        if let Some((_, check)) = &self.check {
+            check.observe(device, seconds);
+        }
+    }
 }
 
 impl ContactSolve {
@@ -93,10 +123,11 @@ impl ContactSolve {
         if has_joints(model) {
             return Err(Fault::Unsupported("joints are solved in whole steps alone".into()));
         }
-        ContactSolve::with(device, kernels, model, (method, &model.solver), (collision, None))
+        ContactSolve::with(device, kernels, model, (method, &model.solver, false), (collision, None))
     }
 
-    /// The same for a model whose joints have columns, with these settings.
+    /// The same for a model whose joints have columns, with these settings, and whether Gauss–Seidel takes over the steps in which a bed
+    /// lands.
     ///
     /// # Errors
     /// Those of [`ContactSolve::new`].
@@ -104,7 +135,7 @@ impl ContactSolve {
         device: &Device,
         kernels: &Kernels,
         model: &Model,
-        (method, settings): (Method, &SolverSettings),
+        (method, settings, sweeps_landings): (Method, &SolverSettings, bool),
         (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<ContactSolve, Fault> {
         let feeds = settings.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
@@ -112,6 +143,15 @@ impl ContactSolve {
         // Jacobi feeds the slip of each iterate.
         let by_rounds = feeds && method != Method::Jacobi;
         let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
+        let landing = if sweeps_landings && method != Method::GaussSeidel {
+            let bound = (settings, landing_bound(model, settings));
+            let landing = Landing::new(device, kernels, (&problem, collision.room()), bound)?;
+            let settings = SolverSettings { omega: None, ..settings.clone() };
+            let sweeps = GaussSeidel::new(device, kernels, &settings, (&problem, collision))?;
+            Some((landing, Columns::GaussSeidel(Box::new(sweeps))))
+        } else {
+            None
+        };
         let (method, bytes) = match method {
             Method::Jacobi => (Columns::Jacobi, jacobi::BYTES),
             Method::GaussSeidel => {
@@ -129,9 +169,8 @@ impl ContactSolve {
         };
         let sweeps = if let Columns::GaussSeidel(_) = method { gauss_seidel::SWEEPS } else { 1 };
         let bytes = bytes / f64::from(sweeps);
-        let is_software = device.adapter.software;
         let (settings, fall) = (settings.clone(), model.gravity.length() * model.step);
-        Ok(ContactSolve { problem, method, exact, settings, fall, is_software, bytes, sweeps })
+        Ok(ContactSolve { problem, method, landing, exact, settings, fall, bytes, sweeps })
     }
 
     /// Whether the solve has not come to its end.
@@ -157,42 +196,50 @@ impl ContactSolve {
         self.problem.scalars.write(device, &[scalars]);
     }
 
-    /// Number of iterations of a part: all, if they are not many; on a software adapter as many as it does in some tenths of a second.
-    pub fn part(&self) -> u32 {
-        let all = self.settings.iterations.filter(|n| *n <= 2 * PART).unwrap_or(PART);
-        if !self.is_software {
-            return all;
-        }
-        let n = self.problem.n_bodies.max(1);
-        let (most, step) = match &self.method {
-            Columns::GaussSeidel(_) => (SLOW_ROWS / 10 / n, 1),
-            Columns::Jacobi => (SLOW_ROWS / n, 1),
-            // Whole intervals between its checks.
-            Columns::Apgd(_) | Columns::BarzilaiBorwein(_) => (SLOW_ROWS / n, interval(self.settings.tolerance)),
-        };
-        let most = (most as u32 / step * step).max(step);
-        if most < all { most } else { all }
+    /// What solves a step.
+    fn columns(&self, is_landing: bool) -> &Columns {
+        self.landing.as_ref().filter(|_| is_landing).map_or(&self.method, |(_, sweeps)| sweeps)
+    }
+
+    /// Coulomb's law by rounds, if that is how a step is solved.
+    fn rounds(&self, is_landing: bool) -> Option<&Exact> {
+        self.exact.as_ref().filter(|_| !is_landing)
+    }
+
+    /// Whether Gauss–Seidel may take over a step.
+    pub fn may_land(&self) -> bool {
+        self.landing.is_some()
+    }
+
+    /// Whether the step was undone, since it was begun for another method than the one that takes it.
+    ///
+    /// # Errors
+    /// Those of [`Buffer::read`].
+    pub fn has_undone(&self, device: &Device) -> Result<bool, GpuError> {
+        self.landing.as_ref().map_or(Ok(false), |(landing, _)| landing.has_undone(device))
+    }
+
+    /// Whether the device is asked for the number of contacts before they are solved.
+    pub fn asks(&self, is_landing: bool) -> bool {
+        // The most iterations follow from the number of contacts.
+        self.rounds(is_landing).is_some() || self.settings.iterations.is_none()
     }
 
     /// Submit the iterations of a step, once its start has been. Returns the iterations of all rounds, where there are rounds.
     ///
     /// # Errors
-    /// Those of [`Commands::submit`] and [`gpu::Buffer::read`].
+    /// Those of [`Commands::submit`] and [`Buffer::read`].
     pub fn submit(
         &self,
         device: &Device,
-        solve: &Recorded,
-        times: &mut Vec<Timings>,
+        (solve, is_landing): (&Recorded, bool),
+        times: &mut Submissions,
     ) -> Result<Option<Rounds>, GpuError> {
-        let n = match (&self.exact, self.settings.iterations) {
-            // The most iterations follow from the number of contacts.
-            (Some(_), _) | (_, None) => self.problem.n_contacts.read(device)?,
-            (None, Some(_)) => 1,
-        };
+        let n = if self.asks(is_landing) { self.problem.n_contacts.read(device)? } else { 1 };
         let blocks = if self.problem.layout.rolls { 2 * n } else { n };
         let most = if n == 0 { 0 } else { self.settings.max_iterations(blocks) };
-        let Some(exact) = &self.exact else {
-            self.submit_parts(device, solve, most, times)?;
+        let Some(exact) = self.rounds(is_landing) else {
+            self.submit_iterations(device, solve, most, times)?;
             return Ok(None);
         };
         let mut rounds = Rounds::default();
@@ -200,9 +247,9 @@ impl ContactSolve {
             let own = rounds.next(most);
             exact.place_limit(device, own);
             let begin = if round == 0 { &solve.first } else { &solve.again };
-            times.push(begin.submit(device)?);
-            self.submit_parts(device, solve, own, times)?;
-            times.push(solve.measure.submit(device)?);
+            times.stages.push(begin.submit(device)?);
+            self.submit_iterations(device, solve, own, times)?;
+            times.stages.push(solve.measure.submit(device)?);
             let scalars = self.problem.scalars.read(device, 1)?[0];
             let residual = f32::from_bits(scalars[RESIDUAL]) as f64;
             if exact.add(device, &self.settings, (&mut rounds, most), (blocks, scalars[TRIALS], residual))? {
@@ -212,18 +259,19 @@ impl ContactSolve {
         Ok(Some(rounds))
     }
 
-    fn submit_parts(
+    fn submit_iterations(
         &self,
         device: &Device,
         solve: &Recorded,
         most: u32,
-        times: &mut Vec<Timings>,
+        times: &mut Submissions,
     ) -> Result<(), GpuError> {
-        for k in 0..most.div_ceil(self.part()) {
-            if k > 0 && k % UNASKED == 0 && !self.goes_on(device)? {
+        for part in 0..most.div_ceil(PART) {
+            if part > 0 && part.is_multiple_of(UNASKED) && !self.goes_on(device)? {
                 break;
             }
-            times.push(solve.part.submit(device)?);
+            let lists = solve.lists(PART * part, most.min(PART * (part + 1)));
+            times.iterations.push(Commands::submit_all(device, lists)?.unobserved());
         }
         Ok(())
     }
@@ -232,14 +280,14 @@ impl ContactSolve {
     ///
     /// # Errors
     /// Those of [`Kernels::get`].
-    pub fn record(&self, device: &Device, kernels: &Kernels) -> Result<Recorded, GpuError> {
+    pub fn record(&self, device: &Device, kernels: &Kernels, is_landing: bool) -> Result<Recorded, GpuError> {
         let mut own = Recorded::default();
-        self.record_part(device, kernels, &mut own.part)?;
-        let Some(exact) = &self.exact else { return Ok(own) };
+        self.record_iteration(device, kernels, &mut own, is_landing)?;
+        let Some(exact) = self.rounds(is_landing) else { return Ok(own) };
         let Recorded { first, measure, again, .. } = &mut own;
         [&mut *first, &mut *again, &mut *measure].into_iter().for_each(|commands| commands.stage(STAGE));
         exact.record_limit(device, first, &self.problem);
-        self.record_solution(device, measure);
+        self.record_solution(device, measure, false);
         exact.record_measure(device, measure, &self.problem, self.fall);
         exact.record_again(device, again, (&self.problem, self.first_length()));
         if self.problem.joints.is_some() {
@@ -267,7 +315,7 @@ impl ContactSolve {
         }
     }
 
-    /// Record the beginning, from the impulses `gamma` of the problem.
+    /// Record the beginning, from the impulses `gamma` of the problem, for the method or for what takes over from it.
     ///
     /// # Errors
     /// Those of [`Kernels::get`].
@@ -276,47 +324,78 @@ impl ContactSolve {
         device: &Device,
         kernels: &Kernels,
         commands: &mut Commands,
-        (model, collision): (&Model, &Collision),
+        (model, collision, is_landing): (&Model, &Collision, bool),
     ) -> Result<(), GpuError> {
         commands.stage(STAGE);
-        self.problem.record(device, commands, model, &collision.bodies);
-        if let Columns::GaussSeidel(sweeps) = &self.method {
-            sweeps.record_start(device, commands, &self.problem, &self.settings);
-            return Ok(());
+        let problem = &self.problem;
+        problem.record(device, commands, model, &collision.bodies);
+        if let Some((landing, _)) = &self.landing {
+            landing.record(device, commands, problem);
         }
-        let first = (self.settings.iterations, self.first_length());
-        scale::record(device, kernels, commands, &self.problem, first)?;
-        self.record_iterates(commands);
+        if let Columns::GaussSeidel(sweeps) = self.columns(is_landing) {
+            sweeps.record_start(device, commands, problem, &self.settings);
+        } else {
+            if let Some(exact) = &self.exact {
+                exact.record_feed(device, commands, problem);
+            }
+            scale::record(device, kernels, commands, problem, (self.settings.iterations, self.first_length()))?;
+            self.record_iterates(commands);
+        }
+        if let Some((landing, _)) = &self.landing {
+            let work = self.work(is_landing);
+            landing.record_undo(device, commands, (problem, work), is_landing);
+        }
         Ok(())
     }
 
-    /// Record a part of the iterations.
-    ///
-    /// # Errors
-    /// Those of [`Kernels::get`].
-    pub fn record_part(&self, device: &Device, kernels: &Kernels, commands: &mut Commands) -> Result<(), GpuError> {
+    /// Workgroups of the iterations.
+    fn work(&self, is_landing: bool) -> &Buffer<[u32; 4]> {
+        match self.columns(is_landing) {
+            Columns::GaussSeidel(sweeps) => &sweeps.work,
+            _ => &self.problem.work,
+        }
+    }
+
+    fn record_iteration(
+        &self,
+        device: &Device,
+        kernels: &Kernels,
+        recorded: &mut Recorded,
+        is_landing: bool,
+    ) -> Result<(), GpuError> {
+        let (commands, problem) = (&mut recorded.iteration, &self.problem);
         commands.stage(STAGE);
-        match &self.method {
+        let iterates = match self.columns(is_landing) {
             Columns::Jacobi => {
-                jacobi::record(device, kernels, commands, (&self.settings, self.part()), (&self.problem, self.fall))?;
+                jacobi::record(device, kernels, commands, &self.settings, (problem, self.fall))?;
+                None
             }
-            Columns::Apgd(apgd) => apgd.record(device, commands, &self.problem, self.part()),
-            Columns::BarzilaiBorwein(own) => own.record(device, commands, &self.problem, self.part()),
-            Columns::GaussSeidel(sweeps) => sweeps.record(device, commands, &self.problem, self.part()),
+            Columns::Apgd(apgd) => Some(apgd.record(device, commands, problem)),
+            Columns::BarzilaiBorwein(own) => Some(own.record(device, commands, problem)),
+            Columns::GaussSeidel(sweeps) => {
+                sweeps.record(device, commands, problem);
+                None
+            }
+        };
+        if let Some(iterates) = iterates {
+            let mut check = Commands::new();
+            check.stage(STAGE);
+            iterates.record_check(device, &mut check, problem);
+            recorded.check = Some((interval(self.settings.tolerance), check));
         }
         Ok(())
     }
 
     /// Record the end: the solution with its residual, unless the last round has left it.
-    pub fn record_end(&self, device: &Device, commands: &mut Commands) {
+    pub fn record_end(&self, device: &Device, commands: &mut Commands, is_landing: bool) {
         commands.stage(STAGE);
-        if self.exact.is_none() {
-            self.record_solution(device, commands);
+        if self.rounds(is_landing).is_none() {
+            self.record_solution(device, commands, is_landing);
         }
     }
 
-    fn record_solution(&self, device: &Device, commands: &mut Commands) {
-        match &self.method {
+    fn record_solution(&self, device: &Device, commands: &mut Commands, is_landing: bool) {
+        match self.columns(is_landing) {
             // Its residual is that of the visits. The velocities are summed again from the impulses, whose momentum is exact.
             Columns::GaussSeidel(_) => {
                 let problem = &self.problem;
@@ -362,18 +441,19 @@ impl ContactSolve {
         force::record(device, kernels, &mut commands, model, (&collision.bodies, &self.problem.free))?;
         commands.clear(&self.problem.gamma);
         commands.clear(&self.problem.roll);
-        self.record_start(device, kernels, &mut commands, (model, collision))?;
+        self.record_start(device, kernels, &mut commands, (model, collision, false))?;
         commands.submit(device)?;
-        let mut part = Commands::new();
-        self.record_part(device, kernels, &mut part)?;
-        let n = self.settings.iterations.unwrap_or(PART).div_ceil(self.part());
-        let mut seconds = 0.0;
-        for _ in 0..n {
-            seconds += part.stage_seconds(device, STAGE)?;
-        }
+        let recorded = self.record(device, kernels, false)?;
+        let n = self.settings.iterations.unwrap_or(PART);
+        device.wait()?;
+        let started = Instant::now();
+        let times = Commands::submit_all(device, recorded.lists(0, n))?.unobserved().wait(device)?;
+        let wall = started.elapsed().as_secs_f64();
+        let seconds = times.map_or(wall, |times| times.iter().map(|(_, seconds)| seconds).sum());
+        recorded.observe(device, seconds / f64::from(n.max(1)));
         let mut commands = Commands::new();
-        self.record_end(device, &mut commands);
+        self.record_end(device, &mut commands, false);
         commands.submit(device)?;
-        Ok((seconds, n as usize * part.n_dispatches()))
+        Ok((seconds, recorded.lists(0, n).map(Commands::n_dispatches).sum()))
     }
 }

@@ -67,6 +67,12 @@ impl Exact {
         self.most.write(device, &[most]);
     }
 
+    /// Record that the slips are fed.
+    pub fn record_feed(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
+        let n = problem.n_contacts.n.bind();
+        commands.dispatch(device, &self.feed, &[problem.row(), problem.slip.bind(), n], &[], problem.contacts());
+    }
+
     /// Record the limit of the first round.
     pub fn record_limit(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         commands.dispatch(device, &self.limit, &[problem.scalars.bind(), self.most.bind()], &[], Work::Groups(1));
@@ -82,9 +88,8 @@ impl Exact {
 
     /// Record the beginning of another round, with the first step length of Barzilai–Borwein.
     pub fn record_again(&self, device: &Device, commands: &mut Commands, (problem, omega): (&Problem, f64)) {
-        let n = problem.n_contacts.n.bind();
-        commands.dispatch(device, &self.feed, &[problem.row(), problem.slip.bind(), n], &[], problem.contacts());
-        let bound = [problem.scalars.bind(), problem.work.bind(), self.most.bind(), n];
+        self.record_feed(device, commands, problem);
+        let bound = [problem.scalars.bind(), problem.work.bind(), self.most.bind(), problem.n_contacts.n.bind()];
         let params = [problem.n_bodies as u32, bits(omega)];
         commands.dispatch(device, &self.again, &bound, &params, Work::Groups(1));
     }

@@ -37,7 +37,7 @@ pub struct GaussSeidel {
     visits: Visits,
     decide: Kernel,
     /// Workgroups of each round, of the big tiles and of the joints (10).
-    work: Buffer<[u32; 4]>,
+    pub work: Buffer<[u32; 4]>,
     /// Residual terms of each tile squared (n_tiles).
     moved: Buffer<f32>,
     /// Those of the big tiles (1).
@@ -161,8 +161,8 @@ impl GaussSeidel {
         }
     }
 
-    /// Record iterations.
-    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem, iterations: u32) {
+    /// Record an iteration.
+    pub fn record(&self, device: &Device, commands: &mut Commands, problem: &Problem) {
         let c = &self.columns;
         let [of_sweep, of_rest] = self.bound(problem);
         let start = c.round_start.bind();
@@ -172,20 +172,18 @@ impl GaussSeidel {
         let of_decision = [moved[0], moved[1], scalars, self.work.bind(), counts[0], counts[1]];
         let [sweeps, is_exact, omega] = self.params;
         let [sweep, rest] = self.visits.sweeps();
-        for _ in 0..iterations {
-            for round in 0..ROUNDS {
-                let params = [round as u32, sweeps, is_exact, omega];
-                commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
-            }
-            let work = Work::Indirect(&self.work, ROUNDS);
-            commands.dispatch(device, rest, &of_rest, &self.params, work);
-            if let Some(joints) = &problem.joints {
-                let work = Work::Indirect(&self.work, ROUNDS + 1);
-                joints.record_more(device, commands, &problem.of_joints(), work);
-            }
-            let params = [bits(self.tolerance)];
-            commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
+        for round in 0..ROUNDS {
+            let params = [round as u32, sweeps, is_exact, omega];
+            commands.dispatch(device, sweep, &of_sweep, &params, Work::Indirect(&self.work, round));
         }
+        let work = Work::Indirect(&self.work, ROUNDS);
+        commands.dispatch(device, rest, &of_rest, &self.params, work);
+        if let Some(joints) = &problem.joints {
+            let work = Work::Indirect(&self.work, ROUNDS + 1);
+            joints.record_more(device, commands, &problem.of_joints(), work);
+        }
+        let params = [bits(self.tolerance)];
+        commands.dispatch(device, &self.decide, &of_decision, &params, Work::Groups(1));
     }
 
     /// What the kernels over tiles and over big tiles bind.

@@ -25,12 +25,12 @@ pub const BYTES: f64 = 216.0;
 /// ω where the model gives none.
 pub const OMEGA: f64 = 0.3;
 
-/// Record iterations; `fall` is the speed that a body gains in a step of free fall, m/s.
+/// Record an iteration; `fall` is the speed that a body gains in a step of free fall, m/s.
 pub fn record(
     device: &Device,
     kernels: &Kernels,
     commands: &mut Commands,
-    (settings, iterations): (&SolverSettings, u32),
+    settings: &SolverSettings,
     (problem, fall): (&Problem, f64),
 ) -> Result<(), GpuError> {
     let contact = kernel_of(problem.layout, device, kernels, ("jacobi_contact", include_str!("jacobi_contact.wgsl")))?;
@@ -44,11 +44,9 @@ pub fn record(
     let of_decision = [sums, scalars, problem.work.bind(), n];
     let share = if problem.feeds { SHARE } else { 1.0 };
     let params = [bits(share * settings.tolerance), settings.omega.is_some() as u32];
-    for _ in 0..iterations {
-        let work = Work::Indirect(&problem.work, 0);
-        commands.dispatch(device, &contact, &of_contacts, &of_step, work);
-        commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
-        problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
-    }
+    let work = Work::Indirect(&problem.work, 0);
+    commands.dispatch(device, &contact, &of_contacts, &of_step, work);
+    commands.dispatch(device, &decide, &of_decision, &params, Work::Groups(1));
+    problem.record_response(device, commands, Work::Indirect(&problem.work, 1));
     Ok(())
 }

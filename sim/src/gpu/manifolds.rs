@@ -9,7 +9,7 @@
 //! out  contact      [n_contacts]  in the order of the pairs
 //! out  arms         [n_contacts]  m
 //! out  room         [3]           whether there is room for all of them, and for how many it is needed
-//! Kernels: pair_family.wgsl and the compaction, place_due.wgsl, round_contacts.wgsl, solid_contacts.wgsl, the scan, contact_room.wgsl.
+//! Kernels: pair_family.wgsl and the compaction, place_due.wgsl, round_contacts.wgsl, solid_contacts.wgsl, the scan, contact_room.wgsl, contact_finish.wgsl.
 //! Twin: cpu/contact_write.rs, cpu/collide.rs
 //!
 //! Points are found in single precision about the centre of mass of one of the bodies: gaps are right to 5e-7 of the pair's size.
@@ -36,8 +36,10 @@ pub struct Manifolds {
     due: Kernel,
     round: [Kernel; 2],
     room: Kernel,
+    finish: Kernel,
     scan: Scan,
     groups: Groups,
+    of_contacts: Groups,
     /// Number of points of each pair, then of the contacts before it, and of all (n_pairs + 1).
     pub place: Buffer<u32>,
     n_places: Count,
@@ -75,8 +77,10 @@ impl Manifolds {
             due: get("place_due", include_str!("place_due.wgsl"))?,
             round: [round(include_str!("pair_count.wgsl"))?, round(include_str!("pair_pass.wgsl"))?],
             room: get("contact_room", include_str!("contact_room.wgsl"))?,
+            finish: get("contact_finish", include_str!("contact_finish.wgsl"))?,
             scan: Scan::new(device, kernels, n_pairs + 1)?,
             groups: Groups::new(device, kernels, ROWS)?,
+            of_contacts: Groups::new(device, kernels, ROWS)?,
             place: Buffer::zeros(device, "contact places", n_pairs + 1)?,
             n_places: Count::found(device, n_pairs + 1)?,
             families: kinds
@@ -111,16 +115,16 @@ impl Manifolds {
         let (n_materials, fine, unit) = (model.material_names.len() as u32, bodies.scale.fine(), bodies.scale.unit);
         let [fine, envelope, unit] = [fine, model.envelope, unit].map(bits);
         let place = [bodies.position.bind(), bodies.orientation.bind()];
-        let rest = [at.margin.bind(), bodies.activity.bind(), from.pairs.bind(), self.place.bind()];
+        let rest = [at.margin.bind(), from.pairs.bind(), self.place.bind()];
         let out = [contact.bind(), self.arms.bind(), n.n.bind()];
         let bound: Vec<Bound> = place.into_iter().chain(shapes).chain(rest).chain(out).collect();
         for pass in 0..2 {
             let all: Vec<Bound> = bound.iter().copied().chain([from.n.n.bind()]).collect();
-            c.dispatch(device, &self.round[pass], &all, &[n_materials, fine, envelope, unit], of_pairs);
+            c.dispatch(device, &self.round[pass], &all, &[envelope, unit], of_pairs);
             for family in &self.families {
                 let own = [family.list.bind(), family.n.n.bind(), at.hulls.hull.bind()];
                 let all: Vec<Bound> = bound.iter().copied().chain(own).collect();
-                let params = [n_materials, fine, envelope, pass as u32];
+                let params = [fine, envelope, pass as u32];
                 c.dispatch(device, &family.points, &all, &params, family.groups.of_level(&family.n, 0));
             }
             if pass == 0 {
@@ -130,6 +134,11 @@ impl Manifolds {
                 c.dispatch(device, &self.room, &bound, &rooms, Work::Groups(1));
             }
         }
+        self.of_contacts.record(device, c, n);
+        let [sphere, solid, fixture] = shapes;
+        let from = [bodies.position.bind(), sphere, solid, fixture, bodies.activity.bind()];
+        let bound: Vec<Bound> = from.into_iter().chain(out).collect();
+        c.dispatch(device, &self.finish, &bound, &[n_materials, fine], self.of_contacts.of_level(n, 0));
     }
 }
 

@@ -44,6 +44,7 @@ const PARTS: &[Part<'static>] = parts!(
     "solid",
     "kinds",
     "placed",
+    "side",
     "put_contact",
     "clip",
     "support",

@@ -3,6 +3,7 @@
 #import sphere
 #import solid
 #import turn
+#import side
 
 // A shape: kind, half lengths, m, position of its centre, m, the axes of its frame, and the first row of a hull.
 struct Placed {
@@ -26,22 +27,6 @@ const MAX_POINTS: u32 = 8u;
 
 // The points of the pair.
 var<private> found: array<Point, 8>;
-
-// What a contact needs of a side of a pair.
-struct Side {
-    shape: u32,
-    body: u32,
-    material: u32,
-}
-
-fn side_of(at: u32) -> Side {
-    let n = arrayLength(&sphere);
-    if at >= n {
-        let f = at - n;
-        return Side(fixture[f].shape, fixture[f].body, fixture[f].material);
-    }
-    return Side(sphere[at].shape, sphere[at].body, sphere[at].material);
-}
 
 fn frame_of(q: vec4<f32>) -> mat3x3<f32> {
     return mat3x3(turned(q, vec3(1.0, 0.0, 0.0)), turned(q, vec3(0.0, 1.0, 0.0)), turned(q, vec3(0.0, 0.0, 1.0)));

@@ -12,7 +12,7 @@
 // in    count     [1]             n_contacts
 // in    arms      [n_contacts]    m, where they are of any direction
 // in    orientation, spin [n_bodies]  rad/s, in the bodies' frames
-// out   slip      [n_contacts]    m/s, by Coulomb's law itself: the offset without slip, and the slip that is fed
+// out   slip      [n_contacts]    m/s, by Coulomb's law itself: the offset without slip, and the slip that is to be fed, twice
 // inout roll      [n_contacts]    N m s, world, where there is rolling friction
 // out   roll_row  [n_contacts]
 // in    cohesions [n_laws]        N
@@ -74,8 +74,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     gamma[k] = vec4(start, 0.0);
     if params[7] == 1u {
         let fed = slip_of(velocity_between(k, c), start, c.normal, law[c.law].x, bitcast<f32>(params[6]));
-        slip[k] = vec4(rows[k].offset, fed, 0.0, 0.0);
-        rows[k].offset += fed;
+        slip[k] = vec4(rows[k].offset, fed, fed, 0.0);
     }
     if ROLLS {
         let moments = mass[c.bodies.x].yzw + mass[c.bodies.y].yzw;

@@ -44,16 +44,16 @@ const MOST_COLORS: u32 = 32u;
 const SLOTS: u32 = 1024u;
 const NONE: u32 = 0xffffffffu;
 
-// A table of bodies: the body of each slot and its place in the list; the pair that claims it, and the colours that it has.
+// A table of bodies: the body of each slot; the pair that claims it, and the colours that it has. Once all pairs have theirs, the rows of
+// `claim` are the colours of the pairs, and those of `taken` the places of the bodies in the list.
 var<workgroup> body_in: array<atomic<u32>, 1024>;
-var<workgroup> place: array<u32, 1024>;
 var<workgroup> claim: array<atomic<u32>, 1024>;
 var<workgroup> taken: array<atomic<u32>, 1024>;
 var<workgroup> n_bodies: atomic<u32>;
+var<workgroup> n_listed: atomic<u32>;
 var<workgroup> n_left: atomic<u32>;
 var<workgroup> left: u32;
-// Colours of the pairs, and the first place of each colour.
-var<workgroup> colors: array<u32, 1024>;
+// Number of pairs of each colour.
 var<workgroup> n_of_color: array<atomic<u32>, 33>;
 var<workgroup> has_failed: atomic<u32>;
 
@@ -74,7 +74,7 @@ fn slot_of(body: u32) -> u32 {
     for (var i = 0u; i < SLOTS; i++) {
         let found = atomicCompareExchangeWeak(&body_in[slot], NONE, body);
         if found.exchanged {
-            place[slot] = atomicAdd(&n_bodies, 1u);
+            atomicAdd(&n_bodies, 1u);
             return slot;
         }
         if found.old_value == body {
@@ -119,6 +119,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if thread == 0u {
         atomicStore(&n_bodies, 0u);
+        atomicStore(&n_listed, 0u);
         atomicStore(&has_failed, 0u);
         left = 1u;
     }
@@ -211,11 +212,19 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var i = 0u; i < 4u; i++) {
         let k = i * THREADS + thread;
         if k < n {
-            colors[k] = own[i];
+            atomicStore(&claim[k], own[i]);
             atomicAdd(&n_of_color[own[i]], 1u);
             if own[i] == MOST_COLORS {
                 atomicStore(&has_failed, 1u);
             }
+        }
+    }
+    for (var s = thread; s < SLOTS; s += THREADS) {
+        let body = atomicLoad(&body_in[s]);
+        if body != NONE {
+            let place = atomicAdd(&n_listed, 1u);
+            atomicStore(&taken[s], place);
+            tile_body[2u * first + place] = body;
         }
     }
     workgroupBarrier();
@@ -234,17 +243,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             // Behind the pairs of lower colours, and those of its own before it.
             var to = first;
             for (var j = 0u; j < n; j++) {
-                to += u32(colors[j] < own[i] || (colors[j] == own[i] && j < k));
+                let other = atomicLoad(&claim[j]);
+                to += u32(other < own[i] || (other == own[i] && j < k));
             }
             pairs[to] = sorted[first + k];
             color[to] = own[i];
             local[to] = local_of(slots[i].x) | (local_of(slots[i].y) << 16u);
-        }
-    }
-    for (var s = thread; s < SLOTS; s += THREADS) {
-        let body = atomicLoad(&body_in[s]);
-        if body != NONE {
-            tile_body[2u * first + place[s]] = body;
         }
     }
     if thread == 0u {
@@ -261,5 +265,5 @@ fn local_of(slot: u32) -> u32 {
     if slot == NONE {
         return 0xffffu;
     }
-    return place[slot];
+    return atomicLoad(&taken[slot]);
 }

@@ -38,19 +38,25 @@
 @group(0) @binding(15) var<storage, read> params: array<u32>;
 
 const THREADS: u32 = 256u;
-const NOWHERE: u32 = 0xffffu;
+// The place of a body that is held.
+const NOWHERE: u32 = 0x3ffu;
+// The colour of no contact, and where a contact has its colour, behind ten bits for each of the places of its bodies.
+const NO_COLOR: u32 = 0xfffu;
+const COLOR: u32 = 20u;
 
 // Velocities with reciprocal masses, angular velocities with reciprocal moments of inertia.
-var<workgroup> linear: array<vec4<f32>, 512>;
-var<workgroup> angular: array<vec4<f32>, 512>;
+var<workgroup> linear: array<vec4<f32>, 480>;
+var<workgroup> angular: array<vec4<f32>, 480>;
 
-// A contact in the registers of a thread.
+// A contact in the registers of a thread: of its row what a visit needs, 1/a and 1/b, its impulse, its colour and the places of its bodies.
 struct Own {
-    row: Row,
-    gamma: vec3<f32>,
-    color: u32,
-    places: vec2<u32>,
+    normal: vec3<f32>,
+    offset: f32,
+    reach: vec2<f32>,
     inverse: vec2<f32>,
+    gamma: vec3<f32>,
+    friction: f32,
+    at: u32,
 }
 
 fn linear_of(at: u32) -> vec4<f32> {
@@ -70,20 +76,24 @@ fn angular_of(at: u32) -> vec4<f32> {
 // The contact of an index; its colour is none where there is no such contact.
 fn contact_at(k: u32, end: u32) -> Own {
     var own: Own;
-    own.color = 0xffffffffu;
+    own.at = NO_COLOR << COLOR;
     if k < end {
         let pair = touching[k];
-        own.row = rows[k];
+        let row = rows[k];
+        own.normal = row.normal;
+        own.offset = row.offset;
+        own.reach = row.reach;
+        own.friction = row.friction;
         own.gamma = gamma[k].xyz;
-        own.color = color[pair];
         // The pair has its sphere first, the contact the body of the lower id.
-        let places = vec2(local[pair] & 0xffffu, local[pair] >> 16u);
+        let places = min(vec2(local[pair] & 0xffffu, local[pair] >> 16u), vec2(NOWHERE));
         let a_moves = places.x != NOWHERE;
-        let is_a = tile_body[own_first + select(places.y, places.x, a_moves)] == own.row.bodies.x;
-        own.places = select(places.yx, places, is_a == a_moves);
-        let p = vec2(linear_of(own.places.x).w, angular_of(own.places.x).w);
-        let q = vec2(linear_of(own.places.y).w, angular_of(own.places.y).w);
-        own.inverse = inverse_of(own.row, vec2(p.x, q.x), vec2(p.y, q.y));
+        let is_a = tile_body[own_first + select(places.y, places.x, a_moves)] == row.bodies.x;
+        let ordered = select(places.yx, places, is_a == a_moves);
+        own.at = (color[pair] << COLOR) | (ordered.y << 10u) | ordered.x;
+        let p = vec2(linear_of(ordered.x).w, angular_of(ordered.x).w);
+        let q = vec2(linear_of(ordered.y).w, angular_of(ordered.y).w);
+        own.inverse = inverse_of(row, vec2(p.x, q.x), vec2(p.y, q.y));
     }
     return own;
 }
@@ -93,8 +103,14 @@ var<private> own_first: u32;
 
 // Visit a contact. Returns its residual term squared.
 fn visit(own: ptr<function, Own>) -> f32 {
-    let row = (*own).row;
-    let places = (*own).places;
+    // The trace of N_ii, three times the reciprocal of η.
+    let trace = 1.0 / (*own).inverse.x + 2.0 / (*own).inverse.y;
+    var row: Row;
+    row.normal = (*own).normal;
+    row.offset = (*own).offset;
+    row.reach = (*own).reach;
+    row.friction = (*own).friction;
+    let places = vec2((*own).at & NOWHERE, ((*own).at >> 10u) & NOWHERE);
     var va = linear_of(places.x);
     var vb = linear_of(places.y);
     var wa = angular_of(places.x);
@@ -113,7 +129,7 @@ fn visit(own: ptr<function, Own>) -> f32 {
         linear[places.y] = vec4(vb.xyz + d * vb.w, vb.w);
         angular[places.y] = vec4(wb.xyz - spin * (row.reach.y * wb.w), wb.w);
     }
-    return dot(d, d) / (row.eta * row.eta);
+    return dot(d, d) * trace * trace / 9.0;
 }
 
 @compute @workgroup_size(256)
@@ -153,17 +169,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         for (var c = 0u; c < size.y; c++) {
             workgroupBarrier();
             let is_first = sweep == 0u;
-            if own0.color == c {
+            if own0.at >> COLOR == c {
                 term += select(0.0, visit(&own0), is_first);
             }
             if n_parts > 1u {
-                if own1.color == c {
+                if own1.at >> COLOR == c {
                     term += select(0.0, visit(&own1), is_first);
                 }
-                if own2.color == c {
+                if own2.at >> COLOR == c {
                     term += select(0.0, visit(&own2), is_first);
                 }
-                if own3.color == c {
+                if own3.at >> COLOR == c {
                     term += select(0.0, visit(&own3), is_first);
                 }
             }

@@ -30,8 +30,8 @@ const CROWD: f64 = 91.125;
 /// Least edge of a tile over the usual width of a shape: neighbours are within a cube of one of the rounds.
 const LEAST_EDGE: f64 = 2.5;
 
-/// The most bodies of a tile of spheres that is not big, and of one of shapes of any kind.
-const MOST_BODIES: [u32; 2] = [512, 256];
+/// The most bodies of a tile of spheres that is not big, and of one of shapes of any kind: with them the memory of a workgroup is 16 KiB.
+const MOST_BODIES: [u32; 2] = [480, 256];
 
 /// The tiles, with room for as many pairs as there is.
 pub struct Tiles {

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Estimated time of the stages on two GPUs, from bytes and instructions, as CSV: gpu/benches/estimates.sh >gpu/benches/results/estimates.csv
+# A stage takes as long as its columns take to move at the copy bandwidth, or its vector instructions to issue, whichever is longer, and its
+# dispatches besides. No GPU has been measured: what is assumed of each stands below.
+set -euo pipefail
+cd "$(dirname "$0")/results"
+awk -F, '
+# Vector instructions of a kernel, one to a lane and row; loops count once.
+NR == FNR { if ($2 == "plain") valu[$1] = $5; next }
+FNR == 1 {
+    # Copy bandwidth, bytes/s; instructions of 32 lanes issued a second; seconds of a dispatch.
+    name[1] = "H200"; bandwidth[1] = 4.3e12; issue[1] = 132 * 4 * 1.7e9; dispatch[1] = 3e-6
+    name[2] = "RX 7900 XTX"; bandwidth[2] = 0.85e12; issue[2] = 192 * 2.3e9; dispatch[2] = 3e-6
+    print "workload,stage,rows,bytes,vector_instructions,dispatches,gpu,milliseconds,bound_by"
+}
+{
+    # Workload, stage, rows, bytes a row, kernels, dispatches.
+    n = split($5, kernels, " "); instructions = 0
+    for (k = 1; k <= n; k++) {
+        if (!(kernels[k] in valu)) { print "no kernel " kernels[k] >"/dev/stderr"; exit 1 }
+        instructions += valu[kernels[k]]
+    }
+    for (g = 1; g <= 2; g++) {
+        moves = $3 * $4 / bandwidth[g]; issues = $3 / 32 * instructions / issue[g]; calls = $6 * dispatch[g]
+        most = moves > issues ? moves : issues
+        bound = calls > most ? "dispatches" : (moves > issues ? "memory" : "arithmetic")
+        printf "%s,%s,%d,%d,%d,%d,%s,%.3f,%s\n", $1, $2, $3, $4, instructions, $6, name[g], 1e3 * (most + calls), bound
+    }
+}' kernels.csv - <<'ROWS'
+S 84000,bounds,84000,80,bounds,2
+S 84000,contact_write: pairs held,982800,24,contact_find,8
+S 84000,contact_write: contacts,235200,72,contact_write,3
+S 84000,Jacobi iteration,235200,250,jacobi_contact response,3
+S 84000,APGD trial,235200,337,apgd_contact apgd_body,4
+S 84000,Gauss–Seidel pass of two sweeps,235200,160,tile_sweep,10
+S 1000000,bounds,1000000,80,bounds,2
+S 1000000,contact_write: pairs held,11700000,24,contact_find,8
+S 1000000,contact_write: contacts,2800000,72,contact_write,3
+S 1000000,Jacobi iteration,2800000,250,jacobi_contact response,3
+S 1000000,APGD trial,2800000,337,apgd_contact apgd_body,4
+S 1000000,Gauss–Seidel pass of two sweeps,2800000,160,tile_sweep,10
+mixed 100000,narrow phase: boxes,100000,120,box_contacts box_contacts,2
+mixed 100000,narrow phase: convex,900000,120,convex_contacts convex_contacts,2
+mixed 100000,Gauss–Seidel pass of two sweeps,600000,230,tile_manifolds,10
+ROWS

@@ -1,0 +1,116 @@
+//! The recording of a step: the stages up to its contacts, and what follows by the method of the plan, or by Gauss–Seidel where that may
+//! take over.
+
+use super::{Fault, Gpu, contact_solve, force, integrate, recovery_period};
+use crate::model::Model;
+use crate::plan::StepPlan;
+use crate::stages::Stage;
+use gpu::Commands;
+
+/// The recorded commands of a step.
+pub struct Recorded {
+    /// The stages up to the contacts with their starting point.
+    pub find: Commands,
+    /// What follows by the method, and by Gauss–Seidel where it may take over.
+    pub own: Solving,
+    pub landing: Option<Solving>,
+    /// In one of how many steps overlaps are recovered.
+    pub period: u64,
+}
+
+/// The recorded commands of a step from its contacts on.
+#[derive(Default)]
+pub struct Solving {
+    pub start: Commands,
+    pub solve: contact_solve::Recorded,
+    /// What the contacts do to the bodies that joints act on.
+    pub measure: Commands,
+    pub end: Commands,
+    /// The end of a step that recovers overlaps.
+    pub recovery: Commands,
+}
+
+impl Gpu {
+    /// Record a step.
+    pub(super) fn record(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
+        self.record_by(model, plan, recovery_period(plan))
+    }
+
+    /// Record a step, of which one in `period` recovers overlaps.
+    pub(super) fn record_by(&mut self, model: &Model, plan: &StepPlan, period: u64) -> Result<(), Fault> {
+        let Gpu { device, collision, warm_start, solve, .. } = &*self;
+        let mut find = Commands::new();
+        if let Some(mechanism) = &self.mechanism {
+            find.stage(Stage::JointWrite.name());
+            mechanism.record_pose(device, &mut find, &collision.bodies);
+        }
+        collision.record(device, &mut find, model);
+        find.stage(Stage::WarmStart.name());
+        match plan.warm_starts {
+            true => warm_start.record(device, &mut find, collision.columns(), solve.problem.impulses()),
+            false => solve.problem.impulses().into_iter().for_each(|column| find.clear(column)),
+        }
+        if plan.start().is_some() {
+            self.rest.record(device, &mut find, &solve.problem);
+        }
+        let own = self.record_solving(model, period, false)?;
+        let landing = if solve.may_land() { Some(self.record_solving(model, period, true)?) } else { None };
+        self.recorded = Recorded { find, own, landing, period };
+        Ok(())
+    }
+
+    /// Record a step from its contacts on, by the method or by what takes over from it.
+    fn record_solving(&self, model: &Model, period: u64, is_landing: bool) -> Result<Solving, Fault> {
+        let Gpu { device, kernels, collision, solve, .. } = self;
+        let mut start = Commands::new();
+        start.stage(Stage::Force.name());
+        force::record(device, kernels, &mut start, model, (&collision.bodies, &solve.problem.free))?;
+        if let Some(impacts) = &self.impacts {
+            impacts.record(device, &mut start, &solve.problem);
+        }
+        if let Some(mechanism) = &self.mechanism {
+            start.stage(Stage::JointWrite.name());
+            solve.problem.record_inertia(&mut start, &collision.bodies);
+            mechanism.record_free(device, &mut start, &solve.problem);
+        }
+        solve.record_start(device, kernels, &mut start, (model, collision, is_landing))?;
+        let mut measure = Commands::new();
+        if let Some(mechanism) = &self.mechanism {
+            solve.record_end(device, &mut measure, is_landing);
+            measure.stage(Stage::JointWrite.name());
+            mechanism.record_effect(device, &mut measure, (&solve.problem, &self.overlaps));
+        }
+        let end = |recovery| self.record_end(model, recovery, is_landing);
+        let (end, recovery) = (end(None)?, end(Some(period))?);
+        Ok(Solving { start, solve: solve.record(device, kernels, is_landing)?, measure, end, recovery })
+    }
+
+    /// Record the end of a step, with the recovery of overlaps for so many steps.
+    fn record_end(&self, model: &Model, recovery: Option<u64>, is_landing: bool) -> Result<Commands, Fault> {
+        let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
+        let (problem, room) = (&solve.problem, collision.room());
+        let mut commands = Commands::new();
+        let c = &mut commands;
+        solve.record_end(device, c, is_landing);
+        match recovery {
+            Some(period) => overlaps.record(device, kernels, c, model, (problem, period))?,
+            None => overlaps.record_none(c),
+        }
+        c.stage(Stage::Integrate.name());
+        if let Some(mechanism) = &self.mechanism {
+            mechanism.record_effect(device, c, (problem, overlaps));
+        }
+        let bodies = &collision.bodies;
+        integrate::record(device, kernels, c, (model, bodies), (problem, overlaps, room))?;
+        warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
+        survey.record(device, kernels, c, (model, bodies), (problem, room))?;
+        Ok(commands)
+    }
+}
+
+impl Recorded {
+    /// Nothing yet.
+    pub fn empty() -> Recorded {
+        Recorded { find: Commands::new(), own: Solving::default(), landing: None, period: 1 }
+    }
+}
