@@ -64,12 +64,11 @@ use crate::{sleep, watch};
 use collision::Collision;
 use contact_solve::{ContactSolve, Submissions};
 use exact::Rounds;
-use gpu::{Device, Kernels};
+use gpu::{Commands, Device, Kernels};
 use impacts::Impacts;
 use joints::Joints;
 use mechanism::Mechanism;
 use overlaps::Overlaps;
-use record::{Recorded, Solving};
 use rest::Rest;
 use rows::Summary;
 use std::sync::Arc;
@@ -102,6 +101,29 @@ pub struct Gpu {
     has_found: bool,
     /// Whether Gauss–Seidel has taken over the last step from the method, so that this one is begun for it.
     is_landing: bool,
+}
+
+/// The recorded commands of a step.
+struct Recorded {
+    /// The stages up to the contacts with their starting point.
+    find: Commands,
+    /// What follows by the method, and by Gauss–Seidel where it may take over.
+    own: Solving,
+    landing: Option<Solving>,
+    /// In one of how many steps overlaps are recovered.
+    period: u64,
+}
+
+/// The recorded commands of a step from its contacts on.
+#[derive(Default)]
+struct Solving {
+    start: Commands,
+    solve: contact_solve::Recorded,
+    /// What the contacts do to the bodies that joints act on.
+    measure: Commands,
+    end: Commands,
+    /// The end of a step that recovers overlaps.
+    recovery: Commands,
 }
 
 /// What has become of the commands of a step.
@@ -478,6 +500,12 @@ impl Gpu {
         self.collision.make_room(&self.device, &self.kernels, needed)?;
         self.warm_start.make_room(&self.device, self.collision.columns().0.capacity())?;
         self.renew_solve(model, plan)
+    }
+}
+
+impl Recorded {
+    fn empty() -> Recorded {
+        Recorded { find: Commands::new(), own: Solving::default(), landing: None, period: 1 }
     }
 }
 

@@ -1,34 +1,11 @@
 //! The recording of a step: the stages up to its contacts, and what follows by the method of the plan, or by Gauss–Seidel where that may
 //! take over.
 
-use super::{Fault, Gpu, contact_solve, force, integrate, recovery_period};
+use super::{Fault, Gpu, Recorded, Solving, force, integrate, recovery_period};
 use crate::model::Model;
 use crate::plan::StepPlan;
 use crate::stages::Stage;
 use gpu::Commands;
-
-/// The recorded commands of a step.
-pub struct Recorded {
-    /// The stages up to the contacts with their starting point.
-    pub find: Commands,
-    /// What follows by the method, and by Gauss–Seidel where it may take over.
-    pub own: Solving,
-    pub landing: Option<Solving>,
-    /// In one of how many steps overlaps are recovered.
-    pub period: u64,
-}
-
-/// The recorded commands of a step from its contacts on.
-#[derive(Default)]
-pub struct Solving {
-    pub start: Commands,
-    pub solve: contact_solve::Recorded,
-    /// What the contacts do to the bodies that joints act on.
-    pub measure: Commands,
-    pub end: Commands,
-    /// The end of a step that recovers overlaps.
-    pub recovery: Commands,
-}
 
 impl Gpu {
     /// Record a step.
@@ -105,12 +82,5 @@ impl Gpu {
         warm_start.record_keep(device, c, collision.columns(), (problem.impulses(), room));
         survey.record(device, kernels, c, (model, bodies), (problem, room))?;
         Ok(commands)
-    }
-}
-
-impl Recorded {
-    /// Nothing yet.
-    pub fn empty() -> Recorded {
-        Recorded { find: Commands::new(), own: Solving::default(), landing: None, period: 1 }
     }
 }
