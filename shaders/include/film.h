@@ -5,7 +5,7 @@
 // From the light of a scene to that of a screen, 0 to 1: with a toe, where shadows become black, and a shoulder towards white, where
 // colours pale as they do on film. white: the light that becomes white.
 color filmic(color light; uniform float white) {
-    uniform float toe = 0.032;
+    uniform float toe = 0.07;
     uniform float raised = 1 + toe / 0.18;
     uniform float top = raised * white * white / (white + toe);
     uniform float w = (top * (1.38 * top + 0.62) + 0.16) / (top * (1.45 * top + 0.05));

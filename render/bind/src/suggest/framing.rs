@@ -84,7 +84,8 @@ impl<'a> Classes<'a> {
                 let n_inside = grains.iter().filter(|g| g.cmpgt(class.lo).all() && g.cmplt(class.hi).all()).count();
                 // Wheels and boulders that stand about hold nothing.
                 let is_one = class.things.iter().filter(|thing| thing.is_body).count() == 1;
-                let is_vessel = is_one || class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let has_walls = class.things.iter().any(|thing| thing.is_plate);
+                let is_vessel = is_one || has_walls && class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
                 let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
                 if is_container && !found.contains(name) {
                     found.push(name);
@@ -266,18 +267,30 @@ fn without_strays<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Ve
 /// A camera from the front, a little to the side and above, near enough that the box fills the image.
 pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     /// Share of the image that the box may fill.
-    const FILL: f32 = 0.8;
-    let center = 0.5 * (lo + hi);
+    const FILL: f32 = 0.84;
+    let mut center = 0.5 * (lo + hi);
     let fov = 35.0f32;
     let back = Vec3::new(-0.45, -1.0, 0.5).normalize();
     let right = back.cross(Vec3::Z).normalize() * -1.0;
     let up = back.cross(right);
     let half_height = (fov.to_radians() * 0.5).tan() * FILL;
     let half_width = half_height * 16.0 / 9.0;
-    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
+    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]);
     // A corner at depth d + p·back is in the image if its offset is at most this share of that depth.
     let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
-    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-12, f32::max);
+    let distance = |center: Vec3| (0..8).map(|k| needed(corner(k) - center)).fold(1e-12, f32::max);
+    // What is near is larger: the middle of the picture is not that of the box.
+    for _ in 0..6 {
+        let far = distance(center);
+        let middle = |across: Vec3| {
+            let places = (0..8).map(|k| corner(k) - center).map(|p| p.dot(across) / (far - p.dot(back)));
+            let (a, b) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            0.5 * (a + b) * far
+        };
+        let (aside, above) = (middle(right), middle(up));
+        center += right * aside + up * above;
+    }
+    let distance = distance(center);
     let eye = center + back * distance;
     // To a thousandth of the distance.
     let step = 10f64.powf((distance as f64).log10().floor() - 3.0);
