@@ -87,7 +87,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
                 .velocity
                 .filter(|v| v.map(|v| (v.column, v.factor)) != STANDARD_MOTION)
                 .map(|v| v.map(Length::quantity)),
-            color: Color::Rgb([0.5, 0.41, 0.32]),
+            color: Color::Rgb([0.38, 0.29, 0.21]),
             ..object(
                 "particles",
                 None,
@@ -232,10 +232,10 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
             "gravel",
             [0.56, 0.48, 0.4],
         ),
-        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.56, 0.56, 0.54]),
         "plane" => {
             let half = Quantity::Number(rounded(40.0 * extent));
-            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.4, 0.33, 0.25])
+            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.33, 0.272, 0.206])
         }
         "ellipsoid" => {
             (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
@@ -253,7 +253,8 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
                 scale: Quantity::Number(1.0),
             };
             let ground = other.starts_with("height_field");
-            let (surface, color) = if ground { ("ground", [0.4, 0.33, 0.25]) } else { ("matte", [0.62, 0.62, 0.64]) };
+            let (surface, color) =
+                if ground { ("ground", [0.33, 0.272, 0.206]) } else { ("matte", [0.62, 0.62, 0.64]) };
             (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
         }
     }
@@ -299,8 +300,14 @@ fn kinds_as_objects(
                 _ => (surface, color),
             };
             let ground = kind.is_level_at(ground_height);
-            // Seen through once from the front and once behind, the content is still clear.
-            let opacity = containers.contains(&class).then_some(0.25);
+            // Seen through once from the front and once behind, the content is still clear; what is not painted is as glass.
+            let is_container = containers.contains(&class);
+            let is_glass = is_container && surface == "concrete";
+            let (surface, opacity) = match (is_glass, is_container) {
+                (true, _) => ("pane", Some(0.12)),
+                (_, true) => (surface, Some(0.25)),
+                _ => (surface, None),
+            };
             let mut object =
                 Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) };
             if shape == "sphere" && kind.count >= MANY {

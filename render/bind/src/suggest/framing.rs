@@ -84,8 +84,11 @@ impl<'a> Classes<'a> {
                 let n_inside = grains.iter().filter(|g| g.cmpgt(class.lo).all() && g.cmplt(class.hi).all()).count();
                 // Wheels and boulders that stand about hold nothing.
                 let is_one = class.things.iter().filter(|thing| thing.is_body).count() == 1;
+                // A ramp has grains in its box, but in front of it.
+                let is_board = class.things.len() == 1 && class.things[0].is_plate;
                 let has_walls = class.things.iter().any(|thing| thing.is_plate);
-                let is_vessel = is_one || has_walls && class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let is_vessel =
+                    is_one && !is_board || has_walls && class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
                 let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
                 if is_container && !found.contains(name) {
                     found.push(name);
@@ -99,6 +102,9 @@ impl<'a> Classes<'a> {
                     && 0.5 * (class.lo.z + class.hi.z) > bottom
             };
             let walls: Vec<_> = frame.iter().filter(|(name, class)| is_wall(class) && !name.is_empty()).collect();
+            if walls.iter().map(|(_, class)| class.things.len()).sum::<usize>() < 2 {
+                continue;
+            }
             let Some([lo, hi]) = union(walls.iter().map(|(_, class)| [class.lo, class.hi])) else { continue };
             let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
             if n_inside as f32 > HELD * grains.len() as f32 {
@@ -316,6 +322,31 @@ mod tests {
     fn thing(at: [f32; 3], size: f32, class: u32) -> Thing {
         let at = Vec3::from_array(at);
         Thing { lo: at - size, hi: at + size, size, class, is_body: true, is_plate: false }
+    }
+
+    #[test]
+    fn a_board_or_posts_among_grains_hold_nothing() {
+        let names = ["stones", "other"].map(String::from);
+        let is_container = |others: Vec<Thing>| {
+            let grain = |k: usize| thing([0.1 * (k % 5) as f32 - 0.2, 0.1 * (k / 5) as f32 - 0.4, 0.5], 0.04, 0);
+            let things = (0..40).map(grain).chain(others).collect();
+            let surveys = [Survey { things, terrain: vec![], kinds: vec![], classes: &names }];
+            !Classes::of(&surveys).containers().is_empty()
+        };
+        let plate = |at: [f32; 3], half: [f32; 3]| {
+            let (at, half) = (Vec3::from_array(at), Vec3::from_array(half));
+            Thing { lo: at - half, hi: at + half, size: half.max_element(), class: 1, is_body: true, is_plate: true }
+        };
+        // The box of an inclined ramp is as high as it is.
+        assert!(!is_container(vec![plate([0.0, 0.0, 0.5], [0.6, 0.6, 0.5])]), "a ramp");
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]];
+        let post = |[x, y]: [f32; 2]| {
+            let (at, half) = (Vec3::new(x, y, 0.5), Vec3::new(0.05, 0.05, 0.6));
+            Thing { lo: at - half, hi: at + half, size: 0.6, class: 1, is_body: true, is_plate: false }
+        };
+        assert!(!is_container(corners.map(post).to_vec()), "posts");
+        let walls = [plate([-0.6, 0.0, 0.5], [0.02, 0.6, 0.5]), plate([0.6, 0.0, 0.5], [0.02, 0.6, 0.5])];
+        assert!(is_container(walls.to_vec()), "walls");
     }
 
     #[test]
