@@ -87,8 +87,8 @@ impl<'a> Classes<'a> {
                 // A ramp has grains in its box, but in front of it.
                 let is_board = class.things.len() == 1 && class.things[0].is_plate;
                 let has_walls = class.things.iter().any(|thing| thing.is_plate);
-                let is_vessel =
-                    is_one && !is_board || has_walls && class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let is_around = class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let is_vessel = if is_one { !is_board } else { has_walls && is_around };
                 let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
                 if is_container && !found.contains(name) {
                     found.push(name);
@@ -345,7 +345,7 @@ mod tests {
             Thing { lo: at - half, hi: at + half, size: 0.6, class: 1, is_body: true, is_plate: false }
         };
         assert!(!is_container(corners.map(post).to_vec()), "posts");
-        let walls = [plate([-0.6, 0.0, 0.5], [0.02, 0.6, 0.5]), plate([0.6, 0.0, 0.5], [0.02, 0.6, 0.5])];
+        let walls = [plate([-0.6, 0.0, 0.6], [0.02, 0.6, 0.6]), plate([0.6, 0.0, 0.6], [0.02, 0.6, 0.6])];
         assert!(is_container(walls.to_vec()), "walls");
     }
 
