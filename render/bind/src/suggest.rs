@@ -232,7 +232,7 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
             "gravel",
             [0.56, 0.48, 0.4],
         ),
-        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.56, 0.56, 0.54]),
+        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.52, 0.52, 0.5]),
         "plane" => {
             let half = Quantity::Number(rounded(40.0 * extent));
             (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.33, 0.272, 0.206])
