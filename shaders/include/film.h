@@ -14,10 +14,10 @@ color filmic(color light; uniform float white) {
     color c = max(mix(light, color(most, most, most), smoothstep(0.6, 2 * white, most)), color(0, 0, 0));
     c *= raised * c / (c + toe);
     c = min(w * c * (1.45 * c + 0.05) / (c * (1.38 * c + 0.62) + 0.16), color(1, 1, 1));
-    // A print's black is a little above that of the film, as the eye sees steps of grey.
-    uniform float black = 0.03, eye = 2.2;
-    color seen = (pow(c, color(1 / eye, 1 / eye, 1 / eye)) - color(black, black, black)) / (1 - black);
-    return pow(max(seen, color(0, 0, 0)), color(eye, eye, eye));
+    // A print's black is a little above that of the film, nearly as the eye sees steps of grey: in the root.
+    uniform float black = 0.022;
+    color seen = max(color(sqrt(comp(c, 0)), sqrt(comp(c, 1)), sqrt(comp(c, 2))) - color(black, black, black), color(0, 0, 0)) / (1 - black);
+    return seen * seen;
 }
 
 #endif

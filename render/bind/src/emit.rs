@@ -51,7 +51,7 @@ impl From<Fault> for EmitError {
 }
 
 /// How much larger micropolygons of planes are than others.
-const SLANT: f32 = 2.0;
+const SLANT: f32 = 3.0;
 
 /// What is left of settings that no directive has placed yet.
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
