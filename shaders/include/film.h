@@ -15,7 +15,7 @@ color filmic(color light; uniform float white) {
     c *= raised * c / (c + toe);
     c = min(w * c * (1.45 * c + 0.05) / (c * (1.38 * c + 0.62) + 0.16), color(1, 1, 1));
     // A print's black is a little above that of the film, nearly as the eye sees steps of grey: in the root.
-    uniform float black = 0.022;
+    uniform float black = 0.027;
     color seen = max(color(sqrt(comp(c, 0)), sqrt(comp(c, 1)), sqrt(comp(c, 2))) - color(black, black, black), color(0, 0, 0)) / (1 - black);
     return seen * seen;
 }
