@@ -48,7 +48,7 @@ fn keyframes_are_gone_through_and_cuts_jump() {
 
 /// The middle of what is red, pixels.
 fn middle(image: &RgbImage, from: u32, to: u32) -> [f64; 2] {
-    let red = image.enumerate_pixels().filter(|(x, _, p)| (from..to).contains(x) && p[0] as i32 > p[1] as i32 + 60);
+    let red = image.enumerate_pixels().filter(|(x, _, p)| (from..to).contains(x) && p[0] as i32 > p[1] as i32 + 30);
     let (n, x, y) = red.fold((0.0, 0.0, 0.0), |(n, sx, sy), (x, y, _)| (n + 1.0, sx + x as f64, sy + y as f64));
     assert!(n > 20.0, "{n} pixels");
     [x / n + 0.5, y / n + 0.5]

@@ -495,7 +495,7 @@ fn what_holds_the_grains_is_seen_through() {
     let work = Work::new();
     let text = "\
 step: 0.002
-duration: 0.02
+duration: 0.1
 frame_rate: 50
 materials: {m: {density: 2600, friction: 0.5}}
 bodies:
