@@ -381,7 +381,12 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
         work.write("run/metadata.yaml", &metadata.replace("studio.rib", scene));
         scree(&["rib", &run, "-f", "0"]).ok().matches("Surface \"ground\"").count()
     };
-    assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 1]);
+    // The quarry has a surface for a floor, and lays none.
+    assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 2]);
+    assert!(
+        !scree(&["rib", &run, "-f", "0"]).ok().contains("Polygon \"vertex point P\" [-60 -60 0"),
+        "no floor over the ground"
+    );
     assert_eq!([grounds("lunar.rib"), grounds("laboratory.rib")], [0, 0]);
 }
 
