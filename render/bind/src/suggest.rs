@@ -374,7 +374,7 @@ mod tests {
                 at as u32
             });
             let codes = codes.collect();
-            Column::Category { codes, names: names.into() }
+            Column::Category { codes, names }
         };
         frame.push("class", "", words(&|body| body.0.to_string()));
         frame.push("shape", "", words(&|body| body.1.to_string()));
