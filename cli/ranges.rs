@@ -69,6 +69,7 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
         if let Color::By { range: range @ None, .. } = &mut object.color {
             *range = found.range(i);
             if let Some([a, b]) = before.range(i).filter(|was| before.of == found.of && Some(*was) != *range) {
+                let [a, b] = short([a, b]);
                 eprintln!("note: the colours of `{}` went from {a} to {b}: all its images are stale", object.name);
             }
             if let Some([lo, hi]) = range {
@@ -77,6 +78,7 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
                 } else {
                     "of the frames so far: these images are drafts, and are drawn again once others change it"
                 };
+                let [lo, hi] = short([*lo, *hi]);
                 eprintln!("note: the colours of `{}` go from {lo} to {hi}, the range {frames}", object.name);
             }
         }
@@ -87,6 +89,20 @@ pub fn of_data(binding: &mut Binding, source: &Source, kept: Option<&Path>) -> O
 /// A number of three significant digits.
 fn significant(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
+}
+
+/// The ends of a range with three digits of its width, which tell them apart however large they are.
+fn short([lo, hi]: [f64; 2]) -> [f64; 2] {
+    let digits = 2.0 - (hi - lo).abs().log10().floor();
+    if !(-300.0..=300.0).contains(&digits) {
+        return [lo, hi].map(significant);
+    }
+    // Through text, so that 0.1 is printed as it is.
+    let round = |x: f64| match digits > 0.0 {
+        true => format!("{x:.0$}", digits as usize).parse().unwrap_or(x),
+        false => (x * 10f64.powf(digits)).round() / 10f64.powf(digits),
+    };
+    [lo, hi].map(round).map(|x| if x == 0.0 { 0.0 } else { x })
 }
 
 /// Settle the way of the camera, over the frames of the data and those that it will have.
@@ -141,11 +157,22 @@ fn scan(binding: &Binding, source: &Source, kept: Option<&Path>) -> Outcome<(Fou
 
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::{short, significant};
 
     #[test]
     fn notes_have_three_digits() {
         assert_eq!([0.123456789, 98765.4, 0.0, -2.0].map(significant), [0.123, 98800.0, 0.0, -2.0]);
         assert_eq!(significant(1e-9).to_string(), "0.000000001");
+    }
+
+    #[test]
+    fn ranges_have_three_digits_of_their_width() {
+        let text = |lo, hi| short([lo, hi]).map(|x| x.to_string()).join(" ");
+        assert_eq!(text(0.0000193, 4.081361293), "0 4.08");
+        assert_eq!(text(-0.0001, 0.02605000138282776), "-0.0001 0.0261");
+        assert_eq!(text(1000.12345678, 1000.4567891), "1000.123 1000.457");
+        assert_eq!(text(12345.678, 9876543.21), "10000 9880000");
+        assert_eq!(text(0.123456, 0.123456), "0.123 0.123");
+        assert_eq!(text(0.5, f64::INFINITY), "0.5 inf");
     }
 }

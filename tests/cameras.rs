@@ -48,7 +48,7 @@ fn keyframes_are_gone_through_and_cuts_jump() {
 
 /// The middle of what is red, pixels.
 fn middle(image: &RgbImage, from: u32, to: u32) -> [f64; 2] {
-    let red = image.enumerate_pixels().filter(|(x, _, p)| (from..to).contains(x) && p[0] as i32 > p[1] as i32 + 60);
+    let red = image.enumerate_pixels().filter(|(x, _, p)| (from..to).contains(x) && p[0] as i32 > p[1] as i32 + 30);
     let (n, x, y) = red.fold((0.0, 0.0, 0.0), |(n, sx, sy), (x, y, _)| (n + 1.0, sx + x as f64, sy + y as f64));
     assert!(n > 20.0, "{n} pixels");
     [x / n + 0.5, y / n + 0.5]
@@ -180,4 +180,69 @@ fn scenes_are_as_large_as_the_data() {
         n += 1;
     }
     assert!(n >= 12, "{n} scenes");
+}
+
+#[test]
+fn the_quickstart_shows_all_of_its_stones_from_first_to_last() {
+    let work = scratch();
+    let run = work.path().join("run");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let model = root.join("sim/models/quickstart.yaml");
+    scree(&["simulate", model.to_str().unwrap(), "-o", run.to_str().unwrap()]).ok();
+    let binding = bind::read(&root.join("metadata/quickstart.yaml")).unwrap();
+    let run = frame::run::RunReader::open(&run).unwrap();
+    let numbers = run.numbers();
+    assert_eq!(numbers.len(), 48);
+    for number in numbers {
+        let table = run.read_frame(number).unwrap();
+        let stand = bind::emit::stand(&binding, &table).unwrap().unwrap();
+        let bind::binding::Projection::Perspective(fov) = stand.projection else { panic!("a perspective") };
+        let (eye, at) = (glam::Vec3::from(stand.eye), glam::Vec3::from(stand.at));
+        let ahead = (at - eye).normalize();
+        let right = ahead.cross(glam::Vec3::Z).normalize();
+        // Inward normals of the four sides of the pyramid that the camera sees, 16 to 9.
+        let upright = (0.5 * fov).to_radians().tan();
+        let side = |across: glam::Vec3, share: f32| {
+            let along = share.atan();
+            [1.0, -1.0].map(|sign| ahead * along.sin() + sign * across * along.cos())
+        };
+        let sides = [side(right, upright * 16.0 / 9.0), side(right.cross(ahead), upright)].concat();
+        let column = |name: &str, row: usize| table.column(name).unwrap().number(row).unwrap() as f32;
+        let mut n = 0;
+        for row in (0..table.rows()).filter(|row| table.column("class").unwrap().text(*row) == "stones") {
+            let place = glam::Vec3::from(["pos_x", "pos_y", "pos_z"].map(|name| column(name, row)));
+            let room = sides.iter().map(|normal| normal.dot(place - eye)).fold(f32::INFINITY, f32::min);
+            assert!(room > column("half_x", row), "frame {number}: the stone at {place} is cut, {room} m from a side");
+            n += 1;
+        }
+        assert_eq!(n, 3000, "frame {number}");
+    }
+}
+
+#[test]
+fn a_floor_lies_under_data_that_has_none_where_the_file_says_how_high() {
+    let work = scratch();
+    let image = |scene: &str, more: &str| {
+        let file = metadata(work.path(), "{eye: [0.3, -3, 1.2], look_at: [0.3, 0, 0.2]}", scene, &SPHERE);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, format!("{text}{more}")).unwrap();
+        let out = work.path().join("o");
+        scree(&["render", &file, "-f", "0", "-o", out.to_str().unwrap(), "--image-quality", "draft"]).ok();
+        image::open(out.join("000000.png")).unwrap().to_rgb8()
+    };
+    let own = "  - {name: own, select: pos_x > 9, geometry: {plane: {half: 50}}, position: [0, 0, 0]}\n";
+    for scene in ["studio.rib", "quarry.rib"] {
+        let below = |image: &RgbImage| image.get_pixel(20, 165).0.map(f64::from);
+        let [bare, laid] = ["", "ground_height: 0\n"].map(|more| below(&image(scene, more)));
+        let change = (0..3).map(|c| (bare[c] - laid[c]).abs()).sum::<f64>();
+        assert!(change > 20.0, "{scene}: a floor of {laid:?} over {bare:?}");
+        // Data with a ground of its own has no other, even where no row of it is drawn.
+        let text = |more: &str| more.replace("output:", &format!("{own}output:"));
+        let file = metadata(work.path(), "{eye: [0.3, -3, 1.2], look_at: [0.3, 0, 0.2]}", scene, &SPHERE);
+        let with = text(&std::fs::read_to_string(&file).unwrap());
+        let out = work.path().join("g");
+        std::fs::write(&file, format!("{with}ground_height: 0\n")).unwrap();
+        scree(&["render", &file, "-f", "0", "-o", out.to_str().unwrap(), "--image-quality", "draft"]).ok();
+        assert_eq!(below(&image::open(out.join("000000.png")).unwrap().to_rgb8()), bare, "{scene}");
+    }
 }

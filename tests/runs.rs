@@ -381,7 +381,12 @@ fn a_ground_is_left_out_in_scenes_that_have_one() {
         work.write("run/metadata.yaml", &metadata.replace("studio.rib", scene));
         scree(&["rib", &run, "-f", "0"]).ok().matches("Surface \"ground\"").count()
     };
-    assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 1]);
+    // The quarry has a surface for a floor, and lays none.
+    assert_eq!([grounds("studio.rib"), grounds("quarry.rib")], [1, 2]);
+    assert!(
+        !scree(&["rib", &run, "-f", "0"]).ok().contains("Polygon \"vertex point P\" [-60 -60 0"),
+        "no floor over the ground"
+    );
     assert_eq!([grounds("lunar.rib"), grounds("laboratory.rib")], [0, 0]);
 }
 
@@ -495,7 +500,7 @@ fn what_holds_the_grains_is_seen_through() {
     let work = Work::new();
     let text = "\
 step: 0.002
-duration: 0.02
+duration: 0.1
 frame_rate: 50
 materials: {m: {density: 2600, friction: 0.5}}
 bodies:
@@ -513,7 +518,7 @@ fills:
     scree(&["simulate", &work.write("m.yaml", text), "-o", &run]).ok();
     let metadata = work.read("run/metadata.yaml");
     let object = |name: &str| metadata.split("- name: ").find(|o| o.starts_with(name)).unwrap().to_string();
-    assert!(object("bin").contains("opacity: 0.25"), "{metadata}");
+    assert!(object("bin").contains("opacity: 0.12") && object("bin").contains("name: pane"), "{metadata}");
     assert!(!object("block").contains("opacity") && !object("stones").contains("opacity"), "{metadata}");
     // So are walls with names of their own, but not the floor or what stands beside.
     let wall = |name: &str, x: f64, y: f64| {
@@ -524,14 +529,20 @@ fills:
         [wall("west", -0.4, 0.0), wall("east", 0.4, 0.0), wall("south", 0.0, -0.4), wall("north", 0.0, 0.4)].concat();
     let rest = "  - {name: slab, material: m, fixed: true, box: {size: [2, 2, 0.1]}, position: [0, 0, -0.05]}\n";
     let (head, tail) = (text.split("  - name: bin").next().unwrap(), text.split_once("  - {name: block").unwrap().1);
-    let model = work.write("w.yaml", &format!("{head}{walls}{rest}  - {{name: block{tail}"));
+    let post = |name: &str, x: f64, y: f64| {
+        let body = "class: post, material: m, fixed: true, box: {size: [0.04, 0.04, 1.3]}";
+        format!("  - {{name: {name}, {body}, position: [{x}, {y}, 0.65]}}\n")
+    };
+    let posts =
+        [post("a", -0.44, -0.44), post("b", 0.44, -0.44), post("c", -0.44, 0.44), post("d", 0.44, 0.44)].concat();
+    let model = work.write("w.yaml", &format!("{head}{walls}{posts}{rest}  - {{name: block{tail}"));
     scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
     let metadata = work.read("run/metadata.yaml");
     let is_clear = |name: &str| {
-        metadata.split("- name: ").find(|o| o.starts_with(&format!("{name}\n"))).unwrap().contains("opacity: 0.25")
+        metadata.split("- name: ").find(|o| o.starts_with(&format!("{name}\n"))).unwrap().contains("opacity: 0.")
     };
     assert_eq!(["west", "east", "south", "north"].map(is_clear), [true; 4], "{metadata}");
-    assert_eq!(["slab", "block", "stones"].map(is_clear), [false; 3], "{metadata}");
+    assert_eq!(["slab", "post", "block", "stones"].map(is_clear), [false; 4], "{metadata}");
     // Only what is there is listed, and only missing frames that are asked for are missing.
     let shown = scree(&["inspect", &run]).ok();
     assert!(shown.contains("names: sphere, box\n") || shown.contains("names: box, sphere\n"), "{shown}");

@@ -119,3 +119,23 @@ fn the_sky_and_the_suns_light_agree() {
     assert!(day[1] > dusk[1], "a low sun is weaker");
     assert!(dusk[2] / dusk[0] < 0.8 * day[2] / day[0], "a low sun is redder");
 }
+
+#[test]
+fn in_parallel_projection_the_sky_is_that_of_a_lens() {
+    let work = crate::cli::scratch();
+    std::fs::write(work.path().join("s_0.csv"), "pos_x,pos_y,pos_z\n0,0,-9\n").unwrap();
+    let text = "data: {files: s_0.csv}\nscene: quarry.rib\ncamera: {view: side, orthographic: 5, look_at: [0.3, 0, 1]}
+objects: [{name: grain, geometry: {sphere: {radius: 0.001}}}]\noutput: {resolution: [160, 90]}\n";
+    let (file, out) = (work.path().join("m.yaml"), work.path().join("o"));
+    std::fs::write(&file, text).unwrap();
+    crate::cli::scree(&["render", file.to_str().unwrap(), "-o", out.to_str().unwrap()]).ok();
+    let image = image::open(out.join("000000.png")).unwrap().to_rgb8();
+    // The colours change slowly above the hills, and the sky is lighter at the horizon; below it is the ground.
+    let steps = (0..25).flat_map(|y| (1..160).map(move |x| (x, y))).map(|(x, y)| {
+        let [a, b] = [image.get_pixel(x - 1, y), image.get_pixel(x, y)];
+        (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap()
+    });
+    assert!(steps.max().unwrap() <= 6, "no rays go out from the middle");
+    let [high, low, under] = [2, 30, 85].map(|y| image.get_pixel(20, y));
+    assert!(low[0] > high[0] + 4 && high[2] > high[0] && under[2] < under[0], "{high:?} {low:?} {under:?}");
+}

@@ -11,6 +11,16 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
     if (alpha < 1) {
         uniform point eye = transform("camera", "world", point(0, 0, 0));
         vector look = normalize(transform("raster", "world", P) - eye);
+        // Parallel rays all go one way: then the sky is that of a lens.
+        uniform point a = point(0, 0, 1), b = point(0.001, 0, 1), c = point(0, 0, 2), d = point(0.001, 0, 2);
+        uniform float near = distance(transform("camera", "raster", a), transform("camera", "raster", b));
+        uniform float far = distance(transform("camera", "raster", c), transform("camera", "raster", d));
+        if (far > 0.99 * near) {
+            uniform float format[3] = {640, 480, 1};
+            option("Format", format);
+            uniform float least = min(format[0], format[1]);
+            look = normalize(vtransform("camera", "world", vector((2 * xcomp(P) - format[0]) / least, (format[1] - 2 * ycomp(P)) / least, 3.2)));
+        }
         float high = zcomp(look);
         color behind = sky_color(vector(xcomp(look), ycomp(look), max(0.02, high)), way, haziness);
         if (hills > 0 && high < radians(hills) * 2.2 + 0.001) {

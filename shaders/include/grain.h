@@ -65,12 +65,17 @@ float unevenness(float x, y, wide) {
         sum += 0.6 * broad * (noise(x, y) - 0.5);
     if (fine > 0)
         sum += 0.36 * fine * (noise(3.3 * x + 7.3, 3.3 * y) - 0.5);
+    float finer = fade(wide, 0.1), finest = fade(wide, 0.035);
+    if (finer > 0)
+        sum += 0.1 * finer * (noise(9.7 * x + 1.9, 9.7 * y + 4.1) - 0.5);
+    if (finest > 0)
+        sum += 0.03 * finest * (noise(31 * x, 31 * y + 8.7) - 0.5);
     return sum;
 }
 
 // How unevenness tilts a surface in the plane of world x and y, for its normal: bump says how steep.
 vector tilt(float x, y, wide, bump) {
-    float e = max(0.02, 0.5 * wide);
+    float e = max(0.006, 0.5 * wide);
     float h = unevenness(x, y, wide);
     float hx = unevenness(x + e, y, wide) - h, hy = unevenness(x, y + e, wide) - h;
     return bump / e * (vector "world" (1, 0, 0) * hx + vector "world" (0, 1, 0) * hy);

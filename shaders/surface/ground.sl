@@ -22,11 +22,12 @@ surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.0
     }
     float middle = fade(wide, 0.09), fine = fade(wide, 0.02);
     if (middle > 0)
-        soil *= 1 + 0.14 * middle * (noise(x * 13, y * 13) - 0.5);
+        soil *= 1 + 0.26 * middle * (noise(x * 13, y * 13) - 0.5);
     if (fine > 0)
-        soil *= 1 + 0.12 * fine * (noise(x * 55, y * 55) - 0.5);
+        soil *= 1 + 0.3 * fine * (noise(x * 55, y * 55) - 0.5);
     // A pebble in some of the cells of a grid, with a place and a size of its own.
-    float shown = fade(wide, 1.5 * pebble);
+    // Near by they would be discs.
+    float shown = fade(wide, 1.5 * pebble) * (1 - smoothstep(18, 36, pebble / wide));
     if (shown > 0) {
         float cx = floor(x / pebble) + 0.5, cy = floor(y / pebble) + 0.5;
         if (cellnoise(cx, cy) < stones) {

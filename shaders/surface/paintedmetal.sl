@@ -1,8 +1,8 @@
 // Painted metal, worn to the bare steel in patches and at the edges of boxes and cylinders, with rust about what is bare. bevel: width of
 // the edges, in parts of the least half length; marks: how strong the marks of cylinders are, by which their turning is seen.
 #include "edges.h"
-surface paintedmetal(float Ka = 1; float Kd = 0.7; float Ks = 0.35; float roughness = 0.12; float wear = 0.3; float size = 0.2;
-                     color steel = color(0.55, 0.56, 0.58); color rust = color(0.35, 0.16, 0.07); float bevel = 0.05; float marks = 0.5;
+surface paintedmetal(float Ka = 1; float Kd = 0.7; float Ks = 3.2; float roughness = 0.03; float wear = 0.3; float size = 0.2;
+                     color steel = color(0.55, 0.56, 0.58); color rust = color(0.35, 0.16, 0.07); float bevel = 0.1; float marks = 0.92;
                      uniform float id = 0;) {
     normal face = normalize(N);
     normal turned = rounded(face, I, bevel);

@@ -7,7 +7,7 @@ surface regolith(float Ka = 1; float Kd = 1.6; float grain = 0.01; color tint = 
     point q = transform("object", P), w = transform("shader", P);
     float wide = pixelwidth(I, N), own = wide * objectunit();
     float shade = 0.9 + 0.3 * fading_octaves(q / (20 * grain), 3, own / (20 * grain));
-    shade += 0.15 * fade(own, grain) * (cellnoise(q / grain) - 0.5);
+    shade += 0.4 * fading_octaves(q / (2 * grain) + vector(7.7, 1.3, 4.9), 3, own / (2 * grain));
     float size = 30 * grain;
     wide *= length(vtransform("shader", vector "world" (1, 0, 0)));
     if (wide < 0.9 * size)

@@ -5,6 +5,7 @@
 //! #scree inject camera              the binding's camera
 //! #scree inject lights              the binding's lights, or the default ones
 //! #scree inject objects [NAME…]     the objects of these names, or all
+//! #scree inject floor               a floor under data that brings none, if the binding has a height for it
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
 //! #scree ground                     a shift of what follows, the scene's own ground, to the binding's height; objects marked as
 //!                                   `ground` are left out then
@@ -22,7 +23,7 @@ mod rows;
 mod shapes;
 mod trails;
 
-use crate::binding::{Binding, Camera, Color, ImageFormat, Output, Quality, Shape};
+use crate::binding::{Binding, Camera, Color, ImageFormat, Object, Output, Quality, Shape};
 use crate::moment::Moment;
 pub use camera::Stand;
 use frame::{Fault, Frame};
@@ -50,7 +51,7 @@ impl From<Fault> for EmitError {
 }
 
 /// How much larger micropolygons of planes are than others.
-const SLANT: f32 = 4.0;
+const SLANT: f32 = 3.0;
 
 /// What is left of settings that no directive has placed yet.
 const OVERRIDES: [&str; 5] = ["Format", "Display", "PixelSamples", "PixelFilter", "ShadingRate"];
@@ -94,19 +95,18 @@ pub fn frame(
                 what.unwrap_or(""),
                 OVERRIDES.join(", ")
             ))),
+            (Some("inject"), Some("floor")) => inject_floor(binding, stand, ri),
             (Some("inject"), what) => Err(Fail::new(format!(
-                "`#scree inject {}` is unknown, expected camera, lights or objects",
+                "`#scree inject {}` is unknown, expected camera, lights, objects or floor",
                 what.unwrap_or("")
             ))),
-            (Some("ground"), None) if binding.ground_height == 0.0 => Ok(()),
-            (Some("ground"), None) => ri.translate([0.0, 0.0, binding.ground_height]),
-            (Some("floor"), None) => {
-                let ([x, y], size) = stand.map_or(([0.0; 2], 1.0), |stand| stand.floor());
-                ri.translate([x, y, binding.ground_height])?;
-                ri.scale([size; 3])
-            }
+            (Some("ground"), None) => match binding.ground_height {
+                None | Some(0.0) => Ok(()),
+                Some(z) => ri.translate([0.0, 0.0, z]),
+            },
+            (Some("floor"), None) => lower_floor(binding.ground_height.unwrap_or(0.0), stand, ri),
             (Some("unit"), None) => ri.scale([camera::unit(binding, &[5.0, 2.0, 1.0], 0.9); 3]),
-            (Some("decade"), None) => ri.scale([camera::unit(binding, &[1.0], 0.5); 3]),
+            (Some("decade"), None) => ri.scale([camera::unit(binding, &[1.0], 1.0); 3]),
             _ => Err(Fail::new(format!(
                 "`#scree {directive}` is unknown, expected `inject`, `override`, `ground`, `floor`, `unit` or `decade`"
             ))),
@@ -239,18 +239,43 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
     let number = |name: &str, x: f32| Param::floats(name, Class::Uniform, Type::Float, [x]);
     let triple = |name: &str, ty: Type, x: [f32; 3]| Param::floats(name, Class::Uniform, ty, x);
     let sky = vec![
-        triple("zenith", Type::Color, [0.55, 0.62, 0.7]),
-        triple("horizon", Type::Color, [0.38, 0.42, 0.47]),
+        triple("zenith", Type::Color, [0.46, 0.52, 0.59]),
+        triple("horizon", Type::Color, [0.28, 0.31, 0.35]),
         triple("beneath", Type::Color, [0.22, 0.21, 0.2]),
     ];
     ri.light_source("skylight", "scree:sky", sky)?;
     let sun = vec![
-        number("intensity", 0.95),
+        number("intensity", 1.25),
+        number("angle", 5.0),
+        number("samples", 4.0),
         triple("lightcolor", Type::Color, [1.0, 0.95, 0.87]),
         triple("from", Type::Point, [0.0; 3]),
         triple("to", Type::Point, [0.55, 0.5, -0.8]),
     ];
     ri.light_source("distantlight", "scree:sun", sun)
+}
+
+/// Go to a height under what the camera looks at, with its distance as unit.
+fn lower_floor(height: f32, stand: Option<Stand>, ri: &mut dyn Ri) -> RiResult {
+    let ([x, y], size) = stand.map_or(([0.0; 2], 1.0), |stand| stand.floor());
+    ri.translate([x, y, height])?;
+    ri.scale([size; 3])
+}
+
+/// A floor under the data, with the attributes that the scene has there, if the file gives its height and no object is the ground.
+fn inject_floor(binding: &Binding, stand: Option<Stand>, ri: &mut dyn Ri) -> RiResult {
+    /// Half its edge, in distances of the camera.
+    const HALF: f32 = 60.0;
+    let is_ground = |object: &Object| {
+        let by_surface = object.surface.as_ref().is_some_and(|surface| surface.name == "ground");
+        object.is_ground || by_surface || matches!(object.shape, Shape::Plane(_))
+    };
+    let Some(z) = binding.ground_height.filter(|_| !binding.objects.iter().any(is_ground)) else { return Ok(()) };
+    let points = [[-HALF, -HALF, 0.0], [HALF, -HALF, 0.0], [HALF, HALF, 0.0], [-HALF, HALF, 0.0]].concat();
+    ri.transform_begin()?;
+    lower_floor(z, stand, ri)?;
+    ri.polygon(vec![Param::floats("P", Class::Vertex, Type::Point, points)])?;
+    ri.transform_end()
 }
 
 /// The number by which shaders know a shape that has edges.

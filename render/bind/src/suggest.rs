@@ -87,6 +87,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
                 .velocity
                 .filter(|v| v.map(|v| (v.column, v.factor)) != STANDARD_MOTION)
                 .map(|v| v.map(Length::quantity)),
+            color: Color::Rgb([0.38, 0.29, 0.21]),
             ..object(
                 "particles",
                 None,
@@ -103,7 +104,8 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         // What brings no ground stands, or floats, over a floor under the lowest of it.
         scene: if has_ground { "studio.rib" } else { "seamless.rib" }.into(),
         camera: Some(camera),
-        ground_height,
+        // A floor lies under what brings no ground, whatever scene it is put in.
+        ground_height: Some(ground_height).filter(|z| !has_ground || *z != 0.0),
         objects,
         movie: if is_ours { Movie { frame_rate: real_time(frames) } } else { Movie::default() },
         ..Metadata::default()
@@ -230,10 +232,10 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
             "gravel",
             [0.56, 0.48, 0.4],
         ),
-        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.6, 0.6, 0.58]),
+        "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.52, 0.52, 0.5]),
         "plane" => {
             let half = Quantity::Number(rounded(40.0 * extent));
-            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.52, 0.44, 0.33])
+            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.33, 0.272, 0.206])
         }
         "ellipsoid" => {
             (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
@@ -251,7 +253,8 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
                 scale: Quantity::Number(1.0),
             };
             let ground = other.starts_with("height_field");
-            let (surface, color) = if ground { ("ground", [0.52, 0.44, 0.33]) } else { ("matte", [0.62, 0.62, 0.64]) };
+            let (surface, color) =
+                if ground { ("ground", [0.33, 0.272, 0.206]) } else { ("matte", [0.62, 0.62, 0.64]) };
             (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
         }
     }
@@ -297,8 +300,14 @@ fn kinds_as_objects(
                 _ => (surface, color),
             };
             let ground = kind.is_level_at(ground_height);
-            // Seen through once from the front and once behind, the content is still clear.
-            let opacity = containers.contains(&class).then_some(0.25);
+            // Seen through once from the front and once behind, the content is still clear; what is not painted is as glass.
+            let is_container = containers.contains(&class);
+            let is_glass = is_container && surface == "concrete";
+            let (surface, opacity) = match (is_glass, is_container) {
+                (true, _) => ("pane", Some(0.12)),
+                (_, true) => (surface, Some(0.25)),
+                _ => (surface, None),
+            };
             let mut object =
                 Object { color: Color::Rgb(color), ground, opacity, ..object(&name, Some(select), geometry, surface) };
             if shape == "sphere" && kind.count >= MANY {
@@ -342,5 +351,97 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
             format!("{head}{}", yaml.replacen(&first, &line, 1))
         }
         _ => format!("{head}{yaml}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frame::yaml;
+    use std::path::Path;
+
+    /// A frame of a run: bodies with class, shape, place and half lengths.
+    fn run(number: u64, bodies: &[(&str, &str, [f32; 3], f32)]) -> Frame {
+        let mut frame = Frame::new(number, number as f64 / 24.0);
+        let words = |of: &dyn Fn(&(&str, &str, [f32; 3], f32)) -> String| {
+            let mut names: Vec<String> = vec![];
+            let codes = bodies.iter().map(|body| {
+                let name = of(body);
+                let at = names.iter().position(|n| *n == name).unwrap_or_else(|| {
+                    names.push(name);
+                    names.len() - 1
+                });
+                at as u32
+            });
+            let codes = codes.collect();
+            Column::Category { codes, names }
+        };
+        frame.push("class", "", words(&|body| body.0.to_string()));
+        frame.push("shape", "", words(&|body| body.1.to_string()));
+        frame.push("id", "", Column::I64((0..bodies.len() as i64).collect()));
+        for (axis, name) in ["pos_x", "pos_y", "pos_z"].into_iter().enumerate() {
+            frame.push(name, "m", Column::F64(bodies.iter().map(|body| body.2[axis] as f64).collect()));
+        }
+        for name in ["half_x", "half_y", "half_z"] {
+            frame.push(name, "m", Column::F64(bodies.iter().map(|body| body.3 as f64).collect()));
+        }
+        frame
+    }
+
+    /// The objects that are suggested for a run in which `grains` spheres of each of two classes, the second of one sphere less, fall upon a
+    /// fixed block beside a box that moves.
+    fn objects(grains: usize) -> BTreeMap<String, Object> {
+        let frames: Vec<Frame> = (0..3)
+            .map(|k| {
+                let fallen = -0.3 * k as f32;
+                let grain =
+                    |class, n: usize| (0..n).map(move |i| (class, "sphere", [0.2 * i as f32, 0.0, 2.0 + fallen], 0.05));
+                let mut all = vec![
+                    ("ground", "plane", [0.0; 3], 0.0),
+                    ("block", "box", [1.0, 0.0, 0.25], 0.25),
+                    ("cart", "box", [0.5 * k as f32, 1.0, 0.2], 0.2),
+                ];
+                all.extend(grain("stones", grains).chain(grain("balls", grains - 1)));
+                run(k, &all)
+            })
+            .collect();
+        let suggestion = metadata(Data::default(), &frames).unwrap();
+        let (read, _) = yaml::parse::<Metadata>(Path::new("m.yaml"), suggestion.yaml).unwrap();
+        read.objects.into_iter().map(|object| (object.name.clone(), object)).collect()
+    }
+
+    #[test]
+    fn many_spheres_are_stones_and_what_moves_is_painted() {
+        let objects = objects(MANY);
+        let surface = |name: &str| objects[name].surface.as_ref().unwrap().name.as_str();
+        let stones = &objects["stones"];
+        let stone = stones.displacement.as_ref().expect("as many spheres as grains are stones");
+        assert_eq!((stone.name.as_str(), stone.traced), ("stone", Some(false)));
+        let bound = stone.bound.unwrap();
+        assert!(bound > 0.0 && bound < 0.05, "cut by {bound} m within a radius of 0.05 m");
+        assert!(matches!(&stones.color, Color::Column(by) if by.map == "stone"), "each of a shade of its own");
+        assert!(
+            objects["balls"].displacement.is_none() && matches!(objects["balls"].color, Color::Rgb(_)),
+            "few are balls"
+        );
+        assert_eq!([surface("stones"), surface("balls")], ["gravel"; 2]);
+        assert_eq!([surface("cart"), surface("block")], ["paintedmetal", "concrete"], "what moves is painted");
+        let rgb = |name: &str| match objects[name].color {
+            Color::Rgb(rgb) => rgb,
+            _ => panic!("{name} has one colour"),
+        };
+        assert!(rgb("cart") == PAINTS[0] && !PAINTS.contains(&rgb("block")));
+    }
+
+    #[test]
+    fn tables_have_a_floor_right_under_them() {
+        let mut frame = Frame::new(0, 0.0);
+        for (name, column) in [("x", [0.0, 1.0]), ("y", [0.0, 0.5]), ("z", [0.75, 1.0]), ("radius", [0.25, 0.25])] {
+            frame.push(name, "m", Column::F64(column.to_vec()));
+        }
+        let suggestion = metadata(Data::default(), &[frame]).unwrap();
+        let (read, _) = yaml::parse::<Metadata>(Path::new("m.yaml"), suggestion.yaml).unwrap();
+        let height = read.ground_height.expect("a floor");
+        assert!(height <= 0.5 && height > 0.4, "{height} m under spheres that reach down to 0.5 m");
     }
 }

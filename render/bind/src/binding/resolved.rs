@@ -27,8 +27,8 @@ pub struct Binding {
     pub camera: Option<Camera>,
     /// A RIB file of lights for the scene's `#scree inject lights`; default lights if not given.
     pub lights: Option<String>,
-    /// The height of the scene's own ground, m, where it has one.
-    pub ground_height: f32,
+    /// The height of the scene's own ground, or of a floor under data that brings none, m, if it is given.
+    pub ground_height: Option<f32>,
     /// The objects to draw, at least one.
     pub objects: Vec<Object>,
     /// What is written over the images.

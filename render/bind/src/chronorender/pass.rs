@@ -99,7 +99,7 @@ impl Image {
             scene: self.scene_file,
             camera: self.camera.map(Camera::File),
             lights: None,
-            ground_height: 0.0,
+            ground_height: None,
             objects: self.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?,
             overlays: Overlays::default(),
             output: self.output,

@@ -34,7 +34,7 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
     overlays.check(&doc, matches!(camera, Some(Camera::Placed(_))), &objects)?;
     let (model, scene, lights, ground_height) =
         (metadata.model, metadata.scene, metadata.lights, metadata.ground_height);
-    if !ground_height.is_finite() {
+    if ground_height.is_some_and(|z| !z.is_finite()) {
         return Err(doc.fault("ground_height", "expected a height in metres"));
     }
     let (made, folders, passes) = (vec![], vec![], vec![]);

@@ -24,9 +24,10 @@ pub struct Metadata {
     /// A RIB file of lights for the scene's `#scree inject lights`; default lights if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<String>,
-    /// The height of the scene's own ground, m, where it has one (`#scree ground`).
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub ground_height: f32,
+    /// The height of the scene's own ground, m, where it has one (`#scree ground`); where it is given, scenes without one lay a floor under
+    /// data that brings none (`#scree inject floor`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_height: Option<f32>,
     /// The objects to draw.
     pub objects: Vec<Object>,
     /// What is written over the images: title, time, scale bar, legend, axes, plot.
@@ -549,10 +550,6 @@ impl Default for Color {
     fn default() -> Color {
         Color::Rgb([0.7, 0.7, 0.7])
     }
-}
-
-fn is_zero(x: &f32) -> bool {
-    *x == 0.0
 }
 
 fn default_scene() -> String {

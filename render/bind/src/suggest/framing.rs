@@ -84,7 +84,11 @@ impl<'a> Classes<'a> {
                 let n_inside = grains.iter().filter(|g| g.cmpgt(class.lo).all() && g.cmplt(class.hi).all()).count();
                 // Wheels and boulders that stand about hold nothing.
                 let is_one = class.things.iter().filter(|thing| thing.is_body).count() == 1;
-                let is_vessel = is_one || class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                // A ramp has grains in its box, but in front of it.
+                let is_board = class.things.len() == 1 && class.things[0].is_plate;
+                let has_walls = class.things.iter().any(|thing| thing.is_plate);
+                let is_around = class.size > WALL * 0.5 * (class.hi - class.lo).max_element();
+                let is_vessel = if is_one { !is_board } else { has_walls && is_around };
                 let is_container = !grains.is_empty() && is_vessel && n_inside as f32 > HELD * grains.len() as f32;
                 if is_container && !found.contains(name) {
                     found.push(name);
@@ -98,6 +102,9 @@ impl<'a> Classes<'a> {
                     && 0.5 * (class.lo.z + class.hi.z) > bottom
             };
             let walls: Vec<_> = frame.iter().filter(|(name, class)| is_wall(class) && !name.is_empty()).collect();
+            if walls.iter().map(|(_, class)| class.things.len()).sum::<usize>() < 2 {
+                continue;
+            }
             let Some([lo, hi]) = union(walls.iter().map(|(_, class)| [class.lo, class.hi])) else { continue };
             let n_inside = grains.iter().filter(|g| g.cmpgt(lo).all() && g.cmplt(hi).all()).count();
             if n_inside as f32 > HELD * grains.len() as f32 {
@@ -266,18 +273,30 @@ fn without_strays<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Ve
 /// A camera from the front, a little to the side and above, near enough that the box fills the image.
 pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     /// Share of the image that the box may fill.
-    const FILL: f32 = 0.8;
-    let center = 0.5 * (lo + hi);
+    const FILL: f32 = 0.84;
+    let mut center = 0.5 * (lo + hi);
     let fov = 35.0f32;
     let back = Vec3::new(-0.45, -1.0, 0.5).normalize();
     let right = back.cross(Vec3::Z).normalize() * -1.0;
     let up = back.cross(right);
     let half_height = (fov.to_radians() * 0.5).tan() * FILL;
     let half_width = half_height * 16.0 / 9.0;
-    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]) - center;
+    let corner = |k: usize| Vec3::new([lo.x, hi.x][k & 1], [lo.y, hi.y][k >> 1 & 1], [lo.z, hi.z][k >> 2]);
     // A corner at depth d + p·back is in the image if its offset is at most this share of that depth.
     let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
-    let distance = (0..8).map(|k| needed(corner(k))).fold(1e-12, f32::max);
+    let distance = |center: Vec3| (0..8).map(|k| needed(corner(k) - center)).fold(1e-12, f32::max);
+    // What is near is larger: the middle of the picture is not that of the box.
+    for _ in 0..6 {
+        let far = distance(center);
+        let middle = |across: Vec3| {
+            let places = (0..8).map(|k| corner(k) - center).map(|p| p.dot(across) / (far - p.dot(back)));
+            let (a, b) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            0.5 * (a + b) * far
+        };
+        let (aside, above) = (middle(right), middle(up));
+        center += right * aside + up * above;
+    }
+    let distance = distance(center);
     let eye = center + back * distance;
     // To a thousandth of the distance.
     let step = 10f64.powf((distance as f64).log10().floor() - 3.0);
@@ -303,6 +322,31 @@ mod tests {
     fn thing(at: [f32; 3], size: f32, class: u32) -> Thing {
         let at = Vec3::from_array(at);
         Thing { lo: at - size, hi: at + size, size, class, is_body: true, is_plate: false }
+    }
+
+    #[test]
+    fn a_board_or_posts_among_grains_hold_nothing() {
+        let names = ["stones", "other"].map(String::from);
+        let is_container = |others: Vec<Thing>| {
+            let grain = |k: usize| thing([0.1 * (k % 5) as f32 - 0.2, 0.1 * (k / 5) as f32 - 0.4, 0.5], 0.04, 0);
+            let things = (0..40).map(grain).chain(others).collect();
+            let surveys = [Survey { things, terrain: vec![], kinds: vec![], classes: &names }];
+            !Classes::of(&surveys).containers().is_empty()
+        };
+        let plate = |at: [f32; 3], half: [f32; 3]| {
+            let (at, half) = (Vec3::from_array(at), Vec3::from_array(half));
+            Thing { lo: at - half, hi: at + half, size: half.max_element(), class: 1, is_body: true, is_plate: true }
+        };
+        // The box of an inclined ramp is as high as it is.
+        assert!(!is_container(vec![plate([0.0, 0.0, 0.5], [0.6, 0.6, 0.5])]), "a ramp");
+        let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]];
+        let post = |[x, y]: [f32; 2]| {
+            let (at, half) = (Vec3::new(x, y, 0.5), Vec3::new(0.05, 0.05, 0.6));
+            Thing { lo: at - half, hi: at + half, size: 0.6, class: 1, is_body: true, is_plate: false }
+        };
+        assert!(!is_container(corners.map(post).to_vec()), "posts");
+        let walls = [plate([-0.6, 0.0, 0.6], [0.02, 0.6, 0.6]), plate([0.6, 0.0, 0.6], [0.02, 0.6, 0.6])];
+        assert!(is_container(walls.to_vec()), "walls");
     }
 
     #[test]

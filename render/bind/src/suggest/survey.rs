@@ -18,6 +18,7 @@ pub(super) struct Survey<'a> {
 }
 
 /// A row as the camera sees it.
+#[derive(Clone)]
 pub(super) struct Thing {
     pub(super) lo: Vec3,
     pub(super) hi: Vec3,
