@@ -222,6 +222,18 @@ fn names_that_requests_take_are_known_and_others_are_refused_or_warned_of() {
             "`Surface` in a motion block: the first holds",
         ),
         ("", "MotionBegin [0 1] Sides 1 Sides 2 MotionEnd", "`Sides` in a motion block: it may not move"),
+        (
+            "",
+            "Surface \"constant\" MotionBegin [0 1] Translate 0 0 0 Translate 1 0 0 MotionEnd LightSource \"pointlight\" 1",
+            "the light `pointlight` moves: it shines from where it is when the shutter opens",
+        ),
+        (
+            "",
+            "Surface \"matte\" Disk 0 0.5 360 \"uniform color Ka\" [1 0 0]",
+            "the variable `Ka` of a primitive has a value of 3 numbers, and the parameter of the shader `matte` one of 1",
+        ),
+        ("ScreenWindow -1 -1 0 1", disk, "the screen window's width is 0, expected another number than 0"),
+        ("Display \"d.png\" \"png\" \"z\"", disk, "the depths of `d.png` are levels from 0 to 1"),
         ("", "MotionBegin [0 1] Color 1 0 0 MotionEnd", "a motion block of 2 times has 1 of `Color`"),
     ] {
         let answer = said(&[], options, world);

@@ -57,6 +57,7 @@ impl Context {
             casts_shadows: true,
             whole_shadows: false,
             detail: f32::INFINITY,
+            detail_box: None,
             detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
             seen: [0.0, 1.0],
             solid: None,

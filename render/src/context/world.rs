@@ -46,6 +46,7 @@ impl Context {
             ..Scene::default()
         };
         self.tell_options();
+        self.say_levels_of_depths();
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         let camera = Camera::new(&self.options, to_camera, vec![]);
@@ -61,14 +62,12 @@ impl Context {
     /// Options of the image for shaders that ask (RISpec 15.8).
     fn tell_options(&mut self) {
         let o = &self.options;
-        let format = [o.width as f32, o.height as f32, o.pixel_aspect];
-        let own_aspect = format[0] * format[2] / format[1];
-        let aspect = o.screen_window.map_or(own_aspect, |[left, right, bottom, top]| (right - left) / (top - bottom));
+        let pixels = |[width, height]: [usize; 2]| [width as f32, height as f32, o.pixel_aspect];
         let lens = o.lens.unwrap_or([f32::INFINITY; 3]);
         let all: [(&str, &[f32]); 8] = [
-            ("Format", &format),
-            ("DeviceResolution", &format),
-            ("FrameAspectRatio", &[aspect]),
+            ("Format", &pixels(o.format)),
+            ("DeviceResolution", &pixels([o.width, o.height])),
+            ("FrameAspectRatio", &[o.aspect()]),
             ("CropWindow", &o.crop),
             ("Shutter", &o.shutter),
             ("DepthOfField", &lens),
