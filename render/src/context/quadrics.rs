@@ -5,8 +5,7 @@ use crate::context::state::Context;
 use crate::gprim::perspective::is_projective;
 use crate::gprim::quadric::{Outline, Quadric};
 use crate::gprim::variables::{attach_variables, uniform_numbers};
-use crate::scene::attributes::TEXTURE_CORNERS;
-use crate::scene::patch::Patch;
+use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use glam::Vec3;
 use ri::{Fail, InstanceShape, Instances, Params, RiResult};
 

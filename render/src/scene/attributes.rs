@@ -7,9 +7,6 @@ use sl::Global;
 use sl::machine::BoundShader;
 use std::sync::Arc;
 
-/// s and t of the corners of primitives if nothing else is said.
-pub const TEXTURE_CORNERS: [f32; 8] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-
 /// An attribute, or those that belong together, for [`SetAttributes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attribute {

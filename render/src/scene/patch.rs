@@ -1,11 +1,13 @@
 //! Bicubic Bézier patches with the values at their corners: what every primitive but a whole sphere becomes.
 
-use crate::scene::attributes::TEXTURE_CORNERS;
 use crate::scene::interpolation::{bernstein, bernstein_slope, bilinear, lerp4};
 use crate::scene::trim::Trim;
 use crate::scene::variables::Varying;
 use glam::Vec3;
 use std::sync::Arc;
+
+/// s and t of the corners of primitives if nothing else is said.
+pub const TEXTURE_CORNERS: [f32; 8] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
 
 /// A bicubic Bézier patch with its corner values.
 #[derive(Clone, Debug)]
