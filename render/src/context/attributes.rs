@@ -142,7 +142,12 @@ impl Context {
 
     /// A light, which is on.
     pub(super) fn add_light(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        let light = self.shader(name, "light", params)?;
+        let mut light = BoundShader::clone(&*self.shader(name, "light", params)?);
+        self.changes += 1;
+        let space = format!("the space of light {}", self.changes);
+        light.set_space(&space);
+        self.scene.spaces.insert(space, self.transform);
+        let light = Arc::new(light);
         // A handle that is used again names the new light from now on; the other shines as before.
         self.attributes.lights.push((handle.into(), light.clone()));
         self.known_lights.retain(|(h, _)| h != handle);

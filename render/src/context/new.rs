@@ -43,6 +43,7 @@ impl Context {
             geometry: Geometry { bases: (BEZIER, BEZIER), steps: [3, 3], trim: None, trims_inside: false },
             changes: 0,
             known_lights: vec![],
+            before_world: Default::default(),
             declared: HashMap::new(),
             motion: None,
             made: HashMap::new(),

@@ -58,6 +58,8 @@ pub struct Context {
     pub(super) changes: u64,
     /// Lights that were made, on or off, by their handles.
     pub(super) known_lights: Vec<(String, Arc<BoundShader>)>,
+    /// Lights and spaces that were known before the world, in camera space.
+    pub(super) before_world: (Vec<(String, Arc<BoundShader>)>, HashMap<String, Mat4>),
     /// Types of variables that `Declare` gave.
     pub(super) declared: HashMap<String, Kind>,
     pub(super) motion: Option<MotionBlock>,
