@@ -36,7 +36,7 @@ pub fn write(mut context: Context, folder: &Path, overlay: Option<&Overlay<'_>>)
         }
         if result.options.displays.is_empty() && !result.options.unsupported_display {
             let (name, kind, mode) = ("ri.png".into(), "file".into(), "rgb".into());
-            result.options.displays.push(Display { name, kind, mode, half: false, quantize: None });
+            result.options.displays.push(Display { name, kind, mode, half: false, quantize: None, dither: None });
         }
         let all = result.options.displays.clone();
         let mut files: Vec<(&str, Vec<&Display>)> = display::files(&all);

@@ -260,6 +260,18 @@ fn small_rules_of_the_language() {
     let shader = b"surface t() { /* caf\xe9 */ Oi = 1; Ci = 0.5; }";
     let image = render_with(&[("t.sl", shader)], ORTHO, "Surface \"t\" Disk 0 0.8 360");
     assert_eq!(image.at(40, 40)[0], 0.5);
+    // Others begin with the mark of UTF-8.
+    let shader = "\u{feff}surface t() { /* café */ Oi = 1; Ci = 0.5; }".as_bytes();
+    let image = render_with(&[("t.sl", shader)], ORTHO, "Surface \"t\" Disk 0 0.8 360");
+    assert_eq!(image.at(40, 40)[0], 0.5);
+    // Scenes have Latin-1 in their strings.
+    let work = scratch();
+    let path = work.path().join("t.rib");
+    let text =
+        format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\nAttribute \"identifier\" \"name\" [\"caf");
+    let text = [text.as_bytes(), b"\xe9\"]\nDisk 0 0.8 360\nWorldEnd\n"].concat();
+    std::fs::write(&path, text).unwrap();
+    scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]).ok();
 }
 
 #[test]
@@ -340,7 +352,7 @@ fn displays_have_their_own_levels_and_windows_give_way() {
     let work = scratch();
     let path = work.path().join("t.rib");
     let rib = format!(
-        "Display \"win\" \"framebuffer\" \"rgb\" Display \"+t.png\" \"file\" \"rgb\" \"quantize\" [0 65535 0 65535] Display \"+low.png\" \"png\" \"rgb\" \"quantize\" [10 210 10 110]
+        "Display \"win\" \"framebuffer\" \"rgb\" Display \"+t.png\" \"file\" \"rgb\" \"quantize\" [0 65535 0 65535] Display \"+low.png\" \"png\" \"rgb\" \"quantize\" [10 210 10 110] Display \"+noise.png\" \"png\" \"rgb\" \"dither\" [40]
         Quantize \"rgba\" 255 0 255 0 {ORTHO} WorldBegin Format 10 10 1 Surface \"constant\" Color [0.25 0.5 0.75] Disk 0 0.8 360 WorldEnd\n"
     );
     std::fs::write(&path, rib).unwrap();
@@ -353,6 +365,12 @@ fn displays_have_their_own_levels_and_windows_give_way() {
     assert_eq!(deep.get_pixel(40, 40).0, [16384, 32768, 49151]);
     // 10 + 200 x, at most 110.
     assert_eq!(image::open(work.path().join("low.png")).unwrap().to_rgb8().get_pixel(40, 40).0, [60, 110, 110]);
+    // Dither of one display alone: other levels from pixel to pixel, of the same mean.
+    let noise = image::open(work.path().join("noise.png")).unwrap().to_rgb8();
+    let levels: Vec<f32> =
+        (20..60).flat_map(|x| (30..50).map(move |y| (x, y))).map(|(x, y)| noise.get_pixel(x, y).0[1] as f32).collect();
+    let mean = levels.iter().sum::<f32>() / levels.len() as f32;
+    assert!((mean - 127.5).abs() < 3.0 && levels.iter().any(|x| (x - mean).abs() > 20.0), "{mean}");
     assert!(!work.path().join("win").exists());
 }
 

@@ -256,6 +256,18 @@ fn what_is_given_in_vain_is_said() {
         ("has no `SolidEnd`", "", "SolidBegin \"union\" Sphere 1 -1 1 360".into()),
         ("has no `MotionEnd`", "", "MotionBegin [0 1] Translate 0 0 0".into()),
         ("in a motion block of", "", "MotionBegin [0 1] Translate 0 0 0 Scale 1 1 1 MotionEnd".into()),
+        (
+            "the light `pointlight` moves: it shines from where it is when the shutter opens",
+            "",
+            "MotionBegin [0 1] Translate 0 0 0 Translate 1 0 0 MotionEnd LightSource \"pointlight\" 1".into(),
+        ),
+        (
+            "the variable `Ka` of a primitive has a value of 3 numbers, and the parameter of the shader `matte` one of 1",
+            "",
+            "Surface \"matte\" Disk 0 0.5 360 \"uniform color Ka\" [1 0 0]".into(),
+        ),
+        ("the screen window's width is 0, expected another number than 0", "ScreenWindow -1 -1 0 1", String::new()),
+        ("the depths of `d.png` are levels from 0 to 1", "Display \"d.png\" \"png\" \"z\"", String::new()),
     ] {
         let answer = said(&[], options, &world);
         assert!(answer.contains(told), "{options} {world} is silent: {answer}");

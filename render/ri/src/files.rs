@@ -3,9 +3,17 @@
 pub use crate::programs::{Permission, resolve};
 use std::path::{Path, PathBuf};
 
-/// The text of a shader: UTF-8, or else Latin-1.
-fn source_of(bytes: Vec<u8>) -> String {
+/// Text that is UTF-8, or else Latin-1.
+pub(crate) fn text_of(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect())
+}
+
+/// The text of a shader, without the mark of UTF-8 with which some editors begin it.
+fn source_of(bytes: Vec<u8>) -> String {
+    match bytes.strip_prefix(b"\xef\xbb\xbf") {
+        Some(rest) => text_of(rest.to_vec()),
+        None => text_of(bytes),
+    }
 }
 
 /// A search path: folders, then files built into the program.

@@ -3,6 +3,7 @@
 //! In the bytestream, bytes from 0200 on encode: numbers of fixed point, strings, floats, arrays of floats, and requests and
 //! strings that were given a code before.
 
+use crate::files::text_of;
 use crate::requests::Request;
 use std::borrow::Cow;
 
@@ -322,7 +323,7 @@ impl<'a> Lexer<'a> {
             }
         }
         self.at = i + 1;
-        String::from_utf8(out).map_err(|_| "a string is not UTF-8".into())
+        Ok(text_of(out))
     }
 
     /// The next `n` bytes.
@@ -341,7 +342,7 @@ impl<'a> Lexer<'a> {
     }
 
     fn text(&mut self, n: usize) -> Result<String, String> {
-        String::from_utf8(self.take(n)?.to_vec()).map_err(|_| "a string is not UTF-8".into())
+        Ok(text_of(self.take(n)?.to_vec()))
     }
 
     /// An encoded string: the second part of a definition.

@@ -194,8 +194,9 @@ impl Default for Declarations {
             ("texturename shadowname name shadinggroup depthfilter", Class::Uniform, Type::String),
             ("shader texture archive procedural display rib", Class::Uniform, Type::String),
             ("gridsize bucketsize texturememory eyesplits jitter binary endofframe", Class::Uniform, Type::Integer),
+            ("camera nsamples displacements maxdepth maxdiffusedepth", Class::Uniform, Type::Integer),
             ("coordinatesystem space sense", Class::Uniform, Type::String),
-            ("sphere", Class::Uniform, Type::Float),
+            ("sphere dither", Class::Uniform, Type::Float),
         ] {
             for name in names.split(' ') {
                 known.0.insert(name.into(), Declaration::new(name, class, ty));

@@ -280,7 +280,7 @@ fn primitive_variables_go_before_parameters() {
         "surface s(float a = 0.1; float b = 0.2; string c = \"c\"; float d[2] = {3, 4}) { Ci = color(a, b, d[1]); }",
     );
     // Of two variables of a name the first counts; what no parameter is named as is passed over, as are numbers for texts.
-    let names = ["other", "b", "c", "d", "b"].map(String::from);
+    let names = [("other", 1), ("b", 1), ("c", 1), ("d", 2), ("b", 1)].map(|(name, width)| (name.to_string(), width));
     let slots = VariableSlots::of(&shader.program, &names);
     let mut points = Points::new(2, 1, 1.0);
     points.set(Global::Ci, vec![0.0; 3]);
@@ -295,4 +295,9 @@ fn primitive_variables_go_before_parameters() {
     // A slot without values leaves the parameter its own; nothing of the last points is left.
     assert_eq!(run(&all[..1]), [0.1, 0.2, 4.0]);
     assert_eq!(VariableSlots::of(&shader.program, &names[..1]), VariableSlots::default());
+    // Nor does a parameter take what has other numbers.
+    let others = [("a", 3), ("b", 1), ("c", 3), ("d", 3)].map(|(name, width)| (name.to_string(), width));
+    let misfits: Vec<_> = VariableSlots::misfits(&shader.program, &others).collect();
+    assert_eq!(misfits, [("a", 3, Some(1)), ("c", 3, None), ("d", 3, Some(2))]);
+    assert_eq!(VariableSlots::of(&shader.program, &others[2..]), VariableSlots::default());
 }

@@ -142,7 +142,12 @@ impl Context {
 
     /// A light, which is on.
     pub(super) fn add_light(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        let light = self.shader(name, "light", params)?;
+        let mut light = BoundShader::clone(&*self.shader(name, "light", params)?);
+        self.changes += 1;
+        let space = format!("the space of light {}", self.changes);
+        light.set_space(&space);
+        self.scene.spaces.insert(space, self.transform);
+        let light = Arc::new(light);
         // A handle that is used again names the new light from now on; the other shines as before.
         self.attributes.lights.push((handle.into(), light.clone()));
         self.known_lights.retain(|(h, _)| h != handle);
@@ -177,16 +182,21 @@ impl Context {
         Ok(())
     }
 
-    /// Square pixels that a box of object space covers, scaled by the relative detail.
-    pub(super) fn raster_area(&self, [x0, x1, y0, y1, z0, z1]: [f32; 6]) -> f32 {
+    /// The corners of a box of object space in current space.
+    pub(super) fn corners_of(&self, [x0, x1, y0, y1, z0, z1]: [f32; 6]) -> [Vec3; 8] {
+        let pick = |k: usize, bit: usize, a: f32, b: f32| if k >> bit & 1 == 0 { a } else { b };
+        std::array::from_fn(|k| {
+            self.transform.transform_point3(Vec3::new(pick(k, 0, x0, x1), pick(k, 1, y0, y1), pick(k, 2, z0, z1)))
+        })
+    }
+
+    /// Square pixels that a box covers, by its corners in current space, scaled by the relative detail.
+    pub(super) fn raster_area(&self, corners: [Vec3; 8]) -> f32 {
         let Some(to_camera) = self.to_camera else { return f32::INFINITY };
         let camera = Camera::new(&self.options, to_camera, vec![]);
-        let m = to_camera * self.transform;
-        let corners = (0..8).map(|k| {
-            let pick = |bit: usize, a: f32, b: f32| if k >> bit & 1 == 0 { a } else { b };
-            m.transform_point3(Vec3::new(pick(0, x0, x1), pick(1, y0, y1), pick(2, z0, z1)))
-        });
-        let (min, max) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        let corners = corners.map(|p| to_camera.transform_point3(p));
+        let (min, max) =
+            corners.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         camera.bound(min, max).map_or(0.0, |b| (b.max.x - b.min.x) * (b.max.y - b.min.y)) * self.options.relative_detail
     }
 
@@ -218,6 +228,14 @@ impl Context {
     /// levels share the samples, so that together they are whole (RISpec 5.6).
     pub(super) fn level_changed(&mut self) {
         self.sets(Attribute::Detail);
+        self.find_level();
+    }
+
+    /// The same, of attributes that an instance has from its object.
+    pub(super) fn find_level(&mut self) {
+        if let Some(corners) = self.attributes.detail_box {
+            self.attributes.detail = self.raster_area(corners);
+        }
         let ([least, lower, upper, most], detail) = (self.attributes.detail_range, self.attributes.detail);
         self.attributes.seen = match detail {
             d if d < least || d > most => [0.0; 2],

@@ -79,13 +79,16 @@ impl Ri for Context {
     }
     fn frame_aspect_ratio(&mut self, ratio: f32) -> RiResult {
         positive(ratio, "the frame aspect ratio")?;
-        self.options.screen_window =
-            Some(if ratio >= 1.0 { [-ratio, ratio, -1.0, 1.0] } else { [-1.0, 1.0, -1.0 / ratio, 1.0 / ratio] });
+        self.options.frame_aspect = Some(ratio);
+        self.options.fit_frame();
         Ok(())
     }
     fn screen_window(&mut self, left: f32, right: f32, bottom: f32, top: f32) -> RiResult {
-        positive(right - left, "the screen window's width")?;
-        positive(top - bottom, "the screen window's height")?;
+        for (side, what) in [(right - left, "width"), (top - bottom, "height")] {
+            if side == 0.0 || !side.is_finite() {
+                return Err(Fail::new(format!("the screen window's {what} is {side}, expected another number than 0")));
+            }
+        }
         self.options.screen_window = Some([left, right, bottom, top]);
         Ok(())
     }
@@ -146,7 +149,11 @@ impl Ri for Context {
         self.set_color(Attribute::Opacity, opacity)
     }
     fn light_source(&mut self, name: &str, handle: &str, params: Params) -> RiResult {
-        self.add_light(name, handle, params)
+        self.add_light(name, handle, params)?;
+        if !self.moves.is_empty() {
+            self.scene.warn(format!("the light `{name}` moves: it shines from where it is when the shutter opens"));
+        }
+        Ok(())
     }
     fn illuminate(&mut self, handle: &str, on: bool) -> RiResult {
         self.switch_light(handle, on)
@@ -207,10 +214,10 @@ impl Ri for Context {
         self.set_depth_of_field(f_stop, length, distance)
     }
     fn detail(&self, bound: [f32; 6]) -> f32 {
-        self.raster_area(bound)
+        self.raster_area(self.corners_of(bound))
     }
     fn detail_bound(&mut self, bound: [f32; 6]) -> RiResult {
-        self.attributes.detail = self.raster_area(bound);
+        self.attributes.detail_box = Some(self.corners_of(bound));
         self.level_changed();
         Ok(())
     }
@@ -234,6 +241,7 @@ impl Ri for Context {
         Ok(())
     }
     fn texture_coordinates(&mut self, corners: [f32; 8]) -> RiResult {
+        self.sets(Attribute::TextureCorners);
         self.attributes.texture_corners = corners;
         Ok(())
     }

@@ -5,9 +5,9 @@ use crate::context::quadrics::{one_sphere, quadric_patches};
 use crate::context::state::Context;
 use crate::gprim::quadric::Quadric;
 use crate::gprim::variables::{attach_variables, uniform_numbers};
-use crate::scene::attributes::{Attribute, TEXTURE_CORNERS};
+use crate::scene::attributes::Attribute;
 use crate::scene::motion;
-use crate::scene::patch::Patch;
+use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use crate::scene::variables::{VariableName, VariableNames};
 use glam::Mat4;
 use ri::{Fail, Instances, Params, RiResult};
@@ -132,7 +132,7 @@ impl Context {
     fn moving_quadrics(&mut self, times: &[f32], quadrics: Vec<(Quadric, Params)>) -> RiResult {
         let varies = quadrics.iter().any(|(_, params)| params.iter().any(|p| !p.decl.class.is_whole()));
         let radii: Option<Vec<f32>> = quadrics.iter().map(|(quadric, _)| quadric.whole_sphere()).collect();
-        if let Some(radii) = radii.filter(|_| !varies && self.attributes.texture_corners == TEXTURE_CORNERS) {
+        if let Some(radii) = radii.filter(|_| !varies && self.texture_corners() == TEXTURE_CORNERS) {
             let spheres =
                 radii.into_iter().zip(quadrics).map(|(r, (_, params))| Ok((one_sphere(r), uniform_numbers(params)?)));
             return self.moving_spheres(times, spheres.collect::<Result<_, Fail>>()?);

@@ -4,8 +4,9 @@ use crate::context::geometry::Geometry;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
 use crate::scene::area;
-use crate::scene::attributes::{Attributes, SetAttributes, TEXTURE_CORNERS};
+use crate::scene::attributes::{Attributes, SetAttributes};
 use crate::scene::options::Options;
+use crate::scene::patch::TEXTURE_CORNERS;
 use crate::scene::world::Scene;
 use glam::Mat4;
 use ri::Fail;
@@ -26,48 +27,13 @@ impl Context {
             vec![],
             vec![],
         ));
-        let attributes = Attributes {
-            set: SetAttributes::default(),
-            color: [1.0; 3],
-            opacity: [1.0; 3],
-            color_moves: vec![],
-            opacity_moves: vec![],
-            surface: nothing,
-            surface_space: Mat4::IDENTITY,
-            displacement: None,
-            displacement_space: Mat4::IDENTITY,
-            displacement_bound: None,
-            atmosphere: None,
-            atmosphere_space: Mat4::IDENTITY,
-            interior: None,
-            exterior: None,
-            user: Arc::default(),
-            texture_corners: TEXTURE_CORNERS,
-            lights: vec![],
-            light_list: Arc::default(),
-            emitters: Arc::default(),
-            area_light: None,
-            light_samples: area::SAMPLES,
-            shading_rate: 1.0,
-            smooth: true,
-            two_sided: true,
-            reversed: false,
-            matte: false,
-            visible: true,
-            casts_shadows: true,
-            whole_shadows: false,
-            detail: f32::INFINITY,
-            detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
-            seen: [0.0, 1.0],
-            solid: None,
-        };
         let mut context = Context {
             files,
             programs: HashMap::new(),
             options: Options::default(),
             saved: None,
             frame: 0,
-            attributes,
+            attributes: initial(nothing),
             attribute_stack: vec![],
             transform: Mat4::IDENTITY,
             moves: vec![],
@@ -77,6 +43,7 @@ impl Context {
             geometry: Geometry { bases: (BEZIER, BEZIER), steps: [3, 3], trim: None, trims_inside: false },
             changes: 0,
             known_lights: vec![],
+            before_world: Default::default(),
             declared: HashMap::new(),
             motion: None,
             made: HashMap::new(),
@@ -96,5 +63,45 @@ impl Context {
         };
         context.attributes.surface = context.shader("defaultsurface", "surface", vec![])?;
         Ok(context)
+    }
+}
+
+/// The attributes that a scene begins with (RISpec 5), with a surface shader.
+fn initial(surface: Arc<BoundShader>) -> Attributes {
+    Attributes {
+        set: SetAttributes::default(),
+        color: [1.0; 3],
+        opacity: [1.0; 3],
+        color_moves: vec![],
+        opacity_moves: vec![],
+        surface,
+        surface_space: Mat4::IDENTITY,
+        displacement: None,
+        displacement_space: Mat4::IDENTITY,
+        displacement_bound: None,
+        atmosphere: None,
+        atmosphere_space: Mat4::IDENTITY,
+        interior: None,
+        exterior: None,
+        user: Arc::default(),
+        texture_corners: TEXTURE_CORNERS,
+        lights: vec![],
+        light_list: Arc::default(),
+        emitters: Arc::default(),
+        area_light: None,
+        light_samples: area::SAMPLES,
+        shading_rate: 1.0,
+        smooth: true,
+        two_sided: true,
+        reversed: false,
+        matte: false,
+        visible: true,
+        casts_shadows: true,
+        whole_shadows: false,
+        detail: f32::INFINITY,
+        detail_box: None,
+        detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],
+        seen: [0.0, 1.0],
+        solid: None,
     }
 }

@@ -4,13 +4,15 @@
 //! with the object.
 
 use crate::context::motion_block::{Keys, Place};
-use crate::context::open_object::{Group, OpenObject, Part, Uniform};
+use crate::context::open_object::{Group, OpenObject, OpenPart, Uniform};
 use crate::context::state::Context;
+use crate::gprim::quadric::whole_sphere;
 use crate::scene::attached::Attached;
 use crate::scene::attributes::{Attribute, Attributes, SetAttributes};
 use crate::scene::motion;
+use crate::scene::patch::TEXTURE_CORNERS;
 use crate::scene::shape::Shape;
-use crate::scene::source::{SourceShape, instance_variables, transform};
+use crate::scene::source::{Part, SourceShape, instance_variables, transform};
 use crate::scene::variables::{VariableName, VariableNames};
 use glam::{Mat4, Vec3};
 use ri::{Fail, InstanceShape, Instances, Param, RiResult, Type};
@@ -48,13 +50,13 @@ impl Context {
     }
 
     /// Add a primitive to the object that is open.
-    pub(super) fn add_part(&mut self, shape: Shape, to_object: Mat4, moves: Keys, uniform: Uniform) -> RiResult {
+    pub(super) fn add_part(&mut self, part: Part, moves: Keys, uniform: Uniform) -> RiResult {
         let attributes = if self.attributes.set.any() { Some(self.shared_attributes()) } else { None };
         let Some(object) = &mut self.open_object else { return Ok(()) };
         if object.parts.len() >= MAX_PARTS {
             return Err(Fail::new(format!("the object `{}` has more than {MAX_PARTS} parts", object.handle)));
         }
-        object.parts.push(Part { shape, to_object, moves, uniform, attributes });
+        object.parts.push(OpenPart { part, moves, uniform, attributes });
         Ok(())
     }
 
@@ -76,9 +78,8 @@ impl Context {
         for i in 0..spheres.len() {
             let own = [uniform.clone(), variables_of(spheres, i)].concat();
             let keys = keys_of(&(place, moves.clone()), spheres, i, &[]);
-            // What moves in its object keeps its own space.
-            let uniform = if keys.is_empty() { placed(own, &place) } else { own };
-            self.add_part(Shape::Sphere, place * spheres.matrix(i), keys, uniform)?;
+            let part = Part { shape: Shape::Sphere, place: place * spheres.matrix(i), space: place };
+            self.add_part(part, keys, own)?;
         }
         Ok(())
     }
@@ -99,6 +100,8 @@ impl Context {
         let solid = self.enter_part();
         let mut copied = HashMap::new();
         for group in groups {
+            let textured = self.textured(group);
+            let group = textured.as_ref().unwrap_or(group);
             let outer = group.attributes.as_ref().map(|own| {
                 let mut over = own.over(&self.attributes, self.transform * group.base.inverse());
                 if let Some(own) = own.solid.filter(|_| own.set.has(Attribute::Solid)) {
@@ -106,6 +109,9 @@ impl Context {
                 }
                 std::mem::replace(&mut self.attributes, over)
             });
+            if group.attributes.as_ref().is_some_and(|own| own.set.has(Attribute::Detail)) {
+                self.find_level();
+            }
             let done = if self.open_object.is_some() {
                 self.add_group_parts(instances, group)
             } else if group.moves.is_empty() {
@@ -122,27 +128,49 @@ impl Context {
         Ok(())
     }
 
+    /// A group whose parts have the texture coordinates of where they are instanced, if these are not the usual ones and the object
+    /// sets none.
+    fn textured(&self, group: &Group) -> Option<Group> {
+        let corners = self.texture_corners();
+        let is_set = group.attributes.as_ref().is_some_and(|own| own.set.has(Attribute::TextureCorners));
+        if is_set || corners == TEXTURE_CORNERS {
+            return None;
+        }
+        let of = |part: &Part| {
+            let (patches, names) = match &part.shape {
+                Shape::Sphere => (whole_sphere(), Arc::default()),
+                Shape::Patches(patches, names) => (patches.as_slice(), names.clone()),
+            };
+            let mut own = patches.to_vec();
+            own.iter_mut().for_each(|patch| patch.set_corners(&corners));
+            Part { shape: Shape::Patches(Arc::new(own), names), ..part.clone() }
+        };
+        Some(Group { parts: Arc::new(group.parts.iter().map(of).collect()), ..group.clone() })
+    }
+
     /// Parts of an object within the object that is open.
     fn add_group_parts(&mut self, instances: &Instances, group: &Group) -> RiResult {
         let place = self.place_in_object();
         for i in 0..instances.len() {
-            let inner = placed(group.uniform.clone(), &(place.0 * instances.matrix(i)));
-            let uniform = [inner, placed(variables_of(instances, i), &place.0)].concat();
-            for (shape, own) in group.parts.iter() {
+            let object = place.0 * instances.matrix(i);
+            for Part { shape, place: own, space } in group.parts.iter() {
                 let keys = keys_of(&place, instances, i, &group.moves);
                 let keys = if group.moves.is_empty() {
                     keys.into_iter().map(|(time, key)| (time, key * *own)).collect()
                 } else {
                     keys
                 };
-                self.add_part(shape.clone(), place.0 * instances.matrix(i) * *own, keys, uniform.clone())?;
+                let part = Part { shape: shape.clone(), place: object * *own, space: object * *space };
+                // What the instance has is of the space that it is placed in.
+                let of_instance = placed(variables_of(instances, i), &(part.space.inverse() * place.0));
+                self.add_part(part, keys, [group.uniform.clone(), of_instance].concat())?;
             }
         }
         Ok(())
     }
 
     /// Parts of an object that keep their places in it.
-    fn push_group(&mut self, instances: Instances, parts: Arc<Vec<(Shape, Mat4)>>, uniform: &Uniform) -> RiResult {
+    fn push_group(&mut self, instances: Instances, parts: Arc<Vec<Part>>, uniform: &Uniform) -> RiResult {
         let own = uniform.iter().map(|(name, _)| name.clone());
         let own: Vec<VariableName> =
             own.chain(instance_variables(&instances).map(|p| VariableName::of(&p.decl))).collect();
@@ -165,7 +193,13 @@ impl Context {
                 params,
                 moved: None,
             };
-            let parts = group.parts.iter().map(|(shape, _)| (shape.clone(), Mat4::IDENTITY)).collect();
+            // Its place is in the keys.
+            let placed = |part: &Part| Part {
+                shape: part.shape.clone(),
+                place: Mat4::IDENTITY,
+                space: part.place.inverse() * part.space,
+            };
+            let parts = group.parts.iter().map(placed).collect();
             let done = self.push_group(one, Arc::new(parts), &group.uniform);
             (self.transform, self.moves) = outer.clone();
             done?;
@@ -174,18 +208,18 @@ impl Context {
     }
 
     /// The variables of the parts of an object, attached to the current shaders; the patches of one primitive share theirs.
-    fn attach_parts(&self, own: &[VariableName], parts: &[(Shape, Mat4)]) -> Vec<Arc<Attached>> {
+    fn attach_parts(&self, own: &[VariableName], parts: &[Part]) -> Vec<Arc<Attached>> {
         let none = Arc::new(VariableNames::default());
         let mut last: Option<(&Arc<VariableNames>, Arc<Attached>)> = None;
         let mut all = Vec::with_capacity(parts.len());
-        for (shape, _) in parts {
-            let names = match shape {
+        for part in parts {
+            let names = match &part.shape {
                 Shape::Sphere => &none,
                 Shape::Patches(_, names) => names,
             };
             let attached = match last.take() {
                 Some((before, attached)) if Arc::ptr_eq(before, names) => attached,
-                _ => Arc::new(Attached::new(&self.attributes, own, names)),
+                _ => self.attach(own, names),
             };
             all.push(attached.clone());
             last = Some((names, attached));
@@ -195,8 +229,8 @@ impl Context {
 }
 
 /// The parts of an object, those together that have attributes and variables in common; what moves is by itself.
-fn groups(parts: Vec<Part>, base: Mat4) -> Vec<Group> {
-    let mut groups: Vec<(Group, Vec<(Shape, Mat4)>)> = vec![];
+fn groups(parts: Vec<OpenPart>, base: Mat4) -> Vec<Group> {
+    let mut groups: Vec<(Group, Vec<Part>)> = vec![];
     for part in parts {
         let is_alike = |group: &Group| {
             let same = match (&group.attributes, &part.attributes) {
@@ -206,13 +240,10 @@ fn groups(parts: Vec<Part>, base: Mat4) -> Vec<Group> {
             same && group.uniform == part.uniform && group.moves.is_empty() && part.moves.is_empty()
         };
         match groups.last_mut() {
-            Some((group, all)) if is_alike(group) => all.push((part.shape, part.to_object)),
+            Some((group, all)) if is_alike(group) => all.push(part.part),
             _ => {
-                let Part { shape, to_object, moves, uniform, attributes } = part;
-                groups.push((
-                    Group { parts: Arc::default(), moves, uniform, attributes, base },
-                    vec![(shape, to_object)],
-                ));
+                let OpenPart { part, moves, uniform, attributes } = part;
+                groups.push((Group { parts: Arc::default(), moves, uniform, attributes, base }, vec![part]));
             }
         }
     }

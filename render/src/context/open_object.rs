@@ -3,7 +3,7 @@
 use crate::context::geometry::Geometry;
 use crate::context::motion_block::{Keys, Place};
 use crate::scene::attributes::Attributes;
-use crate::scene::shape::Shape;
+use crate::scene::source::Part;
 use crate::scene::variables::VariableName;
 use glam::Mat4;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub type Uniform = Vec<(VariableName, Vec<f32>)>;
 /// An object that is open.
 pub struct OpenObject {
     pub handle: String,
-    pub parts: Vec<Part>,
+    pub parts: Vec<OpenPart>,
     /// The transformation where it began.
     pub base: Mat4,
     /// What holds again after it.
@@ -36,19 +36,18 @@ impl OpenObject {
 }
 
 /// A primitive of an object that is open.
-pub struct Part {
-    pub shape: Shape,
-    /// The part's space to the object's.
-    pub to_object: Mat4,
-    /// The same over time.
+pub struct OpenPart {
+    pub part: Part,
+    /// Its place over time.
     pub moves: Keys,
     pub uniform: Uniform,
     pub attributes: Option<Arc<Attributes>>,
 }
 
 /// Parts of an object that are drawn together.
+#[derive(Clone)]
 pub struct Group {
-    pub parts: Arc<Vec<(Shape, Mat4)>>,
+    pub parts: Arc<Vec<Part>>,
     /// Of a part that moves within the object, its places over time, which hold beside the one in `parts`.
     pub moves: Keys,
     pub uniform: Uniform,

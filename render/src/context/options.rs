@@ -1,7 +1,7 @@
 //! Calls that set options.
 
 use crate::context::state::{Context, positive};
-use crate::film::display::Display;
+use crate::film::display::{Display, Layer};
 use crate::film::filter::FilterKind;
 use crate::film::image::LONGEST_SIDE;
 use crate::scene::options::Hider;
@@ -49,9 +49,9 @@ impl Context {
             let max = MAX_PIXELS / 1_000_000;
             return Err(Fail::new(format!("format {width}×{height}: expected at most {max} million pixels")));
         }
-        self.options.width = width as usize;
-        self.options.height = height as usize;
+        self.options.format = [width as usize, height as usize];
         self.options.pixel_aspect = if aspect > 0.0 { aspect } else { 1.0 };
+        self.options.fit_frame();
         Ok(())
     }
 
@@ -176,7 +176,9 @@ impl Context {
             [zero, one, min, max] => Ok([zero, one, min, max].map(|x| x as i32)),
             _ => Err(Fail::new("the display's quantize: expected the values of 0 and 1, the least and the greatest")),
         });
-        let display = Display { name: name.into(), kind: kind.into(), mode, half, quantize: quantize.transpose()? };
+        let dither = params.iter().find(|p| p.decl.name == "dither").and_then(|p| p.numbers().first().copied());
+        let quantize = quantize.transpose()?;
+        let display = Display { name: name.into(), kind: kind.into(), mode, half, quantize, dither };
         if let Some(message) = display.stands_in().filter(|_| !is_window(kind) && !is_own) {
             self.scene.warn(message);
         }
@@ -187,6 +189,23 @@ impl Context {
         self.options.displays.retain(|other| !is_window(&other.kind));
         self.options.displays.push(display);
         Ok(())
+    }
+
+    /// Say which displays keep depths as levels, of which all beyond 1 are the greatest.
+    pub(super) fn say_levels_of_depths(&self) {
+        let is_depth = |layer: &Layer| matches!(layer, Layer::Aov(aov) if aov.name == "z");
+        let is_cut = |display: &&Display| {
+            let [one, max] =
+                display.quantize.map_or([self.options.quantize_one, self.options.quantize_range[1]], |q| [q[1], q[3]]);
+            let floats = display.format() == "exr" || display.format() == "tiff" && one == 0 && max == 0;
+            !floats && display.layers().iter().any(is_depth)
+        };
+        for display in self.options.displays.iter().filter(is_cut) {
+            self.scene.warn(format!(
+                "the depths of `{}` are levels from 0 to 1, and all beyond are 1: EXR keeps them, and TIFF of floats beside colours",
+                display.name
+            ));
+        }
     }
 
     /// Say that parameters of a request have no effect.

@@ -15,13 +15,11 @@ use crate::gprim::variables::{
     Places, attach_variables, corner_columns, corner_variables, names_of, note_varying, patch_variables, positions,
     set_varying, too_few, weighted,
 };
-use crate::scene::attached::Attached;
 use crate::scene::patch::Patch;
 use crate::scene::source::{SourceShape, instance_variables};
 use crate::scene::variables::{VariableName, VariableNames, Varying};
 use glam::{Vec3, Vec4};
 use ri::{Class, Fail, InstanceShape, Instances, Knots, Param, Params, RiResult, Tags, Type, Values};
-use std::sync::Arc;
 
 impl Context {
     /// The parameters of a primitive, with points by their weights.
@@ -511,7 +509,7 @@ impl Context {
                 let is_place = param.decl.ty == Type::MatrixPoint;
                 varying.push(LeafVariable { numbers: width, values: param.numbers().to_vec(), is_place });
                 let ty = if is_place { Type::Point } else { param.decl.ty };
-                names.push(VariableName { name: param.decl.name.clone(), ty });
+                names.push(VariableName::of_type(&param.decl, ty));
             }
         }
         let mut patches = field.patches(&varying);
@@ -525,7 +523,7 @@ impl Context {
         let own: Vec<VariableName> = instance_variables(&instances).map(|p| VariableName::of(&p.decl)).collect();
         match &instances.shape {
             InstanceShape::Sphere => {
-                let attached = vec![Arc::new(Attached::new(&self.attributes, &own, &VariableNames::default()))];
+                let attached = vec![self.attach(&own, &VariableNames::default())];
                 self.push(SourceShape::Spheres(instances), vec![], attached)
             }
             InstanceShape::Object(handle) => {

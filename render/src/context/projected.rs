@@ -5,7 +5,6 @@ use crate::context::open_object::Uniform;
 use crate::context::state::Context;
 use crate::gprim::perspective::projected;
 use crate::gprim::quadric::whole_sphere;
-use crate::scene::attached::Attached;
 use crate::scene::shape::Shape;
 use crate::scene::source::SourceShape;
 use crate::scene::variables::{VariableName, VariableNames};
@@ -31,8 +30,8 @@ impl Context {
             }
             SourceShape::Objects(columns, parts) => {
                 let part = |k: usize| {
-                    let (i, (shape, own)) = (k / parts.len(), &parts[k % parts.len()]);
-                    (m * columns.matrix(i) * *own, shape.clone(), variables_of(&columns, i))
+                    let (i, part) = (k / parts.len(), &parts[k % parts.len()]);
+                    (m * columns.matrix(i) * part.place, part.shape.clone(), variables_of(&columns, i))
                 };
                 (0..(columns.len() * parts.len()).min(MAX_PROJECTED + 1)).map(part).collect()
             }
@@ -62,7 +61,7 @@ impl Context {
             return Ok(());
         };
         let own: Vec<VariableName> = uniform.iter().map(|(name, _)| name.clone()).collect();
-        let attached = Arc::new(Attached::new(&self.attributes, &own, names));
+        let attached = self.attach(&own, names);
         let shape = Shape::Patches(Arc::new(there.concat()), names.clone());
         self.push(SourceShape::One(shape), uniform, vec![attached])
     }

@@ -5,8 +5,7 @@ use crate::context::state::Context;
 use crate::gprim::perspective::is_projective;
 use crate::gprim::quadric::{Outline, Quadric};
 use crate::gprim::variables::{attach_variables, uniform_numbers};
-use crate::scene::attributes::TEXTURE_CORNERS;
-use crate::scene::patch::Patch;
+use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use glam::Vec3;
 use ri::{Fail, InstanceShape, Instances, Params, RiResult};
 
@@ -20,7 +19,7 @@ impl Context {
         let r = radius.abs();
         let varies = params.iter().any(|p| !p.decl.class.is_whole());
         let is_whole = z_min <= -r && z_max >= r && sweep.abs() >= 360.0;
-        let own_corners = self.attributes.texture_corners == TEXTURE_CORNERS;
+        let own_corners = self.texture_corners() == TEXTURE_CORNERS;
         if is_whole && !varies && own_corners && self.motion.is_none() && !is_projective(&self.transform) {
             let uniform = uniform_numbers(params)?;
             return self.add_spheres(one_sphere(r), uniform);

@@ -8,12 +8,12 @@ use crate::film::bucket::Shard;
 use crate::gprim::perspective::{is_projective, projected};
 use crate::gpu::render::Renderer;
 use crate::scene::attached::Attached;
-use crate::scene::attributes::{Attribute, Attributes, TEXTURE_CORNERS};
+use crate::scene::attributes::{Attribute, Attributes};
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
-use crate::scene::patch::Patch;
+use crate::scene::patch::{Patch, TEXTURE_CORNERS};
 use crate::scene::shape::Shape;
-use crate::scene::source::{Source, SourceShape, duplicates, instance_variables};
+use crate::scene::source::{Part, Source, SourceShape, duplicates, instance_variables};
 use crate::scene::variables::{VariableName, VariableNames};
 use crate::scene::world::Scene;
 use crate::texture;
@@ -21,7 +21,7 @@ use glam::{Mat4, Vec3};
 use ri::files::Files;
 use ri::{Fail, Instances, RiResult};
 use sl::ir::{Kind, Program};
-use sl::machine::BoundShader;
+use sl::machine::{BoundShader, VariableSlots};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -58,6 +58,8 @@ pub struct Context {
     pub(super) changes: u64,
     /// Lights that were made, on or off, by their handles.
     pub(super) known_lights: Vec<(String, Arc<BoundShader>)>,
+    /// Lights and spaces that were known before the world, in camera space.
+    pub(super) before_world: (Vec<(String, Arc<BoundShader>)>, HashMap<String, Mat4>),
     /// Types of variables that `Declare` gave.
     pub(super) declared: HashMap<String, Kind>,
     pub(super) motion: Option<MotionBlock>,
@@ -106,6 +108,12 @@ impl Context {
     /// Object to world: the current transformation after `WorldBegin`.
     pub(super) fn to_world(&self) -> Mat4 {
         self.transform
+    }
+
+    /// s and t of the corners of primitives that have no others; those of an object that sets none have them where they are instanced.
+    pub(super) fn texture_corners(&self) -> [f32; 8] {
+        let waits = self.open_object.is_some() && !self.attributes.set.has(Attribute::TextureCorners);
+        if waits { TEXTURE_CORNERS } else { self.attributes.texture_corners }
     }
 
     /// Note that an attribute is set.
@@ -174,6 +182,23 @@ impl Context {
         Ok(())
     }
 
+    /// The variables of a primitive, attached to the current shaders; those that fit no parameter of their name are said.
+    pub(super) fn attach(&self, own: &[VariableName], patches: &VariableNames) -> Arc<Attached> {
+        let attached = Attached::new(&self.attributes, own, patches);
+        let a = &self.attributes;
+        let shaders = [Some(&*a.surface), a.displacement.as_deref(), a.atmosphere.as_deref()];
+        for shader in shaders.into_iter().flatten() {
+            for (name, width, wanted) in VariableSlots::misfits(&shader.program, attached.names()) {
+                let wanted = wanted.map_or("a string".into(), |n| format!("one of {n}"));
+                let shader = &shader.program.name;
+                self.scene.warn(format!(
+                    "the variable `{name}` of a primitive has a value of {width} numbers, and the parameter of the shader `{shader}` {wanted}: it does not take it"
+                ));
+            }
+        }
+        Arc::new(attached)
+    }
+
     /// Add patches with variables of these names, each a primitive of its own, so that each can be found hidden by itself.
     pub(super) fn add_patches(&mut self, patches: Vec<Patch>, names: VariableNames) -> RiResult {
         let counts = (names.uniform.len(), names.varying.len());
@@ -191,18 +216,12 @@ impl Context {
         if is_projective(&self.transform) {
             return self.add_projected(patches, names);
         }
-        let attached = Arc::new(Attached::new(&self.attributes, &[], &names));
+        let attached = self.attach(&[], &names);
         let (names, solid) = (Arc::new(names), self.enter_part());
-        let corners = self.attributes.texture_corners;
+        let corners = self.texture_corners();
         for mut patch in patches {
             patch.trim.clone_from(&self.geometry.trim);
-            if patch.st == patch.uv && corners != TEXTURE_CORNERS {
-                let at = |axis: usize, [u, v]: [f32; 2]| {
-                    let c = |k: usize| corners[2 * k + axis];
-                    (c(0) * (1.0 - u) + c(1) * u) * (1.0 - v) + (c(2) * (1.0 - u) + c(3) * u) * v
-                };
-                patch.st = patch.uv.map(|uv| [at(0, uv), at(1, uv)]);
-            }
+            patch.set_corners(&corners);
             self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())?;
         }
         self.attributes.solid = solid;
@@ -234,10 +253,10 @@ impl Context {
         }
         let of_instances = instance_variables(&instances).map(|p| VariableName::of(&p.decl));
         let own: Vec<_> = uniform.iter().map(|(name, _)| name.clone()).chain(of_instances).collect();
-        let attached = Arc::new(Attached::new(&self.attributes, &own, &VariableNames::default()));
+        let attached = self.attach(&own, &VariableNames::default());
         let solid = self.enter_part();
         let done = if self.open_object.is_none() {
-            self.push(SourceShape::Spheres(instances), uniform, vec![attached])
+            self.push_in(SourceShape::Spheres(instances), uniform, vec![attached], true)
         } else {
             self.add_sphere_parts(&instances, &uniform)
         };
@@ -249,17 +268,28 @@ impl Context {
     fn add(&mut self, shape: Shape, uniform: Vec<(VariableName, Vec<f32>)>, attached: Arc<Attached>) -> RiResult {
         if self.open_object.is_some() {
             let (place, moves) = self.place_in_object();
-            return self.add_part(shape, place, moves, uniform);
+            return self.add_part(Part { shape, place, space: place }, moves, uniform);
         }
         self.push(SourceShape::One(shape), uniform, vec![attached])
     }
 
-    /// Add a source of primitives to the scene.
+    /// Add a source of primitives to the scene, of which spheres have object spaces of their own.
     pub(super) fn push(
         &mut self,
         shape: SourceShape,
         uniform: Vec<(VariableName, Vec<f32>)>,
         attached: Vec<Arc<Attached>>,
+    ) -> RiResult {
+        self.push_in(shape, uniform, attached, false)
+    }
+
+    /// Add a source of primitives to the scene; its spheres may share the current object space.
+    fn push_in(
+        &mut self,
+        shape: SourceShape,
+        uniform: Vec<(VariableName, Vec<f32>)>,
+        attached: Vec<Arc<Attached>>,
+        shares_space: bool,
     ) -> RiResult {
         self.in_world("a primitive")?;
         let [from, until] = self.attributes.seen;
@@ -287,7 +317,7 @@ impl Context {
                     .for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), attributes.reversed)),
                 SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
                     let place = to_world * columns.matrix(i);
-                    parts.iter().for_each(|(shape, own)| area.add(shape, place * *own, attributes.reversed));
+                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, attributes.reversed));
                 }),
             }
         }
@@ -316,7 +346,8 @@ impl Context {
             }
             _ => vec![],
         };
-        self.scene.sources.push(Source { shape, to_world, moves, attributes, uniform, duplicates, attached });
+        let source = Source { shape, to_world, moves, attributes, uniform, shares_space, duplicates, attached };
+        self.scene.sources.push(source);
         Ok(())
     }
 }
@@ -342,7 +373,9 @@ impl Context {
         match shape {
             SourceShape::One(shape) => is_far(shape, Mat4::IDENTITY),
             SourceShape::Spheres(columns) => is_far(&Shape::Sphere, one(columns)),
-            SourceShape::Objects(columns, parts) => parts.iter().any(|(shape, own)| is_far(shape, one(columns) * *own)),
+            SourceShape::Objects(columns, parts) => {
+                parts.iter().any(|part| is_far(&part.shape, one(columns) * part.place))
+            }
         }
     }
 }

@@ -15,8 +15,9 @@ use crate::stats::Stats;
 use crate::texture::Textures;
 use glam::Mat4;
 use ri::{Fail, RiResult};
-use sl::machine::Answer;
+use sl::machine::{Answer, BoundShader};
 use std::path::Path;
+use std::sync::Arc;
 
 impl Context {
     /// `WorldBegin`: the camera is where the current transformation leads, and the scene begins.
@@ -29,6 +30,7 @@ impl Context {
             return Err(Fail::new("the camera's transformation cannot be inverted"));
         }
         self.to_camera = Some(to_camera);
+        self.before_world = (self.known_lights.clone(), self.scene.spaces.clone());
         self.scene = Scene {
             camera_to_world: to_camera.inverse(),
             warnings: std::mem::take(&mut self.scene.warnings),
@@ -46,6 +48,7 @@ impl Context {
             ..Scene::default()
         };
         self.tell_options();
+        self.say_levels_of_depths();
         // Spaces that were set before are in camera space.
         self.scene.spaces.values_mut().for_each(|m| *m = to_camera.inverse() * *m);
         let camera = Camera::new(&self.options, to_camera, vec![]);
@@ -53,22 +56,51 @@ impl Context {
         self.scene.spaces.extend(spaces);
         self.outside = [self.attribute_stack.len(), self.transform_stack.len()];
         self.attribute_stack.push((self.attributes.clone(), self.place(), self.geometry.clone()));
+        self.bring_shaders(to_camera.inverse());
         self.camera_moves = std::mem::take(&mut self.moves);
         self.transform = Mat4::IDENTITY;
         Ok(())
     }
 
+    /// Bring the shaders that were set before the world, in camera space, to that of the world.
+    fn bring_shaders(&mut self, to_world: Mat4) {
+        let mut known: Vec<(Arc<BoundShader>, Arc<BoundShader>)> = vec![];
+        // What is named twice stays one.
+        let mut bring = |shader: &mut Arc<BoundShader>| {
+            let there = known.iter().find(|(here, _)| Arc::ptr_eq(here, shader)).map(|(_, there)| there.clone());
+            let there = there.unwrap_or_else(|| {
+                let mut there = BoundShader::clone(shader);
+                there.transform(to_world);
+                let there = Arc::new(there);
+                known.push((shader.clone(), there.clone()));
+                there
+            });
+            *shader = there;
+        };
+        let a = &mut self.attributes;
+        let volumes = [&mut a.interior, &mut a.exterior].into_iter().flatten().map(|(shader, space)| (shader, space));
+        let own = [
+            (Some(&mut a.surface), &mut a.surface_space),
+            (a.displacement.as_mut(), &mut a.displacement_space),
+            (a.atmosphere.as_mut(), &mut a.atmosphere_space),
+        ];
+        for (shader, space) in own.into_iter().chain(volumes.map(|(shader, space)| (Some(shader), space))) {
+            *space = to_world * *space;
+            shader.into_iter().for_each(&mut bring);
+        }
+        a.lights.iter_mut().chain(&mut self.known_lights).for_each(|(_, light)| bring(light));
+        self.lights_changed();
+    }
+
     /// Options of the image for shaders that ask (RISpec 15.8).
     fn tell_options(&mut self) {
         let o = &self.options;
-        let format = [o.width as f32, o.height as f32, o.pixel_aspect];
-        let own_aspect = format[0] * format[2] / format[1];
-        let aspect = o.screen_window.map_or(own_aspect, |[left, right, bottom, top]| (right - left) / (top - bottom));
+        let pixels = |[width, height]: [usize; 2]| [width as f32, height as f32, o.pixel_aspect];
         let lens = o.lens.unwrap_or([f32::INFINITY; 3]);
         let all: [(&str, &[f32]); 8] = [
-            ("Format", &format),
-            ("DeviceResolution", &format),
-            ("FrameAspectRatio", &[aspect]),
+            ("Format", &pixels(o.format)),
+            ("DeviceResolution", &pixels([o.width, o.height])),
+            ("FrameAspectRatio", &[o.aspect()]),
             ("CropWindow", &o.crop),
             ("Shutter", &o.shutter),
             ("DepthOfField", &lens),
@@ -157,6 +189,7 @@ impl Context {
             warnings: std::mem::take(&mut self.scene.warnings),
             ..Scene::default()
         };
+        (self.known_lights, self.scene.spaces) = std::mem::take(&mut self.before_world);
         self.objects.clear();
         // Blocks that are still open end here.
         (self.motion, self.open_object) = (None, None);

@@ -7,7 +7,7 @@ use crate::cpu::frame::Frame;
 use crate::cpu::micropolygon::{Micropolygon, POINT_BITS, identity};
 use crate::cpu::raster::Raster;
 use crate::cpu::samples::Samples;
-use crate::cpu::samples::visible::Triangle;
+use crate::cpu::samples::visible::{Triangle, Triangles};
 use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
 use crate::film::display::place_of;
 use crate::scene::source::Item;
@@ -67,20 +67,6 @@ impl Layout {
         m.corners(self.nu).map(|k| self.first + k)
     }
 
-    /// The colours of a triangle at a part of the time that the shutter is open, of those of all points.
-    #[inline(always)]
-    fn triangle(&self, m: Micropolygon, time: f32, color: &[Vec3A], opacity: &[Vec3A]) -> Triangle {
-        let corners = self.corners(m);
-        let (smooth, matte) = (self.smooth, self.matte);
-        let Some((n, before, part)) = self.moment(time) else {
-            let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k]));
-            return Triangle { color, opacity, corners, later: (0, 0.0), smooth, matte };
-        };
-        let corners = corners.map(|k| k + before);
-        let [color, opacity] = [color, opacity].map(|all| corners.map(|k| all[k].lerp(all[k + n], part)));
-        Triangle { color, opacity, corners, later: (n, part), smooth, matte }
-    }
-
     /// Points from one time of its colour to the next, and which of these times are before and after a part of the time that the
     /// shutter is open: how many points on the first is, and the part of the way to the second.
     fn moment(&self, time: f32) -> Option<(usize, usize, f32)> {
@@ -88,6 +74,56 @@ impl Layout {
         let next = times.partition_point(|t| *t < time).min(times.len() - 1);
         let from = next.checked_sub(1).map_or(0.0, |k| times[k]);
         Some((*n, next * n, ((time - from) / (times[next] - from)).clamp(0.0, 1.0)))
+    }
+}
+
+/// The colours of grids: of all points, and where each grid has its own among them.
+struct Colors<'a> {
+    layouts: &'a [Layout],
+    color: &'a [Vec3A],
+    opacity: &'a [Vec3A],
+}
+
+// By hand and inlined: every sample asks.
+impl Triangles for Colors<'_> {
+    #[inline(always)]
+    fn still(&self, m: Micropolygon) -> Triangle {
+        let layout = &self.layouts[m.grid()];
+        let corners @ [a, b, c] = layout.corners(m);
+        let color = [self.color[a], self.color[b], self.color[c]];
+        let opacity = [self.opacity[a], self.opacity[b], self.opacity[c]];
+        Triangle { color, opacity, corners, later: (0, 0.0), smooth: layout.smooth, matte: layout.matte }
+    }
+
+    fn at(&self, m: Micropolygon, time: f32) -> Triangle {
+        let layout = &self.layouts[m.grid()];
+        let Some((n, before, part)) = layout.moment(time) else { return self.still(m) };
+        let corners = layout.corners(m).map(|k| k + before);
+        let [color, opacity] = [self.color, self.opacity].map(|all| corners.map(|k| all[k].lerp(all[k + n], part)));
+        Triangle { color, opacity, corners, later: (n, part), smooth: layout.smooth, matte: layout.matte }
+    }
+}
+
+/// Which points of all grids are wanted.
+struct Wanted<'a> {
+    layouts: &'a [Layout],
+    points: &'a mut [bool],
+    last: Micropolygon,
+}
+
+impl Wanted<'_> {
+    #[inline(always)]
+    fn add(&mut self, m: Micropolygon) {
+        // Neighbouring samples often see the same micropolygon.
+        if m != self.last {
+            self.last = m;
+            let layout = &self.layouts[m.grid()];
+            let [a, b, c] = layout.corners(m);
+            self.points[a] = true;
+            if layout.smooth {
+                (self.points[b], self.points[c]) = (true, true);
+            }
+        }
     }
 }
 
@@ -152,19 +188,11 @@ impl Deferred {
         let (motion, depth) = (place_of(&frame.aovs, "motion"), frame.depth);
         wanted.clear();
         wanted.resize(*n, false);
-        // Neighbouring samples often see the same micropolygon.
-        let mut last = Micropolygon::NONE;
-        samples.for_each_visible(|m| {
-            if m != last {
-                last = m;
-                let layout = &layouts[m.grid()];
-                let [a, b, c] = layout.corners(m);
-                wanted[a] = true;
-                if layout.smooth {
-                    (wanted[b], wanted[c]) = (true, true);
-                }
-            }
-        });
+        let mut want = Wanted { layouts, points: wanted, last: Micropolygon::NONE };
+        for m in samples.visible() {
+            want.add(m);
+        }
+        samples.for_each_layer(|m| want.add(m));
         color.resize(*n, Vec3A::ZERO);
         opacity.resize(*n, Vec3A::ZERO);
         outputs.resize(*n * depth, 0.0);
@@ -215,8 +243,7 @@ impl Deferred {
             }
         }
         note_identities(frame, samples, grids);
-        let triangle_of = |m: Micropolygon, time: f32| layouts[m.grid()].triangle(m, time, color, opacity);
-        samples.set_colors(triangle_of, outputs);
+        samples.set_colors(&Colors { layouts, color, opacity }, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));
         *n = 0;

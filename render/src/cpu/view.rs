@@ -127,6 +127,7 @@ impl<'a> View<'a> {
         for (global, of) in numbers {
             points.refill(global).extend(met.iter().map(of));
         }
+        view.set_coordinates(points);
         self.displace(item, view, met, (machine, points));
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));

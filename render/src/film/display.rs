@@ -103,6 +103,9 @@ pub struct Display {
     /// Quantization of this display alone, if it is given: the values that 0 and 1 map to, and the least and the greatest.
     #[serde(default)]
     pub quantize: Option<[i32; 4]>,
+    /// Dither of this display alone, if it is given: its amplitude in levels.
+    #[serde(default)]
+    pub dither: Option<f32>,
 }
 
 impl Display {

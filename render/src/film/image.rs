@@ -79,7 +79,8 @@ impl Image {
                 let one = encoding.quantize_one;
                 let [min, max] = encoding.quantize_range;
                 let levels = display.quantize.unwrap_or([0, one, min, max]);
-                self.plain(kind, &channels, &pixels, size, (levels, encoding))
+                let dither = display.dither.unwrap_or(encoding.dither);
+                self.plain(kind, &channels, &pixels, size, (levels, dither, encoding))
             }
         }
     }
@@ -143,7 +144,7 @@ impl Image {
         channels: &[Channel],
         pixels: &[usize],
         size: [usize; 2],
-        ([zero, one, min, max], encoding): ([i32; 4], &Encoding<'_>),
+        ([zero, one, min, max], dither, encoding): ([i32; 4], f32, &Encoding<'_>),
     ) -> Result<Vec<u8>, String> {
         let n = channels.len();
         let [w, h] = size.map(|n| n as u32);
@@ -170,7 +171,7 @@ impl Image {
         let quantize = |(i, c, x): (usize, usize, f32)| {
             // Dither is noise of the pixel's own, the same in every run.
             let noise = sl::noise::noise_of_cell([i % self.width, i / self.width, c].map(|x| x as i32), 9);
-            let level = zero + x * (one - zero) + encoding.dither * (2.0 * noise - 1.0);
+            let level = zero + x * (one - zero) + dither * (2.0 * noise - 1.0);
             // Rounded to the nearest whole number, as what is cut off by the conversion below.
             level.clamp(min, max.max(min)) + 0.5
         };

@@ -29,7 +29,7 @@ pub fn positions(params: &Params) -> Result<Vec<Vec3>, Fail> {
     }
 }
 
-/// Whether a varying variable is a part of the patch itself, and none for shaders to find.
+/// Whether a variable is a part of the patch itself, and none for shaders to find.
 fn is_of_patch(name: &str) -> bool {
     matches!(name, "s" | "t" | "st" | "N")
 }
@@ -44,10 +44,10 @@ fn attachable<'a>(params: impl IntoIterator<Item = &'a Param>) -> impl Iterator<
 pub fn names_of<'a>(params: impl IntoIterator<Item = &'a Param>) -> VariableNames {
     let mut names = VariableNames::default();
     for param in attachable(params) {
-        if param.decl.class.is_whole() {
-            names.uniform.push(VariableName::of(&param.decl));
-        } else {
+        if !param.decl.class.is_whole() {
             note_varying(&mut names, &param.decl);
+        } else if !is_of_patch(&param.decl.name) {
+            names.uniform.push(VariableName::of(&param.decl));
         }
     }
     names
@@ -86,13 +86,14 @@ pub fn patch_variables(patch: &mut Patch, params: &Params, places: &Places<'_>) 
         let v = param.numbers();
         let value = |i: usize| v.get(i * width..(i + 1) * width).ok_or_else(|| too_few(param));
         let corners = match (param.decl.class, &places.vertex) {
-            (Class::Constant, _) => {
-                patch.uniform.push(value(0)?.to_vec());
-                continue;
-            }
-            (Class::Uniform, _) => {
-                let own = value(if v.len() > width { places.face } else { 0 })?;
-                patch.uniform.push(own.to_vec());
+            (Class::Constant | Class::Uniform, _) => {
+                let is_of_face = param.decl.class == Class::Uniform && v.len() > width;
+                let own = value(if is_of_face { places.face } else { 0 })?;
+                if is_of_patch(&param.decl.name) {
+                    set_varying(patch, &param.decl.name, Varying::new(width, own.repeat(4)));
+                } else {
+                    patch.uniform.push(own.to_vec());
+                }
                 continue;
             }
             (Class::Vertex, Some((controls, bases))) => {

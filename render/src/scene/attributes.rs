@@ -2,13 +2,10 @@
 
 use crate::scene::area::Emitter;
 use crate::scene::keys;
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use sl::Global;
 use sl::machine::BoundShader;
 use std::sync::Arc;
-
-/// s and t of the corners of primitives if nothing else is said.
-pub const TEXTURE_CORNERS: [f32; 8] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
 
 /// An attribute, or those that belong together, for [`SetAttributes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +19,7 @@ pub enum Attribute {
     Interior,
     Exterior,
     User,
+    TextureCorners,
     Lights,
     AreaLight,
     LightSamples,
@@ -137,9 +135,11 @@ pub struct Attributes {
     pub casts_shadows: bool,
     /// Its shadows are whole, however much light gets through it.
     pub whole_shadows: bool,
-    /// Square pixels that the bound of `Detail` covers, and the range of these in which primitives are seen.
+    /// Square pixels that the bound of `Detail` covers.
     pub detail: f32,
-    /// From none to all, and from all to none.
+    /// The corners of that bound in current space, if one was given.
+    pub detail_box: Option<[Vec3; 8]>,
+    /// The range of square pixels in which primitives are seen: from none to all, and from all to none.
     pub detail_range: [f32; 4],
     /// The part of the samples, from 0 to 1, that see the level of detail: what fades in has the parts that what fades out leaves.
     pub seen: [f32; 2],
@@ -168,6 +168,7 @@ impl Attributes {
             Interior: interior;
             Exterior: exterior;
             User: user;
+            TextureCorners: texture_corners;
             Lights: lights light_list;
             AreaLight: area_light;
             LightSamples: light_samples;
@@ -178,7 +179,7 @@ impl Attributes {
             Matte: matte;
             Visibility: visible;
             Shadows: casts_shadows whole_shadows;
-            Detail: detail detail_range seen;
+            Detail: detail detail_box detail_range seen;
             Solid: solid;
         }
         let spaces = [
@@ -187,6 +188,14 @@ impl Attributes {
             (Attribute::Atmosphere, &mut all.atmosphere_space),
         ];
         spaces.into_iter().filter(|(which, _)| set.has(*which)).for_each(|(_, space)| *space = to_instance * *space);
+        for (which, volume) in [(Attribute::Interior, &mut all.interior), (Attribute::Exterior, &mut all.exterior)] {
+            if let Some((_, space)) = volume.as_mut().filter(|_| set.has(which)) {
+                *space = to_instance * *space;
+            }
+        }
+        if let Some(corners) = all.detail_box.as_mut().filter(|_| set.has(Attribute::Detail)) {
+            corners.iter_mut().for_each(|p| *p = to_instance.transform_point3(*p));
+        }
         all
     }
 

@@ -66,7 +66,7 @@ impl Camera {
     /// The camera of the options and of the transformation that was current at `WorldBegin`, now and later on.
     pub fn new(options: &Options, to_camera: Mat4, moves: Vec<(f32, Mat4)>) -> Camera {
         let (w, h) = (options.width as f32, options.height as f32);
-        let aspect = w * options.pixel_aspect / h;
+        let aspect = options.aspect();
         let window = options.screen_window.unwrap_or(if aspect >= 1.0 {
             [-aspect, aspect, -1.0, 1.0]
         } else {

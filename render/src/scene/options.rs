@@ -27,10 +27,14 @@ pub struct Options {
     pub width: usize,
     /// Height of the whole image, pixels.
     pub height: usize,
+    /// Width and height that `Format` asks for, pixels; the image is the largest of the frame's aspect ratio within.
+    pub format: [usize; 2],
     /// Pixel aspect ratio: width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// Left, right, bottom and top of the screen window (`ScreenWindow`), screen space; from the aspect ratio of the image if not
-    /// given.
+    /// Aspect ratio of the frame (`FrameAspectRatio`), if given; else that of the format.
+    pub frame_aspect: Option<f32>,
+    /// Left, right, bottom and top of the screen window (`ScreenWindow`), screen space; from the aspect ratio of the frame if not
+    /// given. What runs from right to left, or from top to bottom, mirrors the image.
     pub screen_window: Option<[f32; 4]>,
     /// What the transformation before `Projection` does to screen space: factors of x and y, and a shift (RISpec 4.1.1).
     pub screen: [[f32; 2]; 2],
@@ -96,7 +100,9 @@ impl Default for Options {
         Options {
             width: 640,
             height: 480,
+            format: [640, 480],
             pixel_aspect: 1.0,
+            frame_aspect: None,
             screen_window: None,
             screen: [[1.0; 2], [0.0; 2]],
             projected: false,
@@ -131,6 +137,23 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Aspect ratio of the frame: of what the image shows, not of its pixels.
+    pub fn aspect(&self) -> f32 {
+        self.frame_aspect.unwrap_or(self.format[0] as f32 * self.pixel_aspect / self.format[1] as f32)
+    }
+
+    /// Make the image the largest of the frame's aspect ratio that fits into the format (RISpec 4.1.1).
+    pub fn fit_frame(&mut self) {
+        let [width, height] = self.format.map(|n| n as f32);
+        let (pixel, frame) = (self.pixel_aspect, self.aspect());
+        let side = |n: f32, most: usize| (n.round() as usize).clamp(1, most);
+        (self.width, self.height) = if frame * height >= width * pixel {
+            (self.format[0], side(width * pixel / frame, self.format[1]))
+        } else {
+            (side(height * frame / pixel, self.format[0]), self.format[1])
+        };
+    }
+
     /// The pixels inside the crop window (RISpec 4.1.1): `[[x0, y0], [x1, y1]]`, the first pixel and one past the last.
     pub fn window(&self) -> [[usize; 2]; 2] {
         let range = |n: usize, lo: f32, hi: f32| {

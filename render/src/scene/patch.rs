@@ -6,6 +6,9 @@ use crate::scene::variables::Varying;
 use glam::Vec3;
 use std::sync::Arc;
 
+/// s and t of the corners of primitives if nothing else is said.
+pub const TEXTURE_CORNERS: [f32; 8] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+
 /// A bicubic Bézier patch with its corner values.
 #[derive(Clone, Debug)]
 pub struct Patch {
@@ -49,6 +52,15 @@ impl Patch {
     pub fn smooth(p: [Vec3; 16], u: [f32; 2], v: [f32; 2]) -> Patch {
         let corners = [[u[0], v[0]], [u[1], v[0]], [u[0], v[1]], [u[1], v[1]]];
         Patch::of(p, corners)
+    }
+
+    /// Set s and t to those that others at the corners (0,0), (1,0), (0,1), (1,1) of the parameters' unit square make, if the patch has
+    /// none of its own.
+    pub fn set_corners(&mut self, corners: &[f32; 8]) {
+        if self.st == self.uv && self.curved_st.is_none() && *corners != TEXTURE_CORNERS {
+            let of = |axis: usize| [0, 1, 2, 3].map(|k| corners[2 * k + axis]);
+            self.st = self.uv.map(|[u, v]| [bilinear(of(0), u, v), bilinear(of(1), u, v)]);
+        }
     }
 
     /// A patch without variables, whose parameters are its texture coordinates too.

@@ -7,6 +7,7 @@ use crate::scene::shape::Shape;
 use crate::scene::variables::VariableName;
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 use ri::{Instances, Param, Type, Values};
+use sl::Global;
 use sl::machine::Points;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -18,8 +19,19 @@ pub enum SourceShape {
     One(Shape),
     /// Spheres by columns.
     Spheres(Instances),
-    /// Objects by columns: each has all these parts with their places in the object.
-    Objects(Instances, Arc<Vec<(Shape, Mat4)>>),
+    /// Objects by columns: each has all these parts.
+    Objects(Instances, Arc<Vec<Part>>),
+}
+
+/// A primitive of an object.
+#[derive(Clone)]
+pub struct Part {
+    /// What it is.
+    pub shape: Shape,
+    /// Its shape to the object.
+    pub place: Mat4,
+    /// Its own object space to that of the object: as `place`, but without the scale that is a sphere's radius.
+    pub space: Mat4,
 }
 
 /// Primitives that share attributes and a transformation.
@@ -34,6 +46,8 @@ pub struct Source {
     pub attributes: Arc<Attributes>,
     /// Uniform primitive variables.
     pub uniform: Vec<(VariableName, Vec<f32>)>,
+    /// Spheres have the source's object space, and none of their own.
+    pub shares_space: bool,
     /// Which instances stand where another before them does and hide behind it; empty if none does.
     pub duplicates: Vec<bool>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
@@ -176,7 +190,7 @@ impl ItemView<'_> {
     pub fn to_current(&self, points: &mut Points) {
         let n = points.n();
         for spatial in &self.attached.spatial {
-            // What an object or a sphere has is of its own space, what instances have is of the space that they are placed in.
+            // What a primitive has is of its own space, what instances have is of the space that they are placed in.
             let m = match spatial.of_source {
                 true if spatial.slot < self.source.uniform.len() => self.object_to_world,
                 true => self.source.to_world,
@@ -185,9 +199,29 @@ impl ItemView<'_> {
             if let Some(values) = points.variable_mut(spatial.slot) {
                 let n = if spatial.slot < self.attached.n_uniform { 1 } else { n };
                 transform(values, n, spatial.ty, &m);
+                if spatial.ty == Type::HPoint {
+                    *values = weighted(values, n);
+                }
             }
         }
     }
+
+    /// Set s and t of points to those that the source or the instance has.
+    pub fn set_coordinates(&self, points: &mut Points) {
+        let n = points.n();
+        for (global, found) in [Global::S, Global::T].into_iter().zip(self.attached.coordinates) {
+            let value = found.and_then(|(slot, k)| points.variable(slot)?.get(k).copied());
+            if let Some(value) = value {
+                points.refill(global).resize(n, value);
+            }
+        }
+    }
+}
+
+/// Homogeneous points, whose four numbers are runs of `n`, as points.
+fn weighted(values: &[f32], n: usize) -> Vec<f32> {
+    let point = |all: &[f32]| (0..3 * n).map(|k| all[k] / all[3 * n + k % n]).collect::<Vec<f32>>();
+    values.chunks_exact(4 * n).flat_map(point).collect()
 }
 
 /// Transform values at `n` points, each of whose numbers is a run of its own; arrays are of several values.

@@ -19,12 +19,21 @@ pub struct VariableName {
     pub name: String,
     /// Type of its elements.
     pub ty: Type,
+    /// Numbers that shaders get of it, all elements together.
+    pub width: usize,
 }
 
 impl VariableName {
     /// Those of a declaration.
     pub fn of(declared: &Declaration) -> VariableName {
-        VariableName { name: declared.name.clone(), ty: declared.ty }
+        VariableName::of_type(declared, declared.ty)
+    }
+
+    /// Those of a declaration whose values became another type's.
+    pub fn of_type(declared: &Declaration, ty: Type) -> VariableName {
+        // Homogeneous points reach shaders as points.
+        let each = if ty == Type::HPoint { 3 } else { ty.width() };
+        VariableName { name: declared.name.clone(), ty, width: each * declared.array }
     }
 }
 

@@ -97,7 +97,7 @@ impl Scene {
                         SourceShape::One(shape) => deforms(shape),
                         SourceShape::Spheres(columns) => columns.moved.is_some(),
                         SourceShape::Objects(columns, parts) => {
-                            columns.moved.is_some() || parts.iter().any(|(shape, _)| deforms(shape))
+                            columns.moved.is_some() || parts.iter().any(|part| deforms(&part.shape))
                         }
                     }
             })
@@ -126,11 +126,13 @@ impl Scene {
         let (shape, place, object, instance) = match &source.shape {
             SourceShape::One(shape) => (shape, Mat4::IDENTITY, Mat4::IDENTITY, None),
             SourceShape::Spheres(columns) => {
-                (&WHOLE_SPHERE, columns.matrix(i), unscaled(columns, i), Some((columns, i)))
+                let own = if source.shares_space { Mat4::IDENTITY } else { unscaled(columns, i) };
+                (&WHOLE_SPHERE, columns.matrix(i), own, Some((columns, i)))
             }
             SourceShape::Objects(columns, parts) => {
-                let (k, (shape, own)) = (i / parts.len(), &parts[part]);
-                (shape, columns.matrix(k) * *own, columns.matrix(k), Some((columns, k)))
+                let (k, part) = (i / parts.len(), &parts[part]);
+                let object = columns.matrix(k);
+                (&part.shape, object * part.place, object * part.space, Some((columns, k)))
             }
         };
         let color = instance.and_then(|(columns, i)| instance_color(columns, i)).unwrap_or(attributes.color);
@@ -153,7 +155,7 @@ impl Scene {
             SourceShape::Spheres(columns) => (&WHOLE_SPHERE, source.to_world * columns.matrix(i)),
             SourceShape::Objects(columns, parts) => {
                 let part = &parts[i % parts.len()];
-                (&part.0, source.to_world * columns.matrix(i / parts.len()) * part.1)
+                (&part.shape, source.to_world * columns.matrix(i / parts.len()) * part.place)
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Shaders with their parameters given.
 
-use crate::ir::Program;
+use crate::ir::{Kind, Program};
+use glam::{Mat3, Mat4, Vec3};
 use std::sync::Arc;
 
 /// A shader bound to values of its parameters.
@@ -12,6 +13,8 @@ pub struct BoundShader {
     values: Vec<Option<Answer>>,
     /// The categories that a light is of.
     categories: Vec<String>,
+    /// The name of the space that it was set in, if that is none of what is shaded, but its own: of a light.
+    space: Option<Arc<str>>,
 }
 
 impl BoundShader {
@@ -23,7 +26,7 @@ impl BoundShader {
         for (slot, value) in numbers.chain(texts.into_iter().map(|(slot, t)| (slot, Answer::Text(t)))) {
             values[slot].get_or_insert(value);
         }
-        let mut bound = BoundShader { program, values, categories: vec![] };
+        let mut bound = BoundShader { program, values, categories: vec![], space: None };
         bound.find_categories();
         bound
     }
@@ -37,6 +40,39 @@ impl BoundShader {
     pub fn set(&mut self, slot: usize, value: Answer) {
         self.values[slot] = Some(value);
         self.find_categories();
+    }
+
+    /// Give it a space of its own, by the name that the scene knows it by.
+    pub fn set_space(&mut self, name: &str) {
+        self.space = Some(name.into());
+    }
+
+    /// The name of its own space, if it has one.
+    pub(in crate::back) fn own_space(&self) -> Option<Arc<str>> {
+        self.space.clone()
+    }
+
+    /// The name by which the scene knows a space that the shader names: its own is "shader" to it.
+    pub fn space_of<'a>(&'a self, name: &'a str) -> &'a str {
+        self.space.as_deref().filter(|_| name == "shader").unwrap_or(name)
+    }
+
+    /// Bring what is bound to parameters that are places or directions to another space.
+    pub fn transform(&mut self, m: Mat4) {
+        let normals = Mat3::from_mat4(m).inverse().transpose();
+        for (param, value) in self.program.params.iter().zip(&mut self.values) {
+            let Some(Answer::Numbers(v)) = value else { continue };
+            for triple in v.chunks_exact_mut(3) {
+                let x = Vec3::from_slice(triple);
+                let there = match param.kind {
+                    Kind::Point => m.transform_point3(x),
+                    Kind::Vector => m.transform_vector3(x),
+                    Kind::Normal => normals * x,
+                    _ => break,
+                };
+                triple.copy_from_slice(&there.to_array());
+            }
+        }
     }
 
     /// The value bound to a parameter, by name: the shader's, not that of a point.

@@ -13,7 +13,7 @@ const MAX_TERMS: usize = 500;
 
 /// Binary operators by rising precedence.
 const LEVELS: &[&[&str]] =
-    &[&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["/", "*"], &["^"], &["."]];
+    &[&["||"], &["&&"], &["==", "!="], &["<", "<=", ">", ">="], &["+", "-"], &["^"], &["/", "*"], &["."]];
 
 /// Statements that begin with a name and a parenthesis.
 const STATEMENTS: &[&str] = &["if", "while", "for", "illuminance", "illuminate", "solar", "gather", "return"];

@@ -221,7 +221,7 @@ fn what_is_given_goes_before_defaults() {
     let program = Arc::new(program(Path::new("test.sl"), source).unwrap());
     // Defaults that are not computed when the shader is bound are computed where it runs.
     let given = BoundShader::given(program.clone(), vec![(0, vec![0.7])], vec![(4, "shader".into())]);
-    let names = ["other", "b", "d", "c"].map(String::from);
+    let names = [("other", 1), ("b", 1), ("d", 2), ("c", 3)].map(|(name, width)| (name.to_string(), width));
     let slots = VariableSlots::of(&program, &names);
     let n = points().n();
     let varying = |width: usize| (0..width * n).map(|k| 0.01 * k as f32).collect::<Vec<f32>>();

@@ -21,6 +21,14 @@ pub struct Triangle {
     pub matte: bool,
 }
 
+/// What has the triangles of micropolygons.
+pub trait Triangles {
+    /// The triangle of a micropolygon that is as it was when the shutter opened.
+    fn still(&self, m: Micropolygon) -> Triangle;
+    /// A triangle at a part of the time that the shutter is open.
+    fn at(&self, m: Micropolygon, time: f32) -> Triangle;
+}
+
 impl Triangle {
     /// What each corner counts at a place with these weights of the second and third.
     #[inline]
@@ -44,15 +52,18 @@ impl Triangle {
 }
 
 impl Samples {
-    /// Visit the micropolygons that are visible and have no colour yet.
-    pub fn for_each_visible(&self, mut visit: impl FnMut(Micropolygon)) {
-        let n = self.list.len();
-        let ids = self.visible.iter().map(|m| Micropolygon::from_id(*m));
-        ids.filter(|m| *m != Micropolygon::NONE).for_each(&mut visit);
+    /// The micropolygons that are visible, opaque, and have no colour yet.
+    #[inline]
+    pub fn visible(&self) -> impl Iterator<Item = Micropolygon> + '_ {
+        self.visible.iter().map(|id| Micropolygon::from_id(*id)).filter(|m| *m != Micropolygon::NONE)
+    }
+
+    /// Visit those of layers that are visible and have no colour yet.
+    pub fn for_each_layer(&self, mut visit: impl FnMut(Micropolygon)) {
         if self.layers.is_empty() {
             return;
         }
-        for k in 0..n {
+        for k in 0..self.list.len() {
             let mut at = self.list[k];
             while at != NONE {
                 let layer = &self.layers[at as usize];
@@ -75,9 +86,8 @@ impl Samples {
         }
     }
 
-    /// Give visible points their colours; `triangle_of` has the colours of a triangle at a part of the time that the shutter is open,
-    /// `outputs` has what displays take besides of all points.
-    pub fn set_colors(&mut self, triangle_of: impl Fn(Micropolygon, f32) -> Triangle, outputs: &[f32]) {
+    /// Give visible points their colours, those of triangles; `outputs` has what displays take besides of all points.
+    pub fn set_colors(&mut self, triangles: &impl Triangles, outputs: &[f32]) {
         let mut last = Micropolygon::NONE;
         let mut triangle = Triangle::default();
         for k in 0..self.list.len() {
@@ -88,7 +98,7 @@ impl Samples {
             // Neighbouring samples often see the same micropolygon.
             if id != last {
                 // Nothing that is opaque changes its colour.
-                (last, triangle) = (id, triangle_of(id, 0.0));
+                (last, triangle) = (id, triangles.still(id));
             }
             if triangle.matte {
                 (self.color[k], self.alpha[k]) = ([0.0; 3], 0.0);
@@ -103,12 +113,12 @@ impl Samples {
             }
         }
         if !self.layers.is_empty() {
-            self.set_layer_colors(triangle_of, outputs);
+            self.set_layer_colors(triangles, outputs);
         }
     }
 
     /// The same of layers that others may be seen through.
-    fn set_layer_colors(&mut self, triangle_of: impl Fn(Micropolygon, f32) -> Triangle, outputs: &[f32]) {
+    fn set_layer_colors(&mut self, triangles: &impl Triangles, outputs: &[f32]) {
         self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
         for k in 0..self.list.len() {
             let time = self.time.get(k).copied().unwrap_or(0.0);
@@ -118,7 +128,7 @@ impl Samples {
                 let layer = &mut self.layers[at as usize];
                 let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
                 if id != Micropolygon::NONE && layer.z < self.z[k] {
-                    let triangle = triangle_of(id, time);
+                    let triangle = triangles.at(id, time);
                     let w = triangle.weights(layer.weights);
                     let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
                     (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));

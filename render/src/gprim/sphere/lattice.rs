@@ -80,5 +80,6 @@ pub fn fill(
                 points.refill(global).extend(directions.iter().map(|d| of(d)[axis]));
             }
         }
+        view.set_coordinates(points);
     }
 }

@@ -124,7 +124,11 @@ impl Machine {
         to: TextReg,
         scene: &dyn Scene,
     ) {
-        let matrix = scene.matrix(&self.texts[from.index()], &self.texts[to.index()]);
+        let space = |name: TextReg| {
+            let name = self.texts[name.index()].as_str();
+            self.own_space.as_deref().filter(|_| name == "shader").unwrap_or(name)
+        };
+        let matrix = scene.matrix(space(from), space(to));
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
             return self.evaluate(dst, &[a], |call, out| {

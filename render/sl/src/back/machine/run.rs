@@ -133,6 +133,7 @@ impl Machine {
         self.orientation = points.orientation;
         self.footprints.clone_from(&points.footprints);
         self.place = program.global(Global::P);
+        self.own_space = shader.own_space();
         self.mask = None;
         self.loops.clear();
         self.turns_left = MAX_TURNS;

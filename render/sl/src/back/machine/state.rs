@@ -3,6 +3,7 @@
 use super::super::points::Message;
 use crate::ir::*;
 use crate::shadeop::runs::run_of;
+use std::sync::Arc;
 
 /// The cone from which a surface takes light: only these points of the grid are lit.
 pub(super) struct Receiver {
@@ -48,6 +49,8 @@ pub struct Machine {
     pub(super) place: Option<Reg>,
     pub(super) regs: Vec<Vec<f32>>,
     pub(super) texts: Vec<String>,
+    /// The name of the space of the shader that runs, if it has one of its own.
+    pub(super) own_space: Option<Arc<str>>,
     /// Active points; `None` is all.
     pub(super) mask: Option<Vec<bool>>,
     pub(super) loops: Vec<LoopFrame>,

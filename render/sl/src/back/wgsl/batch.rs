@@ -207,7 +207,7 @@ impl<'k> Batch<'k> {
             self.slots.push(row);
         }
         for slot in &shader.slots {
-            let row = self.answer(slot, points, scene);
+            let row = self.answer(slot, bound, points, scene);
             self.slots.push(row);
         }
         Ok(())
@@ -248,9 +248,11 @@ impl<'k> Batch<'k> {
     }
 
     /// What a shader asks of the scene.
-    fn answer(&mut self, slot: &Slot, points: &Points, scene: &dyn Scene) -> Row {
-        let matrix =
-            |from: &str, to: &str| scene.matrix(from, to).map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
+    fn answer(&mut self, slot: &Slot, bound: &BoundShader, points: &Points, scene: &dyn Scene) -> Row {
+        let matrix = |from: &str, to: &str| {
+            let found = scene.matrix(bound.space_of(from), bound.space_of(to));
+            found.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m))
+        };
         let (values, kind) = match slot {
             Slot::Matrix { from, to } => (matrix(from, to).to_cols_array().to_vec(), 1),
             Slot::NormalMatrix { from, to } => {

@@ -143,13 +143,13 @@ impl Kernel {
     /// The name of a light whose shader reads what differs from primitive to primitive: the spaces of these, or an answer other than
     /// that of an option. A [`super::Batch`] then serves one primitive alone.
     pub fn light_of_primitive(&self) -> Option<&str> {
-        let own = |space: &String| matches!(space.as_str(), "object" | "shader");
-        let differs = |slot: &Slot| match slot {
-            Slot::Matrix { from, to } | Slot::NormalMatrix { from, to } => own(from) || own(to),
+        let own = |light: &Shader, space: &String| matches!(light.bound.space_of(space), "object" | "shader");
+        let differs = |light: &Shader, slot: &Slot| match slot {
+            Slot::Matrix { from, to } | Slot::NormalMatrix { from, to } => own(light, from) || own(light, to),
             Slot::Map { .. } => false,
             Slot::Answer { what, .. } => !matches!(what, Ask::Option | Ask::TextureInfo | Ask::RendererInfo),
         };
-        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(differs))?;
+        let light = self.shaders[1..].iter().find(|light| light.slots.iter().any(|slot| differs(light, slot)))?;
         Some(&light.bound.program.name)
     }
 

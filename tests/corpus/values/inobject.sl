@@ -1,0 +1,1 @@
+surface inobject() { Oi = 1; Ci = color(transform("object", P)); }

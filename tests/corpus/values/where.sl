@@ -1,0 +1,1 @@
+volume where() { Ci = color(transform("shader", P)); }
