@@ -322,7 +322,8 @@ fn kinds_as_objects(
         .collect()
 }
 
-/// Write metadata as YAML, with remarks, and a line, commented out, that colours the first object by a column of the frame.
+/// Write metadata as YAML, with remarks, and a comment that colours the first object by a column of the frame: behind its colour, or a line
+/// of its own.
 fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
     let yaml = serde_yaml::to_string(metadata).expect("metadata is plain data");
     let mut head = "# What to draw, found out from the data; change what you like.\n".to_string();
@@ -346,9 +347,16 @@ fn to_yaml(metadata: &Metadata, frame: &Frame, remarks: &[String]) -> String {
             let quoted = expr::quoted(column);
             // A backtick begins no plain text in YAML.
             let value = if quoted == **column { quoted } else { format!("'{}'", quoted.replace('\'', "''")) };
-            let line = format!("color: {{column: {value}, map: viridis}}");
-            let line = format!("{first}  # {}\n", guard::text::line(&line));
-            format!("{head}{}", yaml.replacen(&first, &line, 1))
+            let by_column = guard::text::line(&format!("{{column: {value}, map: viridis}}"));
+            let block = |[r, g, b]: [f32; 3]| format!("  color:\n  - {r:?}\n  - {g:?}\n  - {b:?}\n");
+            let yaml = match metadata.objects[0].color {
+                Color::Rgb(rgb) if yaml.contains(&block(rgb)) => {
+                    yaml.replacen(&block(rgb), &format!("  color: {rgb:?} # or {by_column}\n"), 1)
+                }
+                // The colour by default is not written.
+                _ => yaml.replacen(&first, &format!("{first}  # color: {by_column}\n"), 1),
+            };
+            format!("{head}{yaml}")
         }
         _ => format!("{head}{yaml}"),
     }
