@@ -117,7 +117,7 @@ fn what_is_taken_for_something_is_said() {
             "wear.csv",
             "id,type,x,y,z,r,wear\n1,2,0,0,0,1,0.5\n2,2,3,0,0,1,0.7\n",
             "there to select, turn or colour them, are the columns type, wear",
-            "# color: {column: wear, map",
+            "# or {column: wear, map",
         ),
     ] {
         let (shown, metadata, errors) = drawn(name, text.as_bytes());
