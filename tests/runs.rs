@@ -539,7 +539,7 @@ fills:
     scree(&["simulate", &model, "-o", &run, "--fresh"]).ok();
     let metadata = work.read("run/metadata.yaml");
     let is_clear = |name: &str| {
-        metadata.split("- name: ").find(|o| o.starts_with(&format!("{name}\n"))).unwrap().contains("opacity: 0.")
+        metadata.split("- name: ").find(|o| o.starts_with(&format!("{name}\n"))).unwrap().contains("opacity: 0.12")
     };
     assert_eq!(["west", "east", "south", "north"].map(is_clear), [true; 4], "{metadata}");
     assert_eq!(["slab", "post", "block", "stones"].map(is_clear), [false; 4], "{metadata}");
