@@ -26,20 +26,22 @@ FNR == 1 {
         bound = calls > most ? "dispatches" : (moves > issues ? "memory" : "arithmetic")
         printf "%s,%s,%d,%d,%d,%d,%s,%.3f,%s\n", $1, $2, $3, $4, instructions, $6, name[g], 1e3 * (most + calls), bound
     }
-}' kernels.csv - <<'ROWS'
-S 84000,bounds,84000,80,bounds,2
-S 84000,contact_write: pairs held,982800,24,contact_find,8
-S 84000,contact_write: contacts,235200,72,contact_write,3
-S 84000,Jacobi iteration,235200,250,jacobi_contact response,3
-S 84000,APGD trial,235200,337,apgd_contact apgd_body,4
-S 84000,Gauss–Seidel pass of two sweeps,235200,160,tile_sweep,10
-S 1000000,bounds,1000000,80,bounds,2
-S 1000000,contact_write: pairs held,11700000,24,contact_find,8
-S 1000000,contact_write: contacts,2800000,72,contact_write,3
-S 1000000,Jacobi iteration,2800000,250,jacobi_contact response,3
-S 1000000,APGD trial,2800000,337,apgd_contact apgd_body,4
-S 1000000,Gauss–Seidel pass of two sweeps,2800000,160,tile_sweep,10
+}' kernels.csv <(
+    for spheres in 84000 1000000; do
+        # 11.7 pairs and 2.8 contacts of a sphere.
+        pairs=$((spheres * 117 / 10)) contacts=$((spheres * 28 / 10))
+        cat <<ROWS
+S $spheres,bounds,$spheres,80,bounds,2
+S $spheres,contact_write: pairs held,$pairs,24,contact_find,8
+S $spheres,contact_write: contacts,$contacts,72,contact_write,3
+S $spheres,Jacobi iteration,$contacts,250,jacobi_contact response,3
+S $spheres,APGD trial,$contacts,337,apgd_contact apgd_body,4
+S $spheres,Gauss–Seidel pass of two sweeps,$contacts,160,tile_sweep,10
+ROWS
+    done
+    cat <<'ROWS'
 mixed 100000,narrow phase: boxes,100000,120,box_contacts box_contacts,2
 mixed 100000,narrow phase: convex,900000,120,convex_contacts convex_contacts,2
 mixed 100000,Gauss–Seidel pass of two sweeps,600000,230,tile_manifolds,10
 ROWS
+)

@@ -335,7 +335,7 @@ impl Gpu {
         Ok(Some(Stepped { outcome, survey, stage_ms }))
     }
 
-    /// Take the times of a step of so many iterations.
+    /// Take the times of a step and of its iterations.
     fn take_times(
         &self,
         times: Submissions,

@@ -3,7 +3,7 @@
 //! Units of the file are SI (m, kg, s, N, rad) but for rotations, limits of angles, free angles of springs and phases of sines, which are
 //! in degrees. Most keys have a default; [`ModelFile::to_yaml`] writes the model with its defaults filled in.
 
-mod quality;
+pub(crate) mod quality;
 mod resolve;
 mod shape;
 mod types;

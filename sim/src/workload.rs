@@ -7,6 +7,7 @@ pub use convex::{Convex, mixed, scene};
 pub use measure::Measure;
 
 use crate::fill::SplitMix64;
+use crate::model_file::quality::{NORMAL_OVERLAP, NORMAL_SWEEPS};
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
@@ -80,9 +81,10 @@ fn radius(workload: Workload) -> f64 {
     if workload == Workload::S { 0.075 } else { 0.036 }
 }
 
-/// The same settings with fewer sweeps, and more where spheres would overlap by 3e-4 of the radius in a step.
+/// The same settings with the sweeps of normal quality, and more where spheres would overlap.
 pub fn sweeping_more(workload: Workload, solver: SolverSettings) -> SolverSettings {
-    SolverSettings { iterations: Some(18), overlap_tolerance: Some(3e-4 * radius(workload)), ..solver }
+    let overlap = NORMAL_OVERLAP * radius(workload);
+    SolverSettings { iterations: Some(NORMAL_SWEEPS), overlap_tolerance: Some(overlap), ..solver }
 }
 
 /// Solver settings of the workloads: a method alone, and a fixed number of iterations, whatever the residual.

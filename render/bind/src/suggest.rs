@@ -27,6 +27,8 @@ fn column(name: &str) -> Quantity {
 const STANDARD_TURN: [&str; 4] = ["quat_w", "quat_x", "quat_y", "quat_z"];
 /// The columns of velocities that need not be named, with their unit, m/s.
 const STANDARD_MOTION: [(&str, f64); 3] = [("vel_x", 1.0), ("vel_y", 1.0), ("vel_z", 1.0)];
+/// The colour of ground.
+const GROUND: [f32; 3] = [0.33, 0.272, 0.206];
 
 /// Frames of the data from which metadata is suggested, evenly spread from the first to the last; fewer if a frame has many rows.
 pub fn sample(frames: &[u64], n_rows: usize) -> Vec<u64> {
@@ -235,7 +237,7 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
         "box" => (Geometry { block: Some(BoxSpec { half }), ..Geometry::default() }, "concrete", [0.52, 0.52, 0.5]),
         "plane" => {
             let half = Quantity::Number(rounded(40.0 * extent));
-            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", [0.33, 0.272, 0.206])
+            (Geometry { plane: Some(PlaneSpec { half }), ..Geometry::default() }, "ground", GROUND)
         }
         "ellipsoid" => {
             (Geometry { ellipsoid: Some(BoxSpec { half }), ..Geometry::default() }, "gravel", [0.56, 0.48, 0.4])
@@ -253,8 +255,7 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
                 scale: Quantity::Number(1.0),
             };
             let ground = other.starts_with("height_field");
-            let (surface, color) =
-                if ground { ("ground", [0.33, 0.272, 0.206]) } else { ("matte", [0.62, 0.62, 0.64]) };
+            let (surface, color) = if ground { ("ground", GROUND) } else { ("matte", [0.62, 0.62, 0.64]) };
             (Geometry { archive: Some(archive), ..Geometry::default() }, surface, color)
         }
     }

@@ -1,7 +1,7 @@
 //! Calls that set options.
 
 use crate::context::state::{Context, positive};
-use crate::film::display::{Display, Layer};
+use crate::film::display::{Display, Layer, stores_floats};
 use crate::film::filter::FilterKind;
 use crate::film::image::LONGEST_SIDE;
 use crate::scene::options::Hider;
@@ -195,10 +195,8 @@ impl Context {
     pub(super) fn say_levels_of_depths(&self) {
         let is_depth = |layer: &Layer| matches!(layer, Layer::Aov(aov) if aov.name == "z");
         let is_cut = |display: &&Display| {
-            let [one, max] =
-                display.quantize.map_or([self.options.quantize_one, self.options.quantize_range[1]], |q| [q[1], q[3]]);
-            let floats = display.format() == "exr" || display.format() == "tiff" && one == 0 && max == 0;
-            !floats && display.layers().iter().any(is_depth)
+            let levels = display.levels(self.options.quantize_one, self.options.quantize_range);
+            !stores_floats(display.format(), levels) && display.layers().iter().any(is_depth)
         };
         for display in self.options.displays.iter().filter(is_cut) {
             self.scene.warn(format!(

@@ -89,6 +89,11 @@ fn format_named(name: &str) -> Option<&'static str> {
     }
 }
 
+/// Whether a file format stores floats with this quantization.
+pub fn stores_floats(format: &str, [_, one, _, max]: [i32; 4]) -> bool {
+    format == "exr" || format == "tiff" && one == 0 && max == 0
+}
+
 /// A display (`Display`, RISpec 4.1.2): a file, and the layers that are written to it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Display {
@@ -113,6 +118,12 @@ impl Display {
     pub fn format(&self) -> &'static str {
         let ending = std::path::Path::new(&self.name).extension().and_then(|e| e.to_str()).unwrap_or_default();
         format_named(ending).or(format_named(&self.kind)).unwrap_or("png")
+    }
+
+    /// Quantization of its numbers: the values that 0 and 1 map to, and the least and the greatest; the image's, `one` and `range`, if it
+    /// has none of its own.
+    pub fn levels(&self, one: i32, [min, max]: [i32; 2]) -> [i32; 4] {
+        self.quantize.unwrap_or([0, one, min, max])
     }
 
     /// What stands in the file, if it is of another kind than its name or the type of the display says.

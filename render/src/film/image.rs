@@ -76,9 +76,7 @@ impl Image {
         match display.format() {
             "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
             kind => {
-                let one = encoding.quantize_one;
-                let [min, max] = encoding.quantize_range;
-                let levels = display.quantize.unwrap_or([0, one, min, max]);
+                let levels = display.levels(encoding.quantize_one, encoding.quantize_range);
                 let dither = display.dither.unwrap_or(encoding.dither);
                 self.plain(kind, &channels, &pixels, size, (levels, dither, encoding))
             }
@@ -144,7 +142,7 @@ impl Image {
         channels: &[Channel],
         pixels: &[usize],
         size: [usize; 2],
-        ([zero, one, min, max], dither, encoding): ([i32; 4], f32, &Encoding<'_>),
+        (levels @ [zero, one, min, max], dither, encoding): ([i32; 4], f32, &Encoding<'_>),
     ) -> Result<Vec<u8>, String> {
         let n = channels.len();
         let [w, h] = size.map(|n| n as u32);
@@ -154,7 +152,7 @@ impl Image {
             let goal = std::io::Cursor::new(&mut bytes);
             TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
         };
-        if kind == "tiff" && one == 0 && max == 0 {
+        if display::stores_floats(kind, levels) {
             let color = match n {
                 3 => ExtendedColorType::Rgb32F,
                 4 => ExtendedColorType::Rgba32F,

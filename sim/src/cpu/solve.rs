@@ -36,7 +36,7 @@ mod visit;
 
 use crate::outcome::Outcome;
 use crate::rows::CHUNK;
-use crate::settings::{FrictionLaw, SolverSettings};
+use crate::settings::{FrictionLaw, Method, SolverSettings};
 use cells::Cells;
 use glam::DVec3;
 use iterates::Iterates;
@@ -66,11 +66,12 @@ pub fn solve(
         (0..gamma.len()).for_each(|i| gamma[i] = op.project(i, gamma[i], gamma));
     }
     op.response(gamma, response);
-    match settings.friction {
-        FrictionLaw::Relaxed => {
-            scale::scale(op, settings.max_iterations(gamma.len()), gamma, response, work);
-            method::run(op, settings, gamma, response, work)
+    if settings.friction == FrictionLaw::Exact {
+        if settings.method != Some(Method::Jacobi) {
+            return exact::run(op, settings, gamma, response, work);
         }
-        FrictionLaw::Exact => exact::run(op, settings, gamma, response, work),
+        slip::set_feedback(op, settings, gamma, response);
     }
+    scale::scale(op, settings.max_iterations(gamma.len()), gamma, response, work);
+    method::run(op, settings, gamma, response, work)
 }

@@ -14,7 +14,6 @@
 @compute @workgroup_size(1)
 fn main() {
     let n = blocks_of(count[0]);
-    let limit = select(params[0], max(50u, 50000u / max(n, 1u)), params[0] == 0u);
-    let lands = n > limit && scalars[0].residual * sqrt(f32(n)) > bitcast<f32>(params[1]);
+    let lands = n > max_iterations(params[0], n) && scalars[0].residual * sqrt(f32(n)) > bitcast<f32>(params[1]);
     verdict[0] = vec2(select(0u, 1u, lands), 0u);
 }

@@ -62,7 +62,7 @@ impl Gpu {
         Ok(Solving { start, solve: solve.record(device, kernels, is_landing)?, measure, end, recovery })
     }
 
-    /// Record the end of a step, with the recovery of overlaps for so many steps.
+    /// Record the end of a step, with the recovery of overlaps for a number of steps, if any.
     fn record_end(&self, model: &Model, recovery: Option<u64>, is_landing: bool) -> Result<Commands, Fault> {
         let Gpu { device, kernels, collision, warm_start, solve, overlaps, survey, .. } = self;
         let (problem, room) = (&solve.problem, collision.room());

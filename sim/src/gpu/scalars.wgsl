@@ -24,6 +24,12 @@ struct Scalars {
     residual: f32,
 }
 
+// Maximum number of iterations of a problem with `n` blocks: that which is given, or its default where 0 is.
+// Twin: settings.rs
+fn max_iterations(given: u32, n: u32) -> u32 {
+    return select(given, max(50u, 50000u / max(n, 1u)), given == 0u);
+}
+
 // Number of blocks of three multipliers of so many contacts.
 fn blocks_of(n_contacts: u32) -> u32 {
     return select(n_contacts, 2u * n_contacts, ROLLS);

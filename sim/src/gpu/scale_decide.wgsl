@@ -33,7 +33,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         return;
     }
     let n = blocks_of(count[0]);
-    let limit = select(params[1], max(50u, 50000u / max(n, 1u)), params[1] == 0u);
+    let limit = max_iterations(params[1], n);
     let found = 1.0 - contacts.x / bodies.x;
     var factor = select(1.0, clamp(found, 0.0, select(3e38, 1.0, params[2] == 1u)), bodies.x > 0.0 && is_finite(found));
     if n > limit && abs(factor - 1.0) <= NEAR {

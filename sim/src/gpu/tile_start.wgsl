@@ -18,7 +18,7 @@
 fn main(@builtin(local_invocation_index) thread: u32) {
     let n = count[0];
     if thread == 0u {
-        scalars[0].limit = select(params[0], max(50u, 50000u / max(blocks_of(n), 1u)), params[0] == 0u);
+        scalars[0].limit = max_iterations(params[0], blocks_of(n));
         scalars[0].trials = 0u;
         scalars[0].goes_on = select(0u, 1u, n > 0u);
         scalars[0].residual = 0.0;

@@ -14,6 +14,11 @@ use frame::yaml::Document;
 /// The envelope of bodies of any shape over g h²: what loses its support falls by less before it is back, with the points that it had.
 const FALLS: f64 = 15.0;
 
+/// Sweeps over spheres at normal quality.
+pub const NORMAL_SWEEPS: u32 = 18;
+/// Overlap of spheres that a step may add at normal quality, over r.
+pub const NORMAL_OVERLAP: f64 = 3e-4;
+
 /// The kinds of models between which the choice differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -60,9 +65,9 @@ impl Choice {
                 longest: level(4e-3, 2e-3, 1e-3),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Exact,
-                iterations: Some(count(16, 18, 60)),
+                iterations: Some(count(16, NORMAL_SWEEPS, 60)),
                 start_iterations: None,
-                overlap: Some(level(1e-3, 3e-4, 3e-4)),
+                overlap: Some(level(1e-3, NORMAL_OVERLAP, NORMAL_OVERLAP)),
                 tolerance: level(1e-7, 1e-8, 1e-9),
                 omega: None,
                 recovery: Some(0.035),

@@ -285,7 +285,7 @@ pub(super) fn camera(lo: Vec3, hi: Vec3) -> CameraSpec {
     // A corner at depth d + p·back is in the image if its offset is at most this share of that depth.
     let needed = |p: Vec3| p.dot(back) + (p.dot(up).abs() / half_height).max(p.dot(right).abs() / half_width);
     let distance = |center: Vec3| (0..8).map(|k| needed(corner(k) - center)).fold(1e-12, f32::max);
-    // What is near is larger: the middle of the picture is not that of the box.
+    // What is near is larger: the middle of the image is not that of the box.
     for _ in 0..6 {
         let far = distance(center);
         let middle = |across: Vec3| {

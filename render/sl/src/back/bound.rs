@@ -17,6 +17,11 @@ pub struct BoundShader {
     space: Option<Arc<str>>,
 }
 
+/// The name by which the scene knows a space that a shader names, whose own space, if it has one, is "shader" to it.
+pub(in crate::back) fn known_as<'a>(own: Option<&'a str>, name: &'a str) -> &'a str {
+    own.filter(|_| name == "shader").unwrap_or(name)
+}
+
 impl BoundShader {
     /// Bind values to some of a program's parameters, by slot (the index in [`Program::params`]). Of several values for one slot
     /// the first counts; parameters without a value are computed whenever the shader runs.
@@ -54,7 +59,7 @@ impl BoundShader {
 
     /// The name by which the scene knows a space that the shader names: its own is "shader" to it.
     pub fn space_of<'a>(&'a self, name: &'a str) -> &'a str {
-        self.space.as_deref().filter(|_| name == "shader").unwrap_or(name)
+        known_as(self.space.as_deref(), name)
     }
 
     /// Bring what is bound to parameters that are places or directions to another space.

@@ -1,32 +1,16 @@
 //! Coulomb's law itself: the slip feedback μ|v_t| is added to the gap's rate (Cadoux 2009; Acary et al. 2011), and the convex problem
-//! is solved again until the feedback is a fixed point. Jacobi, whose iterates approach a fixed point in any case, feeds the slip of each
-//! of them: its problems are never solved so far that the slip of their solutions would be known.
+//! is solved again until the feedback is a fixed point. Not for Jacobi, whose problems are never solved so far that the slip of their
+//! solutions would be known: it takes the slip of each iterate.
 
 use super::iterates::Iterates;
 use super::operator::Operator;
 use super::response::Response;
-use super::{jacobi, method, scale, slip};
+use super::{method, scale, slip};
 use crate::outcome::Outcome;
-use crate::settings::{Method, SolverSettings};
+use crate::settings::SolverSettings;
 use glam::DVec3;
 
 pub fn run(
-    op: &mut impl Operator,
-    settings: &SolverSettings,
-    gamma: &mut Vec<DVec3>,
-    response: &mut Response,
-    work: &mut Iterates,
-) -> Outcome {
-    if settings.method == Some(Method::Jacobi) {
-        let max = settings.max_iterations(gamma.len());
-        slip::feed(op, settings, gamma, response);
-        scale::scale(op, max, gamma, response, work);
-        return jacobi::run(op, settings, gamma, response, work);
-    }
-    by_rounds(op, settings, gamma, response, work)
-}
-
-fn by_rounds(
     op: &mut impl Operator,
     settings: &SolverSettings,
     gamma: &mut Vec<DVec3>,

@@ -27,8 +27,8 @@ pub fn run(
     work: &mut Iterates,
 ) -> Outcome {
     let (mut omega, lambda) = (settings.omega.unwrap_or(0.3), settings.lambda);
-    let feeds = settings.friction == FrictionLaw::Exact;
-    let tolerance = if feeds { SHARE * settings.tolerance } else { settings.tolerance };
+    let has_feedback = settings.friction == FrictionLaw::Exact;
+    let tolerance = if has_feedback { SHARE * settings.tolerance } else { settings.tolerance };
     let mut last_step2 = f64::INFINITY;
     work.next.resize(gamma.len(), DVec3::ZERO);
     let mut outcome = Outcome::default();
@@ -41,8 +41,8 @@ pub fn run(
         });
         std::mem::swap(gamma, &mut work.next);
         op.response(gamma, response);
-        if feeds {
-            slip::feed(op, settings, gamma, response);
+        if has_feedback {
+            slip::set_feedback(op, settings, gamma, response);
         }
         if settings.omega.is_none() {
             let [step2] = sum_rows(gamma.len(), |i| [(gamma[i] - work.next[i]).length_squared() / op.eta(i)]);

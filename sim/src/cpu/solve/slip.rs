@@ -15,8 +15,8 @@ pub fn known(settings: &SolverSettings, n_blocks: usize) -> f64 {
     KNOWN * settings.tolerance * (n_blocks as f64).sqrt()
 }
 
-/// Feed the slip of an iterate of Jacobi, from its response.
-pub fn feed(op: &mut impl Operator, settings: &SolverSettings, gamma: &[DVec3], response: &Response) {
+/// Set the slip feedback to the slip of an iterate of Jacobi, from its response.
+pub fn set_feedback(op: &mut impl Operator, settings: &SolverSettings, gamma: &[DVec3], response: &Response) {
     let mut slip = measure(op, response, gamma.len());
     leave_out_creep(op, gamma, known(settings, gamma.len()), &mut slip);
     op.set_slip_feedback(&slip);

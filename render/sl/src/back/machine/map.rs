@@ -1,5 +1,6 @@
 //! Maps, and changes of space.
 
+use super::super::bound::known_as;
 use super::super::scene::{MapQuery, OPTIONS, Scene, unknown_option};
 use super::state::Machine;
 use crate::ir::*;
@@ -124,10 +125,7 @@ impl Machine {
         to: TextReg,
         scene: &dyn Scene,
     ) {
-        let space = |name: TextReg| {
-            let name = self.texts[name.index()].as_str();
-            self.own_space.as_deref().filter(|_| name == "shader").unwrap_or(name)
-        };
+        let space = |name: TextReg| known_as(self.own_space.as_deref(), &self.texts[name.index()]);
         let matrix = scene.matrix(space(from), space(to));
         let m = glam::Mat4::from_cols_array(&matrix.unwrap_or(glam::Mat4::IDENTITY.to_cols_array()));
         if how == Transform::Matrix {
