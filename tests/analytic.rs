@@ -203,6 +203,28 @@ bodies:
     assert!(jacobi.residual > 1e-7, "Jacobi needs more than ten times APGD's {} iterations", apgd.iterations);
 }
 
+/// A rod that slides on its lower end: one way friction presses the end into the floor, without bound (Painlevé), until it sticks; the other way
+/// friction lifts it.
+#[test]
+fn a_rod_that_slides_on_its_end_is_held_by_every_method() {
+    for (method, speed) in [("gauss_seidel", -4.0), ("gauss_seidel", 4.0), ("apgd", -4.0), ("apgd", 4.0)] {
+        let mut sim = simulation(&format!(
+            "step: 1e-3
+solver: {{friction: exact, method: {method}}}
+materials: {{m: {{density: 1000, friction: 1.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+  - {{name: rod, material: m, capsule: {{radius: 0.02, length: 1}}, position: [0, 0, 0.4540127018922194], rotate: {{axis: [0, 1, 0], angle: -30}}, velocity: [{speed}, 0, 0]}}
+"
+        ));
+        for _ in 0..300 {
+            let report = sim.step();
+            assert!(report.warnings.is_empty(), "{method} {speed}: {:?}", report.warnings);
+            assert!(report.worst_penetration < 2e-4, "{method} {speed}: {:.1e} m", report.worst_penetration);
+        }
+    }
+}
+
 #[test]
 fn a_free_box_tumbles_and_keeps_its_momentum() {
     let mut sim = simulation(

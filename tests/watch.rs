@@ -3,7 +3,7 @@
 use crate::analytic::simulation;
 use crate::cli::{scratch, scree};
 use frame::run::RunReader;
-use sim::watch::{WarningCount, WarningKind};
+use sim::watch::{Warning, WarningCount, WarningKind};
 use std::path::Path;
 
 /// The kinds of warnings of a model's first steps.
@@ -157,7 +157,7 @@ joints: [{{name: drive, kind: {kind}, a: world, b: arm, axis: [0, 0, 1], {limits
 #[test]
 fn energy_growth_without_a_cause_is_reported() {
     assert_eq!(kinds(&unstable("from: 0"), 20), [WarningKind::Energy]);
-    // Two spheres that overlap by half are moved apart, and get no energy.
+    // Two spheres that overlap by half are moved apart, and get no energy; they are named as long as they overlap deeply.
     let overlap = "gravity: [0, 0, 0]
 solver: {recovery_speed: 5}
 materials: {m: {density: 1000, friction: 0.5}}
@@ -166,7 +166,11 @@ bodies:
   - {name: b, material: m, sphere: {radius: 0.1}, position: [0.1, 0, 0]}
 ";
     let mut sim = simulation(overlap);
-    (0..100).for_each(|_| assert!(sim.step().warnings.is_empty()));
+    let warnings: Vec<Warning> = (0..100).flat_map(|_| sim.step().warnings).collect();
+    assert!(warnings.iter().all(|w| w.kind == WarningKind::Overlap), "{warnings:?}");
+    let message = "bodies `a` and `b` overlap by 1.000e-1 m, 1.00 of the smaller one's inradius of 1.000e-1 m";
+    assert!(warnings[0].step == 1 && warnings[0].message == message, "{warnings:?}");
+    assert!((15..=25).contains(&warnings.len()), "apart by 5 m/s: {}", warnings.len());
     assert!((sim.state.position[1].x - sim.state.position[0].x - 0.2).abs() < 1e-6, "{}", sim.state.position[1]);
     assert_eq!(sim.state.velocity[1].length(), 0.0);
     // What a load, a motor, a spring or a body that comes adds has a cause.

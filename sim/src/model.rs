@@ -134,6 +134,22 @@ impl Model {
         self.shape_kind[shape] == ShapeKind::Sphere && self.shape_pose[shape].position == DVec3::ZERO
     }
 
+    /// Radius of the sphere about a shape's position that fits into it, m; infinite for a surface.
+    pub fn inradius(&self, shape: usize) -> f64 {
+        let size = self.shape_size[shape];
+        match self.shape_kind[shape] {
+            ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
+            ShapeKind::Capsule => size.x,
+            ShapeKind::Cone => size.x * size.z / size.x.hypot(2.0 * size.z),
+            ShapeKind::Hull => {
+                let hull = &self.hulls[self.shape_part[shape] as usize];
+                let faces = hull.faces.iter().zip(&hull.normals);
+                faces.map(|(face, n)| hull.vertices[face[0] as usize].dot(*n)).fold(f64::INFINITY, f64::min)
+            }
+            _ => size.min_element(),
+        }
+    }
+
     /// Label of a body for messages: its name, or its id and class.
     pub fn body_label(&self, body: usize) -> String {
         match self.body_names.iter().find(|(_, b)| **b as usize == body) {

@@ -33,6 +33,17 @@ impl JointErrors {
     }
 }
 
+/// The overlap of a step that is the deepest for the sizes of its shapes.
+#[derive(Clone, Copy, Debug)]
+pub struct Deepest {
+    /// Ids of the bodies.
+    pub bodies: [u32; 2],
+    /// Penetration, m.
+    pub depth: f64,
+    /// The smaller inradius of the two shapes, m.
+    pub inradius: f64,
+}
+
 /// The outcome of a step: of its contact solve, its joints and its springs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepOutcome {
@@ -45,6 +56,8 @@ pub struct StepOutcome {
     pub contacts: usize,
     /// Maximum penetration at the step's start, m.
     pub worst_penetration: f64,
+    /// The deepest overlap where one may be too deep, as far as the contacts are at hand.
+    pub deepest: Option<Deepest>,
     /// Maximum joint errors.
     pub joints: JointErrors,
     /// Bound of the energy oscillation of springs that are integrated explicitly, J: the sum of h |F·v| with the step h, the force F

@@ -7,6 +7,7 @@ use crate::state::State;
 
 use crate::inertia::is_isotropic;
 use crate::shape::ShapeKind;
+use std::collections::BTreeSet;
 
 /// The narrow phase, and the layout of the contact rows that goes with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,7 +90,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
-            sweeps_landings: can_sweep && settings.sweep_landings && is_bed(model, state),
+            sweeps_landings: can_sweep && settings.sweep_landings && !sweeps && is_heap(model, state),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -157,6 +158,24 @@ fn is_bed(model: &Model, state: &State) -> bool {
     let moving = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(|b| model.inv_mass[b]);
     let (light, heavy) = moving().fold((0f64, f64::INFINITY), |(most, least), x| (most.max(x), least.min(x)));
     model.joints.is_empty() && moving().count() >= LEAST && light <= GREATEST * heavy
+}
+
+/// Whether a model is a heap: many bodies, most of which no joint holds.
+fn is_heap(model: &Model, state: &State) -> bool {
+    /// The least number of bodies that move.
+    const LEAST: usize = 100;
+    /// The greatest share of them that joints hold.
+    const HELD: f64 = 0.1;
+    let is_moving = |b: &u32| state.is_free(*b as usize);
+    let n_moving = (0..model.n_bodies() as u32).filter(is_moving).count();
+    let held: BTreeSet<u32> = model
+        .joints
+        .iter()
+        .flat_map(|j| j.bodies)
+        .chain(model.springs.iter().flat_map(|s| s.bodies))
+        .filter(is_moving)
+        .collect();
+    n_moving >= LEAST && held.len() as f64 <= HELD * n_moving as f64
 }
 
 /// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.

@@ -97,7 +97,7 @@ pub struct SolverSettings {
     /// whose bodies stand on each other; if not given, `iterations`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_iterations: Option<u32>,
-    /// Whether Gauss–Seidel takes over from another method the steps of a bed that begin far from their solution and have more contacts
+    /// Whether Gauss–Seidel takes over from another method the steps of a heap that begin far from their solution and have more contacts
     /// than iterations, as while it lands.
     pub sweep_landings: bool,
     /// Residual (as in `report.csv`) below which the iteration stops, m/s, that of `jacobi` with exact friction below a tenth of it; with 0 all

@@ -11,6 +11,7 @@ use crate::sleep;
 use crate::stages::{Stage, check};
 use crate::state::State;
 use crate::warning::{Broken, Warning};
+use crate::watch;
 use std::time::Instant;
 
 /// The report of a step.
@@ -196,7 +197,10 @@ impl Simulation {
                     cpu.prepare(model, state, plan);
                 };
                 let contacts = state.contacts.len() + state.sleepers.contacts.len();
-                let outcome = StepOutcome { contacts, worst_penetration: state.worst_penetration(), ..cpu.outcome() };
+                let worst_penetration = state.worst_penetration();
+                let may_be_deep = state.watch.may_be_deep(model, worst_penetration);
+                let deepest = if may_be_deep { watch::deepest(model, state) } else { None };
+                let outcome = StepOutcome { contacts, worst_penetration, deepest, ..cpu.outcome() };
                 (stage_ms, outcome, None)
             }
             Engine::Gpu(gpu) => {

@@ -14,12 +14,14 @@ pub enum WarningKind {
     Motor,
     /// Energy has grown without a cause.
     Energy,
+    /// Two bodies overlap deeply.
+    Overlap,
 }
 
 impl WarningKind {
     /// All kinds.
-    pub const ALL: [WarningKind; 4] =
-        [WarningKind::Residual, WarningKind::Joint, WarningKind::Motor, WarningKind::Energy];
+    pub const ALL: [WarningKind; 5] =
+        [WarningKind::Residual, WarningKind::Joint, WarningKind::Motor, WarningKind::Energy, WarningKind::Overlap];
 
     /// Name, as in `run.json`.
     pub fn name(self) -> &'static str {
@@ -28,6 +30,7 @@ impl WarningKind {
             WarningKind::Joint => "joint",
             WarningKind::Motor => "motor",
             WarningKind::Energy => "energy",
+            WarningKind::Overlap => "overlap",
         }
     }
 }
@@ -84,6 +87,9 @@ pub struct WatchState {
     pub(crate) acting: Vec<bool>,
     /// Minimum energy since the last cause of growth, J.
     pub(crate) min_energy: f64,
+    /// The least inradius of a shape that moves, m; none where it is not known yet.
+    #[serde(skip)]
+    pub(crate) inradius: Option<f64>,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

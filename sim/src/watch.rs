@@ -6,6 +6,7 @@
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than half of it or what gives five times the error above in 1 s; or a driven coordinate by more than that error |
 //! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
+//! | overlap | two bodies overlap by more than half the smaller inradius of their shapes; on a device, of all shapes that move |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
 //! the model: energy is compared with its minimum since the last step with a cause. Available energy is kinetic energy, elastic
@@ -14,11 +15,12 @@
 //! where F are weight and springs' forces: an oscillation of twice that is tolerated. A position, velocity, residual or joint error that
 //! is not finite, or a speed above 10⁵ m/s, ends a run ([`Broken`]).
 
+use crate::contacts::Contacts;
 use crate::inertia::{gyration, is_isotropic};
 use crate::joint::{Coordinate, Joint, JointState, Motor};
 use crate::load::Function;
 use crate::model::Model;
-use crate::outcome::{JointErrors, StepOutcome};
+use crate::outcome::{Deepest, JointErrors, StepOutcome};
 use crate::rows::fold_rows;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
 use crate::state::State;
@@ -40,6 +42,8 @@ const MOTOR_DRIFT: f64 = 5.0;
 const SLOWEST: f64 = 1e-3;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
+/// Tolerance of overlaps, over the smaller inradius.
+const OVERLAP: f64 = 0.5;
 
 /// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size.
 pub fn residual_bound(model: &Model) -> f64 {
@@ -197,6 +201,7 @@ impl WatchState {
             self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
             self.energy(model, state, seen, survey).map(|m| (WarningKind::Energy, m)),
+            self.overlap(model, seen).map(|m| (WarningKind::Overlap, m)),
         ];
         let warning = |(kind, message)| Warning { kind, step: state.steps, time: state.time, message };
         let warnings: Vec<Warning> = found.into_iter().flatten().map(warning).collect();
@@ -290,6 +295,32 @@ impl WatchState {
         Some(message)
     }
 
+    fn overlap(&mut self, model: &Model, seen: &StepOutcome) -> Option<String> {
+        if !self.may_be_deep(model, seen.worst_penetration) {
+            return None;
+        }
+        let Some(Deepest { bodies: [a, b], depth, inradius }) = seen.deepest else {
+            let of = "half the least inradius of what moves";
+            return Some(format!("two bodies overlap by {:.3e} m, more than {of}", seen.worst_penetration));
+        };
+        let [a, b] = [a, b].map(|b| label(model, b));
+        (depth > OVERLAP * inradius).then(|| {
+            format!(
+                "bodies {a} and {b} overlap by {depth:.3e} m, {:.2} of the smaller one's inradius of {inradius:.3e} m",
+                depth / inradius
+            )
+        })
+    }
+
+    /// Whether an overlap may be too deep, by its depth, m.
+    pub fn may_be_deep(&mut self, model: &Model, depth: f64) -> bool {
+        let least = *self.inradius.get_or_insert_with(|| {
+            let moves = |s: &usize| model.inv_mass[model.shape_body[*s] as usize] > 0.0;
+            (0..model.n_shapes()).filter(moves).map(|s| model.inradius(s)).fold(f64::INFINITY, f64::min)
+        });
+        depth > OVERLAP * least
+    }
+
     /// Whether the step may have added energy.
     fn is_caused(&mut self, model: &Model, state: &State, mass: f64) -> bool {
         let (end, h) = (state.time, model.step);
@@ -309,6 +340,17 @@ impl WatchState {
         self.acting = acting;
         loaded || driven || tensioned || switched
     }
+}
+
+/// The deepest overlap of a state's contacts for the sizes of their shapes.
+pub fn deepest(model: &Model, state: &State) -> Option<Deepest> {
+    let of = |(contacts, i): (&Contacts, usize)| {
+        let [s, t, _] = contacts.key[i].map(|k| k as usize);
+        let inradius = model.inradius(s).min(model.inradius(t));
+        Deepest { bodies: contacts.bodies[i], depth: -contacts.gap[i], inradius }
+    };
+    let share = |d: &Deepest| d.depth / d.inradius;
+    state.all_contacts().map(of).filter(|d| d.depth > 0.0).max_by(|a, b| share(a).total_cmp(&share(b)))
 }
 
 /// Whether each joint, then each spring, acts at a time, s.

@@ -139,7 +139,7 @@ pub fn run(
     let outcome = match method {
         ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, sweeps),
         ContactMethod::Blocks(_) if lands(&mut op, model, settings, &gamma, response) => {
-            sweeps::run(&mut op, &SolverSettings { omega: None, ..settings.clone() }, &mut gamma, response, sweeps)
+            sweeps::run(&mut op, &landing_settings(model, settings), &mut gamma, response, sweeps)
         }
         ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, iterates),
     };
@@ -182,6 +182,12 @@ fn lands(
     }
     op.response(gamma, response);
     residual(op, gamma, response) * (n as f64).sqrt() > landing_bound(model, settings)
+}
+
+/// The settings of sweeps that take a step over: they go on where they leave more than half an envelope of overlap.
+fn landing_settings(model: &Model, settings: &SolverSettings) -> SolverSettings {
+    let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
+    SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() }
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.

@@ -1,7 +1,8 @@
 // A visit of Gauss–Seidel to the contacts of a pair of shapes of any kind, one after the other, while the velocities of the bodies are in
 // registers. With N_ii n = a n + k, k along the tangents, and b the largest eigenvalue of the tangents' part of N_ii, a visit to a contact is,
-// by Coulomb's law itself: the normal's own problem, with a; then the tangents, which see k times the normal's change, step by 1/b and are
-// projected onto the disc that the normal's solution gives. By the relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which is an
+// by Coulomb's law itself: the normal's own problem, with a (or, where that is greater, two thirds of a + μ |k|: the response of what slides
+// and is lifted by friction); then the tangents, which see k times the normal's change, step by 1/b and are projected onto the disc that the
+// normal's solution gives. By the relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which is an
 // upper bound of N_ii, and in that metric the projection onto the cone. A rolling impulse follows its contact.
 // The kernel has the columns `rows`, `visits` (1/a and 1/b of the step, k in the tangents), `gamma`, `roll`, `roll_row`, `mass`, `orientation`.
 // Twin: cpu/solve/manifold_group.rs, cpu/solve/visit.rs

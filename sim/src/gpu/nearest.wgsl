@@ -125,8 +125,8 @@ fn face_of(i: u32) -> vec4<u32> {
     return array<vec4<u32>, 4>(vec4(0u, 1u, 2u, 3u), vec4(0u, 3u, 1u, 2u), vec4(0u, 2u, 3u, 1u), vec4(1u, 3u, 2u, 0u))[i];
 }
 
-// Reduce a tetrahedron to the face nearest to the origin; false if the origin is inside.
-fn reduce_tetrahedron() -> bool {
+// Reduce a tetrahedron to the face nearest to the origin; false if the origin is inside, which it is not where `is_apart` is known.
+fn reduce_tetrahedron(is_apart: bool) -> bool {
     var best = 3e38;
     var weights = vec4(0.0);
     for (var i = 0u; i < 4u; i++) {
@@ -135,8 +135,8 @@ fn reduce_tetrahedron() -> bool {
         let normal = cross(simplex[f.y] - p, simplex[f.z] - p);
         let here = -dot(p, normal);
         let there = dot(simplex[f.w] - p, normal);
-        // The origin is beyond this face, or the tetrahedron is flat.
-        if here * there <= 0.0 || abs(there) <= 1e-6 * length(normal) * length(simplex[f.w]) {
+        // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
+        if is_apart || here * there <= 0.0 || abs(there) <= 1e-6 * length(normal) * length(simplex[f.w]) {
             let own = in_triangle(p, simplex[f.y], simplex[f.z]);
             let at = p * own.x + simplex[f.y] * own.y + simplex[f.z] * own.z;
             if dot(at, at) < best {
@@ -153,10 +153,11 @@ fn reduce_tetrahedron() -> bool {
     return best < 3e38;
 }
 
-// Reduce the simplex to the least one with the point nearest to the origin; false if the origin is inside.
-fn reduce_simplex() -> bool {
+// Reduce the simplex to the least one with the point nearest to the origin; false if the origin is inside, which it is not where
+// `is_apart` is known.
+fn reduce_simplex(is_apart: bool) -> bool {
     if n_simplex == 4u {
-        return reduce_tetrahedron();
+        return reduce_tetrahedron(is_apart);
     }
     if n_simplex == 3u {
         weight = vec4(in_triangle(simplex[0], simplex[1], simplex[2]), 0.0);
@@ -201,7 +202,7 @@ fn search(a: Placed, b: Placed, start: vec3<f32>, reach: f32, scale: f32, neares
         }
         put_vertex(n_simplex, next);
         n_simplex += 1u;
-        if !reduce_simplex() {
+        if !reduce_simplex(lower > 0.0) {
             *nearest = best;
             return TOUCHING;
         }

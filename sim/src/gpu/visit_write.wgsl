@@ -45,6 +45,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let along = dot(of_n, row.normal);
     let across = 0.5 * (uu + ww) + sqrt(spread * spread + uw * uw);
     let coupled = vec2(dot(of_n, axes.u), dot(of_n, axes.w));
-    let bound = select(1.0 + sqrt(dot(coupled, coupled) / (along * across)), 1.0, params[0] == 1u);
-    visits[k] = vec4(1.0 / (bound * along), 1.0 / (bound * across), coupled);
+    if params[0] == 1u {
+        let lifted = (along + row.friction * length(coupled)) * (2.0 / 3.0);
+        visits[k] = vec4(1.0 / max(along, lifted), 1.0 / across, coupled);
+    } else {
+        let bound = 1.0 + sqrt(dot(coupled, coupled) / (along * across));
+        visits[k] = vec4(1.0 / (bound * along), 1.0 / (bound * across), coupled);
+    }
 }

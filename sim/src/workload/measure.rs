@@ -1,8 +1,6 @@
 //! Measures of a run of a workload, the same for all engines: penetration, and how far bodies have moved.
 
 use crate::contacts::Contacts;
-use crate::model::Model;
-use crate::shape::ShapeKind;
 use crate::simulation::{Simulation, StepReport};
 use crate::state::State;
 use glam::DVec3;
@@ -21,7 +19,7 @@ pub struct Measure {
 impl Measure {
     /// The measures of a simulation that starts now.
     pub fn new(sim: &Simulation) -> Measure {
-        let inradius: Vec<f64> = (0..sim.model.n_shapes()).map(|s| inradius(&sim.model, s)).collect();
+        let inradius: Vec<f64> = (0..sim.model.n_shapes()).map(|s| sim.model.inradius(s)).collect();
         let least = inradius.iter().copied().fold(f64::INFINITY, f64::min);
         Measure { worst: 0.0, start: sim.state.position.clone(), inradius, least }
     }
@@ -50,21 +48,5 @@ impl Measure {
             let fallen = moved.dot(down);
             [drift.max((moved - down * fallen).length()), drop.max(fallen)]
         })
-    }
-}
-
-/// Radius of the sphere about a shape's position that fits into it, m; infinite for a surface.
-fn inradius(model: &Model, shape: usize) -> f64 {
-    let size = model.shape_size[shape];
-    match model.shape_kind[shape] {
-        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
-        ShapeKind::Capsule => size.x,
-        ShapeKind::Cone => size.x * size.z / size.x.hypot(2.0 * size.z),
-        ShapeKind::Hull => {
-            let hull = &model.hulls[model.shape_part[shape] as usize];
-            let faces = hull.faces.iter().zip(&hull.normals);
-            faces.map(|(face, n)| hull.vertices[face[0] as usize].dot(*n)).fold(f64::INFINITY, f64::min)
-        }
-        _ => size.min_element(),
     }
 }

@@ -123,6 +123,12 @@ impl Simplex {
         s
     }
 
+    fn with(&self, v: Vertex) -> Simplex {
+        let mut s = *self;
+        (s.v[s.n], s.n) = (v, s.n + 1);
+        s
+    }
+
     fn sum(&self, part: impl Fn(&Vertex) -> DVec3) -> DVec3 {
         (0..self.n).map(|i| part(&self.v[i]) * self.weight[i]).sum()
     }
@@ -131,14 +137,14 @@ impl Simplex {
         self.sum(|v| v.w)
     }
 
-    /// The smallest simplex with the point nearest to the origin; `None` if the origin is inside.
-    fn reduced(&self) -> Option<Simplex> {
+    /// The smallest simplex with the point nearest to the origin; `None` if the origin is inside, which it is not where `is_apart` is known.
+    fn reduced(&self, is_apart: bool) -> Option<Simplex> {
         let v = &self.v;
         match self.n {
             1 => Some(Simplex::of(&[(v[0], 1.0)])),
             2 => Some(on_segment(v[0], v[1])),
             3 => Some(on_triangle(v[0], v[1], v[2])),
-            _ => on_tetrahedron(v),
+            _ => on_tetrahedron(v, is_apart),
         }
     }
 }
@@ -192,15 +198,13 @@ pub fn nearest_in_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, f64, f64) {
     (va / sum, vb / sum, vc / sum)
 }
 
-fn on_tetrahedron(v: &[Vertex; 4]) -> Option<Simplex> {
+fn on_tetrahedron(v: &[Vertex; 4], is_apart: bool) -> Option<Simplex> {
     let mut best: Option<(f64, Simplex)> = None;
-    let mut inside = true;
     for [i, j, k, other] in [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]] {
         let normal = (v[j].w - v[i].w).cross(v[k].w - v[i].w);
         let (here, there) = (-v[i].w.dot(normal), (v[other].w - v[i].w).dot(normal));
-        // The origin is beyond this face, or the tetrahedron is flat.
-        if here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[other].w.length() {
-            inside = false;
+        // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
+        if is_apart || here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[other].w.length() {
             let s = on_triangle(v[i], v[j], v[k]);
             let distance = s.nearest().length_squared();
             if best.as_ref().is_none_or(|b| distance < b.0) {
@@ -208,7 +212,7 @@ fn on_tetrahedron(v: &[Vertex; 4]) -> Option<Simplex> {
             }
         }
     }
-    if inside { None } else { best.map(|b| b.1) }
+    best.map(|b| b.1)
 }
 
 /// An axis along which two shapes are apart.
@@ -231,6 +235,9 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     const ROUNDS: usize = 80;
     /// Distance over the scale of the shapes up to which the direction is checked.
     const NEAR: f64 = 1e-3;
+    /// How often the search begins anew where round-off ends it early, and the bounds of the squared distance apart that are early, over it.
+    const RESTARTS: usize = 3;
+    const EARLY: f64 = 1e-9;
     let round = a.radius() + b.radius();
     let mut simplex = Simplex { n: 1, ..Simplex::default() };
     let is_known = axis.direction != DVec3::ZERO;
@@ -245,6 +252,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     }
     let scale = simplex.v[0].a.distance(a.centre()) + simplex.v[0].b.distance(b.centre()) + round;
     let mut v = simplex.v[0].w;
+    let (mut restarts, mut is_early, mut best) = (0, false, None::<Simplex>);
     for _ in 0..ROUNDS {
         let distance2 = v.length_squared();
         if distance2 <= 1e-20 * scale * scale {
@@ -258,28 +266,38 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
             *axis = Axis { direction: -v / distance, apart: lower / distance - round };
             return None;
         }
-        let known = (0..simplex.n).any(|i| simplex.v[i].w == next.w);
-        if known || distance2 - lower <= 1e-12 * distance2 {
+        if distance2 - lower <= 1e-12 * distance2 {
             break;
         }
-        let mut grown = simplex;
-        grown.v[grown.n] = next;
-        grown.n += 1;
-        match grown.reduced() {
-            None => return Some(overlapping(a, b, &grown, axis)),
-            Some(reduced) => {
-                let nearer = reduced.nearest();
-                if nearer.length_squared() >= distance2 {
-                    break;
-                }
-                (simplex, v) = (reduced, nearer);
-            }
+        let is_known = (0..simplex.n).any(|i| simplex.v[i].w == next.w);
+        let grown = if is_known { Some(simplex) } else { simplex.with(next).reduced(lower > 0.0) };
+        let Some(reduced) = grown else {
+            return Some(overlapping(a, b, &simplex.with(next), axis));
+        };
+        let nearer = reduced.nearest();
+        if nearer.length_squared() < distance2 {
+            (simplex, v) = (reduced, nearer);
+            continue;
         }
+        // Round-off ends the search. Where that is early, it begins anew from where it has come to.
+        if best.is_none_or(|b| distance2 < b.nearest().length_squared()) {
+            best = Some(simplex);
+        }
+        is_early = distance2 - lower > EARLY * distance2;
+        if !is_early || restarts == RESTARTS {
+            break;
+        }
+        restarts += 1;
+        (simplex, v) = (Simplex::of(&[(next, 1.0)]), next.w);
+    }
+    if let Some(best) = best.filter(|b| b.nearest().length_squared() < v.length_squared()) {
+        (simplex, v) = (best, best.nearest());
     }
     let distance = v.length();
     let normal = -v / distance;
     // Where the shapes nearly touch, round-off may be all of the direction; the shapes are then less far apart along it.
-    if distance < NEAR * scale && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
+    let is_near = distance < if is_early { 10.0 * NEAR } else { NEAR } * scale;
+    if is_near && distance + vertex(a, b, normal).w.dot(normal) > 1e-7 * scale {
         return Some(overlapping(a, b, &simplex, axis));
     }
     let gap = distance - round;

@@ -343,3 +343,53 @@ fn cylinders_side_by_side_have_the_gap_of_their_sides() {
         }
     }
 }
+
+/// The gap of two shapes is their greatest separation along any direction: none that is tried beside the normal that was found is greater,
+/// and along that normal it is the gap.
+#[test]
+fn no_direction_separates_two_shapes_by_more_than_their_gap() {
+    let mut random = SplitMix64(21);
+    let corners: Vec<DVec3> = (0..24).map(|_| random.rotation() * DVec3::X * 0.2).collect();
+    let (hull, _) = Hull::of_points(&corners).unwrap();
+    let kinds = [
+        ShapeKind::Sphere,
+        ShapeKind::Capsule,
+        ShapeKind::Cylinder,
+        ShapeKind::Cone,
+        ShapeKind::Ellipsoid,
+        ShapeKind::Box,
+        ShapeKind::Hull,
+    ];
+    let (mut worst, mut which) = (0.0, None);
+    for k in 0..140_000 {
+        let mut shape = |kind: ShapeKind, at: DVec3| Placed {
+            hull: (kind == ShapeKind::Hull).then_some(&hull),
+            ..placed(kind, [0.2, if kind == ShapeKind::Ellipsoid { 0.15 } else { 0.2 }, 0.25], at, random.rotation())
+        };
+        let a = shape(kinds[k % 7], DVec3::ZERO);
+        let b = shape(kinds[k / 7 % 7], DVec3::ZERO);
+        let way = random.rotation() * DVec3::X;
+        let b = Placed { position: way * random.between(0.2, 0.8), ..b };
+        let Some(found) = convex::nearest(&a, &b, 0.05, &mut Axis::default()) else { continue };
+        let along = convex::separation(&a, &b, found.normal);
+        let mut greatest = along;
+        let mut best = found.normal;
+        for round in 0..90 {
+            // First around the line between the centres, then ever nearer to the best.
+            let spread = if round < 30 { 2.0 } else { 0.7f64.powi((round - 30) / 3) };
+            let near = if round < 30 { way } else { best };
+            let d = (near + random.rotation() * DVec3::X * spread * random.between(0.0, 1.0)).normalize();
+            let apart = convex::separation(&a, &b, d);
+            if apart > greatest {
+                (greatest, best) = (apart, d);
+            }
+        }
+        // Smooth shapes are approached by planes: the deeper, the coarser.
+        let coarse = 1e-2 * -found.gap.min(0.0);
+        let error = (found.gap - along).abs().max(greatest - found.gap) - coarse;
+        if error > worst {
+            (worst, which) = (error, Some((k, a.kind, b.kind, found.gap, along, greatest)));
+        }
+    }
+    assert!(worst < 1e-5, "{worst}: {which:?}");
+}

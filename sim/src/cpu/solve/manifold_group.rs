@@ -2,8 +2,9 @@
 //! registers.
 //!
 //! With N_ii n = a n + k, k along the tangents, and b the largest eigenvalue of the tangents' part of N_ii, a visit is: Coulomb's law
-//! itself: the normal's own problem, with a; then the tangents, which see k times the normal's change, make a step of 1/b and are
-//! projected onto the disc that the normal's solution gives. The relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which
+//! itself: the normal's own problem, with a (or, where friction that lifts makes the normal response of what slides greater, up to
+//! a + μ |k|, with two thirds of that: less would swing); then the tangents, which see k times the normal's change, make a step of 1/b and
+//! are projected onto the disc that the normal's solution gives. The relaxed law: a step in the metric (a, b, b) times 1 + |k|/√(ab), which
 //! is an upper bound of N_ii, and in that metric the projection onto the cone, as for spheres (`sphere_group`).
 
 use super::bodies::BodyOperator;
@@ -97,9 +98,12 @@ impl<T: Real, const L: usize> Contact<T, L> {
         let b = (uu + ww) * half + (spread * spread + uw * uw).sqrt();
         let b = b.select_le(zero, one, b);
         let coupling = of_n.minus(n.times(a));
-        let bound = if is_exact { one } else { one + (coupling.dot(coupling) / (a * b)).sqrt() };
+        let coupled = coupling.dot(coupling);
+        let bound = if is_exact { one } else { one + (coupled / (a * b)).sqrt() };
+        let lifted = (a + V::load(&self.friction) * coupled.sqrt()) * V::splat(T::of(2.0 / 3.0));
+        let of_normal = if is_exact { lifted.select_le(a, a, lifted) } else { a };
         self.coupling = [coupling.x.to_array(), coupling.y.to_array(), coupling.z.to_array()];
-        self.along = (one / (bound * a)).to_array();
+        self.along = (one / (bound * of_normal)).to_array();
         self.across = (one / (bound * b)).to_array();
         self.inv_eta = ((a + uu + ww) * V::splat(T::of(1.0 / 3.0))).to_array();
     }

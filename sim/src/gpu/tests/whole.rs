@@ -215,10 +215,10 @@ fn rolling_and_spinning_friction_are_those_of_the_cpu() {
         for (k, b) in balls.iter().enumerate() {
             let s = model.shape_body.iter().position(|body| *body as usize == *b).unwrap();
             let radius = model.shape_size[s].x;
-            state.position[*b] = DVec3::new(0.3 + 3.0 * radius * k as f64, 1.0, radius);
+            state.position[*b] = DVec3::new(0.3 + 3.0 * radius * k as f64, 0.4, radius);
             (state.velocity[*b], state.angular_velocity[*b]) = (DVec3::ZERO, DVec3::ZERO);
             if k > 1 {
-                state.position[*b].z = 100.0 + k as f64;
+                state.position[*b] = DVec3::new(0.4, 0.4, 100.0 + k as f64);
             }
         }
         state.velocity[balls[0]] = DVec3::Y * 0.3;
