@@ -4,31 +4,54 @@ use crate::analytic::simulation;
 use crate::cli::scree;
 use std::path::Path;
 
-#[test]
-fn the_four_methods_find_one_answer() {
-    // A block that is pushed against others: sticking and sliding contacts.
-    let step = |method: &str, friction: &str| {
+/// The velocities and angular velocities after a step that each method solves to the end: things of a shape that are pushed against each other,
+/// of a material that has `law` besides friction. All methods have one answer.
+fn one_answer(friction: &str, law: &str, shapes: [&str; 3]) {
+    let [a, b, c] = shapes;
+    let step = |method: &str| {
         let mut sim = simulation(&format!(
             "step: 1e-3
 solver: {{method: {method}, friction: {friction}, iterations: 200000, tolerance: 1e-9, warm_start: false}}
-materials: {{m: {{density: 1000, friction: 0.4}}}}
+materials: {{m: {{density: 1000, friction: 0.4{law}}}}}
 bodies:
   - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
-  - {{name: a, material: m, sphere: {{radius: 0.1}}, position: [0, 0, 0.1], velocity: [1, 0.2, 0]}}
-  - {{name: b, material: m, sphere: {{radius: 0.1}}, position: [0.2, 0, 0.1]}}
-  - {{name: c, material: m, sphere: {{radius: 0.1}}, position: [0.1, 0, 0.273205]}}
+  - {{name: a, material: m, {a}, position: [0, 0, 0.1], velocity: [1, 0.2, 0], angular_velocity: [3, 4, 10]}}
+  - {{name: b, material: m, {b}, position: [0.2, 0, 0.1]}}
+  - {{name: c, material: m, {c}, position: [0.1, 0, 0.273205]}}
 "
         ));
         let report = sim.step();
-        assert!(report.residual <= 1e-9, "{method}: {report:?}");
-        sim.state.velocity.clone()
+        assert!(report.residual <= 1e-9 && report.contacts >= 5, "{method}: {report:?}");
+        let levers = sim.state.angular_velocity.iter().map(|w| *w * 0.1);
+        sim.state.velocity.iter().copied().chain(levers).collect::<Vec<_>>()
     };
+    let first = step("apgd");
+    for method in ["jacobi", "gauss_seidel", "barzilai_borwein"] {
+        for (v, w) in step(method).iter().zip(&first) {
+            assert!((*v - *w).length() < 1e-5, "{method}, {friction}{law}: {v} {w}");
+        }
+    }
+}
+
+const BALLS: [&str; 3] = ["sphere: {radius: 0.1}"; 3];
+
+#[test]
+fn the_four_methods_find_one_answer() {
     for friction in ["relaxed", "exact"] {
-        let first = step("apgd", friction);
-        for method in ["jacobi", "gauss_seidel", "barzilai_borwein"] {
-            for (v, w) in step(method, friction).iter().zip(&first) {
-                assert!((*v - *w).length() < 1e-5, "{method}, {friction}: {v} {w}");
-            }
+        one_answer(friction, "", BALLS);
+    }
+}
+
+#[test]
+fn the_methods_agree_on_rolling_friction_and_cohesion() {
+    let mixed =
+        ["sphere: {radius: 0.1}", "ellipsoid: {radii: [0.1, 0.07, 0.1]}", "capsule: {radius: 0.1, length: 0.05}"];
+    for law in
+        [", rolling: 5e-3", ", spinning: 4e-3", ", cohesion: 30", ", rolling: 2e-3, spinning: 1e-3, cohesion: 20"]
+    {
+        for shapes in [BALLS, mixed] {
+            one_answer("relaxed", law, shapes);
+            one_answer("exact", law, shapes);
         }
     }
 }

@@ -175,7 +175,7 @@ impl Gpu {
         warm_start.place(&device, &state.contacts);
         let mechanism = Mechanism::new(&device, &kernels, (model, state), &collision.bodies)?;
         let joints = joints_of(model, mechanism.as_ref());
-        let by = (method, &model.solver, plan.sweeps_landings);
+        let by = (method, &model.solver, sweeps_landings(plan));
         let solve = ContactSolve::with(&device, &kernels, model, by, (&collision, joints))?;
         solve.place_step_length(&device, state.step_length);
         let overlaps = Overlaps::new(&device, &solve.problem)?;
@@ -257,7 +257,7 @@ impl Gpu {
     /// Make the solver again, for columns that have grown or settings that have changed, and record the step.
     fn renew_solve(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
         self.rest.impulses = None;
-        self.solve_by(model, (method_of(plan), &model.solver, plan.sweeps_landings))?;
+        self.solve_by(model, (method_of(plan), &model.solver, sweeps_landings(plan)))?;
         self.record(model, plan)
     }
 
@@ -421,7 +421,7 @@ impl Gpu {
             && !self.rest.has_impulses(&self.device)?
         {
             let impulses = rest::impulses(model, state, self.contacts(n)?);
-            self.solve_by(model, (method, settings, plan.sweeps_landings))?;
+            self.solve_by(model, (method, settings, sweeps_landings(plan)))?;
             self.rest.impulses = Some(impulses);
             self.record_by(model, plan, 1)?;
         }
@@ -531,9 +531,14 @@ fn method_of(plan: &StepPlan) -> Method {
     }
 }
 
+/// Whether Gauss–Seidel takes over landings on a device: those of contacts with friction alone.
+fn sweeps_landings(plan: &StepPlan) -> bool {
+    plan.sweeps_landings && !plan.resists()
+}
+
 /// Whether the pairs of a plan have to be in tiles.
 fn needs_tiles(plan: &StepPlan) -> bool {
-    method_of(plan) == Method::GaussSeidel || plan.sweeps_landings
+    method_of(plan) == Method::GaussSeidel || sweeps_landings(plan)
 }
 
 /// In one of how many steps overlaps are recovered, as on the CPU.

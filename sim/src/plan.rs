@@ -31,7 +31,7 @@ impl Narrow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMethod {
     /// Gauss–Seidel sweeps on packed contacts, which solve either law of friction contact by contact; for steps in which no joint limit
-    /// may be met, and laws without cohesion, rolling and spinning friction.
+    /// may be met.
     Sweeps,
     /// A method on blocks of three multipliers, for any shapes, contact laws and joint limits.
     Blocks(Method),
@@ -72,12 +72,11 @@ impl StepPlan {
         let (rolls, coheres) = (rolls(model), coheres(model));
         let narrow = Narrow::of(model, state);
         let has_spheres = narrow == Narrow::Spheres;
-        let can_sweep = can_sweep(model);
         let sweeps = match settings.method {
             Some(method) => method == Method::GaussSeidel,
-            None => has_spheres && can_sweep && is_bed(model, state),
+            None => has_spheres && is_bed(model, state),
         };
-        let method = if sweeps && can_sweep { ContactMethod::Sweeps } else { blocks(settings) };
+        let method = if sweeps { ContactMethod::Sweeps } else { blocks(settings) };
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let has_forces = !model.loads.is_empty() || has_joints(model);
@@ -90,7 +89,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
-            sweeps_landings: can_sweep && settings.sweep_landings && !sweeps && is_heap(model, state),
+            sweeps_landings: settings.sweep_landings && !sweeps && is_heap(model, state),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -115,6 +114,11 @@ impl StepPlan {
     /// limits.
     pub fn method_with(&self, n_contacts: usize, n_limits: usize) -> ContactMethod {
         if n_contacts > 0 && n_limits == 0 { self.method } else { blocks(&self.settings) }
+    }
+
+    /// Whether contacts roll with friction or stick.
+    pub fn resists(&self) -> bool {
+        self.rolls || self.coheres
     }
 
     /// Whether `method` reaches exact friction by adding the slip feedback μ |v_t| to the gaps' rates, rather than contact by contact.
@@ -144,8 +148,8 @@ pub fn coheres(model: &Model) -> bool {
     model.laws.iter().any(|l| l.cohesion != 0.0)
 }
 
-/// Whether Gauss–Seidel sweeps know the contact laws of a model.
-pub fn can_sweep(model: &Model) -> bool {
+/// Whether the contact laws of a model know friction and restitution alone.
+pub fn has_friction_alone(model: &Model) -> bool {
     !rolls(model) && !coheres(model)
 }
 

@@ -24,6 +24,7 @@ mod method;
 pub mod operator;
 pub mod overlaps;
 pub mod residual;
+mod resistance;
 pub mod response;
 mod scale;
 pub mod schedule;

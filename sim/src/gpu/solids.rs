@@ -5,7 +5,7 @@ use super::kinds::{BALL, BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, PLANE, S
 use super::rows::Solid;
 use crate::inertia::is_isotropic;
 use crate::model::Model;
-use crate::plan::{Narrow, can_sweep, has_joints};
+use crate::plan::{Narrow, has_friction_alone, has_joints};
 use crate::settings::Method;
 use crate::shape::ShapeKind;
 
@@ -19,7 +19,8 @@ pub fn narrow_of(model: &Model) -> Narrow {
     let is_turned = |b: usize| model.inv_mass[b] > 0.0 && !is_isotropic(model.inv_inertia[b]);
     // Joints have arms of any direction, and turn bodies.
     let is_turned = (0..model.n_bodies()).any(is_turned) || has_joints(model);
-    let has_own_visits = model.solver.method != Some(Method::GaussSeidel) || can_sweep(model);
+    let may_sweep = model.solver.method.is_none_or(|method| method == Method::GaussSeidel);
+    let has_own_visits = !may_sweep || has_friction_alone(model);
     if has_spheres_only && !is_turned && has_own_visits { Narrow::Spheres } else { Narrow::Any }
 }
 

@@ -5,7 +5,7 @@
 
 use super::types::ModelFile;
 use crate::model::Model;
-use crate::plan::{Narrow, can_sweep, has_joints};
+use crate::plan::{Narrow, coheres, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
 use crate::state::State;
 use frame::Fault;
@@ -22,11 +22,11 @@ pub const NORMAL_OVERLAP: f64 = 3e-4;
 /// The kinds of models between which the choice differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Spheres with friction and restitution alone, without joints.
+    /// Spheres without joints.
     Grains,
-    /// Bodies of any shapes with friction and restitution alone, without joints.
+    /// Bodies of any shapes without joints and cohesion.
     Bodies,
-    /// Anything with joints, cohesion, rolling or spinning friction.
+    /// Anything else.
     Any,
 }
 
@@ -119,8 +119,10 @@ impl Scale {
         let mut awake = state.clone();
         awake.wake(model);
         let kind = match Narrow::of(model, &awake) {
-            _ if has_joints(model) || !can_sweep(model) => Kind::Any,
+            _ if has_joints(model) => Kind::Any,
             Narrow::Spheres => Kind::Grains,
+            // The envelope that bodies of any shape rest with would be the range of their cohesion.
+            Narrow::Any if coheres(model) => Kind::Any,
             Narrow::Any => Kind::Bodies,
         };
         let moves = |s: &usize| model.inv_mass[model.shape_body[*s] as usize] > 0.0;

@@ -262,7 +262,7 @@ impl BodyOperator<'_> {
 
     /// Adhesion of a contact, N s: the depth of the cone's tip below zero.
     #[inline]
-    fn adhesion(&self, contact: usize) -> f64 {
+    pub fn adhesion(&self, contact: usize) -> f64 {
         let cohesion = self.law(contact).cohesion;
         if cohesion > 0.0 && self.contacts.gap[contact] <= self.envelope { cohesion * self.recovery.step } else { 0.0 }
     }

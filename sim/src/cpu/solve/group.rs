@@ -23,6 +23,9 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;
 
+    /// Angular impulse of contact `k` of the block in a lane, of groups whose contacts have one.
+    fn roll(&self, l: usize, k: usize) -> Option<DVec3>;
+
     /// Visit groups one after the other, with the action `ACT`; returns the sum of `|Δγ/η|²`, and the greatest speed at which a gap closed
     /// by more than its width when it was visited, m/s.
     ///

@@ -11,14 +11,15 @@ use super::bodies::BodyOperator;
 use super::cells::Cells;
 use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
 use super::operator::Operator;
+use super::resistance::Resistance;
 use super::schedule::Blocks;
 use crate::lanes::{Lane3, Lanes, Real, project};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// A group of manifolds of one colour, in lanes.
+/// A group of manifolds of one colour, in lanes; R is 1 where contacts roll with friction or stick, else 0.
 #[derive(Clone, Copy)]
-pub struct ManifoldGroup<T, const L: usize> {
+pub struct ManifoldGroup<T, const L: usize, const R: usize> {
     bodies: [[u32; 2]; L],
     /// Whether all bodies move.
     moves: bool,
@@ -28,12 +29,12 @@ pub struct ManifoldGroup<T, const L: usize> {
     n_contacts: u32,
     /// Inverse inertia tensors of A and B: xx, yy, zz, yz, xz, xy.
     inv_inertia: [[[T; L]; 6]; 2],
-    contacts: [Contact<T, L>; Blocks::MOST],
+    contacts: [Contact<T, L, R>; Blocks::MOST],
 }
 
 /// The contacts of one number in a group's manifolds; zero in a lane whose manifold has fewer.
 #[derive(Clone, Copy)]
-struct Contact<T, const L: usize> {
+struct Contact<T, const L: usize, const R: usize> {
     normal: [[T; L]; 3],
     /// Arms on A and B, m.
     arms: [[[T; L]; 3]; 2],
@@ -47,9 +48,10 @@ struct Contact<T, const L: usize> {
     across: [T; L],
     /// 1/η, 1/kg.
     inv_eta: [T; L],
+    resistance: [Resistance<T, L>; R],
 }
 
-impl<T: Real, const L: usize> Contact<T, L> {
+impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
     fn empty() -> Self {
         let (zero, one) = ([T::default(); L], [T::of(1.0); L]);
         Contact {
@@ -62,10 +64,15 @@ impl<T: Real, const L: usize> Contact<T, L> {
             along: one,
             across: one,
             inv_eta: zero,
+            resistance: [Resistance::empty(); R],
         }
     }
 
-    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: DVec3) {
+    fn put(&mut self, l: usize, op: &BodyOperator, i: usize, gamma: &[DVec3]) {
+        if let Some(resistance) = self.resistance.first_mut() {
+            resistance.put(l, op, i, gamma);
+        }
+        let gamma = op.project(i, gamma[i], gamma);
         let c = op.contacts;
         let n = c.normal[i];
         let arms = c.arms(i);
@@ -106,6 +113,9 @@ impl<T: Real, const L: usize> Contact<T, L> {
         self.along = (one / (bound * of_normal)).to_array();
         self.across = (one / (bound * b)).to_array();
         self.inv_eta = ((a + uu + ww) * V::splat(T::of(1.0 / 3.0))).to_array();
+        if let Some(resistance) = self.resistance.first_mut() {
+            resistance.prepare(turned_most::<T, L, V>(inv_inertia));
+        }
     }
 
     /// The change of the impulses of a visit; what it adds to the sum of the squared residual terms and to the greatest speed of closing.
@@ -124,20 +134,21 @@ impl<T: Real, const L: usize> Contact<T, L> {
         let before_n = gamma.dot(n);
         let opening = v_n + V::load(&self.offset);
         *closing = group::faster(*closing, opening);
-        let normal = before_n - opening * along;
+        let tip = self.resistance.first().map_or(zero, |r| r.tip());
+        let normal = before_n + tip - opening * along;
         let z = if ACT == act::EXACT {
             let kept = zero.select_le(normal, normal, zero);
-            let v_t = v.minus(n.times(v_n)).plus(load3::<T, L, V>(&self.coupling).times(kept - before_n));
+            let v_t = v.minus(n.times(v_n)).plus(load3::<T, L, V>(&self.coupling).times(kept - tip - before_n));
             let tangent = gamma.minus(n.times(before_n)).minus(v_t.times(across));
             let (limit, length) = (friction * kept, tangent.dot(tangent).sqrt());
-            n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
+            n.times(kept - tip).plus(tangent.times(length.select_le(limit, one, limit / length)))
         } else {
             let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
             // √(b/a).
             let stretch = (along / across).sqrt();
             let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
             let z_n = n.times(z.dot(n));
-            z_n.plus(z.minus(z_n).times(one / stretch))
+            z_n.minus(n.times(tip)).plus(z.minus(z_n).times(one / stretch))
         };
         let d = z.minus(gamma).times(omega);
         let gamma = gamma.plus(d);
@@ -148,7 +159,7 @@ impl<T: Real, const L: usize> Contact<T, L> {
     }
 }
 
-impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
+impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGroup<T, L, R> {
     fn empty(n_bodies: usize) -> Self {
         ManifoldGroup {
             bodies: [[n_bodies as u32; 2]; L],
@@ -171,7 +182,7 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
         }
         self.n_contacts = self.n_contacts.max(contacts.len() as u32);
         for (contact, i) in self.contacts.iter_mut().zip(contacts) {
-            contact.put(l, op, i, op.project(i, gamma[i], gamma));
+            contact.put(l, op, i, gamma);
         }
     }
 
@@ -181,6 +192,10 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
 
     fn gamma(&self, l: usize, k: usize) -> DVec3 {
         DVec3::from_array(self.contacts[k].gamma.map(|x| x[l].wide()))
+    }
+
+    fn roll(&self, l: usize, k: usize) -> Option<DVec3> {
+        self.contacts[k].resistance.first().map(|r| DVec3::from_array(r.impulse.map(|x| x[l].wide())))
     }
 
     #[inline(always)]
@@ -212,6 +227,18 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for ManifoldGroup<T, L> {
                 vb = vb.plus(d.times(mass_b));
                 wa = wa.minus(turned(&g.inv_inertia[0], arm_a.cross(d)));
                 wb = wb.plus(turned(&g.inv_inertia[1], arm_b.cross(d)));
+                let (gamma, inv_eta) = (load3(&contact.gamma), V::load(&contact.inv_eta));
+                if let Some(resistance) = contact.resistance.first_mut() {
+                    let d = if ACT == act::APPLY {
+                        resistance.roll()
+                    } else {
+                        let (d, term) = resistance.visit(wb.minus(wa), (n, gamma), (omega, inv_eta));
+                        residual2 = residual2 + term;
+                        d
+                    };
+                    wa = wa.minus(turned(&g.inv_inertia[0], d));
+                    wb = wb.plus(turned(&g.inv_inertia[1], d));
+                }
             }
             let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
@@ -245,6 +272,19 @@ fn turned<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[T; L]; 6], v:
     let (xx, yy, zz) = (V::load(xx), V::load(yy), V::load(zz));
     let (yz, xz, xy) = (V::load(yz), V::load(xz), V::load(xy));
     Lane3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
+}
+
+/// A bound of the response to an angular impulse between two bodies with these inverse inertia tensors: the largest sum of the absolute
+/// values of a row.
+#[inline(always)]
+fn turned_most<T: Real, const L: usize, V: Lanes<T, L>>(inv_inertia: &[[[T; L]; 6]; 2]) -> V {
+    let zero = V::splat(T::of(0.0));
+    let [xx, yy, zz, yz, xz, xy] = std::array::from_fn(|k| {
+        let sum = V::load(&inv_inertia[0][k]) + V::load(&inv_inertia[1][k]);
+        zero.select_le(sum, sum, zero - sum)
+    });
+    let greater = |a: V, b: V| a.select_le(b, b, a);
+    greater(greater(xx + xy + xz, xy + yy + yz), xz + yz + zz)
 }
 
 /// Tangents of unit normals (as [`crate::contacts::tangents`]).

@@ -4,19 +4,21 @@
 //! contact's frame: a for the normal, b for the tangents. The block's problem is then a projection in the metric (a, b, b): in
 //! tangents stretched by √(b/a) it is the projection onto the cone of μ√(b/a). With Coulomb's law itself the normal has a problem
 //! of its own, and the tangents are projected onto the disc that its solution gives (Jourdan et al. 1998): no outer loop is needed.
+//! The response of a rolling block is a scalar, so that its problem is a projection too (`resistance`).
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
 use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
 use super::operator::Operator;
+use super::resistance::Resistance;
 use crate::contacts::Arms;
 use crate::lanes::{Lane3, Lanes, project};
 use glam::DVec3;
 use std::ops::Range;
 
-/// A group of contacts of one colour, in lanes.
+/// A group of contacts of one colour, in lanes; R is 1 where contacts roll with friction or stick, else 0.
 #[derive(Clone, Copy)]
-pub struct SphereGroup<T, const L: usize> {
+pub struct SphereGroup<T, const L: usize, const R: usize> {
     bodies: [[u32; 2]; L],
     /// Whether all bodies move.
     moves: bool,
@@ -26,9 +28,10 @@ pub struct SphereGroup<T, const L: usize> {
     reach: [[T; L]; 2],
     offset: [T; L],
     friction: [T; L],
+    resistance: [Resistance<T, L>; R],
 }
 
-impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
+impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<T, L, R> {
     fn empty(n_bodies: usize) -> Self {
         SphereGroup {
             bodies: [[n_bodies as u32; 2]; L],
@@ -38,11 +41,15 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
             reach: [[T::default(); L]; 2],
             offset: [T::default(); L],
             friction: [T::default(); L],
+            resistance: [Resistance::empty(); R],
         }
     }
 
     fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], _: bool) {
         let (c, i) = (op.contacts, contacts.start);
+        if let Some(resistance) = self.resistance.first_mut() {
+            resistance.put(l, op, i, gamma);
+        }
         let gamma = op.project(i, gamma[i], gamma);
         let [arm_a, arm_b] = match &c.arms {
             Arms::Along(reach) => reach[i],
@@ -63,6 +70,10 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
 
     fn gamma(&self, l: usize, _: usize) -> DVec3 {
         DVec3::from_array(self.gamma.map(|x| x[l].wide()))
+    }
+
+    fn roll(&self, l: usize, _: usize) -> Option<DVec3> {
+        self.resistance.first().map(|r| DVec3::from_array(r.impulse.map(|x| x[l].wide())))
     }
 
     #[inline(always)]
@@ -90,6 +101,9 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
             let b = a + reach_a * lever_a + reach_b * lever_b;
             let along = a.select_le(zero, zero, one / a);
             let across = a.select_le(zero, zero, one / b);
+            let tip = g.resistance.first().map_or(zero, |r| r.tip());
+            // 1/η is a third of the trace of N_ii.
+            let trace = (a + b + b) * third;
             let d = if ACT == act::APPLY {
                 gamma
             } else {
@@ -99,31 +113,41 @@ impl<T: Grouped<L>, const L: usize> Group<T, L> for SphereGroup<T, L> {
                 let before_n = gamma.dot(n);
                 let opening = v_n + V::load(&g.offset);
                 closing = group::faster(closing, opening);
-                let normal = before_n - opening * along;
+                let normal = before_n + tip - opening * along;
                 let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
                 let friction = V::load(&g.friction);
                 let z = if ACT == act::EXACT {
                     // Coulomb's law itself splits into the two directions.
                     let (kept, length) = (zero.select_le(normal, normal, zero), tangent.dot(tangent).sqrt());
                     let limit = friction * kept;
-                    n.times(kept).plus(tangent.times(length.select_le(limit, one, limit / length)))
+                    n.times(kept - tip).plus(tangent.times(length.select_le(limit, one, limit / length)))
                 } else {
                     let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
                     let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
                     let z_n = n.times(z.dot(n));
-                    z_n.plus(z.minus(z_n).times(shrink))
+                    z_n.minus(n.times(tip)).plus(z.minus(z_n).times(shrink))
                 };
                 let d = z.minus(gamma).times(omega);
                 let gamma = gamma.plus(d);
                 g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
-                // 1/η is a third of the trace of N_ii.
-                let trace = (a + b + b) * third;
                 residual2 = residual2 + d.dot(d) * trace * trace;
                 d
             };
             let spin = n.cross(d);
             let (va, vb) = (va.minus(d.times(mass_a)), vb.plus(d.times(mass_b)));
-            let (wa, wb) = (wa.minus(spin.times(lever_a)), wb.minus(spin.times(lever_b)));
+            let (mut wa, mut wb) = (wa.minus(spin.times(lever_a)), wb.minus(spin.times(lever_b)));
+            if let Some(resistance) = g.resistance.first_mut() {
+                let d = if ACT == act::APPLY {
+                    resistance.prepare(turn_a + turn_b);
+                    resistance.roll()
+                } else {
+                    let gamma = Lane3 { x: V::load(&g.gamma[0]), y: V::load(&g.gamma[1]), z: V::load(&g.gamma[2]) };
+                    let (d, term) = resistance.visit(wb.minus(wa), (n, gamma), (omega, trace));
+                    residual2 = residual2 + term;
+                    d
+                };
+                (wa, wb) = (wa.minus(d.times(turn_a)), wb.plus(d.times(turn_b)));
+            }
             let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
             unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };

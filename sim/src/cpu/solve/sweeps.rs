@@ -1,5 +1,6 @@
 //! Gauss–Seidel sweeps on packed contacts, several blocks at a time: contacts between spheres (`sphere_group`), or manifolds, the contacts
-//! of a pair of any shapes (`manifold_group`). They know friction alone, by either law.
+//! of a pair of any shapes (`manifold_group`), by either law of friction. Contacts that roll with friction or stick have groups of their own
+//! (`resistance`), so that others do not pay for them.
 //!
 //! The data of the blocks is packed once per solve, tile by tile and colour by colour (`schedule`), in groups of blocks that have no
 //! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight blocks and half the
@@ -30,14 +31,17 @@ const COARSE: f64 = 1e-5;
 pub struct Sweeps {
     blocks: Blocks,
     tiled: Tiled,
-    spheres: Precisions<SphereGroup<f32, 8>, SphereGroup<f64, 4>>,
-    manifolds: Precisions<ManifoldGroup<f32, 8>, ManifoldGroup<f64, 4>>,
+    spheres: Precisions<SphereGroup<f32, 8, 0>, SphereGroup<f64, 4, 0>>,
+    manifolds: Precisions<ManifoldGroup<f32, 8, 0>, ManifoldGroup<f64, 4, 0>>,
+    held_spheres: Precisions<SphereGroup<f32, 8, 1>, SphereGroup<f64, 4, 1>>,
+    held_manifolds: Precisions<ManifoldGroup<f32, 8, 1>, ManifoldGroup<f64, 4, 1>>,
 }
 
 impl Sweeps {
     /// Release the memory of columns that the next solve lays out again.
     pub fn release(&mut self) {
         (self.spheres, self.manifolds) = Default::default();
+        (self.held_spheres, self.held_manifolds) = Default::default();
     }
 }
 
@@ -49,16 +53,18 @@ pub fn run(
     response: &mut Response,
     work: &mut Sweeps,
 ) -> Outcome {
-    let Sweeps { blocks, tiled, spheres, manifolds } = work;
+    let Sweeps { blocks, tiled, spheres, manifolds, held_spheres, held_manifolds } = work;
     match op.contacts.arms {
         Arms::Along(_) => blocks.be_contacts(),
         Arms::Any(_) => blocks.be_manifolds(op.contacts),
     }
     tiled.fill(op.contacts, blocks, &op.masses.inv_mass);
     let at = (&*blocks, &*tiled);
-    match op.contacts.arms {
-        Arms::Along(_) => spheres.run(op, at, settings, gamma, response),
-        Arms::Any(_) => manifolds.run(op, at, settings, gamma, response),
+    match (&op.contacts.arms, op.plan.resists()) {
+        (Arms::Along(_), false) => spheres.run(op, at, settings, gamma, response),
+        (Arms::Any(_), false) => manifolds.run(op, at, settings, gamma, response),
+        (Arms::Along(_), true) => held_spheres.run(op, at, settings, gamma, response),
+        (Arms::Any(_), true) => held_manifolds.run(op, at, settings, gamma, response),
     }
 }
 
@@ -93,7 +99,7 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
             let stops = [settings.tolerance.max(tolerance), closing];
             coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
-            coarse.unpack(at, gamma);
+            coarse.unpack(at, op.contacts.len(), gamma);
         }
         if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
             fine.fill(op, at, gamma, is_exact);
@@ -106,7 +112,7 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
             };
             solve_joints(fine);
             fine.sweeps(settings, gamma.len(), [settings.tolerance, closing], &mut outcome, solve_joints);
-            fine.unpack(at, gamma);
+            fine.unpack(at, op.contacts.len(), gamma);
             fine.store(response);
         } else {
             op.response(gamma, response);
@@ -261,14 +267,22 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         visited
     }
 
-    /// Read the impulses back.
-    fn unpack(&mut self, (blocks, tiled): (&Blocks, &Tiled), gamma: &mut [DVec3]) {
+    /// Read the impulses of the contacts back, and the angular ones that follow them if there are any.
+    fn unpack(&mut self, (blocks, tiled): (&Blocks, &Tiled), n_contacts: usize, gamma: &mut [DVec3]) {
+        let rolls = gamma.len() > n_contacts;
         let gamma = Cells::new(gamma);
+        let put = |group: &G, (l, k): (usize, usize), i: usize| {
+            // SAFETY: each contact is in one block, and each group is one task's.
+            unsafe { gamma.set(i, group.gamma(l, k)) };
+            if let Some(roll) = group.roll(l, k).filter(|_| rolls) {
+                // SAFETY: as above.
+                unsafe { gamma.set(n_contacts + i, roll) };
+            }
+        };
         let read = |groups: &[G], color: &[u32]| {
             for (group, color) in groups.iter().zip(color.chunks(L)) {
                 for (l, block) in color.iter().enumerate() {
-                    // SAFETY: each contact is in one block, and each group is one task's.
-                    blocks.contacts(*block).enumerate().for_each(|(k, i)| unsafe { gamma.set(i, group.gamma(l, k)) });
+                    blocks.contacts(*block).enumerate().for_each(|(k, i)| put(group, (l, k), i));
                 }
             }
         };
