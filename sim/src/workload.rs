@@ -7,7 +7,7 @@ pub use convex::{Convex, mixed, scene};
 pub use measure::Measure;
 
 use crate::fill::SplitMix64;
-use crate::model_file::quality::{NORMAL_OVERLAP, NORMAL_SWEEPS};
+use crate::model_file::quality::{NORMAL_OMEGA, NORMAL_OVERLAP, NORMAL_SWEEPS};
 use crate::{ContactLaw, Method, Model, Pose, ShapeKind, SolverSettings, State};
 use glam::{DQuat, DVec3};
 
@@ -84,7 +84,12 @@ fn radius(workload: Workload) -> f64 {
 /// The same settings with the sweeps of normal quality, and more where spheres would overlap.
 pub fn sweeping_more(workload: Workload, solver: SolverSettings) -> SolverSettings {
     let overlap = NORMAL_OVERLAP * radius(workload);
-    SolverSettings { iterations: Some(NORMAL_SWEEPS), overlap_tolerance: Some(overlap), ..solver }
+    SolverSettings {
+        iterations: Some(NORMAL_SWEEPS),
+        omega: Some(NORMAL_OMEGA),
+        overlap_tolerance: Some(overlap),
+        ..solver
+    }
 }
 
 /// Solver settings of the workloads: a method alone, and a fixed number of iterations, whatever the residual.

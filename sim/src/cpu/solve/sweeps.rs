@@ -193,8 +193,8 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     }
 
     /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations. While a gap then still closes by more than its
-    /// width faster than at `closing`, m/s, sweeps over the tiles with such gaps alternate with those over all. `solve_joints` follows
-    /// every sweep.
+    /// width faster than at `closing`, m/s, sweeps over the tiles with such gaps alternate with those over all, which are not over-relaxed, so
+    /// that the last impulses are in their cones. `solve_joints` follows every sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
@@ -207,16 +207,16 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         const BEYOND: u32 = 4;
         /// Sweeps over some tiles between two over all.
         const LOCAL: u32 = 3;
-        /// Share of the speed of closing from which on a tile is visited by them.
-        const NEAR: f64 = 0.5;
         let max = settings.max_iterations(n);
+        let omega = settings.omega.unwrap_or(1.0);
+        let of_all = if closing.is_finite() { omega.min(1.0) } else { omega };
         while outcome.iterations < BEYOND * max {
             for _ in 0..if outcome.iterations < max { 0 } else { LOCAL } {
-                self.sweep(settings, NEAR * closing);
+                self.sweep(settings.friction, omega, closing);
                 solve_joints(self);
             }
             // The residual terms of the blocks at the time of their visits, squared and summed.
-            let [residual2, fastest] = self.sweep(settings, 0.0);
+            let [residual2, fastest] = self.sweep(settings.friction, of_all, 0.0);
             *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
             if outcome.residual <= tolerance || outcome.iterations >= max && fastest <= closing {
@@ -227,9 +227,8 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
 
     /// Visit the blocks once: those of tiles in which a gap closed at `least`, m/s, or faster, and those in no tile. Returns what
     /// [`Group::visit`] does.
-    fn sweep(&mut self, settings: &SolverSettings, least: f64) -> [f64; 2] {
-        let omega = settings.omega.unwrap_or(1.0);
-        match settings.friction {
+    fn sweep(&mut self, friction: FrictionLaw, omega: f64, least: f64) -> [f64; 2] {
+        match friction {
             FrictionLaw::Relaxed => self.visit::<{ act::RELAXED }>(omega, least),
             FrictionLaw::Exact => self.visit::<{ act::EXACT }>(omega, least),
         }
