@@ -54,7 +54,7 @@ pub struct BenchSimArgs {
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub step: Option<f64>,
     /// Solver iterations in each step [default: 24, or those of the quality;
-    /// gauss_seidel: 10, and more where spheres overlap].
+    /// gauss_seidel: 8, and more where spheres overlap].
     #[arg(long, value_name = "N", value_parser = index::<u32>())]
     pub iterations: Option<u32>,
     /// Solver [default: gauss_seidel, or that of the quality].

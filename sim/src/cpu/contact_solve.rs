@@ -36,6 +36,7 @@ use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::{residual, worst_block};
 use super::solve::response::Response;
+use super::solve::scale;
 use super::solve::support;
 use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
@@ -139,6 +140,7 @@ pub fn run(
     let outcome = match method {
         ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, sweeps),
         ContactMethod::Blocks(_) if lands(&mut op, model, settings, &gamma, response) => {
+            scale::scale(&mut op, settings.max_iterations(gamma.len()), &mut gamma, response, iterates);
             sweeps::run(&mut op, &landing_settings(model, settings), &mut gamma, response, sweeps)
         }
         ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, iterates),

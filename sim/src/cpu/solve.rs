@@ -26,7 +26,7 @@ pub mod overlaps;
 pub mod residual;
 mod resistance;
 pub mod response;
-mod scale;
+pub mod scale;
 pub mod schedule;
 pub mod slip;
 mod sparse;

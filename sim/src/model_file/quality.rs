@@ -15,11 +15,11 @@ use frame::yaml::Document;
 const FALLS: f64 = 15.0;
 
 /// Sweeps over spheres at normal quality.
-pub const NORMAL_SWEEPS: u32 = 10;
+pub const NORMAL_SWEEPS: u32 = 8;
 /// Relaxation factor of sweeps over spheres at normal quality.
 pub const NORMAL_OMEGA: f64 = 1.5;
 /// Overlap of spheres that a step may add at normal quality, over r.
-pub const NORMAL_OVERLAP: f64 = 3.5e-4;
+pub const NORMAL_OVERLAP: f64 = 3.3e-4;
 
 /// The kinds of models between which the choice differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,7 @@ impl Choice {
                 longest: level(4e-3, 2e-3, 1e-3),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Exact,
-                iterations: Some(count(NORMAL_SWEEPS, NORMAL_SWEEPS, 60)),
+                iterations: Some(count(10, NORMAL_SWEEPS, 60)),
                 start_iterations: None,
                 overlap: Some(level(1e-3, NORMAL_OVERLAP, NORMAL_OVERLAP)),
                 tolerance: level(1e-7, 1e-8, 1e-9),

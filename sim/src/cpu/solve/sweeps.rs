@@ -17,7 +17,7 @@ use super::schedule::{Blocks, Colored, Tiled};
 use super::sphere_group::SphereGroup;
 use crate::contacts::Arms;
 use crate::outcome::Outcome;
-use crate::rows::{cut, fill_rows, fold_tasks};
+use crate::rows::{cut, fill_rows, fold_tasks, sum_rows};
 use crate::settings::{FrictionLaw, SolverSettings};
 use crate::twist::Twist;
 use glam::DVec3;
@@ -96,6 +96,10 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
+            if let Some(factor) = coarse.excess(op) {
+                gamma.iter_mut().for_each(|g| *g *= factor);
+                coarse.fill(op, at, gamma, is_exact);
+            }
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
             let stops = [settings.tolerance.max(tolerance), closing];
             coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
@@ -162,6 +166,26 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         self.motion.resize(n_bodies + 1, Motion::default());
         fill_rows(&mut self.motion[..n_bodies], |b| Motion::of(&op.free(b), masses.inv_mass[b], masses.inv_moment[b]));
         self.visit::<{ act::APPLY }>(1.0, 0.0);
+    }
+
+    /// Where the impulses that a solve starts from add energy to the bodies, as those of an impact in the step after it, which would throw
+    /// them back: the factor at which they take the most. It is as that of `scale`, from the bodies alone.
+    fn excess(&self, op: &BodyOperator) -> Option<f64> {
+        /// What is gained, over the energy and over that of a step of free fall, by which a few grains on their way gain less.
+        const GREAT: [f64; 2] = [0.1, 10.0];
+        let masses = op.masses;
+        let energy = |b: usize, twist: &Twist| masses.energy::<false>(b, twist);
+        let fall = Twist { v: DVec3::X * op.least_slip, w: DVec3::ZERO };
+        let n_bodies = masses.inv_mass.len();
+        let [after, free, of_fall] =
+            sum_rows(n_bodies, |b| [energy(b, &self.motion[b].twist()), energy(b, &op.free(b)), energy(b, &fall)]);
+        let gain = after - free;
+        if gain <= (GREAT[0] * after).max(GREAT[1] * of_fall) {
+            return None;
+        }
+        let [curvature] = sum_rows(n_bodies, |b| [energy(b, &self.motion[b].twist().minus(&op.free(b)))]);
+        let factor = 0.5 - 0.5 * gain / curvature;
+        factor.is_finite().then(|| factor.max(0.0))
     }
 
     /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
