@@ -63,7 +63,7 @@ pub struct Bvh {
 impl Bvh {
     /// Build it over those items of a scene.
     pub fn build(scene: &Scene, of: impl Fn(Item) -> bool) -> Bvh {
-        let translucent = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
+        let translucent = scene.sources.iter().map(|s| !s.blocks_light()).collect();
         let mut bvh = Bvh { translucent, ..Bvh::default() };
         for item in scene.items() {
             if of(item) {
