@@ -155,7 +155,7 @@ fn displaced_ground_seen_askew_is_as_fine_where_it_turns_to_the_eye() {
         (image.at(i, j)[0] - expected(x, up)).abs()
     });
     let mean = off.sum::<f32>() / (108.0 * 108.0);
-    assert!(mean < 0.06, "mean difference {mean}");
+    assert!(mean < 0.09, "mean difference {mean}");
 }
 
 /// The dark area that things before a white wall at z = 1 cast on it in light along z, square units.

@@ -334,7 +334,9 @@ impl<'a> Reader<'a> {
         let own = Bytes(self.shared.read);
         let too_much = |what: &str, most: u64| {
             let most = Bytes(most);
-            format!("archives are read again and again, {most} {what}, which is more than a scene of {own} may; --memory allows more")
+            format!(
+                "archives are read again and again, {most} {what}, which is more than a scene of {own} may; --memory allows more"
+            )
         };
         if self.shared.repeated > most {
             return Err(self.error(place, too_much("in all", most)));
