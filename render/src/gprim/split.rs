@@ -349,14 +349,14 @@ impl Fineness {
             shift + 2.0 * camera.confusion(p[k].z).abs()
         };
         let blurred = last.is_some() || camera.has_lens();
-        let bound = Bound::of(view);
-        let length = |c: &[Vec3; 4]| {
-            let flat = path(&c.map(|p| camera.project(p).extend(0.0)));
-            bound.map_or(flat, |bound| bound.lengthened(camera, c, flat)) / step
-        };
+        let on_raster = |p: Vec3| camera.project(p).extend(0.0);
+        let (raster, bound) = (ahead.map(on_raster), Bound::of(view));
+        let lengthened =
+            |c: &[Vec3; 4], flat: f32| bound.map_or(flat, |bound| bound.lengthened(camera, c, flat)) / step;
+        let length = |c: &[Vec3; 4]| lengthened(c, path(&c.map(on_raster)));
         let pixels = |a: usize, stride: usize| {
             let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
-            let fine = length(&leg.map(|k| ahead[k]));
+            let fine = lengthened(&leg.map(|k| ahead[k]), path(&leg.map(|k| raster[k])));
             if !blurred {
                 return fine;
             }
