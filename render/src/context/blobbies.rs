@@ -3,7 +3,8 @@
 use crate::context::blobby_call::BlobbyCall;
 use crate::context::motion_block::Moving;
 use crate::context::state::Context;
-use crate::gprim::blobby::{Field, between};
+use crate::gprim::blobby::Field;
+use crate::gprim::blobby::motion::between;
 use crate::scene::motion;
 use crate::scene::patch::Patch;
 use glam::Vec3;

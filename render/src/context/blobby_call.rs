@@ -1,6 +1,7 @@
 //! A call of `Blobby`, kept until its motion block ends.
 
-use crate::gprim::blobby::{Field, LeafVariable, blend};
+use crate::gprim::blobby::motion::blend;
+use crate::gprim::blobby::{Field, LeafVariable};
 use crate::gprim::variables::attach_variables;
 use crate::scene::patch::Patch;
 use crate::scene::variables::{VariableName, VariableNames};

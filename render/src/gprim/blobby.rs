@@ -2,11 +2,10 @@
 //!
 //! `surface` finds the surface, `motion` where it goes as the numbers of the field change.
 
-mod motion;
-mod surface;
+pub mod motion;
+pub mod surface;
 
 use glam::{Mat4, Vec3};
-pub use motion::{between, blend};
 use ri::Fail;
 
 /// The field's value on the surface.
