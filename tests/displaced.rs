@@ -120,6 +120,44 @@ fn displaced_ground_at_grazing_light_has_its_own_shadows_without_teeth() {
     }
 }
 
+#[test]
+fn displaced_ground_seen_askew_is_as_fine_where_it_turns_to_the_eye() {
+    // Waves at an angle, seen at 8 degrees above the ground by an eye that the sun stands behind: what is seen is lit, by Lambert's law.
+    let hills = b"displacement hills() { point Q = transform(\"world\", P);
+        P += 0.05 * sin(4 * PI * (0.36 * xcomp(Q) + 0.93 * ycomp(Q))) * vector(0, 0, 1); N = calculatenormal(P); }";
+    let (s, c) = 8f32.to_radians().sin_cos();
+    let options = format!(
+        "Format 120 120 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 Projection \"orthographic\" Translate 0 0 10
+         ConcatTransform [1 0 0 0  0 {s} {c} 0  0 {c} -{s} 0  0 0 0 1]"
+    );
+    let world = format!(
+        "LightSource \"distantlight\" 1 \"from\" [0 -{c} {s}] \"to\" [0 0 0] Surface \"matte\" \"Ka\" 0 \"Kd\" 1
+         Displacement \"hills\" Attribute \"displacementbound\" \"sphere\" [0.06] Polygon \"P\" [-3 -16 0 3 -16 0 3 16 0 -3 16 0]"
+    );
+    let image = render_with(&[("hills.sl", hills)], &options, &world);
+    let turn = 4.0 * std::f32::consts::PI;
+    let height = |x: f32, y: f32| 0.05 * (turn * (0.36 * x + 0.93 * y)).sin();
+    let expected = |x: f32, up: f32| {
+        // From the height of the crests down along the view.
+        let over = |t: f32| {
+            let (y, z) = (up * s + t * c, up * c - t * s);
+            (y, z - height(x, y))
+        };
+        let first = (up * c - 0.05) / s;
+        let met = (0..4000).map(|k| first + k as f32 * 0.0002).find(|t| over(*t).1 <= 0.0).unwrap_or(first + 0.8);
+        let slope = 0.05 * turn * (turn * (0.36 * x + 0.93 * over(met).0)).cos();
+        let (a, b) = (0.36 * slope, 0.93 * slope);
+        ((b * c + s) / (1.0 + a * a + b * b).sqrt()).max(0.0)
+    };
+    let places = (6..114).flat_map(|j| (6..114).map(move |i| (i, j)));
+    let off = places.map(|(i, j)| {
+        let (x, up) = ((i as f32 + 0.5) / 60.0 - 1.0, 1.0 - (j as f32 + 0.5) / 60.0);
+        (image.at(i, j)[0] - expected(x, up)).abs()
+    });
+    let mean = off.sum::<f32>() / (108.0 * 108.0);
+    assert!(mean < 0.09, "mean difference {mean}");
+}
+
 /// The dark area that things before a white wall at z = 1 cast on it in light along z, square units.
 fn shadow(things: &str) -> f32 {
     let options = "Format 320 320 1 PixelSamples 2 2 PixelFilter \"box\" 1 1 Projection \"orthographic\" Scale 0.5 0.5 1 Translate 0 0 5";

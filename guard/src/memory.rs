@@ -65,6 +65,11 @@ pub fn limit() -> u64 {
     LIMIT.load(Relaxed) as u64
 }
 
+/// Bytes that the process has taken.
+pub fn used() -> u64 {
+    USED.load(Relaxed).max(0) as u64
+}
+
 /// Bytes that readers may still take: an eighth of the limit is kept for the program itself.
 pub fn room() -> u64 {
     let limit = LIMIT.load(Relaxed);

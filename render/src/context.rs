@@ -1,6 +1,8 @@
 //! The renderer's side of the RenderMan Interface: calls become the scene; `WorldEnd` makes the image.
 
 pub mod attributes;
+pub mod blobbies;
+pub mod blobby_call;
 pub mod calls;
 pub mod geometry;
 pub mod motion_block;

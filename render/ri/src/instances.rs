@@ -41,6 +41,23 @@ impl Instances {
         self.position.is_empty()
     }
 
+    /// Instance `i` by itself, as it is at first if it moves.
+    pub fn alone(&self, i: usize) -> Instances {
+        let own = |param: &Param| {
+            let width = param.decl.width();
+            let values = param.numbers().get(i * width..(i + 1) * width).unwrap_or_default().to_vec();
+            Param { decl: param.decl.clone(), values: Values::Floats(values) }
+        };
+        Instances {
+            shape: self.shape.clone(),
+            position: vec![self.position[i]],
+            orientation: self.orientation.get(i).copied().into_iter().collect(),
+            scale: self.scale.get(i).copied().into_iter().collect(),
+            params: self.params.iter().map(own).collect(),
+            moved: None,
+        }
+    }
+
     /// The matrix of instance `i` from the shape's space to object space, for column vectors; stored by columns it is the row-major
     /// matrix of the RenderMan Interface.
     pub fn matrix(&self, i: usize) -> Mat4 {

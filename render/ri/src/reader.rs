@@ -116,6 +116,10 @@ struct Shared {
     read: u64,
     /// Bytes of archives that were read again.
     repeated: u64,
+    /// Bytes of memory that archives have taken that were read again.
+    added: u64,
+    /// Bytes of memory that were taken when the outermost of those that are open was begun.
+    since: Option<u64>,
     /// Programs that make geometry, kept running.
     programs: Programs,
     /// Times that they were asked.
@@ -302,17 +306,17 @@ impl<'a> Reader<'a> {
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
             self.repeat(own.bytes.len(), place)?;
-            return self.nested(&own.path, own.line, &own.bytes, ri, on_directive);
+            return self.again(&own.path, own.line, &own.bytes, ri, on_directive);
         }
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
         let bytes = unpack(&bytes).map_err(|m| self.error(place, format!("archive `{name}`: {m}")))?;
         if self.shared.files.insert(path.clone()) {
             self.shared.read += bytes.len() as u64;
-        } else {
-            self.repeat(bytes.len(), place)?;
+            return self.nested(&path, 1, &bytes, ri, on_directive);
         }
-        self.nested(&path, 1, &bytes, ri, on_directive)
+        self.repeat(bytes.len(), place)?;
+        self.again(&path, 1, &bytes, ri, on_directive)
     }
 
     /// Count an archive that is read again: a few lines could read each other more often than there is time for. A long scene may read
@@ -322,18 +326,48 @@ impl<'a> Reader<'a> {
         const LEAST: u64 = 256;
         /// Bytes that may be read again for each byte of the scene and of its archives.
         const GAIN: u64 = 4096;
+        /// Bytes that what is read again may take in memory for each of these.
+        const GAIN_IN_MEMORY: u64 = 1 << 16;
         self.shared.repeated += (n_bytes as u64).max(LEAST);
         let (limit, own) = (guard::memory::limit(), self.shared.read.saturating_mul(GAIN));
         let most = (limit / 32 + own).min(limit / 4).min(8 << 30);
-        if self.shared.repeated <= most {
-            return Ok(());
+        let own = Bytes(self.shared.read);
+        let too_much = |what: &str, most: u64| {
+            let most = Bytes(most);
+            format!(
+                "archives are read again and again, {most} {what}, which is more than a scene of {own} may; --memory allows more"
+            )
+        };
+        if self.shared.repeated > most {
+            return Err(self.error(place, too_much("in all", most)));
         }
-        let message = format!(
-            "archives are read again and again, {} in all, which is more than a scene of {} may; --memory allows more",
-            Bytes(most),
-            Bytes(self.shared.read)
-        );
-        Err(self.error(place, message))
+        // What they leave in memory is not in proportion to their text.
+        let growth = self.shared.since.map_or(0, |before| guard::memory::used().saturating_sub(before));
+        let most = (limit / 8).max(self.shared.read.saturating_mul(GAIN_IN_MEMORY));
+        if self.shared.added.saturating_add(growth) > most {
+            return Err(self.error(place, too_much("of memory", most)));
+        }
+        Ok(())
+    }
+
+    /// Read an archive again, and count what that adds to the scene.
+    fn again(
+        &mut self,
+        path: &Path,
+        line: usize,
+        bytes: &[u8],
+        ri: &mut dyn Ri,
+        on_directive: &mut Directive<'_>,
+    ) -> Result<(), Box<RibError>> {
+        let before = guard::memory::used();
+        let is_outermost = self.shared.since.is_none();
+        self.shared.since.get_or_insert(before);
+        let done = self.nested(path, line, bytes, ri, on_directive);
+        if is_outermost {
+            self.shared.since = None;
+            self.shared.added += guard::memory::used().saturating_sub(before);
+        }
+        done
     }
 
     /// Read a stream within this one; `line` is the line of its first byte.

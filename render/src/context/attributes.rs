@@ -90,7 +90,8 @@ impl Context {
                         ));
                     }
                     self.attributes.casts_shadows = kind != "transparent";
-                    self.attributes.whole_shadows = param.text() == Some("opaque");
+                    self.attributes.whole_shadows = kind == "opaque";
+                    self.attributes.shadows_of_opacity = kind == "Os";
                 }
                 ("user", ..)
                 | ("trace", "displacements", Some(_))

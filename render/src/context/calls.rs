@@ -230,7 +230,9 @@ impl Ri for Context {
         Ok(())
     }
     fn relative_detail(&mut self, factor: f32) -> RiResult {
-        positive(factor, "the relative detail")?;
+        if !(factor >= 0.0 && factor.is_finite()) {
+            return Err(Fail::new(format!("the relative detail is {factor}, expected 0 or more")));
+        }
         self.options.relative_detail = factor;
         Ok(())
     }
@@ -346,7 +348,12 @@ impl Ri for Context {
         self.concat(Mat4::from_translation(by.into()), "`Translate`")
     }
     fn rotate(&mut self, angle: f32, axis: [f32; 3]) -> RiResult {
-        let axis = Vec3::from(axis).try_normalize().ok_or(Fail::new("the axis of a rotation is zero"))?;
+        let axis = match Vec3::from(axis).try_normalize() {
+            Some(axis) => axis,
+            // No turn needs no axis.
+            None if angle == 0.0 => Vec3::Z,
+            None => return Err(Fail::new("the axis of a rotation is zero")),
+        };
         match &mut self.motion {
             Some(block) if angle.is_finite() => block.calls.push(Moving::Turn(axis, angle.to_radians())),
             _ => return self.concat(Mat4::from_axis_angle(axis, angle.to_radians()), "`Rotate`"),
@@ -361,8 +368,13 @@ impl Ri for Context {
         Ok(())
     }
     fn coord_sys_transform(&mut self, name: &str) -> RiResult {
-        let space = self.scene.spaces.get(name).ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?;
-        self.set_transform(*space)
+        let of_camera = self.to_camera.map_or(Mat4::IDENTITY, |m| m.inverse());
+        let space = self.scene.spaces.get(name).copied().or(match name {
+            "camera" | "eye" => Some(of_camera),
+            "world" if self.to_camera.is_some() => Some(Mat4::IDENTITY),
+            _ => None,
+        });
+        self.set_transform(space.ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?)
     }
     fn polygon(&mut self, params: Params) -> RiResult {
         self.draw_polygon(self.variables(params)?)

@@ -1,5 +1,6 @@
 //! Open motion blocks: what their calls are kept as until `MotionEnd` (RISpec 6.3).
 
+use crate::context::blobby_call::BlobbyCall;
 use crate::gprim::quadric::Quadric;
 use crate::scene::attributes::{Attribute, Attributes};
 use crate::scene::patch::Patch;
@@ -43,5 +44,6 @@ pub enum Moving {
     Set(Mat4),
     Patches(Vec<Patch>, VariableNames),
     Quadric(Quadric, Params),
+    Blobby(Box<BlobbyCall>),
     Spheres(Instances, Vec<(VariableName, Vec<f32>)>),
 }

@@ -79,28 +79,42 @@ impl Context {
         if transforms > 0 {
             return Err(Fail::new("a motion block has transformations and primitives"));
         }
-        if calls.iter().all(|call| matches!(call, Moving::Quadric(..))) {
-            let quadrics = calls.into_iter().filter_map(|call| match call {
-                Moving::Quadric(quadric, params) => Some((quadric, params)),
-                _ => None,
-            });
-            return self.moving_quadrics(&times, quadrics.collect());
+        let (times, calls) = self.alike(times, calls);
+        self.moving_primitives(&times, calls)
+    }
+
+    /// The calls of a motion block, or the first alone if they are not of one kind.
+    fn alike(&self, mut times: Vec<f32>, mut calls: Vec<Moving>) -> (Vec<f32>, Vec<Moving>) {
+        let kind = std::mem::discriminant(&calls[0]);
+        if calls.iter().any(|call| std::mem::discriminant(call) != kind) {
+            self.scene.warn(CUT_DIFFERENTLY.into());
+            times.truncate(1);
+            calls.truncate(1);
         }
-        let first_is_spheres = matches!(calls[0], Moving::Spheres(..));
-        let (mut patches, mut spheres) = (vec![], vec![]);
+        (times, calls)
+    }
+
+    /// Primitives of one kind at the times of a motion block.
+    fn moving_primitives(&mut self, times: &[f32], calls: Vec<Moving>) -> RiResult {
+        let (mut patches, mut spheres, mut quadrics, mut blobbies) = (vec![], vec![], vec![], vec![]);
         for call in calls {
             match call {
                 Moving::Patches(p, names) => patches.push((p, names)),
                 Moving::Spheres(s, uniform) => spheres.push((s, uniform)),
-                Moving::Quadric(..) | Moving::Concat(_) | Moving::Turn(..) | Moving::Set(_) => {}
+                Moving::Quadric(quadric, params) => quadrics.push((quadric, params)),
+                Moving::Blobby(call) => blobbies.push(*call),
+                Moving::Concat(_) | Moving::Turn(..) | Moving::Set(_) => {}
             }
         }
-        if !patches.is_empty() && !spheres.is_empty() {
-            self.scene.warn(CUT_DIFFERENTLY.into());
-            patches.truncate(1);
-            spheres.truncate(1);
+        if !quadrics.is_empty() {
+            self.moving_quadrics(times, quadrics)
+        } else if !blobbies.is_empty() {
+            self.moving_blobbies(times, &blobbies)
+        } else if !spheres.is_empty() {
+            self.moving_spheres(times, spheres)
+        } else {
+            self.moving_patches(times, patches)
         }
-        if first_is_spheres { self.moving_spheres(&times, spheres) } else { self.moving_patches(&times, patches) }
     }
 
     /// The colours or opacities of a motion block.
@@ -151,7 +165,7 @@ impl Context {
     }
 
     /// The patches of a motion block: the same primitive at its times.
-    fn moving_patches(&mut self, times: &[f32], mut calls: Vec<(Vec<Patch>, VariableNames)>) -> RiResult {
+    pub(super) fn moving_patches(&mut self, times: &[f32], mut calls: Vec<(Vec<Patch>, VariableNames)>) -> RiResult {
         let (mut first, names) = calls.remove(0);
         if calls.iter().any(|(later, _)| later.len() != first.len()) {
             self.scene.warn(CUT_DIFFERENTLY.into());
@@ -185,7 +199,7 @@ impl Context {
     }
 
     /// Say that variables do not move.
-    fn warn_of_variables(&mut self) {
+    pub(super) fn warn_of_variables(&mut self) {
         let what =
             "the variables of a primitive in a motion block are those of when the shutter opens; they do not move";
         self.scene.warn(what.into());
@@ -226,11 +240,12 @@ impl Context {
             (self.transform, self.moves) = before;
             return done;
         }
-        if later.iter().any(|spheres| spheres.scale != first.scale) {
-            self.scene.warn("points keep their first width while they move".into());
-        }
-        if later.len() > 1 {
-            self.scene.warn("points move straight from the first time of a motion block to the last".into());
+        if later.len() > 1 || later.iter().any(|spheres| spheres.scale != first.scale) {
+            // Each goes its own way, as one sphere does.
+            return (0..first.len()).try_for_each(|k| {
+                let own = std::iter::once(&first).chain(&later).map(|spheres| (spheres.alone(k), uniform.clone()));
+                self.moving_spheres(times, own.collect())
+            });
         }
         first.moved = Some(([times[0], times[times.len() - 1]], last.position.clone()));
         self.add_spheres(first, uniform)

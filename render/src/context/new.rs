@@ -98,6 +98,7 @@ fn initial(surface: Arc<BoundShader>) -> Attributes {
         visible: true,
         casts_shadows: true,
         whole_shadows: false,
+        shadows_of_opacity: false,
         detail: f32::INFINITY,
         detail_box: None,
         detail_range: [0.0, 0.0, f32::INFINITY, f32::INFINITY],

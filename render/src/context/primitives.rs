@@ -4,11 +4,10 @@ use crate::context::motion_block::PolygonCut;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
 use crate::gprim::basis::to_bezier;
-use crate::gprim::blobby::{Field, LeafVariable};
 use crate::gprim::curves::{self, Segment, curve, ribbon};
 use crate::gprim::nurbs::{nurbs, nurbs_variable, span_of};
 use crate::gprim::patch_mesh::patch_mesh;
-use crate::gprim::polygon::{polygon_cut, polygon_patches};
+use crate::gprim::polygon::{polygon_cut, polygon_patches, turns};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
@@ -133,6 +132,9 @@ impl Context {
             return polygon_patches(loops, params, [face, first], &cut.quads);
         }
         let quads = polygon_cut(loops, params)?;
+        if quads.is_empty() && turns(loops, params) {
+            self.scene.warn("a polygon that crosses itself, as much one way as the other, is not drawn".into());
+        }
         let patches = polygon_patches(loops, params, [face, first], &quads)?;
         if let Some(block) = self.motion.as_mut().filter(|block| block.calls.is_empty()) {
             block.cuts.push(PolygonCut { loops: sizes().collect(), quads });
@@ -493,29 +495,6 @@ impl Context {
             moved: None,
         };
         self.draw_instances(place)
-    }
-
-    /// A blobby.
-    pub(super) fn draw_blobby(&mut self, leaves: i32, codes: Vec<i32>, floats: Vec<f32>, params: Params) -> RiResult {
-        let field = Field::new(leaves.max(0) as usize, &codes, &floats)?;
-        let (mut varying, mut names) = (Vec::new(), Vec::new());
-        for param in params.iter().filter(|p| !p.decl.class.is_whole() && !p.numbers().is_empty()) {
-            let width = param.decl.width();
-            if param.numbers().len() != width * leaves as usize {
-                return Err(Fail::new(format!("`{}` needs a value for each of {leaves} leaves", param.decl.name)));
-            }
-            // The field gives the normals.
-            if param.decl.name != "N" {
-                let is_place = param.decl.ty == Type::MatrixPoint;
-                varying.push(LeafVariable { numbers: width, values: param.numbers().to_vec(), is_place });
-                let ty = if is_place { Type::Point } else { param.decl.ty };
-                names.push(VariableName::of_type(&param.decl, ty));
-            }
-        }
-        let mut patches = field.patches(&varying);
-        let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
-        let VariableNames { uniform, .. } = attach_variables(&mut patches, &whole)?;
-        self.add_patches(patches, VariableNames { uniform, varying: names })
     }
 
     /// Instances by columns.

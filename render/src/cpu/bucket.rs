@@ -3,7 +3,7 @@
 
 use crate::cpu::blur::quad::Track;
 use crate::cpu::deferred::{Deferred, Shaded};
-use crate::cpu::displace::displace;
+use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
 use crate::cpu::raster::Raster;
@@ -110,6 +110,7 @@ impl Sink for Grids<'_> {
     fn take(&mut self, grid: &mut Grid) {
         let Subject { item, view, instants, camera, .. } = self.subject;
         displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, &mut self.shading.machine);
+        face_eye(&self.subject, grid);
         let Some(bound) = self.raster.project(camera, instants, grid) else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {

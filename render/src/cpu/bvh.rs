@@ -58,13 +58,16 @@ pub struct Bvh {
     inverses: Vec<Mat4>,
     /// By source: light gets through it, in part.
     translucent: Vec<bool>,
+    /// Whether that is so of any: each ray that nothing blocks asks.
+    any_translucent: bool,
 }
 
 impl Bvh {
     /// Build it over those items of a scene.
     pub fn build(scene: &Scene, of: impl Fn(Item) -> bool) -> Bvh {
-        let translucent = scene.sources.iter().map(|s| !s.attributes.blocks_light()).collect();
-        let mut bvh = Bvh { translucent, ..Bvh::default() };
+        let translucent: Vec<bool> = scene.sources.iter().map(|s| !s.blocks_light()).collect();
+        let any_translucent = translucent.contains(&true);
+        let mut bvh = Bvh { translucent, any_translucent, ..Bvh::default() };
         for item in scene.items() {
             if of(item) {
                 let (shape, to_world) = scene.place(item);
@@ -140,7 +143,7 @@ impl Bvh {
 
     /// Whether light gets through some of what casts shadows, in part.
     pub fn any_translucent(&self) -> bool {
-        self.translucent.contains(&true)
+        self.any_translucent
     }
 
     /// Whether light gets through an item, in part.

@@ -5,9 +5,13 @@ use crate::cpu::rays::Rays;
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
 use crate::scene::world::Scene;
+use glam::Vec3;
 use sl::Global;
 use sl::ir::Ask;
 use sl::machine::{Machine, Points};
+
+/// How far beyond a right angle to the way from the eye a normal is turned, in parts of what it was off.
+const LEAST_TURN: f32 = 1e-3;
 
 /// Displace a grid, drop its apron and put its edges where those of its neighbours are; `rays` have what its shader meets.
 pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mut Grid, machine: &mut Machine) {
@@ -47,6 +51,49 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         p.chain(&mut grid.deformed).for_each(|p| snap_edges(p, nu, nv, grid.keep));
     }
     fill_velocity(points, view, moment, grid.deformed.first().map(Vec::as_slice), scene.shutter);
+}
+
+/// Turn normals to the eye, as far as it takes, where they face away from it beside micropolygons that do not: at a silhouette, which runs
+/// between points, and where a shader turned the normal alone. What is seen there is its outside, and a shader that turns normals to
+/// the eye would light it from within.
+pub fn face_eye(subject: &Subject<'_>, grid: &mut Grid) {
+    let Subject { view, camera, .. } = *subject;
+    if view.attributes.displacement.is_none() {
+        return;
+    }
+    let points = &mut grid.points;
+    let (n, nu, nv, side) = (points.n(), points.nu, points.nv, points.orientation);
+    let of = |v: &[f32], k: usize| Vec3::new(v[k], v[n + k], v[2 * n + k]);
+    let Some(p) = points.get(Global::P).filter(|p| p.len() == 3 * n) else { return };
+    let Some(normals) = points.get(Global::N).filter(|v| v.len() == 3 * n) else { return };
+    let mut turned = vec![];
+    for k in 0..n {
+        let (place, normal) = (of(p, k), of(normals, k));
+        let way = camera.incident(place);
+        let away = normal.dot(way);
+        if !(away > 0.0) {
+            continue;
+        }
+        let (i, j) = (k % nu, k / nu);
+        let faces = |a: usize, b: usize, c: usize| {
+            let facet = (of(p, b) - of(p, a)).cross(of(p, c) - of(p, a)) * side;
+            facet.dot(way) < -1e-6 * facet.length() * way.length()
+        };
+        let around = [(i.wrapping_sub(1), j.wrapping_sub(1)), (i, j.wrapping_sub(1)), (i.wrapping_sub(1), j), (i, j)];
+        let is_seen = around.into_iter().filter(|(i, j)| *i < nu - 1 && *j < nv - 1).any(|(i, j)| {
+            let first = j * nu + i;
+            faces(first, first + 1, first + nu + 1) || faces(first, first + nu + 1, first + nu)
+        });
+        if is_seen {
+            let bent = normal - way * (away * (1.0 + LEAST_TURN) / way.length_squared());
+            turned.push((k, bent.normalize_or_zero() * normal.length()));
+        }
+    }
+    if let Some(normals) = points.get_mut(Global::N) {
+        for (k, normal) in turned {
+            (normals[k], normals[n + k], normals[2 * n + k]) = (normal.x, normal.y, normal.z);
+        }
+    }
 }
 
 /// Drop the ring of points around the grid; the first `n_uniform` of its primitive variables are the same all over.

@@ -28,8 +28,9 @@ impl Surroundings {
     /// Of what casts whole shadows.
     pub fn new(scene: &Scene) -> Surroundings {
         let counts = |item: &Item| {
-            let a = &*scene.sources[item.source as usize].attributes;
-            a.casts_shadows && a.blocks_light() && a.solid.is_none()
+            let source = &scene.sources[item.source as usize];
+            let a = &*source.attributes;
+            a.casts_shadows && source.blocks_light() && a.solid.is_none()
         };
         let items: Vec<Item> = scene.items().filter(counts).collect();
         Surroundings { spheres: Spheres::new(scene, &items), facets: Facets::new(scene, &items) }

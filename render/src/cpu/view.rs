@@ -263,7 +263,7 @@ impl<'a> View<'a> {
     /// The opacity of an item where a ray meets it; its shader is asked if it has a say.
     fn opacity_at(&self, item: Item, from: Vec3, dir: Vec3, distance: f32) -> [f32; 3] {
         let attributes = self.scene.attributes(item);
-        if attributes.surface.program.keeps_opacity || self.depth >= MAX_NESTED {
+        if self.scene.sources[item.source as usize].shadow_is_known() || self.depth >= MAX_NESTED {
             return attributes.opacity;
         }
         let [[_, opacity]] = self.shade(item, &[Hit { from, dir, distance }], false)[..] else {

@@ -63,6 +63,14 @@ pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[usize; 
     Ok(quads)
 }
 
+/// Whether a polygon's vertices do not lie in a row.
+pub fn turns(loops: &[Vec<usize>], params: &Params) -> bool {
+    let Ok(points) = vertices(loops, params) else { return false };
+    let at = |i: usize| Vec3::from(points[i % points.len()]);
+    let size = (0..points.len()).map(|i| (at(i) - at(0)).length_squared()).fold(0.0, f32::max);
+    (0..points.len()).any(|i| (at(i + 1) - at(i)).cross(at(i + 2) - at(i)).length() > 1e-5 * size)
+}
+
 /// A polygon as patches, cut so: its outline, then its holes, as indices into "P". `face` is its uniform index, `first` that of its
 /// first corner in facevarying values.
 pub fn polygon_patches(

@@ -97,7 +97,11 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
     };
     let a = view.attributes;
     // Its back is seen where its front lets light through, is cut away, or is its inside and not there.
-    let shows_back = !a.stays_opaque() || a.solid.is_some() || camera.clips || (a.reversed && !a.two_sided);
+    let shows_back = !a.stays_opaque()
+        || view.attached.opacity.is_some()
+        || a.solid.is_some()
+        || camera.clips
+        || (a.reversed && !a.two_sided);
     // What rays meet displaced has one lattice, from wherever it is seen.
     let displaced = a.displacement.is_some();
     let even_on_raster =

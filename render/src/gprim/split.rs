@@ -9,10 +9,11 @@ use crate::gprim::bound::displacement_reach;
 use crate::gprim::grid::{Grid, Origin, Sink, Subject};
 use crate::gprim::patch::{Piece, dice};
 use crate::gprim::quadric::whole_sphere;
+use crate::scene::camera::Camera;
 use crate::scene::motion::{Instant, later};
 use crate::scene::patch::Patch;
 use crate::scene::shape::Shape;
-use crate::scene::source::Item;
+use crate::scene::source::{Item, ItemView};
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -31,6 +32,9 @@ const CLOSE: f32 = 16.0;
 
 /// How much coarser than a pixel's width at its distance a surface is diced that the camera does not see.
 const UNSEEN: f32 = 4.0;
+
+/// The part of its pixels, were it turned to the eye, that a displaced surface is diced for at least.
+const ASKEW: f32 = 0.5;
 
 /// Splits after which such a piece is diced as it is.
 const DEEPEST_UNSEEN: u32 = 24;
@@ -283,6 +287,40 @@ impl Unseen<'_> {
     }
 }
 
+/// How far a surface may be displaced.
+#[derive(Clone, Copy)]
+enum Bound {
+    /// World units.
+    World(f32),
+    /// In parts of its size.
+    Part(f32),
+}
+
+impl Bound {
+    /// Of a primitive; none if it is not displaced.
+    fn of(view: &ItemView<'_>) -> Option<Bound> {
+        view.attributes.displacement.as_ref()?;
+        // What a patch alone says would part its edges from its neighbours'.
+        Some(match view.attributes.displacement_bound {
+            None => Bound::Part(displacement_reach(view, 1.0)),
+            Some(_) => Bound::World(displacement_reach(view, 0.0)),
+        })
+    }
+
+    /// The pixels that a curve in camera space is diced for, which has so many as it is. Of a surface seen askew, displacement turns parts
+    /// towards the eye: these are as long as the surface is whichever way it is turned, at most by how far the displacement
+    /// may lengthen each pixel.
+    fn lengthened(self, camera: &Camera, c: &[Vec3; 4], pixels: f32) -> f32 {
+        let own = path(c);
+        let reach = match self {
+            Bound::World(reach) => reach,
+            Bound::Part(part) => part * own,
+        };
+        let scale = camera.pixels_at(c.iter().map(|p| p.z).fold(f32::INFINITY, f32::min));
+        pixels.max((ASKEW * own * scale).min(pixels * (0.5 + reach * scale)))
+    }
+}
+
 /// How finely a piece is diced: what each row and column of its control points asks for, and each edge.
 struct Fineness {
     /// Segments that the rows of control points ask for.
@@ -304,7 +342,6 @@ impl Fineness {
         let step = view.attributes.shading_rate.sqrt();
         // Nearer than it may be displaced, its size on the raster says nothing.
         let ahead = p.map(|p| Vec3::new(p.x, p.y, p.z.max(reach)));
-        let raster = ahead.map(|p| camera.project(p).extend(0.0));
         // A curve that turns towards the eye is short on the raster but needs points for its depth, up to a limit.
         // What is blurred needs fewer; an edge's blur is its own, so that neighbours agree.
         let blur = |k: usize| {
@@ -312,9 +349,14 @@ impl Fineness {
             shift + 2.0 * camera.confusion(p[k].z).abs()
         };
         let blurred = last.is_some() || camera.has_lens();
+        let on_raster = |p: Vec3| camera.project(p).extend(0.0);
+        let (raster, bound) = (ahead.map(on_raster), Bound::of(view));
+        let lengthened =
+            |c: &[Vec3; 4], flat: f32| bound.map_or(flat, |bound| bound.lengthened(camera, c, flat)) / step;
+        let length = |c: &[Vec3; 4]| lengthened(c, path(&c.map(on_raster)));
         let pixels = |a: usize, stride: usize| {
             let leg = [a, a + stride, a + 2 * stride, a + 3 * stride];
-            let fine = path(&leg.map(|k| raster[k])) / step;
+            let fine = lengthened(&leg.map(|k| ahead[k]), path(&leg.map(|k| raster[k])));
             if !blurred {
                 return fine;
             }
@@ -328,7 +370,6 @@ impl Fineness {
         let halved = |a: usize, stride: usize| {
             let mut points = 1 | 1 << TILE;
             let curve = [a, a + stride, a + 2 * stride, a + 3 * stride].map(|k| ahead[k]);
-            let length = |c: &[Vec3; 4]| path(&c.map(|p| camera.project(p).extend(0.0))) / step;
             halve(curve, 0, TILE, &length, &mut points).then_some(points)
         };
         let (rows, columns) = ([0, 1, 2, 3].map(|j| pixels(4 * j, 1)), [0, 1, 2, 3].map(|i| pixels(i, 4)));

@@ -147,6 +147,7 @@ pub fn set_varying(patch: &mut Patch, name: &str, values: Varying) {
 
 /// Set s (axis 0) or t (axis 1) of a patch.
 fn set_coordinate(patch: &mut Patch, axis: usize, values: Varying) {
+    patch.own_st[axis] = true;
     values.corners(0).into_iter().enumerate().for_each(|(k, x)| patch.st[k][axis] = x);
     let is_curved = values.is_curved();
     if is_curved || patch.curved_st.is_some() {

@@ -1,7 +1,7 @@
 //! The front of a frame, on the processor: items from front to back are bound, split, diced, displaced and projected, in waves. What is
 //! hidden by the waves before is not diced.
 
-use crate::cpu::displace::displace;
+use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::raster::Raster;
 use crate::cpu::samples::cull::blocks_of;
@@ -193,6 +193,7 @@ impl Sink for Taken<'_> {
     fn take(&mut self, grid: &mut Grid) {
         let Subject { item, view, instants, camera, .. } = self.subject;
         displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, self.machine);
+        face_eye(&self.subject, grid);
         let Some(bound) = self.raster.project(camera, instants, grid) else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {

@@ -40,7 +40,7 @@ fn of_source(source: &Source, is_seen_through: bool) -> Option<String> {
 /// Why rays of shaders cannot be answered, as a sentence: what is in their way is more than surfaces.
 pub fn refused_rays(scene: &Scene, are_plain: bool) -> Option<String> {
     let casts = |source: &&Source| source.attributes.casts_shadows && source.len() > 0;
-    let translucent = scene.sources.iter().filter(casts).find(|source| !source.attributes.blocks_light());
+    let translucent = scene.sources.iter().filter(casts).find(|source| !source.blocks_light());
     let what = match translucent {
         Some(source) => {
             format!("light gets through primitives with the surface `{}`", source.attributes.surface.program.name)

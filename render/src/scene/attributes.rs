@@ -135,6 +135,8 @@ pub struct Attributes {
     pub casts_shadows: bool,
     /// Its shadows are whole, however much light gets through it.
     pub whole_shadows: bool,
+    /// Its shadows are those of its opacity, whatever its surface shader makes of that.
+    pub shadows_of_opacity: bool,
     /// Square pixels that the bound of `Detail` covers.
     pub detail: f32,
     /// The corners of that bound in current space, if one was given.
@@ -178,7 +180,7 @@ impl Attributes {
             Orientation: reversed;
             Matte: matte;
             Visibility: visible;
-            Shadows: casts_shadows whole_shadows;
+            Shadows: casts_shadows whole_shadows shadows_of_opacity;
             Detail: detail detail_box detail_range seen;
             Solid: solid;
         }
@@ -232,11 +234,6 @@ impl Attributes {
     pub fn stays_opaque(&self) -> bool {
         let kept = |shader: &BoundShader| shader.program.keeps_opacity;
         !self.fades() && self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
-    }
-
-    /// Whether no light gets through it.
-    pub fn blocks_light(&self) -> bool {
-        self.whole_shadows || (self.opacity == [1.0; 3] && self.surface.program.keeps_opacity)
     }
 
     /// Whether the colour of a point depends on the points beside it.

@@ -20,6 +20,8 @@ pub struct Patch {
     pub st: [[f32; 2]; 4],
     /// s and t where they follow control points and not the corners alone.
     pub curved_st: Option<Box<[Option<Varying>; 2]>>,
+    /// Whether s and t are variables of the primitive, and not those of its parameters.
+    pub own_st: [bool; 2],
     /// Varying variables. Names are the shape's.
     pub varying: Vec<Varying>,
     /// Variables that are the same all over.
@@ -57,9 +59,14 @@ impl Patch {
     /// Set s and t to those that others at the corners (0,0), (1,0), (0,1), (1,1) of the parameters' unit square make, if the patch has
     /// none of its own.
     pub fn set_corners(&mut self, corners: &[f32; 8]) {
-        if self.st == self.uv && self.curved_st.is_none() && *corners != TEXTURE_CORNERS {
-            let of = |axis: usize| [0, 1, 2, 3].map(|k| corners[2 * k + axis]);
-            self.st = self.uv.map(|[u, v]| [bilinear(of(0), u, v), bilinear(of(1), u, v)]);
+        if *corners == TEXTURE_CORNERS {
+            return;
+        }
+        let (uv, st, own) = (self.uv, self.st, self.own_st);
+        let unit = [0, 1, 2, 3].map(|k| [0, 1].map(|axis| if own[axis] { uv[k][axis] } else { st[k][axis] }));
+        for axis in [0, 1].into_iter().filter(|axis| !self.own_st[*axis]) {
+            let of = [0, 1, 2, 3].map(|k| corners[2 * k + axis]);
+            self.st.iter_mut().zip(unit).for_each(|(st, [u, v])| st[axis] = bilinear(of, u, v));
         }
     }
 
@@ -70,6 +77,7 @@ impl Patch {
             uv: corners,
             st: corners,
             curved_st: None,
+            own_st: [false; 2],
             varying: vec![],
             uniform: vec![],
             normals: None,

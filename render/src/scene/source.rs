@@ -86,6 +86,18 @@ pub struct ItemView<'a> {
 }
 
 impl Source {
+    /// Whether no light gets through its primitives.
+    pub fn blocks_light(&self) -> bool {
+        let a = &self.attributes;
+        a.whole_shadows || a.opacity == [1.0; 3] && self.shadow_is_known()
+    }
+
+    /// Whether the attributes say how much light gets through it, without its variables and its shader.
+    pub fn shadow_is_known(&self) -> bool {
+        let a = &self.attributes;
+        a.shadows_of_opacity || a.surface.program.keeps_opacity && self.attached.iter().all(|a| a.opacity.is_none())
+    }
+
     /// Number of items.
     pub fn len(&self) -> usize {
         match &self.shape {

@@ -79,6 +79,8 @@ pub enum ExprKind {
     Index(Box<Expr>, Box<Expr>),
     /// `{a, b, …}`, what an array starts with.
     Array(Vec<Expr>),
+    /// Target (a name or an element), operator (`=`, `+=` …), value; what is assigned is its value.
+    Assign(Box<Expr>, &'static str, Box<Expr>),
 }
 
 /// A statement.

@@ -134,7 +134,6 @@ impl Parser<'_> {
         result
     }
 
-    /// A function, after its type.
     /// A function after its name; one without a type gives a number.
     fn function(&mut self, ret: Ty, name: String) -> Result<Function, Error> {
         let (params, body) = (self.parameters(true)?, self.block()?);
@@ -302,11 +301,14 @@ impl Parser<'_> {
             "for" => {
                 self.take();
                 self.expect("(")?;
-                let start = self.simple()?;
+                let nothing = |at| Stmt { at, kind: StmtKind::Block(vec![]) };
+                let is_next = |p: &Self, end: &str| matches!(p.peek(), Tok::Op(op) if *op == end);
+                let start = if is_next(self, ";") { nothing(self.place()) } else { self.simple()? };
                 self.expect(";")?;
-                let condition = self.expression()?;
+                let always = Expr { at: self.place(), kind: ExprKind::Number(1.0) };
+                let condition = if is_next(self, ";") { always } else { self.expression()? };
                 self.expect(";")?;
-                let step = self.simple()?;
+                let step = if is_next(self, ")") { nothing(self.place()) } else { self.simple()? };
                 self.expect(")")?;
                 return Ok(StmtKind::For(Box::new(start), condition, Box::new(step), Box::new(self.statement()?)));
             }
@@ -373,43 +375,31 @@ impl Parser<'_> {
     /// An assignment or a call.
     fn simple(&mut self) -> Result<Stmt, Error> {
         let at = self.place();
-        let target = self.expression()?;
-        if let Tok::Op(op @ ("=" | "+=" | "-=" | "*=" | "/=")) = *self.peek() {
-            let named = |e: &Expr| matches!(e.kind, ExprKind::Name(_));
-            let whole = match &target.kind {
-                ExprKind::Index(array, _) => named(array),
-                _ => named(&target),
-            };
-            if !whole {
-                return error(at, "expected a variable or an element of an array before `=`");
-            }
-            self.take();
-            return self.assigned(at, target, op);
-        }
-        match target.kind {
+        let whole = self.expression()?;
+        let kind = match whole.kind {
+            ExprKind::Assign(target, op, value) => StmtKind::Assign(*target, op, *value),
             // What a cast call gives is dropped.
-            ExprKind::Cast(_, _, ref inner) if matches!(inner.kind, ExprKind::Call(..)) => {
-                Ok(Stmt { at, kind: StmtKind::Call(target) })
-            }
-            ExprKind::Call(..) => Ok(Stmt { at, kind: StmtKind::Call(target) }),
-            _ => error(at, "expected a statement: an assignment or a call"),
-        }
+            ExprKind::Cast(_, _, ref inner) if matches!(inner.kind, ExprKind::Call(..)) => StmtKind::Call(whole),
+            ExprKind::Call(..) => StmtKind::Call(whole),
+            _ => return error(at, "expected a statement: an assignment or a call"),
+        };
+        Ok(Stmt { at, kind })
     }
 
-    /// What is assigned to a variable: a value, or what another variable is assigned first, as in `a = b = c`.
-    fn assigned(&mut self, at: usize, target: Expr, op: &'static str) -> Result<Stmt, Error> {
-        let named = |e: &Expr| matches!(e.kind, ExprKind::Name(_) | ExprKind::Index(..));
-        let place = self.place();
-        let value = self.initial()?;
-        if let Tok::Op(next @ ("=" | "+=" | "-=" | "*=" | "/=")) = *self.peek()
-            && named(&value)
-        {
-            self.take();
-            let first = self.deeper(|p| p.assigned(place, value.clone(), next))?;
-            let then = Stmt { at, kind: StmtKind::Assign(target, op, value) };
-            return Ok(Stmt { at, kind: StmtKind::Block(vec![first, then]) });
+    /// What an assignment to `target` is, whose operator is next; its value may be another, as in `a = b = c`.
+    fn assignment(&mut self, target: Expr, op: &'static str) -> Result<Expr, Error> {
+        let at = target.at;
+        let named = |e: &Expr| matches!(e.kind, ExprKind::Name(_));
+        let whole = match &target.kind {
+            ExprKind::Index(array, _) => named(array),
+            _ => named(&target),
+        };
+        if !whole {
+            return error(at, "expected a variable or an element of an array before `=`");
         }
-        Ok(Stmt { at, kind: StmtKind::Assign(target, op, value) })
+        self.take();
+        let value = self.initial()?;
+        Ok(Expr { at, kind: ExprKind::Assign(Box::new(target), op, Box::new(value)) })
     }
 
     /// The number of loops after `break` or `continue`.
@@ -457,6 +447,9 @@ impl Parser<'_> {
         self.deeper(|p| {
             let at = p.place();
             let condition = p.binary(0)?;
+            if let Tok::Op(op @ ("=" | "+=" | "-=" | "*=" | "/=")) = *p.peek() {
+                return p.assignment(condition, op);
+            }
             if !p.eat("?") {
                 return Ok(condition);
             }

@@ -101,6 +101,11 @@ impl Global {
         TABLE[self.slot()].2
     }
 
+    /// Whether its class is varying; the others are uniform.
+    pub const fn varies(self) -> bool {
+        !matches!(self, Global::E | Global::Time | Global::Dtime | Global::Ncomps)
+    }
+
     /// The global variable of a name.
     pub fn of_name(name: &str) -> Option<Global> {
         Global::all().find(|g| g.name() == name)

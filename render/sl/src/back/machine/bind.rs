@@ -5,11 +5,13 @@ use super::super::points::Points;
 use super::super::scene::Scene;
 use super::super::slots::VariableSlots;
 use super::state::Machine;
-use crate::ir::{Operand, Program};
+use crate::ir::walk::{reads, visit};
+use crate::ir::{Op, Operand, Program};
 use std::sync::Arc;
 
 impl BoundShader {
-    /// Bind a program: the values given, by parameter slot, and for every other parameter its default, computed once in `scene`.
+    /// Bind a program: the values given, by parameter slot, and for every other parameter its default, computed once in `scene`
+    /// unless it depends on the points.
     pub fn new(
         program: Arc<Program>,
         numbers: Vec<(usize, Vec<f32>)>,
@@ -26,7 +28,16 @@ impl BoundShader {
         machine.defaults(&bound, &VariableSlots::default(), &points, scene);
         let program = bound.program.clone();
         let unset: Vec<bool> = (0..program.params.len()).map(|slot| bound.value(slot).is_none()).collect();
+        let reads_globals = |ops: &[Op]| {
+            let mut found = false;
+            let mut note = |of: Operand| found |= program.globals.iter().any(|(_, reg)| of == Operand::Number(*reg));
+            visit(ops, &mut |op| reads(op, &mut note));
+            found
+        };
         for (slot, param) in program.params.iter().enumerate().filter(|(slot, _)| unset[*slot]) {
+            if reads_globals(&param.default) {
+                continue;
+            }
             match param.reg {
                 // An array of strings keeps its defaults.
                 Operand::Text(_) if param.array.is_some() => {}

@@ -7,7 +7,7 @@ use super::super::slots::VariableSlots;
 use super::light::cosines;
 use super::state::{LoopFrame, Machine};
 use crate::ir::*;
-use crate::shadeop::color::convert;
+use crate::shadeop::color::{SPACES, convert};
 use crate::shadeop::matrix::triple16;
 use crate::shadeop::runs::{dot, put, triple};
 use crate::shadeop::spline;
@@ -249,6 +249,10 @@ impl Machine {
             }
             Op::ColorSpace(dst, a, from, to) => {
                 let (from, to) = (self.texts[from.index()].clone(), self.texts[to.index()].clone());
+                if let Some(lost) = [&from, &to].into_iter().find(|space| !SPACES.contains(&space.as_str())) {
+                    let known = SPACES.join(", ");
+                    scene.warn(format!("unknown colour space `{lost}`, expected one of {known}: it counts as rgb"));
+                }
                 self.evaluate((*dst).into(), &[(*a).into()], |call, out| {
                     call.pointwise(out, |v| triple16(convert(&from, &to, [v[0][0], v[0][1], v[0][2]])))
                 });

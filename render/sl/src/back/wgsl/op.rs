@@ -7,6 +7,7 @@ use super::texts;
 use super::value::{binary, is_for_triples, unary};
 use super::writer::{Done, Writer};
 use crate::ir::{Ask, Binary, FloatReg, Op, Operand, Reg, TextReg, Transform, TripleReg, Unary};
+use crate::shadeop::color::SPACES;
 
 impl Writer<'_, '_> {
     /// Write an operation. Long, because it has an arm for each.
@@ -167,9 +168,11 @@ impl Writer<'_, '_> {
             "xyz" | "XYZ" => Some("xyz".into()),
             "xyY" => Some("xyy".into()),
             "YIQ" => Some("yiq".into()),
-            // Unknown spaces count as RGB.
             _ => None,
         };
+        if let Some(lost) = [&from, &to].into_iter().find(|space| !SPACES.contains(&space.as_str())) {
+            return self.refuse(format!("names the colour space `{lost}`, which is unknown"));
+        }
         if from != to {
             value = stem(&from).map_or(value.clone(), |from| format!("sl_{from}_to_rgb({value})"));
             value = stem(&to).map_or(value.clone(), |to| format!("sl_rgb_to_{to}({value})"));

@@ -1,7 +1,7 @@
 //! Expressions: operators, casts, triples and matrices.
 
 use super::super::ast::*;
-use super::super::diagnostic::{Error, error};
+use super::super::diagnostic::{Error, error, error_with};
 use super::state::{Lower, Value};
 use crate::ir::*;
 
@@ -35,6 +35,11 @@ impl<'a> Lower<'a> {
                 };
                 self.arithmetic(at, op, a, b)
             }
+            ExprKind::Choose(_, a, b) if assigns(a) || assigns(b) => error_with(
+                at,
+                "an assignment cannot stand in a choice, of which both parts are done",
+                "write `if` and `else`",
+            ),
             ExprKind::Choose(condition, a, b) => {
                 let condition = self.condition(condition)?;
                 let (a, b) = (self.expr(a, expected)?, self.expr(b, expected)?);
@@ -56,6 +61,10 @@ impl<'a> Lower<'a> {
             }
             ExprKind::Matrix(parts) => self.pack(at, Ty::Matrix, parts),
             ExprKind::Array(_) => error(at, "`{…}` stands where an array starts"),
+            ExprKind::Assign(target, op, value) => {
+                self.assign(at, target, op, value)?;
+                self.expr(target, expected)
+            }
             ExprKind::Index(of, index) => self.element(at, of, index),
             ExprKind::Cast(ty, space, operand) => self.cast(at, *ty, space.as_deref(), operand),
             ExprKind::Call(name, args) => self.call(at, name, args, expected),
@@ -235,5 +244,18 @@ impl<'a> Lower<'a> {
             }
             _ => self.expr(e, ty),
         }
+    }
+}
+
+/// Whether an expression assigns to a variable.
+fn assigns(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Assign(..) => true,
+        ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => false,
+        ExprKind::Unary(_, a) | ExprKind::Cast(_, _, a) => assigns(a),
+        ExprKind::Binary(_, a, b) | ExprKind::Index(a, b) => assigns(a) || assigns(b),
+        ExprKind::Choose(a, b, c) => assigns(a) || assigns(b) || assigns(c),
+        ExprKind::Call(_, parts) | ExprKind::Matrix(parts) | ExprKind::Array(parts) => parts.iter().any(assigns),
+        ExprKind::Triple(parts) => parts.iter().any(assigns),
     }
 }

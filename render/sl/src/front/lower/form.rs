@@ -8,6 +8,14 @@ use crate::ir::builtins::{Form, Row, rows};
 use crate::ir::*;
 
 impl Lower<'_> {
+    /// An error if a constant among the indices of components is none of `n`.
+    pub(super) fn within(&self, at: usize, indices: &[Value], n: usize) -> Result<(), Error> {
+        match indices.iter().filter_map(|v| self.constant_of(*v)).find(|i| !(0.0..n as f32).contains(i)) {
+            Some(i) => error(at, format!("the index of a component is {i}, expected 0 to {}", n - 1)),
+            None => Ok(()),
+        }
+    }
+
     /// A call by a rule. Long, because it is the list of the rules.
     pub(super) fn form(
         &mut self,
@@ -125,15 +133,16 @@ impl Lower<'_> {
                 self.arithmetic(at, "+", u, w)
             }
             (Form::Component, [Ty::Matrix, Ty::Float, Ty::Float]) => {
+                self.within(at, &v[1..], 4)?;
                 self.called(at, Builtin::MATRIX_COMPONENT, Ty::Float, varying, v)
             }
-            (Form::Component, [t, Ty::Float]) if t.is_triple() => match self.constant_of(v[1]) {
-                Some(i) if (0.0..3.0).contains(&i) => {
-                    self.temp(at, Ty::Float, varying, |r| Op::Component(r.float(), v[0].triple(), i as u8))
+            (Form::Component, [t, Ty::Float]) if t.is_triple() => {
+                self.within(at, &v[1..], 3)?;
+                match self.constant_of(v[1]) {
+                    Some(i) => self.temp(at, Ty::Float, varying, |r| Op::Component(r.float(), v[0].triple(), i as u8)),
+                    None => self.called(at, Builtin::COMPONENT, Ty::Float, varying, v),
                 }
-                Some(_) => error(at, "the index of `comp` must be 0, 1 or 2"),
-                None => self.called(at, Builtin::COMPONENT, Ty::Float, varying, v),
-            },
+            }
             (Form::Transform(how), _) => self.transform(at, row, how, v),
             _ => error(at, format!("expected {}", row.usage)),
         }

@@ -128,13 +128,18 @@ impl<'a> Lower<'a> {
         if let Some(k) = component {
             regs.push(self.constant(at, k as f32)?.reg());
         }
+        let mut given = Vec::new();
         for arg in &args[1..] {
             let value = self.expr(arg, Some(Ty::Float))?;
-            regs.push(self.convert(arg.at, value, Ty::Float)?.reg());
+            given.push(self.convert(arg.at, value, Ty::Float)?);
         }
+        regs.extend(given.iter().map(|v| v.reg()));
         let wanted = if var.ty == Ty::Matrix { 4 } else { 3 };
         if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
             return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
+        }
+        if component.is_none() {
+            self.within(at, &given[..wanted - 2], if wanted == 4 { 4 } else { 3 })?;
         }
         let function = if var.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
         let new = self.temp(at, var.ty, true, |r| Op::Call(function, r.reg(), regs))?;

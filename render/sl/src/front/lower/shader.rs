@@ -13,8 +13,15 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         return error_with(file.end, "the file has no shader: expected surface, displacement, light …", hint);
     };
     let mut l = Lower { kind: Some(shader.kind), name: shader.name.clone(), ..Lower::default() };
-    for function in prelude.iter().chain(&file.functions) {
+    for function in prelude {
         l.functions.insert(&function.name, function);
+    }
+    for (k, function) in file.functions.iter().enumerate() {
+        let name = &function.name;
+        if file.functions[..k].iter().any(|before| before.name == *name) {
+            l.unsupported.push(format!("has two functions `{name}`, of which the last alone is called"));
+        }
+        l.functions.insert(name, function);
     }
     l.scopes.push(HashMap::new());
     let mut params = Vec::new();

@@ -164,7 +164,7 @@ impl<'a> Lower<'a> {
     pub(super) fn global(&mut self, at: usize, global: Global) -> Result<Value, Error> {
         let ty = Ty::from(global.kind());
         if let Some((_, reg)) = self.globals.iter().find(|(g, _)| *g == global) {
-            return Ok(Value::of(ty, reg.index() as u16, true));
+            return Ok(Value::of(ty, reg.index() as u16, global.varies()));
         }
         let of_surface = !matches!(self.kind, Some(ShaderKind::Light | ShaderKind::Imager | ShaderKind::Volume));
         let lacks = match global {
@@ -177,7 +177,7 @@ impl<'a> Lower<'a> {
             _ => None,
         };
         self.unsupported.extend(lacks.map(String::from));
-        let value = Value::of(ty, self.reg(at, ty)?, true);
+        let value = Value::of(ty, self.reg(at, ty)?, global.varies());
         self.globals.push((global, value.reg()));
         Ok(value)
     }
