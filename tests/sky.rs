@@ -120,7 +120,12 @@ fn a_gap_takes_the_colour_of_its_walls() {
              Surface \"matte\" Color [1 1 1] {WALL}"
         );
         // The camera looks down: up is towards it.
-        render_with(&[], &ORTHO.replace("8 8", "2 2").replace("Translate 0 0 5", "Translate 0 0 5 Scale 1 1 -1"), &world).at(40, 40)
+        render_with(
+            &[],
+            &ORTHO.replace("8 8", "2 2").replace("Translate 0 0 5", "Translate 0 0 5 Scale 1 1 -1"),
+            &world,
+        )
+        .at(40, 40)
     };
     let (plain, red) = (light("0.9 0.1 0.1", 0.0), light("0.9 0.1 0.1", 1.0));
     let open = plain[0];

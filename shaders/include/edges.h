@@ -40,7 +40,7 @@ normal rounded(normal n; vector i; float width; output float spread;) {
         turned = normalize(n + normal(share * over));
         vector aside = over - n * (over . n);
         // An eighth of a turn over the width, and where that is narrower than a pixel, the rest of the pixel is flat.
-        spread = min(1, 3 * length(aside)) * (0.05 * min(pixel / w, 1.25) * min(pixel / w, 1.25) + 0.25 * share * (1 - share));
+        spread = min(1, 3 * length(aside)) * share * (0.05 * min(pixel / w, 1.25) * min(pixel / w, 1.25) + 0.1 * (1 - share));
     }
     return turned;
 }

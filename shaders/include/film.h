@@ -23,7 +23,7 @@ color filmic(color light; uniform float white) {
     color plain = c * (film_curve(bright, white) / max(bright, 0.00001));
     c = min(mix(plain, vivid, 0.3), color(1, 1, 1));
     // A print's black is a little above that of the film, nearly as the eye sees steps of grey: in the root; what is brighter is left alone.
-    uniform float black = 0.104;
+    uniform float black = 0.13;
     color root = color(sqrt(comp(c, 0)), sqrt(comp(c, 1)), sqrt(comp(c, 2)));
     color rest = (color(1, 1, 1) - root) * (color(1, 1, 1) - root);
     color seen = max(root - black * rest * rest, color(0, 0, 0));

@@ -333,6 +333,10 @@ fn inject_objects(
         if let Shape::Plane(_) = p.object.shape {
             ri.shading_rate(floor_rate(output))?;
         }
+        if matches!(p.object.shape, Shape::Plane(_) | Shape::Box(_)) {
+            // What is flat has no silhouette within a micropolygon: shadows on it have smooth edges.
+            ri.shading_interpolation("smooth")?;
+        }
         let is_mark = matches!(p.object.shape, Shape::Arrow(_) | Shape::Trail(_));
         if is_mark {
             // Marks are no bodies: they cast no shadows.
