@@ -69,6 +69,73 @@ fn facets_hide_what_is_behind_them_and_nothing_else() {
     assert_eq!(middle(&format!("Attribute \"visibility\" \"int transmission\" 0 {pane}"))[0], 1.0);
 }
 
+/// What bodies around send to the middle of the wall: how much of its light is closed, that of a sun of 1 by way of white bodies, and
+/// their colour. The sun stands over +x unless said.
+fn around(others: &str, sun: &str) -> [f32; 5] {
+    let of = |numbers: &str| {
+        let source = format!(
+            "surface around(vector sun = vector({sun});) {{
+                 matrix m = surroundings(P, faceforward(normalize(N), I), vector(0, 0, -1), sun); Ci = color({numbers}); Oi = Os; }}"
+        );
+        let hidden = format!("AttributeBegin Attribute \"visibility\" \"int camera\" 0 {others} AttributeEnd");
+        let world = format!("Surface \"around\" {hidden} {WALL}");
+        let p = render_with(&[("around.sl", source.as_bytes())], &ORTHO.replace("8 8", "2 2"), &world).at(40, 40);
+        [p[0], p[1], p[2]]
+    };
+    let [[closed, lit, _], [r, g, b]] =
+        [of("comp(m, 0, 3), comp(m, 1, 3), 0"), of("comp(m, 1, 0), comp(m, 1, 1), comp(m, 1, 2)")];
+    [closed, lit, r, g, b]
+}
+
+#[test]
+fn what_is_in_the_way_sends_the_suns_light_on_in_its_colour() {
+    assert_eq!(around("", "1, 0, 0")[..2], [0.0, 0.0], "nothing is there");
+    // At the foot of a high wall, which closes half of the sky and faces the sun: a half of what it would send to all sides.
+    let high = "Color [0.8 0.4 0.1] Polygon \"P\" [-0.001 -90 0  -0.001 90 0  -0.001 90 -90  -0.001 -90 -90]";
+    let [closed, lit, r, g, b] = around(high, "1, 0, 0");
+    assert_near(closed, 0.5, 0.1, "closed by a wall");
+    assert_near(lit, 0.5, 0.15, "light from a wall in the sun");
+    assert!((r - 0.8).abs() < 0.01 && (g - 0.4).abs() < 0.01 && (b - 0.1).abs() < 0.01, "its colour: {r} {g} {b}");
+    // The sun behind it, or none, and it sends nothing.
+    assert_eq!(around(high, "-1, 0, 0")[1], 0.0, "the wall's back is in the sun");
+    assert_eq!(around(high, "0, 0, 0")[1], 0.0, "no sun");
+    // Half as square to the sun, half as bright.
+    assert_near(around(high, "0.5, 0, -0.866")[1], 0.5 * lit, 0.08, "a wall that the sun grazes");
+    // A sphere on the wall opposite to the sun is bright, before the sun it shows its dark side.
+    let ball = "Color [0.2 0.6 0.2] Translate -0.5 0 -0.4 Sphere 0.4 -0.4 0.4 360";
+    let [bright, dark] = ["1, 0, -0.3", "-1, 0, -0.3"].map(|sun| around(ball, sun));
+    assert!(bright[1] > 3.0 * dark[1] && bright[1] > 0.03, "{bright:?}, {dark:?}");
+    assert!((bright[3] - 0.6).abs() < 0.01, "a ball's colour: {bright:?}");
+}
+
+#[test]
+fn a_gap_takes_the_colour_of_its_walls() {
+    // Under the sky alone: what is closed sends on what the point gets, in its colour, again and again.
+    let light = |color: &str, bounce: f32| {
+        let wall = "Polygon \"P\" [-0.001 -90 0  -0.001 90 0  -0.001 90 90  -0.001 -90 90]";
+        let world = format!(
+            "LightSource \"skylight\" \"sky\" \"float bounce\" [{bounce}] \"color zenith\" [1 1 1] \"color horizon\" [1 1 1]
+               \"color beneath\" [0 0 0] \"color sunshine\" [0 0 0]
+             AttributeBegin Attribute \"visibility\" \"int camera\" 0 Color [{color}] {wall} AttributeEnd
+             Surface \"matte\" Color [1 1 1] {WALL}"
+        );
+        // The camera looks down: up is towards it.
+        render_with(
+            &[],
+            &ORTHO.replace("8 8", "2 2").replace("Translate 0 0 5", "Translate 0 0 5 Scale 1 1 -1"),
+            &world,
+        )
+        .at(40, 40)
+    };
+    let (plain, red) = (light("0.9 0.1 0.1", 0.0), light("0.9 0.1 0.1", 1.0));
+    let open = plain[0];
+    assert!((plain[1] - open).abs() < 1e-4 && open > 0.3 && open < 0.7, "without bounce the sky's colour: {plain:?}");
+    for (c, albedo) in [(0, 0.9), (1, 0.1)] {
+        let closed = 1.0 - open;
+        assert_near(red[c], open / (1.0 - albedo * closed), 0.06, "the sum of a geometric series");
+    }
+}
+
 #[test]
 fn openness_depends_on_no_bucket() {
     let heap =

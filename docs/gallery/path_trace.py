@@ -13,13 +13,8 @@ W = int(sys.argv[6]) if len(sys.argv) > 6 else 960
 M = yaml.safe_load(open(md))
 t = pd.read_csv(table)
 t.columns = [c.split(' [')[0] for c in t.columns]
-if 'half_x' in t:
-    d = dict(cls=list(map(str, t['class'])), shape=list(map(str, t['shape'])), pos=t[['pos_x', 'pos_y', 'pos_z']].values,
-             quat=t[['quat_w', 'quat_x', 'quat_y', 'quat_z']].values, size=t[['half_x', 'half_y', 'half_z']].values, id=t['id'].values)
-else:
-    n = len(t)
-    d = dict(cls=['particles'] * n, shape=['sphere'] * n, pos=t[['x', 'y', 'z']].values, quat=np.tile([1., 0, 0, 0], (n, 1)),
-             size=np.repeat(t['radius'].values[:, None], 3, 1), id=np.arange(n))
+if 'class' not in t: t['class'] = 'particles'
+rows = [{('cls' if k == 'class' else k): v for k, v in r.items()} for r in t.to_dict('records')]
 bpy.ops.wm.read_factory_settings(use_empty=True)
 S = bpy.context.scene
 S.render.engine = 'CYCLES'
@@ -119,57 +114,61 @@ for k in range(8):
     f = 1.02 / np.linalg.norm(v, axis=1).max()
     for p in o.data.vertices: p.co = p.co * f
     o.data.materials.append(stone); rocks.append(o.data); bpy.data.objects.remove(o)
-kinds = {}
-for o in M['objects']:
-    c = o.get('color'); op = o.get('opacity', 1) or 1
-    kinds[o['name']] = (o['surface']['name'], c if isinstance(c, list) else [.3,.25,.2], op, bool(o.get('displacement')))
 mats = {}
-def look(i):
-    cls, sh = str(d['cls'][i]), str(d['shape'][i])
-    k = kinds.get(cls) or kinds.get(f'{cls}_{sh}') or kinds.get('particles')
-    if k is None: return None
-    key = (k[0], tuple(k[1]), k[2])
+def look(o, sh):
+    c, op = o.get('color'), o.get('opacity', 1) or 1
+    s, c = o['surface']['name'], c if isinstance(c, list) else [.3, .25, .2]
+    key = (s, tuple(c), op)
     if key not in mats:
-        s, c, op, _ = k
         mats[key] = {'paintedmetal': lambda: mat('paint', c, .35, 6, .06, .05, 0., op), 'concrete': lambda: mat('concrete', c, .8, 6, .22, .35, 0., op), 'gravel': lambda: mat('gravel', c, .85, 9, .3, .5),
                      'plastic': lambda: mat('plastic', c, .4, 6, .03, 0., 0., op)}.get(s, lambda: mat('other', c, .6, 6, .05, .1, 0., op))()
-    return mats[key], k[3]
+    return mats[key]
+# Formulas of the metadata are Python's, but for the column `class`.
+formula = lambda f, r: eval(str(f).replace('class', 'cls'), {}, r)
 ballmesh = None
-for i in range(len(d['id'])):
-    lk = look(i)
-    if lk is None or str(d['shape'][i]) == 'plane': continue
-    m, is_stone = lk; sh = str(d['shape'][i])
-    if sh == 'sphere':
-        if is_stone: mesh = rocks[int(d['id'][i]) % 8]
+for obj in M['objects']:
+    (sh, g), = obj['geometry'].items()
+    for i, row in enumerate(rows):
+        if sh == 'plane' or not formula(obj.get('select', True), row): continue
+        m = look(obj, sh)
+        if sh == 'sphere':
+            r = formula(g['radius'], row)
+            if obj.get('displacement'): mesh = rocks[int(row.get('id', i)) % 8]
+            else:
+                if ballmesh is None:
+                    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=1)
+                    q = bpy.context.object
+                    bpy.ops.object.shade_smooth()
+                    ballmesh = q.data
+                    bpy.data.objects.remove(q)
+                    ballmesh.materials.append(m)
+                mesh = ballmesh
+            o = bpy.data.objects.new('s', mesh)
+            S.collection.objects.link(o)
+            o.scale = [r] * 3
+        elif sh == 'cylinder':
+            r, h = formula(g['radius'], row), formula(g['half'], row)
+            bpy.ops.mesh.primitive_cylinder_add(vertices=64, radius=r, depth=2 * h)
+            o = bpy.context.object
+            b = o.modifiers.new('b', 'BEVEL')
+            b.width = .04 * r
+            b.segments = 3
+            b.limit_method = 'ANGLE'
+            o.data.materials.append(m)
         else:
-            if ballmesh is None:
-                bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=1)
-                q = bpy.context.object
-                bpy.ops.object.shade_smooth()
-                ballmesh = q.data
-                bpy.data.objects.remove(q)
-                ballmesh.materials.append(m)
-            mesh = ballmesh
-        o = bpy.data.objects.new('s', mesh); S.collection.objects.link(o); o.scale = [d['size'][i][0]]*3
-    elif sh == 'cylinder':
-        r, h = d['size'][i][0], d['size'][i][2]
-        bpy.ops.mesh.primitive_cylinder_add(vertices=64, radius=r, depth=2*h)
-        o = bpy.context.object
-        b = o.modifiers.new('b','BEVEL')
-        b.width = .04*r
-        b.segments = 3
-        b.limit_method='ANGLE'
-        o.data.materials.append(m)
-    else:
-        bpy.ops.mesh.primitive_cube_add(size=2)
-        o = bpy.context.object
-        o.scale = d['size'][i]
-        bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
-        b = o.modifiers.new('b', 'BEVEL')
-        b.width = min(.012, .15*min(d['size'][i]))
-        b.segments = 3
-        o.data.materials.append(m)
-    o.location = d['pos'][i]; o.rotation_mode = 'QUATERNION'; o.rotation_quaternion = d['quat'][i]
+            half = [formula(f, row) for f in g['half']]
+            bpy.ops.mesh.primitive_cube_add(size=2)
+            o = bpy.context.object
+            o.scale = half
+            bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
+            b = o.modifiers.new('b', 'BEVEL')
+            b.width = min(.012, .15 * min(half))
+            b.segments = 3
+            o.data.materials.append(m)
+        o.location = [formula(f, row) for f in obj.get('position', ['pos_x', 'pos_y', 'pos_z'])]
+        turn = obj.get('orientation', ['quat_w', 'quat_x', 'quat_y', 'quat_z'] if 'quat_w' in row else [1, 0, 0, 0])
+        o.rotation_mode = 'QUATERNION'
+        o.rotation_quaternion = [formula(f, row) for f in turn]
 gz = float(M.get('ground_height') or 0)
 bpy.ops.mesh.primitive_plane_add(size=600, location=(0,0,gz)); bpy.context.object.data.materials.append(sand)
 if scene in SUN:

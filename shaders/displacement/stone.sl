@@ -9,7 +9,7 @@
     near = max(0, rounding - abs(most - out)); \
     most = max(most, out) + near * near * blend;
 
-displacement stone(float depth = 0.3; float rounding = 0.06; float slab = 0; float grain = 0.04; uniform float id = 0;) {
+displacement stone(float depth = 0.3; float rounding = 0.045; float slab = 0; float grain = 0.04; uniform float id = 0;) {
     point Q = transform("object", P);
     float R = length(Q);
     vector d = vector(Q) / R;
@@ -36,7 +36,7 @@ displacement stone(float depth = 0.3; float rounding = 0.06; float slab = 0; flo
     CUT(-0.21139, 0.30069, -0.93, 6.368836)
     // The grain is seen where a fifth of the radius is more than a pixel.
     float pixels = length(vtransform("object", "current", vector(Q))) / pixelwidth(I, normal(I));
-    float rough = 0, shown = grain * smoothstep(6, 16, pixels);
+    float rough = 0, shown = grain * smoothstep(3, 9, pixels);
     if (shown > 0) {
         uniform vector shift = 17 * vector(mod(id * 0.31, 1), mod(id * 0.47, 1), mod(id * 0.73, 1));
         rough = shown * (noise(5 * d + shift) + 0.5 * noise(13 * d + shift));

@@ -7,8 +7,9 @@ imager film(color bgcolor = 0; color top = color(-1, -1, -1); float exposure = 1
     uniform float on = film;
     option("film:view", on);
     Ci = exposure * unexposed(Ci);
-    if (on != 0)
-        Ci = filmic(Ci, white);
+    // What covers a part of a pixel does so on the screen.
+    if (on != 0 && alpha > 0)
+        Ci = alpha * filmic(Ci / alpha, white);
     Ci += (1 - alpha) * mix(comp(top, 0) < 0 ? bgcolor : top, bgcolor, smoothstep(0, 1, ycomp(P) / format[1]));
     Ci = exposed(Ci);
     Oi = 1;

@@ -34,7 +34,17 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
                 float h = 0.6 * noise(rough * x + shift, rough * y) + 0.25 * noise(4 * rough * x, 4 * rough * y + shift)
                           + 0.1 * noise(13 * rough * x, 13 * rough * y + shift) + 0.05 * noise(40 * rough * x, 40 * rough * y + shift);
                 float top = radians(hills) * (range == 0 ? 1.5 : 0.9) * max(0, 2 * h - 0.55);
-                behind = mix(mix(haze, 0.6 * lit, range == 0 ? 0.3 : 0.5), behind, smoothstep(-0.0006, 0.0006, high - top));
+                if (high < top + 0.0006) {
+                    // Ridges and gullies, lit from the sun's side; towards the foot there is more haze.
+                    float fine = 11 * rough, step = (x * ycomp(way) - y * xcomp(way)) * 0.5;
+                    point q = point(fine * x + shift, fine * y, 260 * high);
+                    float relief = 0, size;
+                    for (size = 1; size < 8; size *= 2.3)
+                        relief += (noise(size * q) - noise(size * q + vector(-y * step, x * step, 0.35))) / size;
+                    float deep = clamp((top - high) / radians(hills), 0, 1);
+                    color rock = 0.6 * lit * clamp(0.85 + 1.5 * relief, 0.35, 1.5);
+                    behind = mix(mix(haze, rock, (range == 0 ? 0.34 : 0.55) * (1 - 0.6 * deep)), behind, smoothstep(-0.0006, 0.0006, high - top));
+                }
             }
         }
         // Below the horizon there is far ground in haze.

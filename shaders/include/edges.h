@@ -15,17 +15,20 @@ float leaning(float away, width) {
     return 1 - clamp(away / width, 0, 1);
 }
 
-// The normal as of edges that are rounded over a width, in parts of the shape's least half length; never less than a pixel's, so that
-// they catch light from afar, too.
-normal rounded(normal n; vector i; float width) {
+// The normal as of edges that are rounded over a width, in parts of the shape's least half length. Edges narrower than a pixel turn it as
+// much less; spread is how much the normals of a pixel vary, for `gloss`.
+normal rounded(normal n; vector i; float width; output float spread;) {
     normal turned = n;
     uniform float kind = shape_kind();
+    spread = 0;
     if (kind > 0 && width > 0) {
         point q = transform("object", P);
         vector ax = vtransform("object", "current", vector(1, 0, 0)), ay = vtransform("object", "current", vector(0, 1, 0));
         vector az = vtransform("object", "current", vector(0, 0, 1));
         float lx = length(ax), ly = length(ay), lz = length(az);
-        float w = max(width * min(lx, ly, lz), 0.8 * pixelwidth(i, n));
+        float own = width * min(lx, ly, lz), pixel = pixelwidth(i, n);
+        float w = max(own, 0.8 * pixel);
+        float share = own / w;
         vector over = az / lz * sign(zcomp(q)) * leaning((1 - abs(zcomp(q))) * lz, w);
         if (kind == 1) {
             over += ax / lx * sign(xcomp(q)) * leaning((1 - abs(xcomp(q))) * lx, w);
@@ -34,9 +37,25 @@ normal rounded(normal n; vector i; float width) {
             float r = max(0.0001, sqrt(xcomp(q) * xcomp(q) + ycomp(q) * ycomp(q)));
             over += (ax / lx * xcomp(q) + ay / ly * ycomp(q)) / r * leaning((1 - r) * lx, w);
         }
-        turned = normalize(n + normal(over));
+        turned = normalize(n + normal(share * over));
+        vector aside = over - n * (over . n);
+        // An eighth of a turn over the width, and where that is narrower than a pixel, the rest of the pixel is flat.
+        spread = min(1, 3 * length(aside)) * share * (0.05 * min(pixel / w, 1.25) * min(pixel / w, 1.25) + 0.1 * (1 - share));
     }
     return turned;
+}
+
+// A highlight of a glossy skin whose normals vary within the pixel: wider, and as much weaker (after Toksvig).
+color gloss(normal n; vector v; float roughness, spread) {
+    float wider = roughness + spread;
+    return (1 / wider + 8) / (1 / roughness + 8) * specular(n, v, wider);
+}
+
+// How much a glossy skin mirrors, by the angle: Schlick's form of Fresnel's, of paint and plastic, whose skin is
+// too rough to mirror all at a slant.
+float mirrors(normal n; vector v;) {
+    float low = 1 - clamp(n . v, 0, 1);
+    return 0.04 + 0.4 * low * low * low * low * low;
 }
 
 // 1 on the marks of a cylinder, by which its turning is seen: two quarters of a disc on its ends, and bars across its mantle.

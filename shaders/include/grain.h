@@ -62,14 +62,14 @@ float ridges(point p; float n) {
 float unevenness(float x, y, wide) {
     float broad = fade(wide, 1), fine = fade(wide, 0.3), sum = 0.5;
     if (broad > 0)
-        sum += 0.6 * broad * (noise(x, y) - 0.5);
+        sum += 0.4 * broad * (noise(x, y) - 0.5);
     if (fine > 0)
-        sum += 0.36 * fine * (noise(3.3 * x + 7.3, 3.3 * y) - 0.5);
+        sum += 0.2 * fine * (noise(3.3 * x + 7.3, 3.3 * y) - 0.5);
     float finer = fade(wide, 0.1), finest = fade(wide, 0.035);
     if (finer > 0)
-        sum += 0.1 * finer * (noise(9.7 * x + 1.9, 9.7 * y + 4.1) - 0.5);
+        sum += 0.07 * finer * (noise(9.7 * x + 1.9, 9.7 * y + 4.1) - 0.5);
     if (finest > 0)
-        sum += 0.03 * finest * (noise(31 * x, 31 * y + 8.7) - 0.5);
+        sum += 0.032 * finest * (noise(31 * x, 31 * y + 8.7) - 0.5);
     return sum;
 }
 

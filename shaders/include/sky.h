@@ -86,7 +86,7 @@ color sky_color(vector way, sun; float turbidity) {
 // What of the model's sky lights surfaces: it is brighter than measured skies. So a clear sky gives a sixth to a third of the light, by the
 // height of the sun, and shadows are as deep as photographs have them.
 float sky_share() {
-    return 0.7;
+    return 0.5;
 }
 
 // The mean of the sky near the horizon.

@@ -3,8 +3,8 @@
 // m, 0 for none.
 #include "grain.h"
 
-surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.008; float contrast = 0.22; float size = 0.35; float bump = 0.12;
-               float stones = 0; float pebble = 0.06;) {
+surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0; float contrast = 0.22; float size = 0.35; float bump = 0.05;
+               float stones = 0.06; float pebble = 0.06;) {
     // Lengths are those of the space in which the shader stands.
     point Q = transform("shader", P);
     float wide = pixelwidth(I, N) * length(vtransform("shader", vector "world" (1, 0, 0)));
@@ -20,24 +20,29 @@ surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0.0
     if (near < 0.9) {
         slope = tilt(x / size, y / size, near, bump);
     }
-    float middle = fade(wide, 0.09), fine = fade(wide, 0.02);
+    // Of what is seen at a slant the pixels are long, but their other side tells grains apart.
+    float across = wide * sqrt(max(0.05, abs(normalize(N) . normalize(I))));
+    float middle = fade(across, 0.09), fine = fade(across, 0.02), grains = fade(across, 0.009);
     if (middle > 0)
         soil *= 1 + 0.26 * middle * (noise(x * 13, y * 13) - 0.5);
     if (fine > 0)
-        soil *= 1 + 0.3 * fine * (noise(x * 55, y * 55) - 0.5);
-    // A pebble in some of the cells of a grid, with a place and a size of its own.
-    // Near by they would be discs.
-    float shown = fade(wide, 1.5 * pebble) * (1 - smoothstep(18, 36, pebble / wide));
+        soil *= 1 + 0.4 * fine * (noise(x * 55, y * 55) - 0.5);
+    if (grains > 0)
+        soil *= 1 + 0.5 * grains * (noise(x * 140, y * 140) - 0.5);
+    // A pebble in some of the cells of a grid, with a place, a size and a turn of its own. Near by they would be discs.
+    float shown = fade(wide, 0.7 * pebble) * (1 - smoothstep(18, 36, pebble / wide));
     if (shown > 0) {
         float cx = floor(x / pebble) + 0.5, cy = floor(y / pebble) + 0.5;
         if (cellnoise(cx, cy) < stones) {
             color own = cellnoise(cx + 37, cy);
-            float r = 0.12 + 0.26 * comp(own, 2) * comp(own, 2);
-            float dx = (x / pebble - cx + 0.5 - mix(r, 1 - r, comp(own, 0))) / r;
-            float dy = (y / pebble - cy + 0.5 - mix(r, 1 - r, comp(own, 1))) / r;
-            float on = shown * (1 - smoothstep(0.8, 1, sqrt(dx * dx + dy * dy)));
-            soil = mix(soil, Cs * (0.45 + 0.8 * mod(7 * comp(own, 0), 1)), on);
-            slope = mix(slope, -0.9 * (vector "world" (1, 0, 0) * dx + vector "world" (0, 1, 0) * dy), on);
+            float r = 0.09 + 0.16 * comp(own, 2) * comp(own, 2), room = 1.3 * r, turn = 40 * comp(own, 2);
+            float dx = (x / pebble - cx + 0.5 - mix(room, 1 - room, comp(own, 0))) / r;
+            float dy = (y / pebble - cy + 0.5 - mix(room, 1 - room, comp(own, 1))) / r;
+            float along = dx * cos(turn) + dy * sin(turn), across = 1.5 * (dy * cos(turn) - dx * sin(turn));
+            float out = sqrt(along * along + across * across) + 0.35 * (noise(2.5 * dx + turn, 2.5 * dy) - 0.5);
+            float on = shown * (1 - smoothstep(0.8, 1.1, out));
+            soil = mix(soil, Cs * (0.5 + 0.5 * mod(7 * comp(own, 0), 1)), on);
+            slope = mix(slope, -0.5 * (vector "world" (1, 0, 0) * dx + vector "world" (0, 1, 0) * dy), on);
         }
     }
     Nf = normalize(Nf - slope);

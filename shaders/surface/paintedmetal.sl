@@ -1,11 +1,12 @@
 // Painted metal, worn to the bare steel in patches and at the edges of boxes and cylinders, with rust about what is bare. bevel: width of
 // the edges, in parts of the least half length; marks: how strong the marks of cylinders are, by which their turning is seen.
 #include "edges.h"
-surface paintedmetal(float Ka = 1; float Kd = 0.7; float Ks = 3.2; float roughness = 0.03; float wear = 0.3; float size = 0.2;
-                     color steel = color(0.55, 0.56, 0.58); color rust = color(0.35, 0.16, 0.07); float bevel = 0.1; float marks = 0.92;
+surface paintedmetal(float Ka = 1; float Kd = 0.9; float Ks = 0.8; float roughness = 0.015; float wear = 0.3; float size = 0.2;
+                     color steel = color(0.55, 0.56, 0.58); color rust = color(0.35, 0.16, 0.07); float bevel = 0.1; float marks = 0.96;
                      uniform float id = 0;) {
     normal face = normalize(N);
-    normal turned = rounded(face, I, bevel);
+    float spread = 0;
+    normal turned = rounded(face, I, bevel, spread);
     normal Nf = faceforward(turned, I);
     vector V = -normalize(I);
     point o = transform("object", P);
@@ -19,7 +20,8 @@ surface paintedmetal(float Ka = 1; float Kd = 0.7; float Ks = 3.2; float roughne
     color paint = Cs * own_tone(id) * (1 - marks * marked());
     color base = mix(mix(paint, rust, 0.7 * rusty), steel, bare);
     float shine = mix(Ks * (1 - rusty), 0.9, bare);
+    color around = ambient();
     Oi = Os;
-    Ci = Os * (base * (Ka * ambient() + Kd * (1 - 0.5 * bare) * diffuse(Nf))
-               + mix(color(1, 1, 1), steel, bare) * shine * specular(Nf, V, mix(roughness, 0.22, bare)));
+    Ci = Os * (base * (Ka * around + Kd * (1 - 0.5 * bare) * diffuse(Nf))
+               + mix(color(1, 1, 1), steel, bare) * shine * (gloss(Nf, V, mix(roughness, 0.22, bare), spread) + 2 * Ka * mirrors(Nf, V) * around));
 }

@@ -3,12 +3,13 @@
 #include "edges.h"
 surface rubber(float Ka = 1; float Kd = 0.9; float Ks = 0.12; float dust = 0.15; color tint = color(0.045, 0.045, 0.048); float rim = 0.62; float lugs = 24;
                color metal = color(0.5, 0.51, 0.53); float bevel = 0.15;) {
-    normal Nf = faceforward(rounded(normalize(N), I, bevel), I);
+    float spread = 0;
+    normal Nf = faceforward(rounded(normalize(N), I, bevel, spread), I);
     vector V = -normalize(I);
     float up = max(0, zcomp(ntransform("world", Nf)));
     point q = transform("object", P);
     color c = mix(tint, color(0.4, 0.35, 0.28), dust * up * noise(q * 12));
-    float gloss = Ks;
+    float shine = Ks;
     uniform float kind = shape_kind();
     if (kind == 2) {
         float r = sqrt(xcomp(q) * xcomp(q) + ycomp(q) * ycomp(q));
@@ -18,7 +19,7 @@ surface rubber(float Ka = 1; float Kd = 0.9; float Ks = 0.12; float dust = 0.15;
             float spoke = abs(mod(5 * turn, 1) - 0.5) * r;
             float metallic = r < 0.3 * rim || r > 0.86 * rim || spoke < 0.07 ? 1 : 0;
             c = metallic * metal + (1 - metallic) * 0.4 * tint;
-            gloss = 0.15 + 0.5 * metallic;
+            shine = 0.15 + 0.5 * metallic;
         } else if (r > 0.93 && lugs > 0) {
             // Lugs across the mantle, over the shoulders.
             float lug = abs(mod(lugs * turn + 0.5 * zcomp(q) * sign(zcomp(q)), 1) - 0.5);
@@ -26,5 +27,5 @@ surface rubber(float Ka = 1; float Kd = 0.9; float Ks = 0.12; float dust = 0.15;
         }
     }
     Oi = Os;
-    Ci = Os * Cs * (c * (Ka * ambient() + Kd * diffuse(Nf)) + gloss * specular(Nf, V, 0.3));
+    Ci = Os * Cs * (c * (Ka * ambient() + Kd * diffuse(Nf)) + shine * gloss(Nf, V, 0.3, spread));
 }

@@ -1,8 +1,9 @@
 // Brushed steel: streaks along s, and a highlight drawn out across them. bevel: width of rounded edges of boxes and cylinders, in parts of
 // their least half length; marks: how strong the marks of cylinders are, by which their turning is seen.
 #include "edges.h"
-surface steel(float Ka = 1; float Kd = 0.25; float Ks = 0.9; float streaks = 400; color tint = color(0.6, 0.61, 0.63); float bevel = 0.04; float marks = 0.92;) {
-    normal Nf = faceforward(rounded(normalize(N), I, bevel), I);
+surface steel(float Ka = 1; float Kd = 0.25; float Ks = 0.9; float streaks = 400; color tint = color(0.6, 0.61, 0.63); float bevel = 0.04; float marks = 0.96;) {
+    float bent = 0;
+    normal Nf = faceforward(rounded(normalize(N), I, bevel, bent), I);
     vector V = -normalize(I);
     point q = transform("object", P);
     // What is too fine to be seen fades to its mean.

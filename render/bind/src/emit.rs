@@ -87,6 +87,9 @@ pub fn frame(
                 drawn = true;
                 inject_objects(&prepared, &words.collect::<Vec<_>>(), has_ground, &binding.output, files, ri)
             }
+            (Some("override"), Some("ShadingRate")) if words.next() == Some("floor") => {
+                ri.shading_rate(floor_rate(&binding.output))
+            }
             (Some("override"), Some(what)) if OVERRIDES.contains(&what) => {
                 override_setting(what, &binding.output, image, ri)
             }
@@ -207,6 +210,11 @@ fn check_overrides(binding: &Binding, scene: &str) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Area of a micropolygon of planes, pixels. They are mostly seen at a slant, where micropolygons are slender: longer ones are as small.
+fn floor_rate(o: &Output) -> f32 {
+    if o.quality == Quality::Final { o.shading_rate } else { SLANT * o.shading_rate }
+}
+
 fn override_setting(what: &str, o: &Output, image: &str, ri: &mut dyn Ri) -> RiResult {
     match what {
         "Format" => ri.format(o.resolution[0] as i32, o.resolution[1] as i32, 1.0),
@@ -242,12 +250,14 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
         triple("zenith", Type::Color, [0.46, 0.52, 0.59]),
         triple("horizon", Type::Color, [0.28, 0.31, 0.35]),
         triple("beneath", Type::Color, [0.22, 0.21, 0.2]),
+        triple("sun", Type::Vector, [-0.55, -0.5, 0.8]),
+        triple("sunshine", Type::Color, [1.25, 1.19, 1.09]),
     ];
     ri.light_source("skylight", "scree:sky", sky)?;
     let sun = vec![
         number("intensity", 1.25),
         number("angle", 5.0),
-        number("samples", 4.0),
+        number("samples", 16.0),
         triple("lightcolor", Type::Color, [1.0, 0.95, 0.87]),
         triple("from", Type::Point, [0.0; 3]),
         triple("to", Type::Point, [0.55, 0.5, -0.8]),
@@ -321,8 +331,11 @@ fn inject_objects(
             ri.attribute("shape", vec![Param::floats("kind", Class::Uniform, Type::Float, [kind])])?;
         }
         if let Shape::Plane(_) = p.object.shape {
-            // A plane is mostly seen at a slant, where micropolygons are slender: longer ones are as small.
-            ri.shading_rate(SLANT * output.shading_rate)?;
+            ri.shading_rate(floor_rate(output))?;
+        }
+        if matches!(p.object.shape, Shape::Plane(_) | Shape::Box(_)) {
+            // What is flat has no silhouette within a micropolygon: shadows on it have smooth edges.
+            ri.shading_interpolation("smooth")?;
         }
         let is_mark = matches!(p.object.shape, Shape::Arrow(_) | Shape::Trail(_));
         if is_mark {

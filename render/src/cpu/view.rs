@@ -19,7 +19,7 @@ use crate::scene::world::Scene;
 use glam::{Mat3, Mat4, Vec3};
 use sl::Global;
 use sl::ir::{Ask, Lookup};
-use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, OpenPlace, Points, Ray, Segment};
+use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Open, OpenPlace, Points, Ray, Segment};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -507,7 +507,7 @@ impl sl::machine::Scene for View<'_> {
         Some(Emitter { points, normals, part: 1.0 / light.samples as f32 })
     }
 
-    fn openness(&self, places: &[OpenPlace], open: &mut [[f32; 3]]) {
+    fn openness(&self, places: &[OpenPlace], open: &mut [Open]) {
         self.rays.surroundings(self.scene).open(self.item, places, open);
     }
 

@@ -1,8 +1,8 @@
 // How open to the sky a place is, by cones about fixed directions.
-// Spheres are two rows: primitive, index of its half axes and whether it is an ellipsoid; middle and radius. Facets are five: four corners,
-// the first of them with 1 if it is of a closed surface; the normal by its area, and its size, the square root of the area. Nodes of
+// Spheres are two rows: primitive, index of its half axes, whether it is an ellipsoid, its colour in ten bits a channel; middle and radius. Facets are five: four corners,
+// the first of them with 1 if it is of a closed surface, the second with its colour; the normal by its area, and its size, the square root of the area. Nodes of
 // facets are three, in the order of a walk: middle and radius; sum of normals by area, and of areas; the next node that is not below, facet,
-// 1 if it is a leaf, 0.
+// 1 if it is a leaf, the mean colour.
 // Twin: cpu/openness.rs
 
 // As in cpu/openness/cones.rs, spheres.rs and facets.rs.
@@ -14,10 +14,25 @@ const REACH: f32 = 5.0;
 const FADES: f32 = 3.0;
 const FAR: f32 = 2.5;
 const IN_PLANE: f32 = 2e-6;
+const PAST: f32 = 0.7;
+const WIDE: f32 = 20.0;
+const SLANT: f32 = 0.6;
 
 // How much of each cone is open, or closed.
 var<private> sky_open: array<f32, 24>;
 var<private> sky_closed: array<f32, 24>;
+// The way to the sun, or 0; how much of them facets close, by how squarely these face the sun; and of this what is far away.
+var<private> sky_sun: vec3<f32>;
+var<private> sky_bright: array<f32, 24>;
+var<private> sky_far: array<f32, 24>;
+
+// Colours of what closes them, by how much of what lights the place each closes, and the sum of that.
+var<private> sky_tint: vec4<f32>;
+
+fn add_tint(color: u32, weight: f32) {
+    let c = vec3<f32>(vec3<u32>(color, color >> 10u, color >> 20u) & vec3<u32>(1023u)) * (1.0 / 1023.0);
+    sky_tint += vec4<f32>(c, 1.0) * weight;
+}
 
 // The axes of the cones.
 const AXES: array<vec3<f32>, 24> = array<vec3<f32>, 24>(
@@ -97,7 +112,9 @@ fn close_sphere(place: vec3<f32>, normal: vec3<f32>, at: u32, own: u32) {
         r2 = silhouette2(world[1].z + 3u * head.y, way);
     }
     let fade = 1.0 - smooth_step(clamp((d / r - FADES) / (REACH - FADES), 0.0, 1.0));
-    let cap = cap_of(way, min(r2 / max(d2, 1e-30), 1.0), fade);
+    let sin2 = min(r2 / max(d2, 1e-30), 1.0);
+    add_tint(head.w, fade * sin2 * max(dot(way, normal), 0.0));
+    let cap = cap_of(way, sin2, fade);
     for (var k = 0u; k < CONES; k += 1u) {
         sky_open[k] *= 1.0 - cap_covers(cap, k);
     }
@@ -123,7 +140,7 @@ fn close_spheres(place: vec3<f32>, normal: vec3<f32>) {
 }
 
 // What facets close from afar. Of what encloses something, a quarter of its area is seen in the mean (Cauchy).
-fn close_node(to: vec3<f32>, d2: f32, ball: vec4<f32>, sum: vec4<f32>) {
+fn close_node(to: vec3<f32>, d2: f32, normal: vec3<f32>, ball: vec4<f32>, sum: vec4<f32>, color: u32) {
     let way = to / sqrt(d2);
     let even = sqrt(dot(sum.xyz, sum.xyz));
     let seen = abs(dot(sum.xyz, way)) + 0.25 * max(sum.w - even, 0.0);
@@ -132,9 +149,14 @@ fn close_node(to: vec3<f32>, d2: f32, ball: vec4<f32>, sum: vec4<f32>) {
         return;
     }
     let fade = smooth_step(min((solid - 0.002) / (0.006 - 0.002), 1.0));
-    let cap = cap_of(way, min(solid / 3.14159274, 1.0), fade);
+    let sin2 = min(solid / 3.14159274, 1.0);
+    add_tint(color, fade * sin2 * max(dot(way, normal), 0.0));
+    let cap = cap_of(way, sin2, fade);
+    let bright = select(sky_phase(dot(way, sky_sun)), 0.0, all(sky_sun == vec3<f32>()));
     for (var k = 0u; k < CONES; k += 1u) {
-        sky_closed[k] += cap_covers(cap, k);
+        let cover = cap_covers(cap, k);
+        sky_closed[k] += cover;
+        sky_bright[k] += cover * bright;
     }
 }
 
@@ -172,6 +194,15 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
     // A cone that is wider than the facet is not covered by it whole.
     let solid = solid_angle(q[0], q[1], q[2]) + solid_angle(q[0], q[2], q[3]);
     let most = min(1.5 * solid / SOLID, 1.0);
+    // Light comes along the way to its plane, or to its middle, whichever is more before the surface.
+    let middle = 0.25 * (q[0] + q[1] + q[2] + q[3]);
+    let plane = side * dot(area, normal) / (size * size);
+    let toward = dot(middle, normal) / max(sqrt(dot(middle, middle)), 1e-30);
+    add_tint(world[at + 1u].w, solid / 3.14159274 * max(max(plane, toward), 0.1));
+    // The side that is seen, if the sun shines on it.
+    let across = -area * side / (size * size);
+    let bright = max(dot(across, sky_sun), 0.0);
+    let wide = bright * clamp(size / (WIDE * abs(height)) - 1.0, 0.0, 1.0);
     for (var k = 0u; k < CONES; k += 1u) {
         var cover = most;
         let axis = AXES[k];
@@ -181,6 +212,9 @@ fn close_facet(place: vec3<f32>, normal: vec3<f32>, at: u32) {
             }
         }
         sky_closed[k] += cover;
+        let sine = abs(dot(across, axis));
+        sky_bright[k] += bright * cover;
+        sky_far[k] += wide * cover * max(1.0 - sine * (1.0 / SLANT), 0.0);
     }
 }
 
@@ -197,7 +231,7 @@ fn close_facets(place: vec3<f32>, normal: vec3<f32>) {
         if dot(to, normal) <= -ball.w {
             k = next.x;
         } else if is_far {
-            close_node(to, d2, ball, world_row(at + 1u));
+            close_node(to, d2, normal, ball, world_row(at + 1u), next.w);
             k = next.x;
         } else {
             k += 1u;
@@ -213,13 +247,32 @@ fn sky_free(cosine: f32) -> vec3<f32> {
     return vec3<f32>(above, 2.0 / 3.0 * sl_power(above, 1.651496), 1.0 - above);
 }
 
-fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f32> {
+// As phase in cpu/openness.rs.
+fn sky_phase(cosine: f32) -> f32 {
+    let half = 0.5 - 0.5 * cosine;
+    return half * (0.1833 + 0.4833 * half);
+}
+
+// A quotient, or what there is where nothing counts.
+fn sky_part(sum: f32, all: f32, free: f32) -> f32 {
+    return select(free, free * sum / all, all > 0.0);
+}
+
+fn close_sky(place: vec3<f32>, normal: vec3<f32>, sun: vec3<f32>) {
+    sky_sun = sun;
     for (var k = 0u; k < CONES; k += 1u) {
         sky_open[k] = 1.0;
         sky_closed[k] = 0.0;
+        sky_bright[k] = 0.0;
+        sky_far[k] = 0.0;
     }
+    sky_tint = vec4<f32>();
     close_spheres(place, normal);
     close_facets(place, normal);
+}
+
+fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f32> {
+    close_sky(place, normal, vec3<f32>());
     var all = vec3<f32>();
     var sum = vec3<f32>();
     for (var k = 0u; k < CONES; k += 1u) {
@@ -233,4 +286,42 @@ fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f3
     }
     let free = sky_free(dot(normal, up));
     return select(free, free * sum / all, all > vec3<f32>());
+}
+
+fn scene_surroundings(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>, sun: vec3<f32>) -> mat4x4<f32> {
+    close_sky(place, normal, sun);
+    var all = vec3<f32>();
+    var sum = vec3<f32>();
+    var facing_all = 0.0;
+    var closed = 0.0;
+    var near_lit = 0.0;
+    var far_lit = 0.0;
+    var sunny_all = 0.0;
+    var sunny = 0.0;
+    for (var k = 0u; k < CONES; k += 1u) {
+        let axis = AXES[k];
+        let height = dot(axis, up);
+        let before = dot(axis, normal);
+        let toward = dot(axis, sun);
+        let above = clamp(0.5 + height, 0.0, 1.0);
+        let facing = max(before, 0.0);
+        let parts = vec3<f32>(above, above * max(height, 0.0), 1.0 - above) * facing;
+        let open = sky_open[k] * (1.0 - min(sky_closed[k], 1.0));
+        all += parts;
+        sum += parts * open;
+        let by_facets = facing * (sky_open[k] - open) / max(sky_closed[k], 1e-6);
+        facing_all += facing;
+        closed += facing * (1.0 - open);
+        near_lit += facing * (1.0 - sky_open[k]) * sky_phase(toward) + by_facets * sky_bright[k];
+        far_lit += by_facets * sky_far[k];
+        let lobe = max(toward, 0.0) * max(toward, 0.0);
+        sunny_all += lobe;
+        sunny += lobe * open * (PAST + (1.0 - PAST) * clamp(0.5 + before, 0.0, 1.0));
+    }
+    let free = sky_free(dot(normal, up));
+    let parts = select(free, free * sum / all, all > vec3<f32>());
+    let lit = sky_part(far_lit + (near_lit - far_lit) * sky_part(sunny, sunny_all, 1.0), facing_all, 1.0);
+    let color = select(vec3<f32>(), sky_tint.xyz / sky_tint.w, sky_tint.w > 0.0);
+    return mat4x4<f32>(vec4<f32>(parts, sky_part(closed, facing_all, 1.0)), vec4<f32>(color, select(0.0, lit, sunny_all > 0.0)),
+                       vec4<f32>(), vec4<f32>());
 }

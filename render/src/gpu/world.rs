@@ -94,7 +94,7 @@ fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u
         rows[1] = [push_tree(rows, &spheres.tree), 0, 0, spheres.tree.nodes().len() as u32];
         rows[1][1] = rows.len() as u32;
         for round in &spheres.rounds {
-            rows.push([id(round.item), round.axes.unwrap_or(0), round.axes.is_some() as u32, 0]);
+            rows.push([id(round.item), round.axes.unwrap_or(0), round.axes.is_some() as u32, round.color.0]);
             rows.push(bits(round.center.extend(round.radius)));
         }
         rows[1][2] = rows.len() as u32;
@@ -108,11 +108,12 @@ fn push_sky(rows: &mut Vec<[u32; 4]>, sky: &Surroundings, id: &dyn Fn(Item) -> u
         for (node, next) in nodes.iter().zip(next) {
             rows.push(bits(node.center.extend(node.radius)));
             rows.push(bits(node.normal.extend(node.area)));
-            rows.push([next, if node.leaf { node.next } else { 0 }, node.leaf as u32, 0]);
+            rows.push([next, if node.leaf { node.next } else { 0 }, node.leaf as u32, node.color.0]);
         }
         rows[2][1] = rows.len() as u32;
         for facet in &facets.facets {
-            let [a, b, c, d] = facet.corners.map(point);
+            let [a, mut b, c, d] = facet.corners.map(point);
+            b[3] = facet.color.0;
             let size = facet.area.length().sqrt();
             rows.extend([[a[0], a[1], a[2], facet.closed as u32], b, c, d, bits(facet.area.extend(size))]);
         }

@@ -266,12 +266,12 @@ impl Quality {
         }
     }
 
-    /// How the library's lights go by it: whether the sky's is hidden by what is in the way, and the samples of the sun's disc.
+    /// How the library's lights go by it: whether the sky's is hidden by what is in the way, and the samples of the sun's disc where it is half hidden.
     pub fn light(self) -> [f32; 2] {
         match self {
             Quality::Draft => [0.0, 1.0],
-            Quality::Normal => [1.0, 1.0],
-            Quality::Final => [1.0, 6.0],
+            Quality::Normal => [1.0, 12.0],
+            Quality::Final => [1.0, 32.0],
         }
     }
 }

@@ -17,6 +17,6 @@ mod text;
 
 pub use super::bound::{Answer, BoundShader};
 pub use super::points::{Message, Points};
-pub use super::scene::{Emitter, Lights, MapQuery, OpenPlace, Ray, Scene, Segment, open_to};
+pub use super::scene::{Emitter, Lights, MapQuery, Open, OpenPlace, Ray, Scene, Segment, open_to};
 pub use super::slots::VariableSlots;
 pub use state::Machine;

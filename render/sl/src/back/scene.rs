@@ -18,9 +18,12 @@ pub trait Scene {
     /// How much of the sky's light gets to places on a surface: of an even sky above the horizon, of one whose light grows with the
     /// sine of the height, and of what is below the horizon; each as a part of what the upper side of a plane in the open gets of light
     /// from all directions that is as bright as at the zenith, or below. By default nothing is in the way.
-    fn openness(&self, places: &[OpenPlace], open: &mut [[f32; 3]]) {
+    fn openness(&self, places: &[OpenPlace], open: &mut [Open]) {
         let height = |p: &OpenPlace| (0..3).map(|c| p.normal[c] * p.up[c]).sum::<f32>();
-        places.iter().zip(open).for_each(|(place, open)| *open = open_to(height(place)));
+        places.iter().zip(open).for_each(|(place, open)| {
+            let sky = open_to(height(place));
+            *open = Open { sky, low: sky[2], ..Open::default() };
+        });
     }
     /// Sample points on an area light, for `n` points that it lights: `_light` is the light's index in [`Scene::lights`], `_place`
     /// gives the position of a lit point by its index. `None` if the light is no area light.
@@ -81,7 +84,22 @@ pub fn open_to(cosine: f32) -> [f32; 3] {
     [above, 2.0 / 3.0 * above.powf(1.651_496), 1.0 - above]
 }
 
-/// A place on a surface that looks at the sky: position, unit normal and unit direction up, in the current space.
+/// How open a place is, and what is in the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Open {
+    /// The parts of the sky's light that get there; of the ground's, what spheres let through.
+    pub sky: [f32; 3],
+    /// The last, as all that is in the way lets it through.
+    pub low: f32,
+    /// How much of what lights the surface is closed.
+    pub closed: f32,
+    /// The mean colour of what closes it.
+    pub color: [f32; 3],
+    /// What it gets from a sun of 1 by way of white bodies that close it.
+    pub lit: f32,
+}
+
+/// A place on a surface that looks at the sky: position, unit normal, unit direction up and to the sun, in the current space.
 #[derive(Clone, Copy, Debug)]
 pub struct OpenPlace {
     /// Position.
@@ -90,6 +108,8 @@ pub struct OpenPlace {
     pub normal: [f32; 3],
     /// Up.
     pub up: [f32; 3],
+    /// The way to the sun, 0 for none.
+    pub sun: [f32; 3],
 }
 
 /// A ray, in the current space.

@@ -79,6 +79,8 @@ pub enum SceneCall {
     Occlusion,
     /// `openness(P, N, up)`: the parts of the sky's light that get to P.
     Openness,
+    /// `surroundings(P, N, up, sun)`: the same, and what light the bodies around send on.
+    Surroundings,
     /// `indirectdiffuse(P, N, samples)`: the mean colour of the surfaces that the hemisphere about N sees.
     IndirectDiffuse,
 }
@@ -426,6 +428,7 @@ pub const TABLE: &[Row] = &[
     scene("trace", &[T, T], FloatOrColor, SceneCall::Trace),
     scene("occlusion", &[T, T, F], Is(Float), SceneCall::Occlusion),
     scene("openness", &[T, T, T], Is(Vector), SceneCall::Openness),
+    scene("surroundings", &[T, T, T, T], Is(Matrix), SceneCall::Surroundings),
     scene("indirectdiffuse", &[T, T, F], Is(Color), SceneCall::IndirectDiffuse),
     // Maps.
     form("texture", Form::Map(Lookup::Texture), ""),

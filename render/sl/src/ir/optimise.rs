@@ -34,7 +34,7 @@ pub fn optimise(program: &mut Program) {
         Op::Gather { .. } => true,
         Op::Map { how, .. } => matches!(how, Lookup::Shadow),
         Op::Call(f, ..) => {
-            matches!(f.row().how, How::Scene(call) if !matches!(call, SceneCall::Ambient | SceneCall::Openness))
+            matches!(f.row().how, How::Scene(call) if !matches!(call, SceneCall::Ambient | SceneCall::Openness | SceneCall::Surroundings))
         }
         _ => false,
     });

@@ -1,6 +1,7 @@
 //! Functions of matrices, and of components by index. A matrix has its sixteen numbers row after row, for row vectors.
 
-use super::call::Call;
+use super::call::{Call, Values};
+use super::runs::run_of;
 use glam::{Mat4, Vec3};
 
 /// The element of an index, if there is one.
@@ -48,6 +49,17 @@ fn place(of_matrix: bool, indices: &[[f32; 16]]) -> Option<usize> {
 /// Component of a triple, or of a matrix (row, column), by index; 0 if there is none.
 pub fn component(call: &Call<'_>, out: &mut Vec<f32>) {
     let of_matrix = call.args[0].width == 16;
+    if let [of, indices @ ..] = call.args
+        && indices.iter().all(Values::is_uniform)
+    {
+        // One component of all.
+        let indices: Vec<[f32; 16]> = indices.iter().map(|index| one16(index.v[0])).collect();
+        match place(of_matrix, &indices) {
+            Some(k) => out.extend_from_slice(run_of(of.v, of.width, k, call.n)),
+            None => out.resize(call.lanes(), 0.0),
+        }
+        return;
+    }
     call.pointwise(out, |v| one16(place(of_matrix, &v[1..]).map_or(0.0, |k| v[0][k])));
 }
 

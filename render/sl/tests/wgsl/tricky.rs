@@ -150,7 +150,7 @@ const SHADERS: &[(&str, &str, &str)] = &[
     ),
     ("what is asked by name", "", "uniform float clip[2] = {0, 1}; float rate = 7, depth = 5; if (option(\"Clipping\", clip) == 1) Ci = clip[0] + 0.1 * clip[1]; string name = \"none\"; attribute(\"identifier:name\", name); if (name == \"pebble\") Ci += 2; Ci += attribute(\"ShadingRate\", rate) + rate + attribute(\"unknown\", rate); rayinfo(\"depth\", depth); Ci += depth + depth(P) + surface(\"Km\", rate) + rate;"),
     ("time", "", "Ci = time + 10 * dtime + ncomps;"),
-    ("rays", "", "Ci = occlusion(P, N, 32) + transmission(P, P + N) + float trace(P, N) + rgb(openness(P, N, vector(0, 0, 1)));"),
+    ("rays", "", "Ci = occlusion(P, N, 32) + transmission(P, P + N) + float trace(P, N) + rgb(openness(P, N, vector(0, 0, 1))) + comp(surroundings(P, N, vector(0, 0, 1), vector(0, 1, 1)), 0, 2);"),
     ("rays in a condition with derivatives", "", "if (s > 0.4) { Ci = occlusion(P, N, 8) * filterwidth(s) + transmission(P, P + 2 * N); }"),
     ("texture maps", "", "Ci = texture(\"a.tx\") + color texture(\"wood\"[1], 2 * s, t * s, \"blur\", 0.1 * s, \"swidth\", 2, \"tblur\", 0.3, \"fill\", t) + float texture(\"a.tx\", s, t, s + 0.1, t, s, t + 0.2, s + 0.1, t + 0.3);"),
     ("texture maps in conditions", "", "if (s > 0.5) { float i; for (i = 0; i < 3 * t + 1; i += 1) Ci += texture(\"wood\", s * i, t); } else Ci = environment(\"sky\", N, \"width\", 2) * float shadow(\"sun.sm\", P, \"samples\", 4, \"bias\", 0.1);"),

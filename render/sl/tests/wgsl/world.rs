@@ -106,6 +106,10 @@ pub const FUNCTIONS: [(Query, &str); 4] = [
         "fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f32> {
     let above = clamp(0.5 + 0.5 * dot(normal, up), 0.0, 1.0);
     return vec3<f32>(above, 2.0 / 3.0 * sl_power(above, 1.651496), 1.0 - above);
+}
+
+fn scene_surroundings(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>, sun: vec3<f32>) -> mat4x4<f32> {
+    return mat4x4<f32>(vec4<f32>(scene_openness(place, normal, up), 0.0), vec4<f32>(), vec4<f32>(), vec4<f32>());
 }",
     ),
     (

@@ -29,6 +29,42 @@ impl Cones {
     pub const OPEN: Cones = Cones([1.0; CONES]);
 }
 
+/// Colours of what closes cones, summed by how much of what lights the point each closes.
+#[derive(Clone, Copy, Default)]
+pub struct Tint {
+    sum: Vec3,
+    weight: f32,
+}
+
+impl Tint {
+    #[inline(always)]
+    pub fn add(&mut self, color: Packed, weight: f32) {
+        self.sum += color.color() * weight;
+        self.weight += weight;
+    }
+
+    /// Their mean.
+    pub fn mean(&self) -> Vec3 {
+        if self.weight > 0.0 { self.sum / self.weight } else { Vec3::ZERO }
+    }
+}
+
+/// A colour in ten bits a channel, as a device has it, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Packed(pub u32);
+
+impl Packed {
+    pub fn new(color: [f32; 3]) -> Packed {
+        let [r, g, b] = color.map(|c| (c.clamp(0.0, 1.0) * 1023.0).round() as u32);
+        Packed(r | g << 10 | b << 20)
+    }
+
+    #[inline(always)]
+    pub fn color(self) -> Vec3 {
+        Vec3::new((self.0 & 1023) as f32, (self.0 >> 10 & 1023) as f32, (self.0 >> 20 & 1023) as f32) * (1.0 / 1023.0)
+    }
+}
+
 /// The axes, evenly spread along a spiral.
 pub fn cones() -> &'static [Vec3; CONES] {
     static ALL: OnceLock<[Vec3; CONES]> = OnceLock::new();
@@ -55,6 +91,14 @@ pub fn axes() -> &'static Axes {
 #[inline(always)]
 pub fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
+}
+
+/// How bright a dull sphere is in the mean, of 1 square to the sun, by the cosine of the way that it is seen along and the way to the sun: close
+/// to Lambert's 2 (sin α + (π − α) cos α) / 3π of the phase α.
+#[inline(always)]
+pub fn phase(cos: f32) -> f32 {
+    let half = 0.5 - 0.5 * cos;
+    half * (0.1833 + 0.4833 * half)
 }
 
 /// A disc in the sky as cones see it: the overlap of two spherical caps as a smooth step (Oat and Sander 2007), scaled so that it covers

@@ -1,6 +1,6 @@
 //! Facets of patches as they close cones: those near a point by themselves, those farther away together.
 
-use crate::cpu::openness::cones::{Axes, CONES, Cap, Cones, SIN, SOLID, axes, smooth};
+use crate::cpu::openness::cones::{Axes, CONES, Cap, Packed, SIN, SOLID, Tint, axes, phase, smooth};
 use crate::scene::facets::{Cut, quads_of};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
@@ -18,6 +18,10 @@ const LEAST: [f32; 2] = [0.002, 0.006];
 /// numbers of single precision leave of it.
 const IN_PLANE: f32 = 2e-6;
 
+/// Heights of a point over a facet, from how many on the facet is wide: what is seen of it at a slant, up to this sine, is far away.
+const WIDE: f32 = 20.0;
+const SLANT: f32 = 0.6;
+
 /// A facet of four corners; of a triangle two are the same.
 #[derive(Clone, Copy)]
 pub struct Facet {
@@ -25,6 +29,7 @@ pub struct Facet {
     /// Its normal by its area; of a closed surface it points outwards.
     pub area: Vec3,
     pub closed: bool,
+    pub color: Packed,
 }
 
 /// Facets, seen from afar.
@@ -38,6 +43,19 @@ pub struct Node {
     /// Of an inner node, its second child, whose first is the next; of a leaf its facet.
     pub next: u32,
     pub leaf: bool,
+    /// The mean colour by area.
+    pub color: Packed,
+}
+
+/// What facets do to the cones of a point.
+pub struct Shut {
+    /// The way to the sun, 0 for none.
+    pub sun: Vec3,
+    /// How much of each cone they close; that by how squarely they face the sun; and of this what is far away.
+    pub closed: [f32; CONES],
+    pub bright: [f32; CONES],
+    pub far: [f32; CONES],
+    pub tint: Tint,
 }
 
 /// All of a scene.
@@ -52,8 +70,9 @@ impl Facets {
         let mut facets = vec![];
         for item in items {
             if let (Shape::Patches(patches, _), to_world) = scene.place(*item) {
-                let first = facets.len();
-                facets.extend(patches.iter().flat_map(|p| quads_of(p, Cut::even(p), to_world)).filter_map(facet_of));
+                let (first, color) = (facets.len(), Packed::new(scene.view(*item).color));
+                let quads = patches.iter().flat_map(|p| quads_of(p, Cut::even(p), to_world));
+                facets.extend(quads.filter_map(|corners| facet_of(corners, color)));
                 orient(&mut facets[first..]);
             }
         }
@@ -65,12 +84,11 @@ impl Facets {
     }
 
     /// Close the cones of a point.
-    pub fn close(&self, at: Vec3, normal: Vec3, open: &mut Cones) {
+    pub fn close(&self, at: Vec3, normal: Vec3, shut: &mut Shut) {
         if self.nodes.is_empty() {
             return;
         }
         let cones = axes();
-        let mut closed = [0.0f32; CONES];
         let mut stack = [0u32; 64];
         let mut top = 1;
         while top > 0 {
@@ -83,24 +101,23 @@ impl Facets {
             }
             let d2 = to.length_squared();
             if d2 > FAR * FAR * node.radius * node.radius {
-                node.close(to, d2, cones, &mut closed);
+                node.close(to, d2, normal, cones, shut);
             } else if node.leaf {
-                self.facets[node.next as usize].close(at, normal, cones, &mut closed);
+                self.facets[node.next as usize].close(at, normal, cones, shut);
             } else {
                 stack[top] = node.next;
                 stack[top + 1] = k + 1;
                 top += 2;
             }
         }
-        open.0.iter_mut().zip(closed).for_each(|(open, closed)| *open *= 1.0 - closed.min(1.0));
     }
 }
 
 /// A facet of some corners, if it has an area.
-fn facet_of(corners: [Vec3; 4]) -> Option<Facet> {
+fn facet_of(corners: [Vec3; 4], color: Packed) -> Option<Facet> {
     let [a, b, c, d] = corners;
     let area = 0.5 * (c - a).cross(d - b);
-    (area.length() > 0.0 && area.is_finite()).then_some(Facet { corners, area, closed: false })
+    (area.length() > 0.0 && area.is_finite()).then_some(Facet { corners, area, closed: false, color })
 }
 
 /// Where the facets of an item enclose it, mark them and turn their normals outwards.
@@ -142,12 +159,15 @@ impl Node {
         let (lo, hi) = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
         let center = 0.5 * (lo + hi);
         let radius = corners().map(|p| (p - center).length()).fold(0.0, f32::max);
-        let (normal, area) = (facets.iter().map(|f| f.area).sum(), facets.iter().map(|f| f.area.length()).sum());
-        Node { center, radius, normal, area, next: first, leaf: facets.len() == 1 }
+        let (normal, area): (Vec3, f32) =
+            (facets.iter().map(|f| f.area).sum(), facets.iter().map(|f| f.area.length()).sum());
+        let color: Vec3 = facets.iter().map(|f| f.color.color() * f.area.length()).sum();
+        let color = Packed::new((color / area).to_array());
+        Node { center, radius, normal, area, next: first, leaf: facets.len() == 1, color }
     }
 
     /// What it closes from afar. Of what encloses something, a quarter of its area is seen in the mean (Cauchy).
-    fn close(&self, to: Vec3, d2: f32, cones: &Axes, closed: &mut [f32; CONES]) {
+    fn close(&self, to: Vec3, d2: f32, facing: Vec3, cones: &Axes, shut: &mut Shut) {
         let way = to / d2.sqrt();
         let even = self.normal.length();
         let seen = self.normal.dot(way).abs() + 0.25 * (self.area - even).max(0.0);
@@ -156,8 +176,14 @@ impl Node {
             return;
         }
         let fade = smooth(((solid - LEAST[0]) / (LEAST[1] - LEAST[0])).min(1.0));
-        let covers = Cap::new(way, (solid / PI).min(1.0), fade).covers(cones);
-        closed.iter_mut().zip(covers).for_each(|(closed, cover)| *closed += cover);
+        let sin2 = (solid / PI).min(1.0);
+        shut.tint.add(self.color, fade * sin2 * way.dot(facing).max(0.0));
+        let bright = if shut.sun == Vec3::ZERO { 0.0 } else { phase(way.dot(shut.sun)) };
+        let covers = Cap::new(way, sin2, fade).covers(cones);
+        for (k, cover) in covers.into_iter().enumerate() {
+            shut.closed[k] += cover;
+            shut.bright[k] += cover * bright;
+        }
     }
 }
 
@@ -167,7 +193,7 @@ impl Facet {
     }
 
     /// What it closes near by: where a cone lies within the planes through the point and its edges.
-    fn close(&self, at: Vec3, normal: Vec3, cones: &Axes, closed: &mut [f32; CONES]) {
+    fn close(&self, at: Vec3, normal: Vec3, cones: &Axes, shut: &mut Shut) {
         let q = self.corners.map(|p| p - at);
         let size = self.area.length().sqrt();
         let in_plane = IN_PLANE * (size + at.length() + q[0].length() + q[2].length());
@@ -183,6 +209,9 @@ impl Facet {
         // A cone that is wider than the facet is not covered by it whole.
         let solid = solid_angle([q[0], q[1], q[2]]) + solid_angle([q[0], q[2], q[3]]);
         let most = (1.5 * solid / SOLID).min(1.0);
+        // Light comes along the way to its plane, or to its middle, whichever is more before the surface.
+        let (plane, middle) = (side * self.area.dot(normal) / (size * size), (self.middle() - at).normalize_or_zero());
+        shut.tint.add(self.color, solid / PI * plane.max(middle.dot(normal)).max(0.1));
         let mut cover = [most; CONES];
         for edge in edges.iter().filter(|edge| **edge != Vec3::ZERO) {
             for (k, cover) in cover.iter_mut().enumerate() {
@@ -190,7 +219,18 @@ impl Facet {
                 *cover *= smooth((0.5 + sin * (0.5 / SIN)).clamp(0.0, 1.0));
             }
         }
-        closed.iter_mut().zip(cover).for_each(|(closed, cover)| *closed += cover);
+        shut.closed.iter_mut().zip(&cover).for_each(|(closed, cover)| *closed += cover);
+        // The side that is seen, if the sun shines on it.
+        let across = self.area / -(side * size * size);
+        let bright = across.dot(shut.sun);
+        if bright > 0.0 {
+            let wide = bright * (size / (WIDE * height.abs()) - 1.0).clamp(0.0, 1.0);
+            for (k, cover) in cover.into_iter().enumerate() {
+                let sine = (across.x * cones.x[k] + across.y * cones.y[k] + across.z * cones.z[k]).abs();
+                shut.bright[k] += bright * cover;
+                shut.far[k] += wide * cover * (1.0 - sine * (1.0 / SLANT)).max(0.0);
+            }
+        }
     }
 }
 

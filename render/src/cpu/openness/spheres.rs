@@ -1,6 +1,6 @@
 //! Spheres and ellipsoids as they close cones: those within some radii of a point.
 
-use crate::cpu::openness::cones::{Cap, Cones, axes, smooth};
+use crate::cpu::openness::cones::{Cap, Cones, Packed, Tint, axes, smooth};
 use crate::cpu::tree::Tree;
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
@@ -20,6 +20,7 @@ pub struct Round {
     pub radius: f32,
     /// Index of the axes of an ellipsoid.
     pub axes: Option<u32>,
+    pub color: Packed,
 }
 
 /// All of a scene.
@@ -49,7 +50,8 @@ impl Spheres {
                 let even = lengths.iter().all(|length| (length - radius).abs() <= 1e-4 * radius);
                 let center = to_world.w_axis.truncate();
                 if radius > 0.0 && radius.is_finite() && center.is_finite() {
-                    rounds.push(Round { item: *item, center, radius, axes: (!even).then_some(axes.len() as u32) });
+                    let (axes_at, color) = ((!even).then_some(axes.len() as u32), Packed::new(scene.view(*item).color));
+                    rounds.push(Round { item: *item, center, radius, axes: axes_at, color });
                     axes.extend((!even).then_some(own));
                 }
             }
@@ -80,8 +82,8 @@ fn half_axes(m: Mat4) -> [Vec3; 3] {
 }
 
 impl Near<'_> {
-    /// Close the cones of a point.
-    pub fn close(&self, at: Vec3, normal: Vec3, open: &mut Cones) {
+    /// Close the cones of a point, and add the colours of what does.
+    pub fn close(&self, at: Vec3, normal: Vec3, open: &mut Cones, tint: &mut Tint) {
         let cones = axes();
         for round in &self.rounds {
             let to = round.center - at;
@@ -93,7 +95,9 @@ impl Near<'_> {
             let way = to / d.max(1e-30);
             let r2 = round.axes.map_or(r * r, |k| silhouette2(&self.all.axes[k as usize], way));
             let fade = 1.0 - smooth(((d / r - FADES) / (REACH - FADES)).clamp(0.0, 1.0));
-            let covers = Cap::new(way, (r2 / d2.max(1e-30)).min(1.0), fade).covers(cones);
+            let sin2 = (r2 / d2.max(1e-30)).min(1.0);
+            tint.add(round.color, fade * sin2 * way.dot(normal).max(0.0));
+            let covers = Cap::new(way, sin2, fade).covers(cones);
             open.0.iter_mut().zip(covers).for_each(|(open, cover)| *open *= 1.0 - cover);
         }
     }

@@ -1,6 +1,6 @@
 //! Rays: `gather`, and the functions that send some.
 
-use super::super::scene::{OpenPlace, Ray, Scene, Segment};
+use super::super::scene::{Open, OpenPlace, Ray, Scene, Segment};
 use super::control::turn_of;
 use super::state::Machine;
 use crate::ir::builtins::SceneCall;
@@ -23,7 +23,7 @@ impl Machine {
         match call {
             SceneCall::Ambient => self.ambient(&mut out, scene),
             SceneCall::Transmission => self.transmission(&mut out, args, scene),
-            SceneCall::Openness => self.openness(&mut out, args, scene),
+            SceneCall::Openness | SceneCall::Surroundings => self.openness(&mut out, args, width, scene),
             SceneCall::Trace => self.trace(&mut out, args, width, scene),
             SceneCall::Occlusion | SceneCall::IndirectDiffuse => {
                 self.hemisphere(&mut out, args, width, call == SceneCall::Occlusion, scene)
@@ -50,21 +50,30 @@ impl Machine {
         points.iter().zip(light).for_each(|(k, light)| put(out, *k, n, light));
     }
 
-    /// How open every point is to the sky.
-    fn openness(&self, out: &mut Vec<f32>, args: &[Reg], scene: &dyn Scene) {
+    /// How open every point is to the sky, and as a matrix what is around it.
+    fn openness(&self, out: &mut Vec<f32>, args: &[Reg], width: usize, scene: &dyn Scene) {
         let n = self.n;
-        let [p, normal, up] = [0, 1, 2].map(|k| &self.regs[args[k].index()][..]);
-        out.resize(3 * n, 0.0);
+        let of = |k: usize, i: usize| args.get(k).map_or([0.0; 3], |reg| triple(&self.regs[reg.index()], i, n));
+        out.resize(width * n, 0.0);
         let points = self.active();
-        let place = |k: &usize| OpenPlace {
-            at: triple(p, *k, n),
-            normal: unit(triple(normal, *k, n)),
-            up: unit(triple(up, *k, n)),
+        let place = |i: &usize| OpenPlace {
+            at: of(0, *i),
+            normal: unit(of(1, *i)),
+            up: unit(of(2, *i)),
+            sun: if args.len() > 3 { unit(of(3, *i)) } else { [0.0; 3] },
         };
         let places: Vec<OpenPlace> = points.iter().map(place).collect();
-        let mut open = vec![[0.0; 3]; places.len()];
+        let mut open = vec![Open::default(); places.len()];
         scene.openness(&places, &mut open);
-        points.iter().zip(open).for_each(|(k, open)| put(out, *k, n, open));
+        for (k, Open { sky, low, closed, color, lit }) in points.iter().zip(open) {
+            if width == 3 {
+                put(out, *k, n, sky);
+            } else {
+                let [[a, b, _], [r, g, c]] = [sky, color];
+                let numbers = [a, b, low, closed, r, g, c, lit];
+                numbers.iter().enumerate().for_each(|(i, x)| out[i * n + k] = *x);
+            }
+        }
     }
 
     /// What a ray from every point brings back: its colour, or its length.

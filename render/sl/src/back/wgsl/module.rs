@@ -11,7 +11,9 @@ use std::fmt::{Display, Formatter};
 pub enum Query {
     /// `fn scene_transmission(start: vec3<f32>, end: vec3<f32>) -> vec3<f32>`: the fraction of light that passes, by colour channel.
     Transmission,
-    /// `fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f32>`: as [`Scene::openness`] answers.
+    /// `fn scene_openness(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>) -> vec3<f32>`: the sky's part of what [`Scene::openness`]
+    /// answers; and `fn scene_surroundings(place: vec3<f32>, normal: vec3<f32>, up: vec3<f32>, sun: vec3<f32>) -> mat4x4<f32>`: the rest, as
+    /// `surroundings` has it.
     Openness,
     /// `fn scene_hit(start: vec3<f32>, direction: vec3<f32>) -> f32`: the distance along a ray to the nearest surface, negative if
     /// there is none.

@@ -15,6 +15,11 @@ impl Writer<'_, '_> {
                 let value = format!("scene_openness({}, sl_unit({}), sl_unit({}))", a[0], a[1], a[2]);
                 (Query::Openness, "vec3<f32>()", value)
             }
+            SceneCall::Surroundings => {
+                let [place, normal, up, sun] = [&a[0], &a[1], &a[2], &a[3]];
+                let value = format!("scene_surroundings({place}, sl_unit({normal}), sl_unit({up}), sl_unit({sun}))");
+                (Query::Openness, "mat4x4<f32>()", value)
+            }
             SceneCall::Occlusion => (Query::Hit, "0.0", format!("sl_occlusion({list})")),
             SceneCall::Trace if dst.width() == 1 => (Query::Hit, "0.0", format!("sl_trace({list})")),
             SceneCall::Trace | SceneCall::IndirectDiffuse | SceneCall::Ambient => {
