@@ -3,7 +3,7 @@
 #define DISC_H
 
 // How much of a disc a point sees, towards a direction, of an angle in degrees. Two rays, to wide discs five, say whether the point is in
-// the half-shadow at all; there the disc has so many, along a spiral that is turned from point to point.
+// the half-shadow at all; there the disc has `samples` of them, along a spiral that is turned from point to point.
 color through_disc(point p; vector way; uniform float angle, samples) {
     color lit;
     if (samples > 1) {

@@ -1,5 +1,5 @@
 // The sun in the sky that the scene's Option "sky" names: its colour is that of its height and the haze, its shadows are those of a disc
-// of half a degree, of so many samples where it is half hidden; with samples 1 they are sharp.
+// of half a degree, by `samples` rays where it is half hidden; with samples 1 they are sharp.
 #include "sky.h"
 #include "disc.h"
 light sunlight(float intensity = 1; vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; color lightcolor = 1; float angle = 0.53; float samples = quality_of_sun();

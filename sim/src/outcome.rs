@@ -1,6 +1,8 @@
 //! Outcomes of a step: iterations, residual and joint errors.
 
+use crate::contacts::Contacts;
 use crate::joint::Row;
+use crate::state::State;
 use glam::DVec3;
 
 /// The outcome of a contact solve.
@@ -42,6 +44,23 @@ pub struct Deepest {
     pub depth: f64,
     /// The smaller inradius of the two shapes, m.
     pub inradius: f64,
+}
+
+impl Deepest {
+    /// The deepest overlap of a state's contacts for the inradii of their shapes, m; none where nothing overlaps.
+    pub fn of(state: &State, inradius: impl Fn(usize) -> f64) -> Option<Deepest> {
+        let of = |(contacts, i): (&Contacts, usize)| {
+            let [s, t, _] = contacts.key[i].map(|k| k as usize);
+            Deepest { bodies: contacts.bodies[i], depth: -contacts.gap[i], inradius: inradius(s).min(inradius(t)) }
+        };
+        let overlaps = state.all_contacts().map(of).filter(|d| d.depth > 0.0);
+        overlaps.max_by(|a, b| a.share().total_cmp(&b.share()))
+    }
+
+    /// Penetration over the inradius.
+    pub fn share(&self) -> f64 {
+        self.depth / self.inradius
+    }
 }
 
 /// The outcome of a step: of its contact solve, its joints and its springs.

@@ -5,13 +5,12 @@ use crate::cpu::Cpu;
 use crate::gpu::{Fault, Gpu};
 use crate::joint::{JointState, SpringState};
 use crate::model::Model;
-use crate::outcome::StepOutcome;
+use crate::outcome::{Deepest, StepOutcome};
 use crate::plan::StepPlan;
 use crate::sleep;
 use crate::stages::{Stage, check};
 use crate::state::State;
 use crate::warning::{Broken, Warning};
-use crate::watch;
 use std::time::Instant;
 
 /// The report of a step.
@@ -199,7 +198,7 @@ impl Simulation {
                 let contacts = state.contacts.len() + state.sleepers.contacts.len();
                 let worst_penetration = state.worst_penetration();
                 let may_be_deep = state.watch.may_be_deep(model, worst_penetration);
-                let deepest = if may_be_deep { watch::deepest(model, state) } else { None };
+                let deepest = if may_be_deep { Deepest::of(state, |s| model.inradius(s)) } else { None };
                 let outcome = StepOutcome { contacts, worst_penetration, deepest, ..cpu.outcome() };
                 (stage_ms, outcome, None)
             }

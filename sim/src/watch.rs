@@ -15,7 +15,6 @@
 //! where F are weight and springs' forces: an oscillation of twice that is tolerated. A position, velocity, residual or joint error that
 //! is not finite, or a speed above 10⁵ m/s, ends a run ([`Broken`]).
 
-use crate::contacts::Contacts;
 use crate::inertia::{gyration, is_isotropic};
 use crate::joint::{Coordinate, Joint, JointState, Motor};
 use crate::load::Function;
@@ -299,15 +298,16 @@ impl WatchState {
         if !self.may_be_deep(model, seen.worst_penetration) {
             return None;
         }
-        let Some(Deepest { bodies: [a, b], depth, inradius }) = seen.deepest else {
+        let Some(deepest) = seen.deepest else {
             let of = "half the least inradius of what moves";
             return Some(format!("two bodies overlap by {:.3e} m, more than {of}", seen.worst_penetration));
         };
-        let [a, b] = [a, b].map(|b| label(model, b));
-        (depth > OVERLAP * inradius).then(|| {
+        let Deepest { bodies, depth, inradius } = deepest;
+        let [a, b] = bodies.map(|b| label(model, b));
+        let share = deepest.share();
+        (share > OVERLAP).then(|| {
             format!(
-                "bodies {a} and {b} overlap by {depth:.3e} m, {:.2} of the smaller one's inradius of {inradius:.3e} m",
-                depth / inradius
+                "bodies {a} and {b} overlap by {depth:.3e} m, {share:.2} of the smaller one's inradius of {inradius:.3e} m"
             )
         })
     }
@@ -340,17 +340,6 @@ impl WatchState {
         self.acting = acting;
         loaded || driven || tensioned || switched
     }
-}
-
-/// The deepest overlap of a state's contacts for the sizes of their shapes.
-pub fn deepest(model: &Model, state: &State) -> Option<Deepest> {
-    let of = |(contacts, i): (&Contacts, usize)| {
-        let [s, t, _] = contacts.key[i].map(|k| k as usize);
-        let inradius = model.inradius(s).min(model.inradius(t));
-        Deepest { bodies: contacts.bodies[i], depth: -contacts.gap[i], inradius }
-    };
-    let share = |d: &Deepest| d.depth / d.inradius;
-    state.all_contacts().map(of).filter(|d| d.depth > 0.0).max_by(|a, b| share(a).total_cmp(&share(b)))
 }
 
 /// Whether each joint, then each spring, acts at a time, s.

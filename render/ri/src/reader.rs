@@ -306,7 +306,7 @@ impl<'a> Reader<'a> {
         }
         if let Some(own) = self.shared.archives.get(name).cloned() {
             self.repeat(own.bytes.len(), place)?;
-            return self.again(&own.path, own.line, &own.bytes, ri, on_directive);
+            return self.counted(|reader| reader.nested(&own.path, own.line, &own.bytes, ri, on_directive));
         }
         let (path, bytes) =
             self.files.read_bytes(name, &["scenes"]).map_err(|m| self.error(place, format!("archive {m}")))?;
@@ -316,7 +316,7 @@ impl<'a> Reader<'a> {
             return self.nested(&path, 1, &bytes, ri, on_directive);
         }
         self.repeat(bytes.len(), place)?;
-        self.again(&path, 1, &bytes, ri, on_directive)
+        self.counted(|reader| reader.nested(&path, 1, &bytes, ri, on_directive))
     }
 
     /// Count an archive that is read again: a few lines could read each other more often than there is time for. A long scene may read
@@ -350,19 +350,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Read an archive again, and count what that adds to the scene.
-    fn again(
-        &mut self,
-        path: &Path,
-        line: usize,
-        bytes: &[u8],
-        ri: &mut dyn Ri,
-        on_directive: &mut Directive<'_>,
-    ) -> Result<(), Box<RibError>> {
+    /// Count what an archive that is read again adds to the scene; `read` reads it.
+    fn counted<R>(&mut self, read: impl FnOnce(&mut Self) -> R) -> R {
         let before = guard::memory::used();
         let is_outermost = self.shared.since.is_none();
         self.shared.since.get_or_insert(before);
-        let done = self.nested(path, line, bytes, ri, on_directive);
+        let done = read(self);
         if is_outermost {
             self.shared.since = None;
             self.shared.added += guard::memory::used().saturating_sub(before);

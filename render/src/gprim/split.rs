@@ -307,7 +307,7 @@ impl Bound {
         })
     }
 
-    /// The pixels that a curve in camera space is diced for, which has so many as it is. Of a surface seen askew, displacement turns parts
+    /// The pixels that a curve in camera space is diced for; as it is, it has `pixels`. Of a surface seen askew, displacement turns parts
     /// towards the eye: these are as long as the surface is whichever way it is turned, at most by how far the displacement
     /// may lengthen each pixel.
     fn lengthened(self, camera: &Camera, c: &[Vec3; 4], pixels: f32) -> f32 {

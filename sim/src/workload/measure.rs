@@ -1,6 +1,6 @@
 //! Measures of a run of a workload, the same for all engines: penetration, and how far bodies have moved.
 
-use crate::contacts::Contacts;
+use crate::outcome::Deepest;
 use crate::simulation::{Simulation, StepReport};
 use crate::state::State;
 use glam::DVec3;
@@ -33,11 +33,7 @@ impl Measure {
 
     /// Maximum penetration of the contacts of the last step over the smaller inradius of the two shapes; 0 where nothing overlaps.
     pub fn penetration(&self, state: &State) -> f64 {
-        let over = |(c, i): (&Contacts, usize)| {
-            let [s, t, _] = c.key[i];
-            -c.gap[i] / self.inradius[s as usize].min(self.inradius[t as usize])
-        };
-        state.all_contacts().filter(|(c, i)| c.gap[*i] < 0.0).map(over).fold(0.0, f64::max)
+        Deepest::of(state, |s| self.inradius[s]).map_or(0.0, |deepest| deepest.share())
     }
 
     /// Greatest distances of a body from where it was at the start, m: across gravity, and along it.

@@ -77,7 +77,7 @@ impl Field {
         Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * d)
     }
 
-    /// A point moved along the field's slope to the surface, in so many steps, and the slope there.
+    /// A point moved along the field's slope to the surface, in `steps` steps, and the slope there.
     pub(super) fn drawn_to_surface(
         &self,
         mut p: Vec3,

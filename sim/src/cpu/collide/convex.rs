@@ -235,7 +235,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
     const ROUNDS: usize = 80;
     /// Distance over the scale of the shapes up to which the direction is checked.
     const NEAR: f64 = 1e-3;
-    /// How often the search begins anew where round-off ends it early, and the bounds of the squared distance apart that are early, over it.
+    /// How often the search starts again where round-off ends it early, and the width of the bounds of the squared distance, over it, above which it is early.
     const RESTARTS: usize = 3;
     const EARLY: f64 = 1e-9;
     let round = a.radius() + b.radius();
@@ -279,7 +279,7 @@ pub fn nearest(a: &impl Convex, b: &impl Convex, reach: f64, axis: &mut Axis) ->
             (simplex, v) = (reduced, nearer);
             continue;
         }
-        // Round-off ends the search. Where that is early, it begins anew from where it has come to.
+        // Round-off ends the search. Where that is early, it starts again from where it has come to.
         if best.is_none_or(|b| distance2 < b.nearest().length_squared()) {
             best = Some(simplex);
         }

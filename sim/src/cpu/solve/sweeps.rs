@@ -33,15 +33,15 @@ pub struct Sweeps {
     tiled: Tiled,
     spheres: Precisions<SphereGroup<f32, 8, 0>, SphereGroup<f64, 4, 0>>,
     manifolds: Precisions<ManifoldGroup<f32, 8, 0>, ManifoldGroup<f64, 4, 0>>,
-    held_spheres: Precisions<SphereGroup<f32, 8, 1>, SphereGroup<f64, 4, 1>>,
-    held_manifolds: Precisions<ManifoldGroup<f32, 8, 1>, ManifoldGroup<f64, 4, 1>>,
+    resisting_spheres: Precisions<SphereGroup<f32, 8, 1>, SphereGroup<f64, 4, 1>>,
+    resisting_manifolds: Precisions<ManifoldGroup<f32, 8, 1>, ManifoldGroup<f64, 4, 1>>,
 }
 
 impl Sweeps {
     /// Release the memory of columns that the next solve lays out again.
     pub fn release(&mut self) {
         (self.spheres, self.manifolds) = Default::default();
-        (self.held_spheres, self.held_manifolds) = Default::default();
+        (self.resisting_spheres, self.resisting_manifolds) = Default::default();
     }
 }
 
@@ -53,7 +53,7 @@ pub fn run(
     response: &mut Response,
     work: &mut Sweeps,
 ) -> Outcome {
-    let Sweeps { blocks, tiled, spheres, manifolds, held_spheres, held_manifolds } = work;
+    let Sweeps { blocks, tiled, spheres, manifolds, resisting_spheres, resisting_manifolds } = work;
     match op.contacts.arms {
         Arms::Along(_) => blocks.be_contacts(),
         Arms::Any(_) => blocks.be_manifolds(op.contacts),
@@ -63,8 +63,8 @@ pub fn run(
     match (&op.contacts.arms, op.plan.resists()) {
         (Arms::Along(_), false) => spheres.run(op, at, settings, gamma, response),
         (Arms::Any(_), false) => manifolds.run(op, at, settings, gamma, response),
-        (Arms::Along(_), true) => held_spheres.run(op, at, settings, gamma, response),
-        (Arms::Any(_), true) => held_manifolds.run(op, at, settings, gamma, response),
+        (Arms::Along(_), true) => resisting_spheres.run(op, at, settings, gamma, response),
+        (Arms::Any(_), true) => resisting_manifolds.run(op, at, settings, gamma, response),
     }
 }
 
