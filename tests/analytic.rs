@@ -207,7 +207,8 @@ bodies:
 /// friction lifts it.
 #[test]
 fn a_rod_that_slides_on_its_end_is_held_by_every_method() {
-    for (method, speed) in [("gauss_seidel", -4.0), ("gauss_seidel", 4.0), ("apgd", -4.0), ("apgd", 4.0)] {
+    let cases = ["gauss_seidel", "apgd", "barzilai_borwein"].into_iter().flat_map(|m| [(m, -4.0), (m, 4.0)]);
+    for (method, speed) in cases {
         let mut sim = simulation(&format!(
             "step: 1e-3
 solver: {{friction: exact, method: {method}}}
@@ -220,7 +221,7 @@ bodies:
         for _ in 0..300 {
             let report = sim.step();
             assert!(report.warnings.is_empty(), "{method} {speed}: {:?}", report.warnings);
-            assert!(report.worst_penetration < 2e-4, "{method} {speed}: {:.1e} m", report.worst_penetration);
+            assert!(report.worst_penetration < 1e-6, "{method} {speed}: {:.1e} m", report.worst_penetration);
         }
     }
 }

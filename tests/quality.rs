@@ -91,6 +91,34 @@ fn hulls_and_boxes_that_are_poured_hardly_overlap() {
     }
 }
 
+/// Straight columns of ten spheres, as on the sites of a lattice, that fall on each other: sweeps go on until such a step has converged.
+#[test]
+fn columns_of_spheres_that_fall_converge() {
+    for quality in ["draft", "normal"] {
+        let mut bodies = String::new();
+        for k in 0..90 {
+            let [x, y, z] = [k % 3, k / 3 % 3, k / 9].map(f64::from);
+            bodies += &format!(
+                "  - {{name: b{k}, material: m, sphere: {{radius: 0.05}}, position: [{}, {}, {}]}}\n",
+                0.2 * x,
+                0.2 * y,
+                0.1 + 0.17 * z
+            );
+        }
+        let mut sim = simulation(&format!(
+            "quality: {quality}
+materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: ground, material: m, plane: {{normal: [0, 0, 1]}}}}
+{bodies}"
+        ));
+        while sim.state.time < 1.0 {
+            let report = sim.step();
+            assert!(report.warnings.is_empty(), "{quality}, {} s: {:?}", sim.state.time, report.warnings);
+        }
+    }
+}
+
 #[test]
 fn kept_manifolds_do_not_depend_on_threads_or_checkpoints() {
     let work = scratch();

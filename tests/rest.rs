@@ -101,6 +101,33 @@ fn a_ball_that_hits_a_confined_bed_gains_no_energy() {
     }
 }
 
+/// A plate on a bed, three thousand times as heavy as a grain, weighs what it weighs by methods that the iterations do not take to the solution.
+#[test]
+fn a_load_on_a_bed_comes_to_rest() {
+    let plate = "  - {name: plate, material: m, mass: 3000, box: {size: [0.3, 0.3, 0.1]}, position: [0, 0, 3.95]}
+joints:
+  - {name: guide, kind: prismatic, a: world, b: plate, position: [0, 0, 3.9], axis: [0, 0, 1]}
+fills:
+  - {name: grains, material: m, count: 300, radius: [0.04, 0.05], packing: hexagonal, min: [-0.165, -0.165, 0], max: [0.165, 0.165, 3.9]}
+";
+    let (bodies, _) = SHAFT.split_once("fills:").unwrap();
+    let mut sim = simulation(&format!("solver: {{method: barzilai_borwein}}\n{bodies}{plate}"));
+    let load = (0..sim.model.n_bodies()).find(|b| sim.model.inv_mass[*b] == 1.0 / 3000.0).unwrap() as u32;
+    let mut error = 0.0f64;
+    while sim.state.time < 2.5 {
+        sim.step();
+        let contacts = &sim.state.contacts;
+        let force = (0..contacts.len()).map(|i| {
+            let [a, b] = contacts.bodies[i];
+            contacts.impulse[i].z * ((b == load) as i32 - (a == load) as i32) as f64 / sim.model.step
+        });
+        if sim.state.time > 2.2 {
+            error = error.max((force.sum::<f64>() / (3000.0 * 9.81) - 1.0).abs());
+        }
+    }
+    assert!(error < 2e-3, "the plate's weight is off by {error:.1e}");
+}
+
 #[test]
 fn sweeps_go_on_where_a_step_would_add_overlap() {
     let deepest = |overlap_tolerance| {
@@ -345,6 +372,17 @@ joints: [{{name: r, kind: distance, a: world, b: b, position: [0, 0, 0], positio
         longest = longest.max(sim.state.position[0].length());
     }
     assert!((longest - 2.0).abs() < 1e-3, "{longest}");
+    // A rope whose ends are in one place.
+    let mut sim = simulation(
+        "materials: {m: {density: 1000, friction: 0.5}}
+bodies: [{name: b, material: m, mass: 10, sphere: {radius: 0.1}}]
+joints: [{name: r, kind: distance, a: world, b: b, position: [0, 0, 0], position_b: [0, 0, 0], limits: [0, 2]}]
+",
+    );
+    (0..300).for_each(|_| drop(sim.step()));
+    assert!((sim.state.position[0].z + fall).abs() < 1e-9, "{}", sim.state.position[0]);
+    (0..1000).for_each(|_| drop(sim.step()));
+    assert!((sim.state.position[0].z + 2.0).abs() < 1e-3, "{}", sim.state.position[0]);
     // Equal limits are a rod.
     let mut sim = rope("limits: [1, 1]");
     (0..500).for_each(|_| drop(sim.step()));

@@ -182,5 +182,5 @@ fn what_sleep_cannot_be_is_said() {
     )
     .unwrap();
     let said = scree(&["check", path.to_str().unwrap()]).errors();
-    assert!(said.contains("m.yaml:1:10") && said.contains("must not be negative"), "{said}");
+    assert!(said.contains("m.yaml:1:10") && said.contains("is -1, expected a number of at least 0"), "{said}");
 }

@@ -175,7 +175,7 @@ impl Gpu {
         warm_start.place(&device, &state.contacts);
         let mechanism = Mechanism::new(&device, &kernels, (model, state), &collision.bodies)?;
         let joints = joints_of(model, mechanism.as_ref());
-        let by = (method, &model.solver, sweeps_landings(plan));
+        let by = (method, &model.solver, takeover(plan));
         let solve = ContactSolve::with(&device, &kernels, model, by, (&collision, joints))?;
         solve.place_step_length(&device, state.step_length);
         let overlaps = Overlaps::new(&device, &solve.problem)?;
@@ -257,12 +257,12 @@ impl Gpu {
     /// Make the solver again, for columns that have grown or settings that have changed, and record the step.
     fn renew_solve(&mut self, model: &Model, plan: &StepPlan) -> Result<(), Fault> {
         self.rest.impulses = None;
-        self.solve_by(model, (method_of(plan), &model.solver, sweeps_landings(plan)))?;
+        self.solve_by(model, (method_of(plan), &model.solver, takeover(plan)))?;
         self.record(model, plan)
     }
 
     /// Make the solver again, with a method and settings.
-    fn solve_by(&mut self, model: &Model, by: (Method, &SolverSettings, bool)) -> Result<(), Fault> {
+    fn solve_by(&mut self, model: &Model, by: (Method, &SolverSettings, Option<f64>)) -> Result<(), Fault> {
         let step_length = self.solve.step_length(&self.device)?;
         let columns = (&self.collision, joints_of(model, self.mechanism.as_ref()));
         self.solve = ContactSolve::with(&self.device, &self.kernels, model, by, columns)?;
@@ -421,7 +421,7 @@ impl Gpu {
             && !self.rest.has_impulses(&self.device)?
         {
             let impulses = rest::impulses(model, state, self.contacts(n)?);
-            self.solve_by(model, (method, settings, sweeps_landings(plan)))?;
+            self.solve_by(model, (method, settings, takeover(plan)))?;
             self.rest.impulses = Some(impulses);
             self.record_by(model, plan, 1)?;
         }
@@ -531,14 +531,14 @@ fn method_of(plan: &StepPlan) -> Method {
     }
 }
 
-/// Whether Gauss–Seidel takes over landings on a device: those of contacts with friction alone.
-fn sweeps_landings(plan: &StepPlan) -> bool {
-    plan.sweeps_landings && !plan.resists()
+/// [`StepPlan::takeover`] on a device: of contacts with friction alone.
+fn takeover(plan: &StepPlan) -> Option<f64> {
+    plan.takeover.filter(|_| !plan.resists())
 }
 
 /// Whether the pairs of a plan have to be in tiles.
 fn needs_tiles(plan: &StepPlan) -> bool {
-    method_of(plan) == Method::GaussSeidel || sweeps_landings(plan)
+    method_of(plan) == Method::GaussSeidel || takeover(plan).is_some()
 }
 
 /// In one of how many steps overlaps are recovered, as on the CPU.

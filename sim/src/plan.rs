@@ -4,6 +4,7 @@
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
 use crate::state::State;
+use crate::watch::residual_bound;
 
 use crate::inertia::is_isotropic;
 use crate::shape::ShapeKind;
@@ -57,8 +58,9 @@ pub struct StepPlan {
     pub has_free_column: bool,
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
-    /// Whether sweeps may take over a step that begins far from its solution.
-    pub sweeps_landings: bool,
+    /// The root mean square of the starting point's residual terms, m/s, above which sweeps take over a step with more contacts than iterations,
+    /// as one in which a bed lands; none where they take over no step, negative where they take over each, as of a heap under a load.
+    pub takeover: Option<f64>,
     /// The settings of a step with contacts none of which has an impulse to start from, where they differ.
     start: Option<SolverSettings>,
     /// The settings that the plan was resolved from.
@@ -79,6 +81,8 @@ impl StepPlan {
         let method = if sweeps { ContactMethod::Sweeps } else { blocks(settings) };
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
+        let can_take_over = settings.sweep_landings && !sweeps && is_heap(model, state);
+        let takeover = if is_loaded(model, state) { -1.0 } else { landing_bound(model, settings) };
         let has_forces = !model.loads.is_empty() || has_joints(model);
         StepPlan {
             narrow,
@@ -89,7 +93,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
-            sweeps_landings: settings.sweep_landings && !sweeps && is_heap(model, state),
+            takeover: can_take_over.then_some(takeover),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -164,6 +168,13 @@ fn is_bed(model: &Model, state: &State) -> bool {
     model.joints.is_empty() && moving().count() >= LEAST && light <= GREATEST * heavy
 }
 
+/// The root mean square of residual terms from which on the starting point of a step of a bed is far from its solution, m/s: more than a step of
+/// free fall changes speeds; of exact Jacobi, which rests from a tenth of what the others do, a tenth.
+fn landing_bound(model: &Model, settings: &SolverSettings) -> f64 {
+    let is_slow = settings.method == Some(Method::Jacobi) && settings.friction == FrictionLaw::Exact;
+    residual_bound(model) * if is_slow { 0.1 } else { 1.0 }
+}
+
 /// Whether a model is a heap: many bodies, most of which no joint holds.
 fn is_heap(model: &Model, state: &State) -> bool {
     /// The least number of bodies that move.
@@ -180,6 +191,21 @@ fn is_heap(model: &Model, state: &State) -> bool {
         .filter(is_moving)
         .collect();
     n_moving >= LEAST && held.len() as f64 <= HELD * n_moving as f64
+}
+
+/// Whether a body that moves outweighs all others together, and is by far heavier than the lightest, as a plate on a heap of grains; not one
+/// that joints connect to others, as the chassis of a vehicle. Under it other methods than Gauss–Seidel, where they are cut off, leave a force that
+/// swings for long.
+fn is_loaded(model: &Model, state: &State) -> bool {
+    /// The least ratio of its mass to that of the lightest.
+    const LEAST: f64 = 1_000.0;
+    let moving = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(|b| (b as u32, model.inv_mass[b].recip()));
+    let Some((load, mass)) = moving().max_by(|(_, a), (_, b)| a.total_cmp(b)) else { return false };
+    let lightest = moving().fold(f64::INFINITY, |least, (_, mass)| least.min(mass));
+    let all: f64 = moving().map(|(_, mass)| mass).sum();
+    let pairs = model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies));
+    let is_held = pairs.filter(|pair| pair.contains(&load)).flatten().any(|b| b != load && state.is_free(b as usize));
+    !is_held && mass >= LEAST * lightest && mass > 0.5 * all
 }
 
 /// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.

@@ -165,12 +165,17 @@ fn local(w: &DMat3, q: DVec3, mu: f64, start: DVec3, exact: bool) -> DVec3 {
         return stick;
     }
     let trace = w.x_axis.x + w.y_axis.y + w.z_axis.z;
+    let longest = 3.0 / trace;
+    // A contact that no impulse of its own moves.
+    if !(longest > 0.0 && longest.is_finite()) {
+        return DVec3::ZERO;
+    }
     let slip = |u: DVec3| DVec3::new(if exact { mu * (u.y * u.y + u.z * u.z).sqrt() } else { 0.0 }, 0.0, 0.0);
     let velocity = |r: DVec3| {
         let u = *w * r + q;
         u + slip(u)
     };
-    let (mut r, mut step) = (start, 3.0 / trace.max(f64::MIN_POSITIVE));
+    let (mut r, mut step) = (start, longest);
     for _ in 0..STEPS {
         let f = velocity(r);
         let (mut next, mut f_next);
@@ -179,7 +184,8 @@ fn local(w: &DMat3, q: DVec3, mu: f64, start: DVec3, exact: bool) -> DVec3 {
             next = project_cone(r - f * step, DVec3::X, mu);
             f_next = velocity(next);
             let (df, dr) = ((f_next - f).length() * step, (next - r).length());
-            if df <= 0.9 * dr || step < 1e-12 / trace {
+            let is_too_long = df > 0.9 * dr && step >= 1e-12 / trace;
+            if !is_too_long {
                 if df < 0.3 * dr {
                     step *= 1.5;
                 }

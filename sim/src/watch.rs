@@ -21,7 +21,6 @@ use crate::load::Function;
 use crate::model::Model;
 use crate::outcome::{Deepest, JointErrors, StepOutcome};
 use crate::rows::fold_rows;
-use crate::settings::{FrictionLaw, Method, SolverSettings};
 use crate::state::State;
 use glam::DVec3;
 
@@ -48,13 +47,6 @@ const OVERLAP: f64 = 0.5;
 pub fn residual_bound(model: &Model) -> f64 {
     let tolerance = if model.solver.tolerance > 0.0 { model.solver.tolerance } else { 1e-7 };
     (100.0 * tolerance).max(model.gravity.length() * model.step)
-}
-
-/// The root mean square of residual terms from which on the starting point of a step of a bed is far from its solution, m/s: of exact Jacobi,
-/// which rests from a tenth of what the others do.
-pub fn landing_bound(model: &Model, settings: &SolverSettings) -> f64 {
-    let is_slow = settings.method == Some(Method::Jacobi) && settings.friction == FrictionLaw::Exact;
-    residual_bound(model) * if is_slow { 0.1 } else { 1.0 }
 }
 
 /// Sums and maxima over the bodies.

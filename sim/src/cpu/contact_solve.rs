@@ -30,13 +30,13 @@
 use super::impacts::bounces;
 use super::masses::Masses;
 use super::solve::bodies::{BodyOperator, Falling, Free, Offset, Recovery};
+use super::solve::exact;
 use super::solve::iterates::Iterates;
 use super::solve::joints::Joints;
 use super::solve::operator::Operator;
 use super::solve::overlaps::{self, Displacement};
 use super::solve::residual::{residual, worst_block};
 use super::solve::response::Response;
-use super::solve::scale;
 use super::solve::support;
 use super::solve::sweeps::{self, Sweeps};
 use super::solve::{self};
@@ -50,7 +50,7 @@ use crate::settings::SolverSettings;
 use crate::shape::ShapeKind;
 use crate::state::State;
 use crate::twist::Twist;
-use crate::watch::{landing_bound, residual_bound};
+use crate::watch::residual_bound;
 use glam::DVec3;
 
 /// The columns that the stage reads and writes besides those of the contacts.
@@ -139,11 +139,18 @@ pub fn run(
     let (iterates, sweeps) = (&mut work.iterates, &mut work.sweeps);
     let outcome = match method {
         ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, sweeps),
-        ContactMethod::Blocks(_) if lands(&mut op, model, settings, &gamma, response) => {
-            scale::scale(&mut op, settings.max_iterations(gamma.len()), &mut gamma, response, iterates);
+        ContactMethod::Blocks(_) if is_taken_over(&mut op, settings, &gamma, response) => {
             sweeps::run(&mut op, &landing_settings(model, settings), &mut gamma, response, sweeps)
         }
-        ContactMethod::Blocks(_) => solve::solve(&mut op, settings, &mut gamma, response, iterates),
+        ContactMethod::Blocks(_) => {
+            let outcome = solve::solve(&mut op, settings, &mut gamma, response, iterates);
+            let is_lost = outcome.residual > residual_bound(model);
+            if is_lost && limits.is_empty() && plan.has_slip_feedback(method) {
+                sweep_again(&mut op, settings, (&mut gamma, response), (iterates, sweeps), outcome)
+            } else {
+                outcome
+            }
+        }
     };
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
@@ -166,30 +173,53 @@ pub fn run(
     (outcome, worst)
 }
 
-/// Whether sweeps are to take over a step, as while a bed lands: the starting point γ is far from the solution, by more than a step of free
-/// fall changes speeds, in the root mean square ([`landing_bound`]), and there are more contacts than iterations.
+/// Whether sweeps are to take over a step, as while a bed lands or under a load: there are more contacts than iterations, and the starting
+/// point γ is far enough from the solution, in the root mean square ([`StepPlan::takeover`]).
 ///
 /// What other methods than Gauss–Seidel leave of a bed's landing, when they are cut off, are errors that whole layers share, so that layers
-/// sink into each other for as long as it takes.
-fn lands(
-    op: &mut BodyOperator,
-    model: &Model,
-    settings: &SolverSettings,
-    gamma: &[DVec3],
-    response: &mut Response,
-) -> bool {
+/// sink into each other for as long as it takes, and a load on them swings.
+fn is_taken_over(op: &mut BodyOperator, settings: &SolverSettings, gamma: &[DVec3], response: &mut Response) -> bool {
     let n = gamma.len();
-    if !op.plan.sweeps_landings || !op.limits.is_empty() || n <= settings.max_iterations(n) as usize {
+    let Some(bound) = op.plan.takeover else { return false };
+    if !op.limits.is_empty() || n <= settings.max_iterations(n) as usize {
         return false;
     }
+    if bound < 0.0 {
+        return true;
+    }
     op.response(gamma, response);
-    residual(op, gamma, response) * (n as f64).sqrt() > landing_bound(model, settings)
+    residual(op, gamma, response) * (n as f64).sqrt() > bound
 }
 
 /// The settings of sweeps that take a step over: they go on where they leave more than half an envelope of overlap.
 fn landing_settings(model: &Model, settings: &SolverSettings) -> SolverSettings {
     let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
     SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() }
+}
+
+/// Where the slip that is fed back does not come to a fixed point, as where friction jams: sweeps, which know the law contact by contact. γ
+/// and its response come in as what the method has found, and go out as the better of both.
+fn sweep_again(
+    op: &mut BodyOperator,
+    settings: &SolverSettings,
+    (gamma, response): (&mut [DVec3], &mut Response),
+    (iterates, sweeps): (&mut Iterates, &mut Sweeps),
+    found: Outcome,
+) -> Outcome {
+    let Iterates { best, response_best, .. } = iterates;
+    best.clear();
+    best.extend_from_slice(gamma);
+    response_best.copy_from(response);
+    op.set_slip_feedback(&vec![0.0; gamma.len()]);
+    let swept = sweeps::run(op, &SolverSettings { omega: None, ..settings.clone() }, gamma, response, sweeps);
+    let iterations = found.iterations + swept.iterations;
+    let residual = exact::residual_of_law(op, gamma, response);
+    if residual < found.residual {
+        return Outcome { iterations, residual };
+    }
+    gamma.copy_from_slice(best);
+    response.copy_from(response_best);
+    Outcome { iterations, ..found }
 }
 
 /// In one of how many steps overlaps are recovered: sweeps over spheres are so fast that each step's recovery would show.

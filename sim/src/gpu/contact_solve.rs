@@ -26,7 +26,6 @@ use super::{force, jacobi, scale};
 use crate::model::Model;
 use crate::plan::has_joints;
 use crate::settings::{FrictionLaw, Method, SolverSettings};
-use crate::watch::landing_bound;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels, Timings};
 use std::time::Instant;
 
@@ -123,11 +122,10 @@ impl ContactSolve {
         if has_joints(model) {
             return Err(Fault::Unsupported("joints are solved in whole steps alone".into()));
         }
-        ContactSolve::with(device, kernels, model, (method, &model.solver, false), (collision, None))
+        ContactSolve::with(device, kernels, model, (method, &model.solver, None), (collision, None))
     }
 
-    /// The same for a model whose joints have columns, with these settings, and whether Gauss–Seidel takes over the steps in which a bed
-    /// lands.
+    /// The same for a model whose joints have columns, with these settings, and [`StepPlan::takeover`](crate::plan::StepPlan::takeover).
     ///
     /// # Errors
     /// Those of [`ContactSolve::new`].
@@ -135,7 +133,7 @@ impl ContactSolve {
         device: &Device,
         kernels: &Kernels,
         model: &Model,
-        (method, settings, sweeps_landings): (Method, &SolverSettings, bool),
+        (method, settings, takeover): (Method, &SolverSettings, Option<f64>),
         (collision, joints): (&Collision, Option<&Joints>),
     ) -> Result<ContactSolve, Fault> {
         let feeds = settings.friction == FrictionLaw::Exact && method != Method::GaussSeidel;
@@ -143,9 +141,8 @@ impl ContactSolve {
         // Jacobi feeds the slip of each iterate.
         let by_rounds = feeds && method != Method::Jacobi;
         let exact = if by_rounds { Some(Exact::new(device, kernels, &problem)?) } else { None };
-        let landing = if sweeps_landings && method != Method::GaussSeidel {
-            let bound = (settings, landing_bound(model, settings));
-            let landing = Landing::new(device, kernels, (&problem, collision.room()), bound)?;
+        let landing = if let Some(bound) = takeover.filter(|_| method != Method::GaussSeidel) {
+            let landing = Landing::new(device, kernels, (&problem, collision.room()), (settings, bound))?;
             let settings = SolverSettings { omega: None, ..settings.clone() };
             let sweeps = GaussSeidel::new(device, kernels, &settings, (&problem, collision))?;
             Some((landing, Columns::GaussSeidel(Box::new(sweeps))))

@@ -1,6 +1,6 @@
 // Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face is clipped to
 // it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing faces as well).
-// Boxes that are apart and have no faces in front of each other have their nearest points.
+// Boxes that are apart, and nearest elsewhere than in front of that face or where those edges cross, have their nearest points.
 // Twin: cpu/collide/boxes.rs
 #import clip
 #import nearest
@@ -17,6 +17,8 @@ const STABLE: f32 = 2e-6;
 const FAST: f32 = 0.1;
 // The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone.
 const DEEP: f32 = 0.2;
+// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
+const NEAR: f32 = 1e-3;
 
 fn towards(axis: vec3<f32>, a: Placed, b: Placed) -> vec3<f32> {
     return select(axis, -axis, dot(axis, b.position - a.position) < 0.0);
@@ -79,14 +81,24 @@ fn solid_points(a: Placed, b: Placed, reach: f32) -> u32 {
     }
     let size = min(least_of(a.half), least_of(b.half));
     let is_crossing = edge > face + 1e-3 * size;
-    var n = 0u;
-    if !is_crossing || reach > FAST * size {
-        n = face_points(a, b, face_at, reach);
-    }
     if is_crossing {
-        return with_edges(n, size, edge_point(a, b, edge, edges));
+        let point = edge_point(a, b, edge, edges);
+        if edge > 0.0 && distance(point.on_first, point.on_second) > edge + NEAR * size {
+            known_axis = vec4(point.normal, edge);
+            return nearest_points(a, b, reach);
+        }
+        var n = 0u;
+        if reach > FAST * size {
+            n = face_points(a, b, face_at, reach);
+        }
+        return with_edges(n, size, point);
     }
-    if n == 0u && face > 0.0 {
+    let n = face_points(a, b, face_at, reach);
+    var is_elsewhere = face > 0.0;
+    for (var k = 0u; k < n; k++) {
+        is_elsewhere = is_elsewhere && found[k].gap > face + NEAR * size;
+    }
+    if is_elsewhere {
         known_axis = vec4(face_normal_of(a, b, face_at), face);
         return nearest_points(a, b, reach);
     }

@@ -31,6 +31,9 @@ const MAX_STEPS: f64 = 1e12;
 /// The most frames that repeat the state after one step.
 const MAX_FRAMES_PER_STEP: f64 = 100.0;
 
+/// From this relaxation factor on, no sweep converges.
+const MAX_OMEGA: f64 = 2.0;
+
 /// Longest name of a stage, bytes: that of its checkpoint has an ending, too, and systems take 255.
 const LONGEST_NAME: usize = 200;
 
@@ -147,8 +150,11 @@ impl ModelFile {
             ("rest_gap", Some(s.rest_gap)),
             ("sleep", s.sleep),
         ];
-        if let Some((key, _)) = lengths.into_iter().find(|(_, x)| x.is_some_and(|x| !(x >= 0.0))) {
-            return Err(doc.fault(&format!("solver.{key}"), "must not be negative"));
+        for (key, value) in lengths.into_iter().filter_map(|(key, value)| Some((key, value?))) {
+            not_negative(doc, &format!("solver.{key}"), value)?;
+        }
+        if let Some(omega) = s.omega.filter(|omega| *omega >= MAX_OMEGA) {
+            return Err(doc.fault("solver.omega", format!("is {omega}, expected less than {MAX_OMEGA}")));
         }
         if self.step > 0.1 {
             return Err(doc.fault("step", format!("a step of {} s is too long, expected at most 0.1 s", self.step)));

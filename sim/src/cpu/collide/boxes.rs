@@ -1,7 +1,7 @@
 //! Two boxes, by the separating axis theorem: the axis of minimum overlap is either a face's normal (then the other box's face
 //! is clipped to it) or a cross product of edges (then the two edges' nearest points touch, and fast boxes have the points of their facing
-//! faces as well, by which they will meet next). Boxes that are apart and have no faces in front of each other have the nearest points of
-//! any two convex shapes.
+//! faces as well, by which they will meet next). Boxes that are apart, and nearest elsewhere than in front of that face or where those edges
+//! cross, have the nearest points of any two convex shapes.
 
 use super::convex::Axis;
 use super::manifold::{OF_SECOND, clip, convex_convex, feature};
@@ -87,6 +87,8 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     /// The overlap of faces, over the least half length, beyond which boxes that meet at edges are pushed apart by these alone: that
     /// is the shorter way.
     const DEEP: f64 = 0.2;
+    /// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
+    const NEAR: f64 = 1e-3;
     let rotations = [&DMat3::from_quat(a.orientation), &DMat3::from_quat(b.orientation)];
     let Separations { face, edge } = match Separations::of([a, b], rotations, reach) {
         Ok(separations) => separations,
@@ -101,6 +103,9 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     *axis = Axis { direction: normal, apart: face.0 };
     if let Some(point) = crossing {
         *axis = Axis { direction: point.normal, apart: point.gap };
+        if edge.0 > 0.0 && point.on_first.distance(point.on_second) > edge.0 + NEAR * size {
+            return convex_convex(a, b, reach, axis, out);
+        }
         if reach <= FAST * size {
             out[0] = point;
             return 1;
@@ -124,8 +129,9 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
             out[kept] = point;
             kept + 1
         }
-        // Faces that are not in front of each other: the boxes are nearest at edges or corners, by which fast ones will meet.
-        None if n == 0 && face.0 > 0.0 => convex_convex(a, b, reach, axis, out),
+        None if face.0 > 0.0 && out[..n].iter().all(|p| p.gap > face.0 + NEAR * size) => {
+            convex_convex(a, b, reach, axis, out)
+        }
         None => n,
     }
 }

@@ -393,3 +393,25 @@ fn no_direction_separates_two_shapes_by_more_than_their_gap() {
     }
     assert!(worst < 1e-5, "{worst}: {which:?}");
 }
+
+#[test]
+fn boxes_that_are_apart_have_the_gap_of_their_nearest_points() {
+    let mut random = SplitMix64(4);
+    let mut apart = 0;
+    for k in 0..50_000 {
+        let mut size = || [0.2, 0.4, 0.6].map(|s| s * random.between(0.5, 1.5));
+        let (of_a, of_b) = (size(), size());
+        let at = random.rotation() * DVec3::X * random.between(0.3, 1.4);
+        let a = placed(ShapeKind::Box, of_a, DVec3::ZERO, random.rotation());
+        let b = placed(ShapeKind::Box, of_b, at, random.rotation());
+        let least = a.size.min_element().min(b.size.min_element());
+        // Of slow boxes, and of fast ones.
+        let reach = least * if k % 2 == 0 { 0.05 } else { 0.3 };
+        let nearest = convex::nearest(&a, &b, reach, &mut Axis::default());
+        let Some(nearest) = nearest.filter(|nearest| nearest.gap > 0.0) else { continue };
+        let gap = points(&a, &b, reach).iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+        assert!((gap - nearest.gap).abs() < 1.1e-3 * least, "{k}: {gap}, expected {}", nearest.gap);
+        apart += 1;
+    }
+    assert!(apart > 1000, "{apart}");
+}

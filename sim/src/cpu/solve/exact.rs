@@ -4,6 +4,7 @@
 
 use super::iterates::Iterates;
 use super::operator::Operator;
+use super::residual::residual;
 use super::response::Response;
 use super::{method, scale, slip};
 use crate::outcome::Outcome;
@@ -24,7 +25,7 @@ pub fn run(
     let max = settings.max_iterations(gamma.len());
     let budget = (max / 4).max(LEAST);
     let mut feedback = vec![0.0; gamma.len()];
-    for round in 0..ROUNDS {
+    for round in 0..=ROUNDS {
         // The first feedback is the slip of the last step, or that of the starting point.
         let last = if round == 0 { op.last_slip() } else { None };
         let mut slip = last.unwrap_or_else(|| slip::measure(op, response, gamma.len()));
@@ -37,12 +38,16 @@ pub fn run(
         let sum: f64 = slip.iter().sum();
         let is_fixed_point = change <= 1e-9 * sum + 1e-2 * settings.tolerance * gamma.len() as f64;
         // Where the slip stands still, the problem of it may yet be far from solved, as that of piles which stick.
-        let is_solved = is_fixed_point && total.residual <= settings.tolerance;
-        if round > 0 && (is_solved || total.iterations >= max) {
+        if round > 0 && is_fixed_point && total.residual <= settings.tolerance {
             break;
         }
         op.set_slip_feedback(&slip);
         feedback = slip;
+        if round == ROUNDS || round > 0 && total.iterations >= max {
+            // Of the slip that has come out, not of that which was fed.
+            total.residual = total.residual.max(residual(op, gamma, response));
+            break;
+        }
         op.response(gamma, response);
         if round == 0 {
             scale::scale(op, settings.max_iterations(gamma.len()), gamma, response, work);
@@ -54,4 +59,12 @@ pub fn run(
         total = Outcome { iterations: total.iterations + outcome.iterations, residual: outcome.residual };
     }
     total
+}
+
+/// The residual of γ in Coulomb's law: that of the problem with its own slip, which is the feedback then.
+pub fn residual_of_law(op: &mut impl Operator, gamma: &[DVec3], response: &Response) -> f64 {
+    let mut slip = slip::measure(op, response, gamma.len());
+    slip::leave_out_creep(op, gamma, f64::INFINITY, &mut slip);
+    op.set_slip_feedback(&slip);
+    residual(op, gamma, response)
 }

@@ -91,20 +91,29 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
     ) -> Outcome {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
-        op.joints.reset(response);
         let closing = settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step);
+        // The residual from which on a step counts as not converged.
+        let lost = op.least_slip.max(100.0 * settings.tolerance);
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);
-            if let Some(factor) = coarse.excess(op) {
+            if let Some(factor) = excess(op, |b| coarse.motion[b].twist(), |b| op.free(b)) {
                 gamma.iter_mut().for_each(|g| *g *= factor);
                 coarse.fill(op, at, gamma, is_exact);
             }
             let tolerance = COARSE * coarse.max_speed() / (gamma.len() as f64).sqrt();
-            let stops = [settings.tolerance.max(tolerance), closing];
+            let stops = [settings.tolerance.max(tolerance), closing, lost];
             coarse.sweeps(settings, gamma.len(), stops, &mut outcome, |_| ());
             coarse.unpack(at, op.contacts.len(), gamma);
+        } else if gamma.len() > settings.max_iterations(gamma.len()) as usize {
+            op.response(&vec![DVec3::ZERO; gamma.len()], response);
+            let free = std::mem::take(&mut response.twist);
+            op.response(gamma, response);
+            if let Some(factor) = excess(op, |b| response.twist[b], |b| free[b]) {
+                gamma.iter_mut().for_each(|g| *g *= factor);
+            }
         }
+        op.joints.reset(response);
         if outcome.iterations < settings.max_iterations(gamma.len()) && outcome.residual > settings.tolerance {
             fine.fill(op, at, gamma, is_exact);
             let mut solve_joints = |fine: &mut Packed<f64, 4, F>| {
@@ -115,7 +124,7 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
                 }
             };
             solve_joints(fine);
-            fine.sweeps(settings, gamma.len(), [settings.tolerance, closing], &mut outcome, solve_joints);
+            fine.sweeps(settings, gamma.len(), [settings.tolerance, closing, lost], &mut outcome, solve_joints);
             fine.unpack(at, op.contacts.len(), gamma);
             fine.store(response);
         } else {
@@ -123,6 +132,32 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
         }
         outcome
     }
+}
+
+/// Where the impulses that a solve starts from add energy to the bodies, as those of an impact in the step after it, which would throw
+/// them back: the factor at which they take the most. It is as that of `scale`, from the velocities of the bodies `after` these impulses and
+/// `free` of them.
+fn excess(
+    op: &BodyOperator,
+    after: impl Fn(usize) -> Twist + Sync,
+    free: impl Fn(usize) -> Twist + Sync,
+) -> Option<f64> {
+    /// What is gained, over the energy and over that of a step of free fall: more than a few grains gain on their way, or a load that swings on a
+    /// bed, which would go on for ever if it were pushed back.
+    const GREAT: [f64; 2] = [0.1, 1000.0];
+    let masses = op.masses;
+    let energy = |b: usize, twist: &Twist| masses.energy::<false>(b, twist);
+    let fall = Twist { v: DVec3::X * op.least_slip, w: DVec3::ZERO };
+    let n_bodies = masses.inv_mass.len();
+    let [with, without, of_fall] =
+        sum_rows(n_bodies, |b| [energy(b, &after(b)), energy(b, &free(b)), energy(b, &fall)]);
+    let gain = with - without;
+    if gain <= (GREAT[0] * with).max(GREAT[1] * of_fall) {
+        return None;
+    }
+    let [curvature] = sum_rows(n_bodies, |b| [energy(b, &after(b).minus(&free(b)))]);
+    let factor = 0.5 - 0.5 * gain / curvature;
+    factor.is_finite().then(|| factor.max(0.0))
 }
 
 /// All blocks in groups, and the motions of the bodies.
@@ -168,26 +203,6 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         self.visit::<{ act::APPLY }>(1.0, 0.0);
     }
 
-    /// Where the impulses that a solve starts from add energy to the bodies, as those of an impact in the step after it, which would throw
-    /// them back: the factor at which they take the most. It is as that of `scale`, from the bodies alone.
-    fn excess(&self, op: &BodyOperator) -> Option<f64> {
-        /// What is gained, over the energy and over that of a step of free fall, by which a few grains on their way gain less.
-        const GREAT: [f64; 2] = [0.1, 10.0];
-        let masses = op.masses;
-        let energy = |b: usize, twist: &Twist| masses.energy::<false>(b, twist);
-        let fall = Twist { v: DVec3::X * op.least_slip, w: DVec3::ZERO };
-        let n_bodies = masses.inv_mass.len();
-        let [after, free, of_fall] =
-            sum_rows(n_bodies, |b| [energy(b, &self.motion[b].twist()), energy(b, &op.free(b)), energy(b, &fall)]);
-        let gain = after - free;
-        if gain <= (GREAT[0] * after).max(GREAT[1] * of_fall) {
-            return None;
-        }
-        let [curvature] = sum_rows(n_bodies, |b| [energy(b, &self.motion[b].twist().minus(&op.free(b)))]);
-        let factor = 0.5 - 0.5 * gain / curvature;
-        factor.is_finite().then(|| factor.max(0.0))
-    }
-
     /// The groups of each tile of both rounds, and of each colour of the blocks in no tile.
     fn parts(&mut self) -> [Vec<&mut [G]>; 3] {
         let mut rest = &mut self.groups[..];
@@ -217,13 +232,14 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
     }
 
     /// Sweep until the residual is within a tolerance, m/s, or the maximum number of iterations. While a gap then still closes by more than its
-    /// width faster than at `closing`, m/s, sweeps over the tiles with such gaps alternate with those over all, which are not over-relaxed, so
-    /// that the last impulses are in their cones. `solve_joints` follows every sweep.
+    /// width faster than at `closing`, m/s, or the residual is above `lost`, m/s, sweeps over the tiles with such gaps alternate with those over
+    /// all, which are not over-relaxed, so that the last impulses are in their cones; not where `closing` is infinite. `solve_joints` follows every
+    /// sweep.
     fn sweeps(
         &mut self,
         settings: &SolverSettings,
         n: usize,
-        [tolerance, closing]: [f64; 2],
+        [tolerance, closing, lost]: [f64; 3],
         outcome: &mut Outcome,
         mut solve_joints: impl FnMut(&mut Self),
     ) {
@@ -243,7 +259,8 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
             let [residual2, fastest] = self.sweep(settings.friction, of_all, 0.0);
             *outcome = Outcome { iterations: outcome.iterations + 1, residual: residual2.sqrt() / n as f64 };
             solve_joints(self);
-            if outcome.residual <= tolerance || outcome.iterations >= max && fastest <= closing {
+            let is_enough = fastest <= closing && outcome.residual <= lost || closing.is_infinite();
+            if outcome.residual <= tolerance || outcome.iterations >= max && is_enough {
                 break;
             }
         }

@@ -119,6 +119,13 @@ impl Builder<'_> {
         if !(moments.min_element() > 0.0) {
             return Err(self.doc.fault(key, format!("has principal moments {moments}, expected numbers above 0")));
         }
+        // Each is an integral over two of the squared coordinates, of which the others have one each.
+        let greatest = moments.max_element();
+        if greatest > (1.0 + 1e-6) * (moments.element_sum() - greatest) {
+            let message =
+                format!("has principal moments {moments}: no body has one that is more than the sum of the others");
+            return Err(self.doc.fault(key, message));
+        }
         Ok(tensor)
     }
 

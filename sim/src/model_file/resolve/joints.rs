@@ -106,7 +106,9 @@ impl Builder<'_> {
         if file.length.is_some() && file.limits.is_some() {
             return Err(doc.fault(&at("limits"), "bound the length that `length` gives: expected one of the two"));
         }
-        if long && !(length.at(0.0) > 0.0) {
+        // A rope may begin anywhere within its length.
+        let is_rope = file.kind == JointKind::Distance && file.limits.is_some() && file.motor.is_none();
+        if long && !is_rope && !(length.at(0.0) > 0.0) {
             return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
         }
         if file.kind == JointKind::RevoluteSpherical && (pb - pa).normalize().dot(z).abs() > 1e-6 {
