@@ -184,7 +184,8 @@ fn a_run_on_a_bed_at_rest_starts_at_rest() {
     )
     .unwrap();
     scree(&["simulate", &at("bed.yaml"), "-o", &at("bed")]).ok();
-    for step in ["1e-3", "5e-4"] {
+    // In another step than the bed's, overlaps are another rate of recovery.
+    for (step, most) in [("1e-3", 1e-3), ("5e-4", 3e-3)] {
         let on =
             format!("step: {step}\nmaterials: {{m: {{density: 2500, friction: 0.5}}}}\nbase: {{run: {}}}\n", at("bed"));
         let mut sim = simulation(&on);
@@ -192,7 +193,7 @@ fn a_run_on_a_bed_at_rest_starts_at_rest() {
         for k in 0..20 {
             sim.step();
             let (speed, force) = unrest(&sim);
-            assert!(speed <= 1e-4 && force <= 1e-3, "step {k} of {step} s: {speed:.1e} m/s, {force:.1e} of the weight");
+            assert!(speed <= 1e-4 && force <= most, "step {k} of {step} s: {speed:.1e} m/s, {force:.1e} of the weight");
         }
     }
 }

@@ -136,22 +136,8 @@ pub fn run(
         eta: &work.eta,
         envelope: model.envelope,
     };
-    let (iterates, sweeps) = (&mut work.iterates, &mut work.sweeps);
-    let outcome = match method {
-        ContactMethod::Sweeps => sweeps::run(&mut op, settings, &mut gamma, response, sweeps),
-        ContactMethod::Blocks(_) if is_taken_over(&mut op, settings, &gamma, response) => {
-            sweeps::run(&mut op, &landing_settings(model, settings), &mut gamma, response, sweeps)
-        }
-        ContactMethod::Blocks(_) => {
-            let outcome = solve::solve(&mut op, settings, &mut gamma, response, iterates);
-            let is_lost = outcome.residual > residual_bound(model);
-            if is_lost && limits.is_empty() && plan.has_slip_feedback(method) {
-                sweep_again(&mut op, settings, (&mut gamma, response), (iterates, sweeps), outcome)
-            } else {
-                outcome
-            }
-        }
-    };
+    let outcome =
+        solve_by(method, &mut op, (model, settings), (&mut gamma, response), (&mut work.iterates, &mut work.sweeps));
     let is_high = outcome.residual > residual_bound(model);
     let worst = is_high.then(|| op.bodies(worst_block(&op, &gamma, response)));
     displacement.twist.clear();
@@ -173,6 +159,28 @@ pub fn run(
     (outcome, worst)
 }
 
+/// Solve by a method, or by sweeps where they take over.
+fn solve_by(
+    method: ContactMethod,
+    op: &mut BodyOperator,
+    (model, settings): (&Model, &SolverSettings),
+    (gamma, response): (&mut Vec<DVec3>, &mut Response),
+    (iterates, sweeps): (&mut Iterates, &mut Sweeps),
+) -> Outcome {
+    if method == ContactMethod::Sweeps {
+        return sweeps::run(op, settings, gamma, response, sweeps);
+    }
+    if is_taken_over(op, settings, gamma, response) {
+        return sweeps::run(op, &takeover_settings(model, settings), gamma, response, sweeps);
+    }
+    let found = solve::solve(op, settings, gamma, response, iterates);
+    let is_lost = found.residual > residual_bound(model);
+    if is_lost && op.limits.is_empty() && op.plan.has_slip_feedback(method) {
+        return sweep_again(op, settings, (gamma, response), (iterates, sweeps), found);
+    }
+    found
+}
+
 /// Whether sweeps are to take over a step, as while a bed lands or under a load: there are more contacts than iterations, and the starting
 /// point γ is far enough from the solution, in the root mean square ([`StepPlan::takeover`]).
 ///
@@ -192,7 +200,7 @@ fn is_taken_over(op: &mut BodyOperator, settings: &SolverSettings, gamma: &[DVec
 }
 
 /// The settings of sweeps that take a step over: they go on where they leave more than half an envelope of overlap.
-fn landing_settings(model: &Model, settings: &SolverSettings) -> SolverSettings {
+fn takeover_settings(model: &Model, settings: &SolverSettings) -> SolverSettings {
     let overlap = settings.overlap_tolerance.or(Some(0.5 * model.envelope));
     SolverSettings { omega: None, overlap_tolerance: overlap, ..settings.clone() }
 }

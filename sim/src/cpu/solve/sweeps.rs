@@ -144,7 +144,7 @@ fn excess(
 ) -> Option<f64> {
     /// What is gained, over the energy and over that of a step of free fall: more than a few grains gain on their way, or a load that swings on a
     /// bed, which would go on for ever if it were pushed back.
-    const GREAT: [f64; 2] = [0.02, 30.0];
+    const GREAT: [f64; 2] = [0.02, 100.0];
     let masses = op.masses;
     let energy = |b: usize, twist: &Twist| masses.energy::<false>(b, twist);
     let fall = Twist { v: DVec3::X * op.least_slip, w: DVec3::ZERO };
