@@ -59,7 +59,7 @@ pub struct StepPlan {
     /// Whether the solve starts from the last step's impulses.
     pub warm_starts: bool,
     /// The root mean square of the starting point's residual terms, m/s, above which sweeps take over a step with more contacts than iterations,
-    /// as one in which a bed lands; none where they take over no step, negative where they take over each, as of a heap under a load.
+    /// as one in which a bed lands; none where they take over no step, negative where they take over each, as of grains under a load.
     pub takeover: Option<f64>,
     /// The settings of a step with contacts none of which has an impulse to start from, where they differ.
     start: Option<SolverSettings>,
@@ -82,7 +82,12 @@ impl StepPlan {
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let can_take_over = settings.sweep_landings && !sweeps && is_heap(model, state);
-        let takeover = if is_loaded(model, state) { -1.0 } else { landing_bound(model, settings) };
+        let takeover = match lightest_load(model, state) {
+            Some(load) if are_spheres(model, state, load) => Some(-1.0),
+            // Sweeps over the manifolds of other shapes do not bring a load to rest.
+            Some(_) => None,
+            None => Some(landing_bound(model, settings)),
+        };
         let has_forces = !model.loads.is_empty() || has_joints(model);
         StepPlan {
             narrow,
@@ -93,7 +98,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
-            takeover: can_take_over.then_some(takeover),
+            takeover: takeover.filter(|_| can_take_over),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -193,19 +198,27 @@ fn is_heap(model: &Model, state: &State) -> bool {
     n_moving >= LEAST && held.len() as f64 <= HELD * n_moving as f64
 }
 
-/// Whether a body that moves outweighs all others together, and is by far heavier than the lightest, as a plate on a heap of grains; not one
-/// that joints connect to others, as the chassis of a vehicle. Under it other methods than Gauss–Seidel, where they are cut off, leave a force that
-/// swings for long.
-fn is_loaded(model: &Model, state: &State) -> bool {
-    /// The least ratio of its mass to that of the lightest.
+/// The least mass, kg, of the loads on a heap: bodies that are by far heavier than the lightest and outweigh all others that move, as plates on
+/// grains. None where there are no such bodies, or where one of them is connected to others that move, as the chassis of a vehicle. Under loads
+/// other methods than Gauss–Seidel, where they are cut off, leave forces that swing for long.
+fn lightest_load(model: &Model, state: &State) -> Option<f64> {
+    /// The least ratio of a load's mass to that of the lightest body.
     const LEAST: f64 = 1_000.0;
-    let moving = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(|b| (b as u32, model.inv_mass[b].recip()));
-    let Some((load, mass)) = moving().max_by(|(_, a), (_, b)| a.total_cmp(b)) else { return false };
-    let lightest = moving().fold(f64::INFINITY, |least, (_, mass)| least.min(mass));
-    let all: f64 = moving().map(|(_, mass)| mass).sum();
-    let pairs = model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies));
-    let is_held = pairs.filter(|pair| pair.contains(&load)).flatten().any(|b| b != load && state.is_free(b as usize));
-    !is_held && mass >= LEAST * lightest && mass > 0.5 * all
+    let mass = |b: usize| model.inv_mass[b].recip();
+    let masses = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(mass);
+    let least = LEAST * masses().fold(f64::INFINITY, f64::min);
+    let (loads, others): (Vec<f64>, Vec<f64>) = masses().partition(|m| *m >= least);
+    let moving = |b: u32| state.is_free(b as usize).then(|| mass(b as usize));
+    let is_held = |[a, b]: [u32; 2]| moving(a).zip(moving(b)).is_some_and(|(a, b)| a.max(b) >= least);
+    let mut pairs = model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies));
+    let outweighs = loads.iter().sum::<f64>() > others.iter().sum();
+    (outweighs && !pairs.any(is_held)).then_some(least)
+}
+
+/// Whether all moving bodies of less than this mass, kg, are spheres.
+fn are_spheres(model: &Model, state: &State, mass: f64) -> bool {
+    let is_lighter = |b: usize| state.is_free(b) && model.inv_mass[b].recip() < mass;
+    (0..model.n_shapes()).all(|s| !is_lighter(model.shape_body[s] as usize) || model.is_centred_sphere(s))
 }
 
 /// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.

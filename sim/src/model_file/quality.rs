@@ -19,7 +19,7 @@ pub const NORMAL_SWEEPS: u32 = 8;
 /// Relaxation factor of sweeps over spheres at normal quality.
 pub const NORMAL_OMEGA: f64 = 1.5;
 /// Overlap of spheres that a step may add at normal quality, over r.
-pub const NORMAL_OVERLAP: f64 = 3e-4;
+pub const NORMAL_OVERLAP: f64 = 3.1e-4;
 
 /// The kinds of models between which the choice differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
