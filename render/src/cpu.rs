@@ -10,6 +10,7 @@ pub mod footprint;
 pub mod frame;
 pub mod globals;
 pub mod imager;
+pub mod known;
 pub mod lanes;
 pub mod mesh;
 pub mod micropolygon;

@@ -132,6 +132,7 @@ impl<'a> View<'a> {
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));
         fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
+        fill_triples(points, Global::Ng, met.iter().map(|m| m.geometric * side));
         let moves = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;
         let moment = moves.then(|| view.source.moves.first().map_or(1.0, |(time, _)| *time));
         fill_velocity(points, view, moment, None, self.scene.shutter);
@@ -152,6 +153,7 @@ impl<'a> View<'a> {
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.before[0]));
         fill_triples(points, Global::N, met.iter().map(|m| m.before[1] * side));
+        fill_triples(points, Global::Ng, met.iter().map(|m| m.before[2] * side));
         let own = View::new(self.scene, self.rays, item, view, self.bias);
         // What it traces itself is found once, as the surface is displaced, and not at each ray.
         let scene = View { depth: u32::MAX, shader_to_world: a.displacement_space, ..own };
@@ -347,8 +349,10 @@ struct Path<'a> {
 struct Met<'a> {
     place: Vec3,
     normal: Vec3,
-    /// Place and normal before the surface was displaced.
-    before: [Vec3; 2],
+    /// The normal of the surface itself.
+    geometric: Vec3,
+    /// Place and both normals before the surface was displaced.
+    before: [Vec3; 3],
     uv: [f32; 2],
     st: [f32; 2],
     /// The patch that was met, and where in its parameters.
@@ -394,7 +398,7 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
             let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
             let uv = sphere_uv(d);
             let normal = (normals * d).normalize_or_zero();
-            Met { place, normal, before: [place, normal], uv, st: uv, on: None }
+            Met { place, normal, geometric: normal, before: [place, normal, normal], uv, st: uv, on: None }
         }
         Shape::Patches(patches, _) => {
             let inverse = view.to_world.inverse();
@@ -402,10 +406,12 @@ fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> 
             let at = inverse.transform_point3(place);
             let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
             let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
-                return Met { place, normal: -dir, before: [place, -dir], uv: [0.0; 2], st: [0.0; 2], on: None };
+                let before = [place, -dir, -dir];
+                let uv = [0.0; 2];
+                return Met { place, normal: -dir, geometric: -dir, before, uv, st: uv, on: None };
             };
-            let normal = patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v));
-            met_on(patch, [u, v], place, (normals * normal).normalize_or_zero())
+            let both = both_normals(patch, [u, v]).map(|m| (normals * m).normalize_or_zero());
+            met_on(patch, [u, v], place, both)
         }
     }
 }
@@ -415,6 +421,7 @@ fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
     let place = hit.from + hit.dir * hit.distance;
     // The mesh has the normals that shaders have, which turn with the orientation.
     let normal = if view.attributes.reversed { -spot.normal } else { spot.normal };
+    let facet = if view.to_world.determinant() < 0.0 { -spot.facet } else { spot.facet };
     let patches = match view.shape {
         Shape::Patches(patches, _) => patches.as_slice(),
         Shape::Sphere => &[],
@@ -424,22 +431,30 @@ fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
     {
         let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
         let [u, v] = uv;
-        let before = (normals * patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v))).normalize_or_zero();
-        let before = [view.to_world.transform_point3(patch.at(u, v)), before];
-        return Met { before, ..met_on(patch, uv, place, normal) };
+        let [given, own] = both_normals(patch, uv).map(|m| (normals * m).normalize_or_zero());
+        let before = [view.to_world.transform_point3(patch.at(u, v)), given, own];
+        return Met { before, ..met_on(patch, uv, place, [normal, facet]) };
     }
     let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
     let uv = sphere_uv(d);
     let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
-    let before = [view.to_world.transform_point3(d), (normals * d).normalize_or_zero()];
-    Met { place, normal, before, uv, st: uv, on: None }
+    let before = (normals * d).normalize_or_zero();
+    let before = [view.to_world.transform_point3(d), before, before];
+    Met { place, normal, geometric: facet, before, uv, st: uv, on: None }
+}
+
+/// The normals of a patch that shaders have as N and as Ng, in its own space.
+fn both_normals(patch: &Patch, [u, v]: [f32; 2]) -> [Vec3; 2] {
+    let own = patch.normal(u, v);
+    [patch.given_normal(u, v).unwrap_or(own), own]
 }
 
 /// A patch at parameters of it.
-fn met_on(patch: &Patch, [u, v]: [f32; 2], place: Vec3, normal: Vec3) -> Met<'_> {
+fn met_on(patch: &Patch, [u, v]: [f32; 2], place: Vec3, [normal, geometric]: [Vec3; 2]) -> Met<'_> {
     let of = |axis: usize| bilinear(patch.uv.map(|c| c[axis]), u, v);
     let st = [patch.st_at(0, u, v), patch.st_at(1, u, v)];
-    Met { place, normal, before: [place, normal], uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
+    let before = [place, normal, geometric];
+    Met { place, normal, geometric, before, uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
 }
 
 impl sl::machine::Scene for View<'_> {
@@ -450,6 +465,11 @@ impl sl::machine::Scene for View<'_> {
     fn shutter(&self) -> [f32; 2] {
         self.scene.shutter
     }
+
+    fn eye(&self) -> [f32; 3] {
+        self.scene.camera_to_world.transform_point3(Vec3::ZERO).to_array()
+    }
+
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.scene.matrix(from, to, &|space| match space {
             "object" => Some(self.object_to_world),
@@ -472,6 +492,10 @@ impl sl::machine::Scene for View<'_> {
 
     fn warn(&self, message: String) {
         self.scene.warn(message);
+    }
+
+    fn outside(&self, place: &str, index: f32, message: String) {
+        self.scene.outside(place, index, message);
     }
 
     fn is_stopped(&self) -> bool {
