@@ -135,7 +135,7 @@ impl Sink for Grids<'_> {
         if !later {
             shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
         }
-        // All surfaces of a solid are sampled, and shaded before it is known which are of the whole.
+        // All surfaces of a solid are layers until it is known which are of the whole.
         let is_opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
         let opaque = is_opaque
             && moments.is_empty()

@@ -33,16 +33,18 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
         let n = points.n();
-        let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
-        let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
+        let moved = |k: usize| {
+            (0..3).map(|c| (after[c * n + k] as f64 - before[c * n + k] as f64).powi(2)).sum::<f64>().sqrt() as f32
+        };
+        let farthest = (0..n).map(moved).fold(0.0, f32::max);
         let is_finite = after.iter().all(|x| x.is_finite());
         if farthest > 0.0 && subject.needs_geometric_normal() {
             geometric_normals(points);
         }
         if !is_finite {
-            let name = &displacement.program.name;
-            scene
-                .warn(format!("displacement `{name}` moves points to places that are not finite: these are not drawn"));
+            let (name, file) = (&displacement.program.name, &displacement.program.file);
+            let lost = "moves points to places that are not finite: these are not drawn";
+            scene.warn(format!("{file}: displacement `{name}` {lost}"));
         }
         if farthest > grid.reach * 1.001 && farthest.is_finite() {
             let scale = view.object_to_world.x_axis.truncate().length();

@@ -145,7 +145,7 @@ const SHADERS: &[(&str, &str, &str)] = &[
     ("a loop over lights that is left", "", "float n = 0; illuminance(P) { n += 1; if (n > 1 + 2 * s) break; Ci += Cl; } Ci += n;"),
     ("lights that are gone on from", "", "illuminance(P) { if (comp(Cl, 0) > 0.2 + 0.3 * s) continue; float i; for (i = 0; i < 3; i += 1) { if (i > 2 * t) break 2; Ci += Cl; } Ci += 0.1; }"),
     ("a loop over lights that is left, with derivatives", "", "float n = 0; illuminance(P) { n += 1 + filterwidth(s); if (n > 1 + 2 * s) break; if (t < 0.3) continue; Ci += Cl * filterwidth(t); } Ci += n;"),
-    ("components by index", "", "vector v = P; v[floor(2.99 * s)] = 5; setcomp(v, floor(2.99 * t), 2); Ci = rgb(v) + comp(v, floor(2.99 * s));"),
+    ("components by index", "", "float i = clamp(floor(3 * s), 0, 2), j = clamp(floor(3 * t), 0, 2); vector v = P; v[i] = 5; setcomp(v, j, 2); Ci = rgb(v) + comp(v, i);"),
     ("normals turned to the eye", "", "Ci = rgb(faceforward(normalize(N), I)) + rgb(faceforward(N, I, vector(s - 0.5, t, 1)));"),
     ("derivatives among lights", "", "illuminance(P) { Ci += Cl * filterwidth(s) + Du(xcomp(L)); if (s > 0.5) Ci += filterwidth(comp(Ci, 0)); }"),
     (
