@@ -13,6 +13,7 @@ pub mod imager;
 pub mod known;
 pub mod lanes;
 pub mod mesh;
+pub mod met;
 pub mod micropolygon;
 pub mod openness;
 pub mod raster;
