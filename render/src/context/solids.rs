@@ -19,7 +19,7 @@ impl Context {
         if outer.is_some_and(|outer| self.scene.solids.operation(outer) == Operation::Primitive) {
             return Err(Fail::new("SolidBegin within SolidBegin \"primitive\", which holds primitives alone"));
         }
-        if outer.is_some_and(|outer| self.scene.solids.depth(outer) >= DEEPEST) {
+        if outer.is_some_and(|outer| self.scene.solids.depth(outer) + 1 >= DEEPEST) {
             return Err(Fail::new(format!("solids are nested more than {DEEPEST} deep")));
         }
         self.attribute_begin()?;

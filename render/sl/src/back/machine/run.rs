@@ -58,6 +58,16 @@ impl Machine {
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
+        self.say_faults(program, scene);
+        for (global, reg) in &program.globals {
+            if let Some(values) = points.get_mut(*global) {
+                std::mem::swap(values, &mut self.regs[reg.index()]);
+            }
+        }
+    }
+
+    /// Say what went wrong in a run: loops that do not end, an index out of its range.
+    pub(super) fn say_faults(&mut self, program: &Program, scene: &dyn Scene) {
         if let Some((_, place)) = self.endless.take() {
             scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
         }
@@ -72,11 +82,6 @@ impl Machine {
                 "{place}: the shader `{name}` uses {what}, expected 0 to {most}: it is read as 0 and not written"
             );
             scene.outside(place, index, message);
-        }
-        for (global, reg) in &program.globals {
-            if let Some(values) = points.get_mut(*global) {
-                std::mem::swap(values, &mut self.regs[reg.index()]);
-            }
         }
     }
 
