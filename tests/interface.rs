@@ -455,10 +455,27 @@ fn what_goes_wrong_is_said() {
     let index = "surface t() {\n float a[3] = {1, 2, 3}; float i = 5 + floor(random()); Oi = 1; Ci = a[i]; }";
     let answer = said(&[("t.sl", index)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(
-        answer.errors().contains("t.sl:2: the shader `t` uses element 5 of an array, expected 0 to 2"),
+        answer.errors().contains("t.sl:2:70: the shader `t` uses element 5 of an array, expected 0 to 2"),
         "{}",
         answer.errors()
     );
+    let component = "surface t() {\n float i = 5 + 3 * u; vector v = 1; v[i] = 2; Oi = 1; Ci = comp(v, i); }";
+    let answer = said(&[("t.sl", component)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
+    let warnings = answer.errors().matches("uses component 5, expected 0 to 2").count();
+    assert!(warnings == 1 && answer.errors().contains("t.sl:2:"), "{}", answer.errors());
+    for fixed in ["setcomp(v, -1, 2);", "v[1 + 2] = 1;", "Ci = comp(v, -2);", "matrix m = 1; Ci = comp(m, 0, 2 * 2);"] {
+        let index = format!("surface t() {{\n vector v = 1; Oi = 1; {fixed} }}");
+        let answer = said(&[("t.sl", &index)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
+        assert!(answer.fails(3).contains("the index of a component is"), "{fixed}");
+    }
+    let default =
+        "float f() { float x = 0; while (x < 1) x *= 1; return x; } surface t(float k = f();) { Oi = 1; Ci = k; }";
+    let answer = said(&[("t.sl", default)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
+    let errors = answer.fails(3);
+    assert!(errors.contains("t.rib:4:1: the loops of the shader `t` do not end, in t.sl:1:"), "{errors}");
+    let block = "MotionBegin [0 1]\nAttributeBegin Translate 0 0 0 AttributeEnd Translate 0 0 0\nMotionEnd\n";
+    let answer = said(&[], &format!("{head}{block}Disk 0 0.8 360\nWorldEnd\n"));
+    assert!(answer.errors().contains("t.rib:5:1: `AttributeBegin` in a motion block"), "{}", answer.errors());
     // Of loops within each other it is that which goes on and on.
     let endless = "surface t() {\n float i, j = 0;\n while (j < 1)\n for (i = 0; i < 9; i += 1) Ci += 1;\n }";
     let answer = said(&[("t.sl", endless)], &format!("{head}Surface \"t\" Disk 0 0.8 360\nWorldEnd\n"));
@@ -468,10 +485,13 @@ fn what_goes_wrong_is_said() {
     let far = "displacement d() { P += pow(10, 30) * pow(10, 30) * N; }";
     let answer = said(&[("d.sl", far)], &format!("{head}Displacement \"d\" Disk 0 0.8 360\nWorldEnd\n"));
     assert!(
-        answer.errors().contains("displacement `d` moves points to places that are not finite"),
+        answer.errors().contains("d.sl: displacement `d` moves points to places that are not finite"),
         "{}",
         answer.errors()
     );
+    let farther = "displacement d() { P += pow(10, 20) * N; }";
+    let answer = said(&[("d.sl", farther)], &format!("{head}Displacement \"d\" Disk 0 0.8 360\nWorldEnd\n"));
+    assert!(answer.errors().contains("displacement `d` reaches farther than its bound"), "{}", answer.errors());
     let answer = said(&[], &format!("{head}Disk 0 0.8 360\n"));
     assert!(answer.fails(3).contains("has no WorldEnd"));
 }

@@ -54,6 +54,9 @@ impl Standing {
     #[inline]
     pub(crate) fn note(&mut self, request: Request, path: &Path, spot: Spot, warnings: &mut Vec<String>) -> bool {
         let row = request.row();
+        if self.open.last().is_some_and(|block| block.begin == Request::MotionBegin) && breaks_motion(request) {
+            self.broken(request, path, spot, warnings);
+        }
         if row.bracket != Bracket::Alone {
             self.bracket(request, path, spot, warnings);
             return true;
@@ -150,6 +153,15 @@ impl Standing {
         }
     }
 
+    /// Note a request in a motion block that begins or ends another.
+    fn broken(&mut self, request: Request, path: &Path, spot: Spot, warnings: &mut Vec<String>) {
+        if !self.crossed.contains(&(Request::MotionBegin, Some(request))) {
+            self.crossed.push((Request::MotionBegin, Some(request)));
+            let place = placed(path, spot);
+            warnings.push(format!("{place}: `{}` in a motion block, expected what moves alone", request.name()));
+        }
+    }
+
     /// The index of a file.
     fn file(&mut self, path: &Path) -> usize {
         self.files.iter().rposition(|known| known == path).unwrap_or_else(|| {
@@ -173,6 +185,13 @@ fn instead_of_motion(request: Request) -> Option<&'static str> {
         _ if request.row().stands == Stands::InWorld => None,
         _ => Some("it may not move"),
     }
+}
+
+/// Whether a request begins or ends a block that has no place within a motion block. What ends one that is around it ends the motion
+/// block, too, and is said to.
+fn breaks_motion(request: Request) -> bool {
+    use Request::*;
+    matches!(request, AttributeBegin | TransformBegin | SolidBegin | ObjectBegin | FrameBegin | WorldBegin)
 }
 
 /// A place as it is written.
@@ -332,6 +351,8 @@ mod tests {
         for request in ["Translate 0 0 0", "Color 1 0 0", "Opacity 1 1 1"] {
             assert!(said(&format!("MotionBegin [0 1] {request} {request} MotionEnd")).is_empty());
         }
+        let block = said("MotionBegin [0 1] AttributeBegin Translate 0 0 0 AttributeEnd Translate 0 0 0 MotionEnd");
+        assert_eq!(block, ["t.rib:1:19: `AttributeBegin` in a motion block, expected what moves alone"]);
         for (request, what) in [("Surface \"matte\"", "does not move here"), ("Format 1 1 1", "may not move")] {
             let said = said(&format!("MotionBegin [0 1] {request} {request} MotionEnd"));
             let name = request.split(' ').next().unwrap();

@@ -369,9 +369,11 @@ impl Ri for Context {
     }
     fn coord_sys_transform(&mut self, name: &str) -> RiResult {
         let of_camera = self.to_camera.map_or(Mat4::IDENTITY, |m| m.inverse());
-        let space = self.scene.spaces.get(name).copied().or(match name {
+        let space = self.scene.spaces.get(name).copied().or_else(|| match name {
             "camera" | "eye" => Some(of_camera),
             "world" if self.to_camera.is_some() => Some(Mat4::IDENTITY),
+            "object" | "current" => Some(self.transform),
+            "shader" => Some(self.attributes.surface_space),
             _ => None,
         });
         self.set_transform(space.ok_or(Fail::new(format!("there is no coordinate system `{name}`")))?)

@@ -45,6 +45,22 @@ fn turns(times: Vec<f32>, calls: Vec<Moving>) -> (Vec<f32>, Vec<Moving>) {
     (all, at)
 }
 
+/// The times and quadrics of a motion block, with so many between, where angles change, that the way is round: it is the quadric's
+/// numbers that go evenly from one time to the next.
+fn between(times: &[f32], quadrics: Vec<(Quadric, Params)>) -> (Vec<f32>, Vec<(Quadric, Params)>) {
+    let mut all = vec![];
+    for (t, pair) in times.windows(2).zip(quadrics.windows(2)) {
+        let [(a, params), (b, _)] = pair else { continue };
+        let n = (a.turned_to(b) / STEP).ceil().clamp(1.0, MAX_STEPS) as usize;
+        all.push((t[0], (*a, params.clone())));
+        for part in (1..n).map(|k| k as f32 / n as f32) {
+            all.push((t[0] + (t[1] - t[0]) * part, (a.mixed(b, part), params.clone())));
+        }
+    }
+    all.extend(times.last().copied().zip(quadrics.into_iter().next_back()));
+    all.into_iter().unzip()
+}
+
 impl Context {
     /// The end of a motion block.
     pub(super) fn close(&mut self, block: MotionBlock) -> RiResult {
@@ -154,6 +170,7 @@ impl Context {
         if quadrics.iter().all(|(quadric, _)| quadric.sweep == 0.0) {
             return Err(Fail::new("the quadric's numbers make no surface"));
         }
+        let (times, quadrics) = between(times, quadrics);
         let pieces = quadrics.iter().map(|(quadric, _)| quadric.pieces());
         let pieces = pieces.fold([1, 1], |[a, b], [c, d]| [a.max(c), b.max(d)]);
         let cut = quadrics.iter().map(|(quadric, params)| {
@@ -161,7 +178,7 @@ impl Context {
             let names = attach_variables(&mut patches, params)?;
             Ok((patches, names))
         });
-        self.moving_patches(times, cut.collect::<Result<_, Fail>>()?)
+        self.moving_patches(&times, cut.collect::<Result<_, Fail>>()?)
     }
 
     /// The patches of a motion block: the same primitive at its times.

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 use ri::{Fail, Params, Values};
 use sl::ir::{Ask, Kind};
 use sl::machine::{Answer, BoundShader};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// The shader of a kind that does nothing (RISpec A.1): of a surface, that its light leaves as it is.
@@ -17,6 +18,8 @@ fn null(kind: &str) -> String {
 /// Evaluates parameter defaults: knows the spaces of the current point of the stream, and has no lights.
 struct BindScene<'a> {
     context: &'a Context,
+    /// Of a default whose loops do not end, what is said.
+    stopped: OnceCell<String>,
 }
 
 impl sl::machine::Scene for BindScene<'_> {
@@ -34,6 +37,25 @@ impl sl::machine::Scene for BindScene<'_> {
     }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         self.context.scene.ask(what, names)
+    }
+    fn shutter(&self) -> [f32; 2] {
+        self.context.options.shutter
+    }
+    fn eye(&self) -> [f32; 3] {
+        let to_world = self.context.to_camera.unwrap_or(Mat4::IDENTITY).inverse();
+        to_world.transform_point3(Vec3::ZERO).to_array()
+    }
+    fn print(&self, text: &str) {
+        self.context.scene.print(text);
+    }
+    fn warn(&self, message: String) {
+        self.context.scene.warn(message);
+    }
+    fn stop(&self, message: &str) {
+        let _ = self.stopped.set(message.into());
+    }
+    fn is_stopped(&self) -> bool {
+        self.stopped.get().is_some()
     }
 }
 
@@ -96,7 +118,9 @@ impl Context {
             let names = program.texts().into_iter().chain(texts.iter().map(|(_, text)| text.clone()));
             names.for_each(|name| texture::note(&name, &self.made, &self.files.folders));
         }
-        Ok(Arc::new(BoundShader::new(program, numbers, texts, &BindScene { context: self })))
+        let scene = BindScene { context: self, stopped: OnceCell::new() };
+        let bound = BoundShader::new(program, numbers, texts, &scene);
+        scene.stopped.into_inner().map_or_else(|| Ok(Arc::new(bound)), |message| Err(Fail::new(message)))
     }
 
     /// A volume shader and its space; none of the name `null` or without one.

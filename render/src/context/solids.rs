@@ -5,6 +5,9 @@ use crate::scene::attributes::Attribute;
 use crate::scene::solid::Operation;
 use ri::{Fail, Ri, RiResult};
 
+/// The most solids that one may be within.
+const DEEPEST: u32 = 256;
+
 impl Context {
     /// `SolidBegin`.
     pub(super) fn open_solid(&mut self, operation: &str) -> RiResult {
@@ -15,6 +18,9 @@ impl Context {
         let outer = self.attributes.solid;
         if outer.is_some_and(|outer| self.scene.solids.operation(outer) == Operation::Primitive) {
             return Err(Fail::new("SolidBegin within SolidBegin \"primitive\", which holds primitives alone"));
+        }
+        if outer.is_some_and(|outer| self.scene.solids.depth(outer) + 1 >= DEEPEST) {
+            return Err(Fail::new(format!("solids are nested more than {DEEPEST} deep")));
         }
         self.attribute_begin()?;
         // What bounds a volume by itself is drawn as it is.

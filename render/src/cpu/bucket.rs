@@ -67,9 +67,10 @@ pub fn render_bucket(
         }
     }
     stats.splits = std::mem::take(&mut dicer.queue.splits);
+    deferred.cut_solids(frame, samples);
     deferred.flush(frame, samples, shading, &mut stats);
     let drawn = begun.elapsed().as_secs_f64();
-    samples.resolve(&frame.aovs, &frame.scene.solids);
+    samples.resolve(&frame.aovs);
     let mut pixels = samples.filter(&frame.filter, margin, &frame.aovs);
     if frame.options.keep_ids {
         pixels.identities = samples.identities(margin);
@@ -109,9 +110,19 @@ impl Sink for Grids<'_> {
     /// Displace, project, shade and sample a grid.
     fn take(&mut self, grid: &mut Grid) {
         let Subject { item, view, instants, camera, .. } = self.subject;
+        let displaced = view.attributes.displacement.is_some();
+        if displaced && self.frame.known.bound(item, grid).is_some_and(|bound| !bound.is_some_and(|b| self.shows(&b))) {
+            self.stats.grids += 1;
+            self.stats.grids_hidden += 1;
+            return;
+        }
         displace(self.frame.scene, &self.frame.displacement_rays, &self.subject, grid, &mut self.shading.machine);
         face_eye(&self.subject, grid);
-        let Some(bound) = self.raster.project(camera, instants, grid) else { return };
+        let bound = self.raster.project(camera, instants, grid);
+        if displaced {
+            self.frame.known.note(item, grid, bound);
+        }
+        let Some(bound) = bound else { return };
         self.stats.grids += 1;
         if !self.shows(&bound) {
             self.stats.grids_hidden += 1;
@@ -124,7 +135,7 @@ impl Sink for Grids<'_> {
         if !later {
             shade(self.frame, &surface, &mut grid.points, self.shading, self.stats);
         }
-        // All surfaces of a solid are sampled, and shaded before it is known which are of the whole.
+        // All surfaces of a solid are layers until it is known which are of the whole.
         let is_opaque = later || surface_opacity(&grid.points).iter().all(|o| *o >= 1.0);
         let opaque = is_opaque
             && moments.is_empty()

@@ -180,6 +180,11 @@ impl Deferred {
         self.n >= MAX_POINTS || self.grids.len() >= MAX_GRIDS
     }
 
+    /// Leave of solids what may be seen, once all that the bucket has is there.
+    pub fn cut_solids(&self, frame: &Frame<'_>, samples: &mut Samples) {
+        samples.cut_solids(&frame.scene.solids, |m| !self.grids[m.grid()].shaded);
+    }
+
     /// Shade the visible points of all grids and give the samples their colours.
     pub fn flush(&mut self, frame: &Frame<'_>, samples: &mut Samples, shading: &mut Shading, stats: &mut Stats) {
         let begun = std::time::Instant::now();
@@ -271,7 +276,8 @@ pub fn gather(points: &Points, n_uniform: usize, few: &[u32], out: &mut Points) 
             out.extend(few.iter().map(|k| run[*k as usize]));
         }
     };
-    for global in [Global::P, Global::N, Global::U, Global::V, Global::S, Global::T, Global::DPdtime] {
+    use Global::{DPdtime, N, Ng, P, S, T, U, V};
+    for global in [P, N, Ng, U, V, S, T, DPdtime] {
         let goal = out.refill(global);
         if let Some(values) = points.get(global).filter(|v| !v.is_empty() && v.len() % n == 0) {
             of(values, goal);

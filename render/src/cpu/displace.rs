@@ -1,6 +1,6 @@
 //! Displacement of a grid, by its item's displacement shader.
 
-use crate::cpu::globals::{fill_incident, fill_velocity, spread};
+use crate::cpu::globals::{fill_geometric_normal, fill_incident, fill_velocity, spread};
 use crate::cpu::rays::Rays;
 use crate::cpu::view::View;
 use crate::gprim::grid::{Grid, Subject};
@@ -24,18 +24,27 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         seen.shader_to_world = view.attributes.displacement_space;
         fill_incident(points, camera);
         fill_velocity(points, view, moment, deformed, scene.shutter);
+        if subject.needs_geometric_normal() {
+            fill_geometric_normal(points);
+        }
         let before = points.get(Global::P).unwrap_or(&[]).to_vec();
         machine.run_with(displacement, &view.attached.displacement, points, &seen);
         machine.tell(Ask::Displacement, displacement, points);
         spread(points);
         let after = points.get(Global::P).unwrap_or(&[]);
         let n = points.n();
-        let moved = |k: usize| (0..3).map(|c| (after[c * n + k] - before[c * n + k]).powi(2)).sum::<f32>();
-        let farthest = (0..n).map(moved).fold(0.0, f32::max).sqrt();
-        if !after.iter().all(|x| x.is_finite()) {
-            let name = &displacement.program.name;
-            scene
-                .warn(format!("displacement `{name}` moves points to places that are not finite: these are not drawn"));
+        let moved = |k: usize| {
+            (0..3).map(|c| (after[c * n + k] as f64 - before[c * n + k] as f64).powi(2)).sum::<f64>().sqrt() as f32
+        };
+        let farthest = (0..n).map(moved).fold(0.0, f32::max);
+        let is_finite = after.iter().all(|x| x.is_finite());
+        if farthest > 0.0 && subject.needs_geometric_normal() {
+            geometric_normals(points);
+        }
+        if !is_finite {
+            let (name, file) = (&displacement.program.name, &displacement.program.file);
+            let lost = "moves points to places that are not finite: these are not drawn";
+            scene.warn(format!("{file}: displacement `{name}` {lost}"));
         }
         if farthest > grid.reach * 1.001 && farthest.is_finite() {
             let scale = view.object_to_world.x_axis.truncate().length();
@@ -53,6 +62,27 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
     fill_velocity(points, view, moment, grid.deformed.first().map(Vec::as_slice), scene.shutter);
 }
 
+/// Ng of points that were displaced: of the surface that they make, where they make one.
+fn geometric_normals(points: &mut Points) {
+    let (n, nu, nv, side) = (points.n(), points.nu, points.nv, points.orientation);
+    let mut geometric = points.get_mut(Global::Ng).map(std::mem::take).unwrap_or_default();
+    if let Some(p) = points.get(Global::P).filter(|p| p.len() == 3 * n && geometric.len() == 3 * n) {
+        let at = |k: usize| Vec3::new(p[k], p[n + k], p[2 * n + k]);
+        for j in 0..nv {
+            let rows = [j.saturating_sub(1), (j + 1).min(nv - 1)].map(|j| j * nu);
+            for i in 0..nu {
+                let (left, right, k) = (i.saturating_sub(1), (i + 1).min(nu - 1), j * nu + i);
+                let (along, across) = (at(j * nu + right) - at(j * nu + left), at(rows[1] + i) - at(rows[0] + i));
+                let normal = along.cross(across).normalize_or_zero() * side;
+                if normal != Vec3::ZERO {
+                    (geometric[k], geometric[n + k], geometric[2 * n + k]) = (normal.x, normal.y, normal.z);
+                }
+            }
+        }
+    }
+    points.set(Global::Ng, geometric);
+}
+
 /// Turn normals to the eye, as far as it takes, where they face away from it beside micropolygons that do not: at a silhouette, which runs
 /// between points, and where a shader turned the normal alone. What is seen there is its outside, and a shader that turns normals to
 /// the eye would light it from within.
@@ -64,14 +94,15 @@ pub fn face_eye(subject: &Subject<'_>, grid: &mut Grid) {
     let points = &mut grid.points;
     let (n, nu, nv, side) = (points.n(), points.nu, points.nv, points.orientation);
     let of = |v: &[f32], k: usize| Vec3::new(v[k], v[n + k], v[2 * n + k]);
-    let Some(p) = points.get(Global::P).filter(|p| p.len() == 3 * n) else { return };
-    let Some(normals) = points.get(Global::N).filter(|v| v.len() == 3 * n) else { return };
+    let whole = |global: Global| points.get(global).filter(|v| v.len() == 3 * n);
+    let both = [Global::N, Global::Ng];
+    let (Some(p), normals) = (whole(Global::P), both.map(whole)) else { return };
     let mut turned = vec![];
     for k in 0..n {
-        let (place, normal) = (of(p, k), of(normals, k));
+        let place = of(p, k);
         let way = camera.incident(place);
-        let away = normal.dot(way);
-        if !(away > 0.0) {
+        let away = normals.map(|normals| normals.map_or(0.0, |normals| of(normals, k).dot(way)));
+        if !(away[0] > 0.0 || away[1] > 0.0) {
             continue;
         }
         let (i, j) = (k % nu, k / nu);
@@ -84,13 +115,16 @@ pub fn face_eye(subject: &Subject<'_>, grid: &mut Grid) {
             let first = j * nu + i;
             faces(first, first + 1, first + nu + 1) || faces(first, first + nu + 1, first + nu)
         });
-        if is_seen {
+        for ((global, normals), away) in
+            both.into_iter().zip(normals).zip(away).filter(|(_, away)| is_seen && *away > 0.0)
+        {
+            let normal = normals.map_or(Vec3::ZERO, |normals| of(normals, k));
             let bent = normal - way * (away * (1.0 + LEAST_TURN) / way.length_squared());
-            turned.push((k, bent.normalize_or_zero() * normal.length()));
+            turned.push((global, k, bent.normalize_or_zero() * normal.length()));
         }
     }
-    if let Some(normals) = points.get_mut(Global::N) {
-        for (k, normal) in turned {
+    for (global, k, normal) in turned {
+        if let Some(normals) = points.get_mut(global) {
             (normals[k], normals[n + k], normals[2 * n + k]) = (normal.x, normal.y, normal.z);
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::cpu::displace::displace;
 use crate::cpu::displaced::Displace;
+use crate::cpu::known::Known;
 use crate::cpu::rays::Rays;
 use crate::film::display::{self, Aov, aovs};
 use crate::film::filter::PixelFilter;
@@ -19,6 +20,8 @@ pub struct Frame<'a> {
     pub rays: Rays<'a>,
     /// What rays of displacement shaders meet.
     pub displacement_rays: Arc<Rays<'a>>,
+    /// Where displaced grids have been found.
+    pub known: Known,
     /// The options.
     pub options: &'a Options,
     /// The camera.
@@ -51,7 +54,8 @@ impl<'a> Frame<'a> {
             Arc::new(move |subject, grid, machine| displace(scene, &met, subject, grid, machine));
         let (rays, first_ids) = (Rays::new(scene, &camera, &displace), scene.first_ids());
         let planes = camera.raster_planes(&options.clipping_planes);
-        Frame { planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth, first_ids }
+        let known = Known::default();
+        Frame { known, planes, scene, rays, displacement_rays, options, camera, jitter, filter, aovs, depth, first_ids }
     }
 
     /// Pixels around a bucket that its filters reach into, along x and y.
@@ -59,8 +63,8 @@ impl<'a> Frame<'a> {
         self.filter.margin()
     }
 
-    /// Whether a display takes u, v, s or t.
+    /// Whether a display takes u, v, s, t or Ng.
     pub fn needs_parameters(&self) -> bool {
-        self.aovs.iter().any(|a| matches!(a.name.as_str(), "u" | "v" | "s" | "t"))
+        self.aovs.iter().any(|a| matches!(a.name.as_str(), "u" | "v" | "s" | "t" | "Ng"))
     }
 }

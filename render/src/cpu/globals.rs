@@ -20,11 +20,18 @@ pub fn surface_globals(points: &mut Points, view: &ItemView<'_>, eye: Vec3, time
     }
     points.refill(Global::Ci).extend_from_slice(&[0.0; 3]);
     if a.surface.program.global(Global::Ng).is_some() {
-        let normal = points.get(Global::N).unwrap_or(&[]).to_vec();
-        points.refill(Global::Ng).extend(normal);
+        fill_geometric_normal(points);
     }
     if a.surface.program.global(Global::E).is_some() {
         points.refill(Global::E).extend_from_slice(&eye.to_array());
+    }
+}
+
+/// Ng where it has no values yet: it is N.
+pub fn fill_geometric_normal(points: &mut Points) {
+    if points.get(Global::Ng).is_none_or(<[f32]>::is_empty) {
+        let normal = points.get(Global::N).unwrap_or(&[]).to_vec();
+        points.set(Global::Ng, normal);
     }
 }
 
@@ -75,7 +82,7 @@ pub fn fill_incident(points: &mut Points, camera: &Camera) {
 /// A shader may have left P or N the same everywhere.
 pub fn spread(points: &mut Points) {
     let n = points.n();
-    for global in [Global::P, Global::N] {
+    for global in [Global::P, Global::N, Global::Ng] {
         if let Some(v) = points.get_mut(global).filter(|v| v.len() == 3 && n > 1) {
             *v = v.iter().flat_map(|x| std::iter::repeat_n(*x, n)).collect();
         }

@@ -35,6 +35,8 @@ pub struct Spot {
     pub along: f32,
     /// The shading normal.
     pub normal: Vec3,
+    /// The normal of the triangle, by the directions along u and v.
+    pub facet: Vec3,
     /// Index of the patch, and where in its parameters.
     pub on: Option<(u32, [f32; 2])>,
 }
@@ -146,6 +148,9 @@ impl Mesh {
             }
             for (i, j) in (j0..j1).flat_map(|j| (i0..i1).map(move |i| (i, j))) {
                 let first = (j - j0) * (BLOCK + 1) + i - i0;
+                if passes_by(&seen, first) {
+                    continue;
+                }
                 let [a, b, c, d] = [first, first + 1, first + BLOCK + 2, first + BLOCK + 1].map(|k| seen[k]);
                 for (half, triangle) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
                     let Some((t, at)) = meet_seen(triangle).filter(|(t, _)| *t > near && *t < length) else { continue };
@@ -194,6 +199,7 @@ impl Mesh {
         Spot {
             t,
             along: dir.dot((b - a).cross(c - a)),
+            facet: (b - a).cross(c - a).normalize_or_zero(),
             normal: (m * (1.0 - x - y) + n * x + o * y).normalize_or_zero(),
             on: self.origin.map(|o| {
                 let between = |r: [f32; 2], part: f32| r[0] + (r[1] - r[0]) * part;
@@ -201,6 +207,19 @@ impl Mesh {
             }),
         }
     }
+}
+
+/// Whether a ray passes by the box around a micropolygon, by more than it may pass triangles by.
+#[inline(always)]
+fn passes_by(seen: &[[f32; 3]; (BLOCK + 1) * (BLOCK + 1)], first: usize) -> bool {
+    let beside = |axis: usize| {
+        let [a, b] = [seen[first][axis], seen[first + 1][axis]];
+        let [c, d] = [seen[first + BLOCK + 2][axis], seen[first + BLOCK + 1][axis]];
+        let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        let room = 8.0 * EDGE * (hi - lo);
+        lo > room || hi < -room
+    };
+    beside(0) || beside(1)
 }
 
 /// How far along a ray it meets a triangle, given by its corners across and along the ray, and where: parts of the edges from the

@@ -17,6 +17,7 @@ use crate::scene::source::Item;
 use crate::scene::world::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::sync::OnceLock;
 
 /// The part of the way to a light at whose end surfaces do not count.
@@ -147,6 +148,11 @@ impl<'a> Rays<'a> {
     }
 }
 
+thread_local! {
+    /// The walk of a thread, whose memory is kept from ray to ray.
+    static WALK: RefCell<Walk> = RefCell::default();
+}
+
 impl<'a> Hulls<'a> {
     fn new(scene: &Scene, displaced: Option<Box<Displaced<'a>>>, is_still: impl Fn(Item) -> bool) -> Hulls<'a> {
         let of = |f: &dyn Fn(&crate::scene::attributes::Attributes) -> bool| {
@@ -251,9 +257,10 @@ impl<'a> Hulls<'a> {
             Some(Met { at: m.t, leaf, enters: self.enters(m), name: name as u32 })
         };
         let mut line: Vec<Met> = met.iter().enumerate().filter_map(placed).collect();
-        let mut walk = Walk::default();
-        let kept = walk.surfaces(&self.solids, &mut line);
-        let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
-        surfaces.filter(|m| m.t > least && counts(m.item)).min_by(|a, b| a.t.total_cmp(&b.t)).map(|m| (m.t, m.item))
+        WALK.with_borrow_mut(|walk| {
+            let kept = walk.surfaces(&self.solids, &mut line);
+            let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
+            surfaces.filter(|m| m.t > least && counts(m.item)).min_by(|a, b| a.t.total_cmp(&b.t)).map(|m| (m.t, m.item))
+        })
     }
 }

@@ -6,17 +6,14 @@
 //! many from one point, which gather light from all around, as far as `"maxdiffusedepth"`.
 
 use crate::cpu::globals::{fill_velocity, surface_globals};
-use crate::cpu::mesh::Spot;
+use crate::cpu::met::{Hit, Met, meet, meet_displaced};
 use crate::cpu::rays::{BEFORE_END, Rays};
 use crate::cpu::volumes::Leg;
 use crate::scene::attributes::Attributes;
-use crate::scene::facets::place_on;
-use crate::scene::interpolation::bilinear;
-use crate::scene::patch::Patch;
-use crate::scene::shape::{Shape, sphere_uv};
+use crate::scene::shape::Shape;
 use crate::scene::source::{Item, ItemView};
 use crate::scene::world::Scene;
-use glam::{Mat3, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use sl::Global;
 use sl::ir::{Ask, Lookup};
 use sl::machine::{Answer, BoundShader, Emitter, Machine, MapQuery, Open, OpenPlace, Points, Ray, Segment};
@@ -132,6 +129,7 @@ impl<'a> View<'a> {
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.place));
         fill_triples(points, Global::N, met.iter().map(|m| m.normal * side));
+        fill_triples(points, Global::Ng, met.iter().map(|m| m.geometric * side));
         let moves = !view.source.moves.is_empty() || view.shift != Vec3::ZERO;
         let moment = moves.then(|| view.source.moves.first().map_or(1.0, |(time, _)| *time));
         fill_velocity(points, view, moment, None, self.scene.shutter);
@@ -152,6 +150,7 @@ impl<'a> View<'a> {
         let side = if a.reversed { -1.0 } else { 1.0 };
         fill_triples(points, Global::P, met.iter().map(|m| m.before[0]));
         fill_triples(points, Global::N, met.iter().map(|m| m.before[1] * side));
+        fill_triples(points, Global::Ng, met.iter().map(|m| m.before[2] * side));
         let own = View::new(self.scene, self.rays, item, view, self.bias);
         // What it traces itself is found once, as the surface is displaced, and not at each ray.
         let scene = View { depth: u32::MAX, shader_to_world: a.displacement_space, ..own };
@@ -322,14 +321,6 @@ fn nearly_none(open: [f32; 3]) -> bool {
     open.iter().all(|o| *o < 1e-3)
 }
 
-/// Where a ray meets something, world space.
-#[derive(Clone, Copy)]
-struct Hit {
-    from: Vec3,
-    dir: Vec3,
-    distance: f32,
-}
-
 /// A ray on its way through what it meets.
 struct Path<'a> {
     from: Vec3,
@@ -341,28 +332,6 @@ struct Path<'a> {
     /// Attributes of the surface that it started from or passed last, and how far along it that is.
     passed: &'a Attributes,
     at: f32,
-}
-
-/// A surface where a ray meets it, world space.
-struct Met<'a> {
-    place: Vec3,
-    normal: Vec3,
-    /// Place and normal before the surface was displaced.
-    before: [Vec3; 2],
-    uv: [f32; 2],
-    st: [f32; 2],
-    /// The patch that was met, and where in its parameters.
-    on: Option<(&'a Patch, [f32; 2])>,
-}
-
-impl Met<'_> {
-    /// Whether the uniform variables here are those of another place.
-    fn has_uniform_of(&self, other: &Met) -> bool {
-        match (self.on, other.on) {
-            (Some((a, _)), Some((b, _))) => a.uniform == b.uniform,
-            (a, b) => a.is_none() && b.is_none(),
-        }
-    }
 }
 
 /// Fill a global with a vector a point.
@@ -386,62 +355,6 @@ fn fill_patch_variables(points: &mut Points, met: &[Met]) {
     }
 }
 
-fn meet<'a>(view: &ItemView<'a>, &Hit { from, dir, distance }: &Hit) -> Met<'a> {
-    let place = from + dir * distance;
-    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
-    match view.shape {
-        Shape::Sphere => {
-            let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
-            let uv = sphere_uv(d);
-            let normal = (normals * d).normalize_or_zero();
-            Met { place, normal, before: [place, normal], uv, st: uv, on: None }
-        }
-        Shape::Patches(patches, _) => {
-            let inverse = view.to_world.inverse();
-            let (o, d) = (inverse.transform_point3(from), inverse.transform_vector3(dir));
-            let at = inverse.transform_point3(place);
-            let found = patches.iter().filter_map(|p| Some((place_on(p, o, d, at)?, p)));
-            let Some(((_, [u, v]), patch)) = found.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
-                return Met { place, normal: -dir, before: [place, -dir], uv: [0.0; 2], st: [0.0; 2], on: None };
-            };
-            let normal = patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v));
-            met_on(patch, [u, v], place, (normals * normal).normalize_or_zero())
-        }
-    }
-}
-
-/// A displaced item where a ray meets its mesh.
-fn meet_displaced<'a>(view: &ItemView<'a>, hit: &Hit, spot: &Spot) -> Met<'a> {
-    let place = hit.from + hit.dir * hit.distance;
-    // The mesh has the normals that shaders have, which turn with the orientation.
-    let normal = if view.attributes.reversed { -spot.normal } else { spot.normal };
-    let patches = match view.shape {
-        Shape::Patches(patches, _) => patches.as_slice(),
-        Shape::Sphere => &[],
-    };
-    if let Some((k, uv)) = spot.on
-        && let Some(patch) = patches.get(k as usize)
-    {
-        let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
-        let [u, v] = uv;
-        let before = (normals * patch.given_normal(u, v).unwrap_or_else(|| patch.normal(u, v))).normalize_or_zero();
-        let before = [view.to_world.transform_point3(patch.at(u, v)), before];
-        return Met { before, ..met_on(patch, uv, place, normal) };
-    }
-    let d = view.to_world.inverse().transform_point3(place).normalize_or_zero();
-    let uv = sphere_uv(d);
-    let normals = Mat3::from_mat4(view.to_world).inverse().transpose();
-    let before = [view.to_world.transform_point3(d), (normals * d).normalize_or_zero()];
-    Met { place, normal, before, uv, st: uv, on: None }
-}
-
-/// A patch at parameters of it.
-fn met_on(patch: &Patch, [u, v]: [f32; 2], place: Vec3, normal: Vec3) -> Met<'_> {
-    let of = |axis: usize| bilinear(patch.uv.map(|c| c[axis]), u, v);
-    let st = [patch.st_at(0, u, v), patch.st_at(1, u, v)];
-    Met { place, normal, before: [place, normal], uv: [of(0), of(1)], st, on: Some((patch, [u, v])) }
-}
-
 impl sl::machine::Scene for View<'_> {
     fn lights(&self) -> &[Arc<BoundShader>] {
         self.lights
@@ -450,6 +363,11 @@ impl sl::machine::Scene for View<'_> {
     fn shutter(&self) -> [f32; 2] {
         self.scene.shutter
     }
+
+    fn eye(&self) -> [f32; 3] {
+        self.scene.camera_to_world.transform_point3(Vec3::ZERO).to_array()
+    }
+
     fn matrix(&self, from: &str, to: &str) -> Option<[f32; 16]> {
         self.scene.matrix(from, to, &|space| match space {
             "object" => Some(self.object_to_world),
@@ -472,6 +390,10 @@ impl sl::machine::Scene for View<'_> {
 
     fn warn(&self, message: String) {
         self.scene.warn(message);
+    }
+
+    fn outside(&self, place: &str, index: f32, message: String) {
+        self.scene.outside(place, index, message);
     }
 
     fn is_stopped(&self) -> bool {

@@ -4,6 +4,7 @@ use crate::scene::camera::{Camera, RasterBound};
 use crate::scene::motion::Instant;
 use crate::scene::source::{Item, ItemView};
 use glam::Vec3;
+use sl::Global;
 use sl::machine::Points;
 
 /// An item to dice.
@@ -17,7 +18,7 @@ pub struct Subject<'a> {
     pub instants: &'a [Instant],
     /// The camera.
     pub camera: &'a Camera,
-    /// Whether u, v, s and t are wanted, whatever the item's shaders read.
+    /// Whether u, v, s, t and Ng are wanted, whatever the item's shaders read.
     pub parameters: bool,
 }
 
@@ -25,6 +26,11 @@ impl Subject<'_> {
     /// Whether u, v, s and t of its points are wanted.
     pub fn needs_parameters(&self) -> bool {
         self.parameters || self.view.attributes.reads_parameters()
+    }
+
+    /// Whether the normals of the surface itself are wanted where others are given.
+    pub fn needs_geometric_normal(&self) -> bool {
+        self.parameters || self.view.attributes.reads(Global::Ng)
     }
 
     /// Whether some of the item may be visible; `box_at` is the camera-space box of that at a moment.
@@ -52,7 +58,7 @@ pub trait Sink {
 /// A grid: points in rows, in world space, as a dicer leaves it.
 #[derive(Default)]
 pub struct Grid {
-    /// P, N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view.
+    /// P, N, Ng where it is wanted and another than N, and u, v, s, t where these are wanted; primitive variables in the slots of the item's view.
     pub points: Points,
     /// How far each point is from where it was first, world space, at each moment of the item but the first: x of all, y of all,
     /// z of all. Empty if it keeps its form.

@@ -44,6 +44,9 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
     // What is flat has one normal, but for the tips of triangles.
     let even = (patch.flat && patch.normals.is_none()).then(|| normals * patch.normal(0.5, 0.5));
     let even = even.map(|m| m.normalize_or_zero() * sign);
+    let mut geometric = std::mem::take(points.refill(Global::Ng));
+    let has_own = patch.normals.is_some() && subject.needs_geometric_normal();
+    geometric.resize(if has_own { 3 * n } else { 0 }, 0.0);
     for (j, v) in vs.iter().enumerate() {
         // The row as a curve along u, and its slope along v.
         let (bv, dv) = (bernstein(*v), bernstein_slope(*v));
@@ -52,18 +55,20 @@ pub fn dice(subject: &Subject<'_>, patch: &Patch, piece: Piece, [nu, nv]: [usize
         for (i, (u, (bu, du))) in us.iter().zip(&along).enumerate() {
             let k = j * us.len() + i;
             let q = view.to_world.transform_point3(mix(&row, bu));
-            let m = even.unwrap_or_else(|| {
-                let own = patch
-                    .given_normal(*u, *v)
-                    .unwrap_or_else(|| patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v));
-                (normals * own).normalize_or_zero() * sign
-            });
+            let turned = |own: Vec3| (normals * own).normalize_or_zero() * sign;
+            let own = || patch.normal_of(mix(&row, du), mix(&rise, bu), *u, *v);
+            let m = even.unwrap_or_else(|| turned(patch.given_normal(*u, *v).unwrap_or_else(own)));
+            if has_own {
+                let g = turned(own());
+                (geometric[k], geometric[n + k], geometric[2 * n + k]) = (g.x, g.y, g.z);
+            }
             (p[k], p[n + k], p[2 * n + k]) = (q.x, q.y, q.z);
             (normal[k], normal[n + k], normal[2 * n + k]) = (m.x, m.y, m.z);
         }
     }
     *points.refill(Global::P) = p;
     *points.refill(Global::N) = normal;
+    *points.refill(Global::Ng) = geometric;
     deform(subject, patch, [&us, &vs], ring as usize, &mut grid.deformed);
     if subject.needs_parameters() {
         let points = &mut grid.points;

@@ -60,6 +60,42 @@ impl Quadric {
         }
     }
 
+    /// The greatest angle, radians, by which a point of it turns on the way to another of its kind; of a parabola, as far as its
+    /// profile is bent.
+    pub fn turned_to(&self, other: &Quadric) -> f32 {
+        let bent = match (self.outline, other.outline) {
+            (Outline::Circle(_, _, a), Outline::Circle(_, _, b)) => {
+                (0..2).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max)
+            }
+            (Outline::Parabola(_, a), Outline::Parabola(_, b)) if a != b => FRAC_PI_2,
+            _ => 0.0,
+        };
+        bent.max((self.sweep - other.sweep).to_radians().abs().min(TAU))
+    }
+
+    /// The quadric whose numbers are on the way to those of another of its kind; itself if that is of another.
+    pub fn mixed(&self, other: &Quadric, part: f32) -> Quadric {
+        let mix = |a: f32, b: f32| a + (b - a) * part;
+        let outline = match (self.outline, other.outline) {
+            (Outline::Line(a, b), Outline::Line(c, d)) => Outline::Line(a.lerp(c, part), b.lerp(d, part)),
+            (Outline::Circle(a, r, angles), Outline::Circle(b, s, others)) => {
+                let radius = mix(r, s);
+                // A sphere is cut at heights.
+                let is_sphere = a == [0.0; 2] && b == [0.0; 2] && radius != 0.0;
+                let angle = |k: usize| {
+                    let height = mix(r * angles[k].sin(), s * others[k].sin());
+                    if is_sphere { (height / radius).clamp(-1.0, 1.0).asin() } else { mix(angles[k], others[k]) }
+                };
+                Outline::Circle([mix(a[0], b[0]), mix(a[1], b[1])], radius, [angle(0), angle(1)])
+            }
+            (Outline::Parabola(r, a), Outline::Parabola(s, b)) => {
+                Outline::Parabola(mix(r, s), [mix(a[0], b[0]), mix(a[1], b[1])])
+            }
+            (outline, _) => outline,
+        };
+        Quadric { outline, sweep: mix(self.sweep, other.sweep) }
+    }
+
     /// Its patches, of so many pieces.
     pub fn patches(&self, [along, around]: [usize; 2]) -> Vec<Patch> {
         let profile = match self.outline {

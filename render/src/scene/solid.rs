@@ -33,6 +33,10 @@ impl Operation {
 struct Node {
     operation: Operation,
     parent: Option<u32>,
+    /// What it is in the end a part of.
+    root: u32,
+    /// How many it is within.
+    depth: u32,
     parts: Vec<u32>,
 }
 
@@ -46,7 +50,9 @@ impl Solids {
     /// A new solid, a part of another if one is given.
     pub fn add(&mut self, operation: Operation, parent: Option<u32>) -> u32 {
         let id = self.nodes.len() as u32;
-        self.nodes.push(Node { operation, parent, parts: vec![] });
+        let outer = parent.map(|parent| &self.nodes[parent as usize]);
+        let (root, depth) = outer.map_or((id, 0), |outer| (outer.root, outer.depth + 1));
+        self.nodes.push(Node { operation, parent, root, depth, parts: vec![] });
         if let Some(parent) = parent {
             self.nodes[parent as usize].parts.push(id);
         }
@@ -59,23 +65,13 @@ impl Solids {
     }
 
     /// The solid that it is in the end a part of.
-    pub fn root(&self, mut id: u32) -> u32 {
-        while let Some(parent) = self.nodes[id as usize].parent {
-            id = parent;
-        }
-        id
+    pub fn root(&self, id: u32) -> u32 {
+        self.nodes[id as usize].root
     }
 
-    /// Whether a point is in a solid, if it is in these primitives.
-    pub fn holds(&self, id: u32, inside: &[u32]) -> bool {
-        let Node { operation, parts, .. } = &self.nodes[id as usize];
-        let mut each = parts.iter().map(|part| self.holds(*part, inside));
-        match operation {
-            Operation::Primitive => inside.contains(&id),
-            Operation::Union => each.any(|held| held),
-            Operation::Intersection => !parts.is_empty() && each.all(|held| held),
-            Operation::Difference => each.next().is_some_and(|held| held) && !each.any(|held| held),
-        }
+    /// How many solids one is within.
+    pub fn depth(&self, id: u32) -> u32 {
+        self.nodes[id as usize].depth
     }
 
     /// Another solid like the one that a primitive is a part of, as a part of `parent`; `copied` knows which of its parts became
@@ -117,30 +113,73 @@ pub struct Met {
 #[derive(Default)]
 pub struct Walk {
     kept: Vec<bool>,
-    /// Primitives that have been met, and those that the line is in.
-    met: Vec<u32>,
-    inside: Vec<u32>,
+    /// Of every solid, what of it the line is in; `touched` are those where that is anything.
+    states: Vec<State>,
+    touched: Vec<u32>,
+    /// Of surfaces that coincide, the last of each whole.
+    last: Vec<(u32, usize)>,
+}
+
+/// What of a solid a line is in.
+#[derive(Clone, Copy, Default)]
+struct State {
+    /// Parts.
+    parts: u32,
+    /// Its first part.
+    first: bool,
+    /// The whole of it.
+    held: bool,
+    /// A primitive that has been met.
+    met: bool,
 }
 
 impl Walk {
     /// Begin another line. It begins inside what it is going to leave first: note what it meets, in order, before it is walked.
-    fn start(&mut self, met: impl Iterator<Item = (u32, bool)>) {
-        self.met.clear();
-        self.inside.clear();
-        for (leaf, enters) in met {
-            if !self.met.contains(&leaf) {
-                self.met.push(leaf);
+    fn start(&mut self, solids: &Solids, line: &[Met]) {
+        self.touched.drain(..).for_each(|id| self.states[id as usize] = State::default());
+        self.states.resize(solids.nodes.len(), State::default());
+        for Met { leaf, enters, .. } in line {
+            let state = &mut self.states[*leaf as usize];
+            if !std::mem::replace(&mut state.met, true) {
+                self.touched.push(*leaf);
                 if !enters {
-                    self.inside.push(leaf);
+                    self.turn(solids, *leaf);
                 }
             }
+        }
+    }
+
+    /// Enter or leave a primitive, and with it what it is a part of. Whether the line enters or leaves the whole.
+    fn turn(&mut self, solids: &Solids, leaf: u32) -> bool {
+        let mut id = leaf;
+        self.states[id as usize].held ^= true;
+        loop {
+            let held = self.states[id as usize].held;
+            let Some(parent) = solids.nodes[id as usize].parent else { return true };
+            let Node { operation, parts, .. } = &solids.nodes[parent as usize];
+            let state = &mut self.states[parent as usize];
+            self.touched.push(parent);
+            state.parts = if held { state.parts + 1 } else { state.parts - 1 };
+            if parts[0] == id {
+                state.first = held;
+            }
+            let now = match operation {
+                Operation::Primitive => state.held,
+                Operation::Union => state.parts > 0,
+                Operation::Intersection => state.parts as usize == parts.len(),
+                Operation::Difference => state.first && state.parts == 1,
+            };
+            if now == std::mem::replace(&mut state.held, now) {
+                return false;
+            }
+            id = parent;
         }
     }
 
     /// Walk all the way, along places that are sorted: which of them are surfaces of the whole that they are of. Surfaces that coincide are
     /// none where the line is on the same side of the whole before and after all of them.
     pub fn surfaces<'a>(&'a mut self, solids: &Solids, line: &mut [Met]) -> &'a [bool] {
-        self.start(line.iter().map(|met| (met.leaf, met.enters)));
+        self.start(solids, line);
         self.kept.clear();
         let mut first = 0;
         while first < line.len() {
@@ -163,28 +202,26 @@ impl Walk {
             self.kept.push(is_surface);
         }
         // Each surface of a whole leads to its other side, and a second one back.
+        self.last.clear();
         for i in 0..group.len() {
+            if !self.kept[first + i] {
+                continue;
+            }
             let whole = solids.root(group[i].leaf);
-            let later = (i + 1..group.len()).find(|k| self.kept[first + k] && solids.root(group[*k].leaf) == whole);
-            if let Some(k) = later.filter(|_| self.kept[first + i]) {
-                (self.kept[first + i], self.kept[first + k]) = (false, false);
+            match self.last.iter().position(|(root, _)| *root == whole) {
+                Some(k) => {
+                    let (_, other) = self.last.swap_remove(k);
+                    (self.kept[first + i], self.kept[first + other]) = (false, false);
+                }
+                None => self.last.push((whole, i)),
             }
         }
     }
 
     /// Enter or leave a primitive: whether the surface there is one of the whole that it is a part of.
     fn cross(&mut self, solids: &Solids, leaf: u32, enters: bool) -> bool {
-        let root = solids.root(leaf);
-        let before = solids.holds(root, &self.inside);
-        match (enters, self.inside.iter().position(|l| *l == leaf)) {
-            (true, None) => self.inside.push(leaf),
-            (false, Some(at)) => {
-                self.inside.swap_remove(at);
-            }
-            // An edge that two surfaces share is met twice.
-            _ => return false,
-        }
-        before != solids.holds(root, &self.inside)
+        // An edge that two surfaces share is met twice.
+        self.states[leaf as usize].held != enters && self.turn(solids, leaf)
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Scene {
     pub stopped: OnceLock<String>,
     /// Points to which a shader gave colours that are no finite numbers, by shader.
     pub unfinite: Mutex<BTreeMap<String, usize>>,
+    /// Of each place of a shader whose index is out of its range, the least such index, and what is said of it.
+    pub outside: Mutex<BTreeMap<String, (f32, String)>>,
     /// Displacement bounds that are needed, by shader.
     pub bounds: Mutex<HashMap<String, f32>>,
 }
@@ -206,6 +208,15 @@ impl Scene {
         *known.entry(shader.into()).or_insert(0) += n;
     }
 
+    /// Note an index that is out of its range at a place of a shader: each place is warned of once.
+    pub fn outside(&self, place: &str, index: f32, message: String) {
+        let mut known = self.outside.lock().unwrap_or_else(|e| e.into_inner());
+        let least = known.entry(place.into()).or_insert_with(|| (index, message.clone()));
+        if index.total_cmp(&least.0).is_lt() {
+            *least = (index, message);
+        }
+    }
+
     /// The warnings about the scene, which are removed.
     pub fn take_warnings(&self) -> Vec<String> {
         let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
@@ -215,6 +226,9 @@ impl Scene {
                 "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{}]` is needed",
                 (bound * 1.01 * 1e4).ceil() / 1e4
             ));
+        }
+        for (_, (_, message)) in std::mem::take(&mut *self.outside.lock().unwrap_or_else(|e| e.into_inner())) {
+            self.warn(message);
         }
         for (shader, n) in std::mem::take(&mut *self.unfinite.lock().unwrap_or_else(|e| e.into_inner())) {
             self.warn(format!("the shader `{shader}` gives colours that are no finite numbers, at {n} points"));

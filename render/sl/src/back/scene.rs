@@ -1,7 +1,7 @@
 //! The scene around a grid, as shaders ask it.
 
 use super::bound::{Answer, BoundShader};
-use crate::ir::{Ask, Lookup};
+use crate::ir::{Ask, Global, Lookup};
 use std::sync::Arc;
 
 /// The queries that a shader makes of the scene. A query for many points is one call, so that it can be answered in bulk; its
@@ -33,6 +33,14 @@ pub trait Scene {
     /// Times at which the shutter opens and closes.
     fn shutter(&self) -> [f32; 2] {
         [0.0; 2]
+    }
+    /// Warn of an index that is out of its range at a place of a shader.
+    fn outside(&self, _place: &str, _index: f32, message: String) {
+        self.warn(message);
+    }
+    /// Where the eye is.
+    fn eye(&self) -> [f32; 3] {
+        [0.0; 3]
     }
     /// Answer a query by name; `None` if the scene has no answer.
     fn ask(&self, _what: Ask, _names: &[&str]) -> Option<Answer> {
@@ -188,4 +196,16 @@ pub struct MapQuery<'a> {
     pub bias: f32,
     /// In a light shader, the position that the light comes from.
     pub light: Option<[f32; 3]>,
+}
+
+/// What a global variable has that nobody has set; nothing if that is 0.
+pub(super) fn unset(global: Global, scene: &dyn Scene) -> Vec<f32> {
+    let [open, close] = scene.shutter();
+    match global {
+        Global::Ncomps => vec![3.0],
+        Global::Time => vec![open],
+        Global::Dtime => vec![close - open],
+        Global::E => scene.eye().to_vec(),
+        _ => vec![],
+    }
 }

@@ -31,6 +31,7 @@ fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
     let mut found = vec![];
     let mut note = |op: &ir::Op| match op {
         ir::Op::Loop(.., at)
+        | ir::Op::Within(.., at)
         | ir::Op::Load(.., at)
         | ir::Op::Store(.., at)
         | ir::Op::TextLoad(.., at)
@@ -42,7 +43,7 @@ fn places(program: &Program, sources: &Sources) -> Vec<(u32, String)> {
     found.dedup();
     let place = |at: u32| {
         let d = sources.place(Error::new(at as usize, ""));
-        (at, format!("{}:{}", d.file.display(), d.line))
+        (at, format!("{}:{}:{}", d.file.display(), d.line, d.column))
     };
     found.into_iter().map(place).collect()
 }

@@ -94,6 +94,8 @@ pub enum Op {
     Component(FloatReg, TripleReg, u8),
     /// Assign to a variable at active points: variable, value.
     Assign(Reg, Reg),
+    /// Warn if an index at an active point is that of no component: index, count of components, byte of the source.
+    Within(FloatReg, u16, u32),
     /// Load an element of an array: result, first element, length, index, byte of the source.
     Load(Reg, Reg, u16, FloatReg, u32),
     /// Assign to an element of an array at active points: first element, length, index, value, byte of the source.

@@ -59,6 +59,7 @@ fn one(f: &mut Formatter<'_>, op: &Op, depth: usize) -> Result {
         Op::Pack(r, parts) => writeln!(f, "{r} = pack{}", list(parts)),
         Op::Component(r, a, c) => writeln!(f, "{r} = {a}[{c}]"),
         Op::Assign(r, a) => writeln!(f, "{r} := {a}"),
+        Op::Within(i, n, _) => writeln!(f, "within {i} {n}"),
         Op::Load(r, first, n, i, _) => writeln!(f, "{r} = {first}..{}[{i}]", first.index() + *n as usize),
         Op::Store(first, n, i, v, _) => writeln!(f, "{first}..{}[{i}] := {v}", first.index() + *n as usize),
         Op::TextLoad(t, first, n, i, _) => writeln!(f, "{t} = {first}..{}[{i}]", first.index() + *n as usize),

@@ -169,6 +169,7 @@ impl Check<'_> {
                 self.read(*a)?;
                 self.write(*dst)
             }
+            Op::Within(index, ..) => self.read(*index),
             Op::Load(dst, first, len, index, _) => {
                 self.read(*index)?;
                 self.elements(*first, *len, *dst)?;

@@ -86,6 +86,7 @@ pub fn reads(op: &Op, f: &mut dyn FnMut(Operand)) {
         Op::TextCopy(r, a) => [*r, *a].into_iter().for_each(|r| f(Text(r))),
         Op::Assign(r, a) => numbers(&[*r, *a], f),
         Op::TextEqual(_, a, b) | Op::Match(_, a, b) => [*a, *b].into_iter().for_each(|r| f(Text(r))),
+        Op::Within(i, ..) => numbers(&[*i], f),
         Op::Unary(_, _, a) => f(Number(*a)),
         Op::Component(_, a, _) => numbers(&[*a], f),
         Op::Binary(_, _, a, b) => numbers(&[*a, *b], f),
@@ -179,6 +180,7 @@ pub fn operands_mut(op: &mut Op, f: &mut dyn FnMut(&mut Reg)) {
     match op {
         Op::Assign(_, a) | Op::Unary(_, _, a) => f(a),
         Op::Component(_, a, _) => each([a], f),
+        Op::Within(i, ..) => each([i], f),
         Op::Binary(_, _, a, b) => [a, b].into_iter().for_each(f),
         Op::Select(_, c, a, b) => {
             each([c], f);

@@ -142,6 +142,11 @@ const SHADERS: &[(&str, &str, &str)] = &[
         "",
         "float i; for (i = 0; i < 5; i += 1) { illuminance(P) { Ci += Cl * 0.1; if (comp(Ci, 0) > 0.3 * s) break; } Ci += 0.01; }",
     ),
+    ("a loop over lights that is left", "", "float n = 0; illuminance(P) { n += 1; if (n > 1 + 2 * s) break; Ci += Cl; } Ci += n;"),
+    ("lights that are gone on from", "", "illuminance(P) { if (comp(Cl, 0) > 0.2 + 0.3 * s) continue; float i; for (i = 0; i < 3; i += 1) { if (i > 2 * t) break 2; Ci += Cl; } Ci += 0.1; }"),
+    ("a loop over lights that is left, with derivatives", "", "float n = 0; illuminance(P) { n += 1 + filterwidth(s); if (n > 1 + 2 * s) break; if (t < 0.3) continue; Ci += Cl * filterwidth(t); } Ci += n;"),
+    ("components by index", "", "float i = clamp(floor(3 * s), 0, 2), j = clamp(floor(3 * t), 0, 2); vector v = P; v[i] = 5; setcomp(v, j, 2); Ci = rgb(v) + comp(v, i);"),
+    ("normals turned to the eye", "", "Ci = rgb(faceforward(normalize(N), I)) + rgb(faceforward(N, I, vector(s - 0.5, t, 1)));"),
     ("derivatives among lights", "", "illuminance(P) { Ci += Cl * filterwidth(s) + Du(xcomp(L)); if (s > 0.5) Ci += filterwidth(comp(Ci, 0)); }"),
     (
         "derivatives among lights in a loop that is left",
@@ -170,6 +175,15 @@ fn what_is_hard_is_the_same_on_a_device() {
     };
     let found: String = SHADERS.iter().filter_map(wrong).collect();
     assert!(found.is_empty(), "{found}");
+}
+
+#[test]
+fn lights_ask_the_scene_and_know_the_eye() {
+    let asks = "light asks() { solar(vector(0.2, 0.4, 1), 0) { float dim = 7; if (xcomp(Ps) > 0) option(\"user:dim\", dim); Cl = 0.1 * dim; } }";
+    let eye = "light eye() { solar(vector(0.2, 0.4, 1), 0) { Cl = 0.1 * abs(color(E)); } }";
+    for light in [asks, eye] {
+        holds(light, &surface("", "illuminance(P) { Ci += Cl; }"), &world(&[light]));
+    }
 }
 
 #[test]

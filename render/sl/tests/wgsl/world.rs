@@ -50,10 +50,14 @@ impl Scene for World {
     fn shutter(&self) -> [f32; 2] {
         [0.25, 0.75]
     }
+    fn eye(&self) -> [f32; 3] {
+        [1.0, 2.0, -3.0]
+    }
     fn ask(&self, what: Ask, names: &[&str]) -> Option<Answer> {
         match (what, names[0]) {
             (Ask::Option, "Clipping") => Some(Answer::Numbers(vec![0.5, 20.0])),
             (Ask::Option, "Format") => Some(Answer::Numbers(vec![640.0, 480.0, 1.0])),
+            (Ask::Option, "user:dim") => Some(Answer::Numbers(vec![0.25])),
             (Ask::Attribute, "ShadingRate") => Some(Answer::Numbers(vec![0.25])),
             (Ask::Attribute, "identifier:name") => Some(Answer::Text("pebble".into())),
             (Ask::Surface | Ask::Displacement, "Km") => Some(Answer::Numbers(vec![0.125])),

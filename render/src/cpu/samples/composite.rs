@@ -1,15 +1,67 @@
 //! Compositing of the layers of samples.
 
+use crate::cpu::micropolygon::Micropolygon;
 use crate::cpu::samples::{Layer, NONE, Samples};
 use crate::film::display::{Aov, placed};
 use crate::scene::solid::{Met, Solids, Walk};
 use sl::ir::Kind;
 
 impl Samples {
-    /// Composite the lists: each sample's colour, premultiplied, and its coverage. Of solids, the surfaces of the wholes count.
-    pub fn resolve(&mut self, aovs: &[Aov], solids: &Solids) {
+    /// Leave of the lists what may be seen: of solids the surfaces of the wholes, and nothing behind the first layer that is opaque.
+    /// All layers must be there; `stays_opaque` tells it of micropolygons that have no colour yet.
+    pub fn cut_solids(&mut self, solids: &Solids, stays_opaque: impl Fn(Micropolygon) -> bool) {
+        if self.layers.is_empty() {
+            return;
+        }
+        let (mut stack, mut walk, mut line) = (vec![], Walk::default(), vec![]);
+        for k in 0..self.list.len() {
+            stack.clear();
+            let mut at = self.list[k];
+            while at != NONE {
+                let v = &self.layers[at as usize];
+                if v.z < self.z[k] {
+                    stack.push(at);
+                }
+                at = v.next;
+            }
+            if stack.iter().all(|at| self.layers[*at as usize].solid.is_none()) {
+                continue;
+            }
+            // Nearest first; of what is equally near, what came first.
+            stack.reverse();
+            stack.sort_by(|a, b| self.layers[*a as usize].z.total_cmp(&self.layers[*b as usize].z));
+            let met = |at: &u32| {
+                let v = &self.layers[*at as usize];
+                v.solid.map(|(leaf, enters)| Met { at: v.z, leaf, enters, name: *at })
+            };
+            line.clear();
+            line.extend(stack.iter().filter_map(met));
+            let kept = walk.surfaces(solids, &mut line);
+            for (met, _) in line.iter().zip(kept).filter(|(_, kept)| **kept) {
+                self.layers[met.name as usize].solid = None;
+            }
+            self.list[k] = NONE;
+            for at in &stack {
+                let v = &mut self.layers[*at as usize];
+                if v.solid.is_some() {
+                    continue;
+                }
+                v.next = std::mem::replace(&mut self.list[k], *at);
+                let is_opaque = match v.micropolygon {
+                    Micropolygon::NONE => v.opacity.iter().all(|o| *o >= 1.0),
+                    waiting => stays_opaque(waiting),
+                };
+                if is_opaque {
+                    self.visible[k] = Micropolygon::NONE.id();
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Composite the lists: each sample's colour, premultiplied, and its coverage.
+    pub fn resolve(&mut self, aovs: &[Aov]) {
         let mut stack: Vec<(u32, Layer)> = Vec::new();
-        let (mut walk, mut line, mut dropped) = (Walk::default(), vec![], vec![]);
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -25,19 +77,6 @@ impl Samples {
             }
             // Farthest first; what is equally far keeps the order in which it came.
             stack.sort_by(|a, b| b.1.z.total_cmp(&a.1.z));
-            if stack.iter().any(|(_, v)| v.solid.is_some()) {
-                let met = |(name, (_, v)): (usize, &(u32, Layer))| {
-                    v.solid.map(|(leaf, enters)| Met { at: v.z, leaf, enters, name: name as u32 })
-                };
-                line.clear();
-                line.extend(stack.iter().enumerate().rev().filter_map(met));
-                let kept = walk.surfaces(solids, &mut line);
-                dropped.clear();
-                dropped.resize(stack.len(), false);
-                line.iter().zip(kept).for_each(|(met, kept)| dropped[met.name as usize] = !kept);
-                let mut dropped = dropped.iter();
-                stack.retain(|_| dropped.next() == Some(&false));
-            }
             for (layer, v) in &stack {
                 for c in 0..3 {
                     self.color[k][c] = v.color[c] + self.color[k][c] * (1.0 - v.opacity[c]);

@@ -69,6 +69,7 @@ pub fn fill(
     }
     *points.refill(Global::P) = p;
     *points.refill(Global::N) = normal;
+    points.refill(Global::Ng);
     grid.deformed.clear();
     grid.trimmed.clear();
     view.fill_variables(points);

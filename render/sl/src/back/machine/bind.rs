@@ -27,6 +27,7 @@ impl BoundShader {
         }
         machine.defaults(&bound, &VariableSlots::default(), &points, scene);
         let program = bound.program.clone();
+        machine.say_faults(&program, scene);
         let unset: Vec<bool> = (0..program.params.len()).map(|slot| bound.value(slot).is_none()).collect();
         let reads_globals = |ops: &[Op]| {
             let mut found = false;

@@ -141,6 +141,7 @@ impl Machine {
         if let Some(emitter) = &emitter {
             points.set(Global::P, emitter.points.clone());
             points.set(Global::N, emitter.normals.clone());
+            points.set(Global::Ng, emitter.normals.clone());
         }
         let is_cone = angle.iter().any(|a| *a < std::f32::consts::PI);
         machine.receiver = is_cone.then(|| Receiver { axis: axis.to_vec(), cos: cosines(angle) });

@@ -1,6 +1,6 @@
 //! Operations component by component, and elements of arrays.
 
-use super::state::Machine;
+use super::state::{Beyond, Indexed, Machine};
 use crate::ir::*;
 use crate::shadeop::matrix::element;
 use crate::shadeop::number::{binary_value, unary_value};
@@ -61,12 +61,22 @@ impl Machine {
         self.regs[dst.index()] = out;
     }
 
+    /// Note an index that is of no component.
+    pub(super) fn note_index(&mut self, index: FloatReg, len: u16, place: u32) {
+        let index = &self.regs[index.index()];
+        let is_on = |k: usize| index.len() == 1 || self.mask.as_ref().is_none_or(|mask| mask[k]);
+        let lost = index.iter().enumerate().find(|(k, i)| is_on(*k) && element(**i, len).is_none());
+        if let Some((_, i)) = lost {
+            self.beyond.get_or_insert(Beyond { what: Indexed::Components, index: *i, len, place });
+        }
+    }
+
     /// The element of an array of strings that an index means.
     pub(super) fn text_element(&mut self, index: FloatReg, len: u16, place: u32) -> Option<usize> {
         let i = at(&self.regs[index.index()], 0);
         let found = element(i, len);
         if found.is_none() {
-            self.beyond.get_or_insert((i, len, place));
+            self.beyond.get_or_insert(Beyond::of_array(i, len, place));
         }
         found
     }
@@ -80,7 +90,7 @@ impl Machine {
             match element(i, len) {
                 Some(k) => out.extend_from_slice(&self.regs[first.index() + k]),
                 None => {
-                    self.beyond.get_or_insert((i, len, place));
+                    self.beyond.get_or_insert(Beyond::of_array(i, len, place));
                     out.resize(w, 0.0);
                 }
             }
@@ -89,7 +99,7 @@ impl Machine {
             for (k, i) in index.iter().enumerate() {
                 let Some(e) = element(*i, len) else {
                     if self.mask.as_ref().is_none_or(|mask| mask[k]) {
-                        self.beyond.get_or_insert((*i, len, place));
+                        self.beyond.get_or_insert(Beyond::of_array(*i, len, place));
                     }
                     continue;
                 };
@@ -106,14 +116,14 @@ impl Machine {
         if let [i] = index[..] {
             match element(i, len) {
                 Some(k) => self.assign_value(first.element(k as u16), &value),
-                None => _ = self.beyond.get_or_insert((i, len, place)),
+                None => _ = self.beyond.get_or_insert(Beyond::of_array(i, len, place)),
             }
             return;
         }
         let outer = self.mask.take();
         let is_on = |p: usize| outer.as_ref().is_none_or(|m| m[p]);
         if let Some(p) = (0..self.n).find(|p| is_on(*p) && element(index[*p], len).is_none()) {
-            self.beyond.get_or_insert((index[p], len, place));
+            self.beyond.get_or_insert(Beyond::of_array(index[p], len, place));
         }
         for k in 0..len as usize {
             let here = |p: usize| outer.as_ref().is_none_or(|m| m[p]) && element(index[p], len) == Some(k);

@@ -2,25 +2,15 @@
 
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::{Message, Points};
-use super::super::scene::Scene;
+use super::super::scene::{Scene, unset};
 use super::super::slots::VariableSlots;
 use super::light::cosines;
-use super::state::{LoopFrame, Machine};
+use super::state::{Beyond, Indexed, LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::{SPACES, convert};
 use crate::shadeop::matrix::triple16;
 use crate::shadeop::runs::{dot, put, triple};
 use crate::shadeop::spline;
-
-/// A number of a global variable that nobody has set.
-fn unset(global: Global, scene: &dyn Scene) -> f32 {
-    match global {
-        Global::Ncomps => 3.0,
-        Global::Time => scene.shutter()[0],
-        Global::Dtime => scene.shutter()[1] - scene.shutter()[0],
-        _ => 0.0,
-    }
-}
 
 /// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
 const MAX_TURNS: usize = 1 << 25;
@@ -52,7 +42,10 @@ impl Machine {
             let reg = &mut self.regs[reg.index()];
             match points.get(*global) {
                 Some(values) => reg.extend_from_slice(values),
-                None => reg.resize(width, unset(*global, scene)),
+                None => {
+                    reg.extend(unset(*global, scene));
+                    reg.resize(width, 0.0);
+                }
             }
         }
         self.messages.clone_from(&points.messages);
@@ -65,20 +58,30 @@ impl Machine {
         self.mask = mask;
         self.block(&program.body, scene);
         self.mask = None;
-        if let Some((_, place)) = self.endless.take() {
-            scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
-        }
-        if let Some((index, len, place)) = self.beyond.take() {
-            let (most, place) = (len - 1, program.place(place));
-            scene.warn(format!(
-                "{place}: the shader `{}` uses element {index} of an array, expected 0 to {most}: it is read as 0 and not written",
-                program.name
-            ));
-        }
+        self.say_faults(program, scene);
         for (global, reg) in &program.globals {
             if let Some(values) = points.get_mut(*global) {
                 std::mem::swap(values, &mut self.regs[reg.index()]);
             }
+        }
+    }
+
+    /// Say what went wrong in a run: loops that do not end, an index out of its range.
+    pub(super) fn say_faults(&mut self, program: &Program, scene: &dyn Scene) {
+        if let Some((_, place)) = self.endless.take() {
+            scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
+        }
+        if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
+            let (most, place, name) = (len - 1, program.place(place), &program.name);
+            let what = if what == Indexed::Array {
+                format!("element {index} of an array")
+            } else {
+                format!("component {index}")
+            };
+            let message = format!(
+                "{place}: the shader `{name}` uses {what}, expected 0 to {most}: it is read as 0 and not written"
+            );
+            scene.outside(place, index, message);
         }
     }
 
@@ -236,6 +239,7 @@ impl Machine {
             Op::Call(f, dst, args) => {
                 self.call(*f, *dst, args, scene);
             }
+            Op::Within(index, len, place) => self.note_index(*index, *len, *place),
             Op::Load(dst, first, len, index, place) => self.load_element(*dst, *first, *len, *index, *place),
             Op::Store(first, len, index, value, place) => self.store_element(*first, *len, *index, *value, *place),
             Op::TextLoad(dst, first, len, index, place) => {

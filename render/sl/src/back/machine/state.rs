@@ -28,6 +28,29 @@ pub(super) struct Lit {
     pub(super) outputs: Vec<(usize, Vec<f32>)>,
 }
 
+/// What an index is of.
+#[derive(PartialEq)]
+pub(super) enum Indexed {
+    Array,
+    Components,
+}
+
+/// An index out of its range.
+pub(super) struct Beyond {
+    pub(super) what: Indexed,
+    pub(super) index: f32,
+    /// How many there are.
+    pub(super) len: u16,
+    /// The byte of the source.
+    pub(super) place: u32,
+}
+
+impl Beyond {
+    pub(super) fn of_array(index: f32, len: u16, place: u32) -> Beyond {
+        Beyond { what: Indexed::Array, index, len, place }
+    }
+}
+
 /// A loop that is run, or a function's body.
 #[derive(Default)]
 pub(super) struct LoopFrame {
@@ -63,8 +86,8 @@ pub struct Machine {
     /// The points, and the normals on the side that is seen, if an ambient light asks where they are.
     pub(super) places: Vec<f32>,
     pub(super) facing: Vec<f32>,
-    /// The first index of this run that was in no array, the length of that, and the byte of the source.
-    pub(super) beyond: Option<(f32, u16, u32)>,
+    /// The first index of this run that was in no array, or of no component.
+    pub(super) beyond: Option<Beyond>,
     /// Of the loops of this run that were cut, that which had the most turns: these, and the byte of the source.
     pub(super) endless: Option<(u32, u32)>,
     /// What shaders that ran before tell this one.

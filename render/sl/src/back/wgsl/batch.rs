@@ -2,7 +2,7 @@
 
 use super::super::bound::{Answer, BoundShader};
 use super::super::points::Points;
-use super::super::scene::Scene;
+use super::super::scene::{Scene, unset};
 use super::super::slots::VariableSlots;
 use super::kernel::{Kernel, Shader, Target};
 use super::module::{Refused, Slot};
@@ -196,7 +196,10 @@ impl<'k> Batch<'k> {
             let width = global.kind().width();
             let row = match points.get(global).filter(|values| !values.is_empty()) {
                 Some(values) => self.push(values, width, n),
-                None => unset(global, scene).map(|x| self.push(&[x], 1, n)).unwrap_or(Some(NONE)),
+                None => match unset(global, scene) {
+                    values if values.is_empty() => Some(NONE),
+                    values => self.push(&values, width, n),
+                },
             };
             let row = row.ok_or_else(|| odd(bound, global.name()))?;
             self.slots.push(row);
@@ -263,7 +266,8 @@ impl<'k> Batch<'k> {
             Slot::Answer { what, names, width, len } => {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 let Some(values) = numbers(*what, &names, points, scene) else { return NONE };
-                let varying = values.len() == width * points.n() && *len == 1;
+                // One value is that of all, also where a light is given one point for all.
+                let varying = values.len() == width * points.n() && *len == 1 && points.n() > 1;
                 if !varying && values.len() < width * len {
                     return NONE;
                 }
@@ -287,17 +291,6 @@ fn numbers(what: Ask, names: &[&str], points: &Points, scene: &dyn Scene) -> Opt
     match told.or_else(|| scene.ask(what, names))? {
         Answer::Numbers(values) => Some(values),
         Answer::Text(_) => None,
-    }
-}
-
-/// The number of a global variable that nobody has set, if it is not 0.
-fn unset(global: Global, scene: &dyn Scene) -> Option<f32> {
-    let shutter = scene.shutter();
-    match global {
-        Global::Ncomps => Some(3.0),
-        Global::Time => Some(shutter[0]),
-        Global::Dtime => Some(shutter[1] - shutter[0]),
-        _ => None,
     }
 }
 

@@ -32,6 +32,7 @@ impl Writer<'_, '_> {
                 self.assign(*dst, &value);
                 Ok(())
             }
+            Op::Within(index, len, place) => self.within(*index, *len, *place),
             Op::Load(dst, first, len, index, place) => self.load(*dst, *first, *len, *index, *place),
             Op::Store(first, len, index, value, place) => self.store(*first, *len, *index, *value, *place),
             Op::ColorSpace(dst, a, from, to) => self.color_space(*dst, *a, *from, *to),
@@ -120,6 +121,15 @@ impl Writer<'_, '_> {
         let index = self.registers.value(index);
         let (array, offset) = self.registers.array(first);
         (format!("{index} >= 0.0 && {index} < {len}.0"), format!("{array}[{offset}u + u32({index})]"))
+    }
+
+    fn within(&mut self, index: FloatReg, len: u16, place: u32) -> Done {
+        let index = self.registers.value(index);
+        let outside = format!("!({index} >= 0.0 && {index} < {len}.0)");
+        self.open(if self.grid { format!("if on && {outside}") } else { format!("if {outside}") });
+        self.line(format!("sl_outside({}u, {place}u);", self.index));
+        self.close();
+        Ok(())
     }
 
     fn load(&mut self, dst: Reg, first: Reg, len: u16, index: FloatReg, place: u32) -> Done {

@@ -8,12 +8,18 @@ use crate::ir::builtins::{Form, Row, rows};
 use crate::ir::*;
 
 impl Lower<'_> {
-    /// An error if a constant among the indices of components is none of `n`.
-    pub(super) fn within(&self, at: usize, indices: &[Value], n: usize) -> Result<(), Error> {
-        match indices.iter().filter_map(|v| self.constant_of(*v)).find(|i| !(0.0..n as f32).contains(i)) {
-            Some(i) => error(at, format!("the index of a component is {i}, expected 0 to {}", n - 1)),
-            None => Ok(()),
+    /// An error if a constant among the indices of components is none of `n`; a warning of others as the shader runs.
+    pub(super) fn within(&mut self, at: usize, indices: &[Value], n: u16) -> Result<(), Error> {
+        for index in indices {
+            match self.constant_of(*index) {
+                Some(i) if !(0.0..n as f32).contains(&i) => {
+                    return error(at, format!("the index of a component is {i}, expected 0 to {}", n - 1));
+                }
+                Some(_) => {}
+                None => self.push(at, Op::Within(index.float(), n, at as u32))?,
+            }
         }
+        Ok(())
     }
 
     /// A call by a rule. Long, because it is the list of the rules.
@@ -119,7 +125,11 @@ impl Lower<'_> {
                 self.componentwise(at, Binary::Min, low, v[2])
             }
             (Form::FaceForward, [n, i]) if n.is_triple() && i.is_triple() => {
-                self.called(at, Builtin::FACE_FORWARD, Ty::Normal, varying, &[v[0], v[1], v[0]])
+                // By the surface's own normal (RISpec 15.2); lights, volumes and imagers have none.
+                let of_surface = matches!(self.kind, Some(ShaderKind::Surface | ShaderKind::Displacement));
+                let reference = if of_surface { self.global(at, Global::Ng)? } else { v[0] };
+                let varying = varying || of_surface;
+                self.called(at, Builtin::FACE_FORWARD, Ty::Normal, varying, &[v[0], v[1], reference])
             }
             (Form::FaceForward, [n, i, reference]) if [n, i, reference].iter().all(|t| t.is_triple()) => {
                 self.called(at, Builtin::FACE_FORWARD, Ty::Normal, varying, v)

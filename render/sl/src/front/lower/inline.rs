@@ -76,9 +76,9 @@ impl<'a> Lower<'a> {
         let early = function.body.split_last().is_some_and(|(last, before)| {
             before.iter().any(returns) || (returns(last) && !matches!(last.kind, StmtKind::Return(_)))
         });
-        let loops = std::mem::take(&mut self.loops);
+        let (loops, turns) = (std::mem::take(&mut self.loops), self.turns.take());
         let result = if early { self.body_with_returns(at, function) } else { self.plain_body(at, function) };
-        self.loops = loops;
+        (self.loops, self.turns) = (loops, turns);
         result
     }
 

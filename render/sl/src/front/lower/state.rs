@@ -3,6 +3,7 @@
 use super::super::ast::*;
 use super::super::diagnostic::{Error, error, error_with};
 use crate::ir::*;
+use crate::shadeop::number::{binary_value, unary_value};
 use std::collections::HashMap;
 
 /// The most operations of a program: inlining without end is an error, not a full memory.
@@ -98,7 +99,10 @@ pub(super) struct Lower<'a> {
     /// What the shader asks for that is not done, for a warning.
     pub(super) unsupported: Vec<String>,
     pub(super) directed: bool,
+    /// Loops around the statement, within its function.
     pub(super) loops: usize,
+    /// Within a loop over lights or rays that is in no other: whether it is left from within.
+    pub(super) turns: Option<bool>,
 }
 
 impl<'a> Lower<'a> {
@@ -171,6 +175,9 @@ impl<'a> Lower<'a> {
             Global::DPdtime if !of_surface => {
                 Some("uses `dPdtime`, which is 0 in it: surfaces and displacements have it")
             }
+            Global::U | Global::V | Global::S | Global::T if self.kind == Some(ShaderKind::Light) => {
+                Some("uses u, v, s or t, which are 0 in it: surfaces and displacements have them")
+            }
             Global::Ol if matches!(self.kind, Some(ShaderKind::Imager | ShaderKind::Displacement)) => {
                 Some("uses `Ol`, which is 0 in it: lights and loops over them have it")
             }
@@ -237,12 +244,20 @@ impl<'a> Lower<'a> {
         }
     }
 
-    /// The number that a register of this block was made with, if it is a constant.
+    /// The number of a value that this block makes of constants.
     pub(super) fn constant_of(&self, value: Value) -> Option<f32> {
+        self.constant_in(value.reg())
+    }
+
+    fn constant_in(&self, reg: Reg) -> Option<f32> {
         self.ops.iter().rev().find_map(|op| match op {
-            Op::Const(r, x) if *r == value.reg() => Some(*x),
+            Op::Const(r, x) if *r == reg => Some(Some(*x)),
+            Op::Unary(f, r, a) if *r == reg => Some(self.constant_in(*a).map(|a| unary_value(*f, a))),
+            Op::Binary(f, r, a, b) if *r == reg => {
+                Some(self.constant_in(*a).zip(self.constant_in(*b)).map(|(a, b)| binary_value(*f, a, b)))
+            }
             _ => None,
-        })
+        })?
     }
 }
 

@@ -26,6 +26,12 @@ impl<'a> Lower<'a> {
                 self.statement(start)?;
                 self.repeat(at, condition, body, Some(step))
             }
+            // The one beyond all loops is that over lights or rays, by the loops that `turns` puts around its body.
+            StmtKind::Break(n) | StmtKind::Continue(n) if self.loops + 1 == *n && self.turns.is_some() => {
+                self.turns = Some(true);
+                let leaves_all = matches!(s.kind, StmtKind::Break(_));
+                self.push(at, Op::Break(if leaves_all { *n + 1 } else { *n } as u16))
+            }
             StmtKind::Break(n) | StmtKind::Continue(n) if self.loops < *n => match self.loops {
                 0 => error_with(at, "break and continue stand inside a loop", "`return` leaves a function"),
                 loops => error(at, format!("there are {loops} loops around this, not {n}")),
@@ -157,12 +163,50 @@ impl<'a> Lower<'a> {
             return self.push(at, Op::Illuminate { position, axis, angle, l, ps, body });
         }
         let cl = self.global(at, Global::Cl)?.triple();
-        let (body, ()) = self.block(|l| l.scoped(std::slice::from_ref(body)))?;
+        let ([body, _], leaves) = self.turns(at, [Some(body), None])?;
         let mut wanted: Vec<(String, Reg)> =
             wanted.into_iter().map(|(n, r)| (n.trim_start_matches("light:").to_string(), r)).collect();
         let opacity = self.globals.iter().find(|(g, _)| *g == Global::Ol);
         wanted.extend(opacity.map(|(g, r)| (g.name().to_string(), *r)));
-        self.push(at, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
+        self.over_turns(at, leaves, Op::Illuminance { position, axis, angle, l, cl, category, wanted, body })
+    }
+
+    /// The bodies of a loop over lights or rays, and whether they leave it or go on with its next turn. By the specification `break` and
+    /// `continue` are those of the `for` or `while` around; where there is none, they are this loop's: a turn is then a loop that is done
+    /// once, and all turns are within another.
+    fn turns(&mut self, at: usize, bodies: [Option<&'a Stmt>; 2]) -> Result<([Vec<Op>; 2], bool), Error> {
+        let outer = self.turns.replace(false);
+        if self.loops > 0 {
+            self.turns = None;
+        }
+        let lowered = bodies.map(|body| self.block(|l| body.map_or(Ok(()), |b| l.scoped(std::slice::from_ref(b)))));
+        let leaves = std::mem::replace(&mut self.turns, outer) == Some(true);
+        let [a, b] = lowered.map(|body| body.map(|(ops, ())| ops));
+        let (mut a, mut b) = (a?, b?);
+        if leaves {
+            for body in [&mut a, &mut b] {
+                *body = self.once(at, std::mem::take(body))?;
+            }
+        }
+        Ok(([a, b], leaves))
+    }
+
+    /// A loop over lights or rays, within another that is done once if its bodies leave it.
+    fn over_turns(&mut self, at: usize, leaves: bool, op: Op) -> Result<(), Error> {
+        if !leaves {
+            return self.push(at, op);
+        }
+        for op in self.once(at, vec![op])? {
+            self.push(at, op)?;
+        }
+        Ok(())
+    }
+
+    /// A loop that is done once.
+    fn once(&mut self, at: usize, mut body: Vec<Op>) -> Result<Vec<Op>, Error> {
+        let (head, one) = self.block(|l| l.constant(at, 1.0))?;
+        body.push(Op::Break(1));
+        Ok(vec![Op::Loop(head, one.float(), body, vec![], at as u32)])
     }
 
     /// Pairs of a name and the variable that takes it.
@@ -208,10 +252,9 @@ impl<'a> Lower<'a> {
             return error(at, "expected gather(category, P, axis, angle, samples, …)");
         }
         let out = self.wanted(&args[5..])?;
-        let (hit, ()) = self.block(|l| l.scoped(std::slice::from_ref(hit)))?;
-        let (miss, ()) = self.block(|l| miss.map_or(Ok(()), |m| l.scoped(std::slice::from_ref(m))))?;
+        let ([hit, miss], leaves) = self.turns(at, [Some(hit), miss])?;
         let (position, axis) = (values[1].triple(), values[2].triple());
         let (angle, samples) = (values[3].float(), values[4].float());
-        self.push(at, Op::Gather { position, axis, angle, samples, out, hit, miss })
+        self.over_turns(at, leaves, Op::Gather { position, axis, angle, samples, out, hit, miss })
     }
 }

@@ -166,6 +166,7 @@ impl<'a> Lower<'a> {
             if !var.ty.is_triple() {
                 return error(at, format!("a {} has no elements", var.ty.name()));
             }
+            self.within(index.at, &[i], 3)?;
             let new = self.temp(at, var.ty, true, |r| {
                 Op::Call(Builtin::SET_COMPONENT, r.reg(), vec![var.reg(), i.reg(), value.reg()])
             })?;
@@ -214,9 +215,10 @@ impl<'a> Lower<'a> {
                 self.temp(at, Ty::Float, varying, |r| Op::Component(r.float(), var.triple(), k as u8))
             }
             (true, None) => {
+                self.within(index.at, &[i], 3)?;
                 self.temp(at, Ty::Float, varying, |r| Op::Call(Builtin::COMPONENT, r.reg(), vec![var.reg(), i.reg()]))
             }
-            (true, Some(k)) => error(index.at, format!("a {} has no component {k}", var.ty.name())),
+            (true, Some(_)) => self.within(index.at, &[i], 3).map(|()| i),
             (false, _) => error(at, format!("a {} has no elements", var.ty.name())),
         }
     }

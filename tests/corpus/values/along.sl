@@ -1,0 +1,1 @@
+displacement along() { P += 0.2 * normalize(Ng); N = calculatenormal(P); }

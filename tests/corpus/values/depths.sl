@@ -1,0 +1,1 @@
+surface depths() { Oi = 1; Ci = zcomp(P); }

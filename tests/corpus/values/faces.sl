@@ -1,0 +1,1 @@
+light faces() { illuminate(P) { Cl = color(abs(normalize(Ng))); } }

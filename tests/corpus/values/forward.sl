@@ -1,0 +1,1 @@
+surface forward() { Oi = 1; Ci = color(faceforward(normalize(N), I)); }

@@ -1,0 +1,1 @@
+surface geometric() { Oi = 1; Ci = color(normalize(Ng)); }

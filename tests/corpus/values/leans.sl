@@ -1,0 +1,1 @@
+displacement leans() { P += vector(0, 0, xcomp(P)); }

@@ -1,0 +1,1 @@
+volume seenthrough() { Ci = -zcomp(E) / 10; }

@@ -1,0 +1,1 @@
+displacement turns() { N = normal(1, 0, 0); }
