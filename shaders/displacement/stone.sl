@@ -23,9 +23,12 @@ displacement stone(float depth = 0.3; float rounding = 0.15; float slab = 0; flo
     float pixels = length(vtransform("object", "current", vector(Q))) / pixelwidth(I, normal(I));
     // No face is flat, and no edge straight.
     vector bent = d;
-    float uneven = warp * smoothstep(1.5, 4, pixels);
+    float uneven = warp * smoothstep(1.5, 4, pixels), crooked = 0.45 * warp * smoothstep(6, 12, pixels);
     if (uneven > 0)
-        bent = normalize(d + uneven * (vector noise(1.9 * d + shift) - vector(0.5, 0.5, 0.5)) + 0.45 * uneven * (vector noise(4.7 * d + shift) - vector(0.5, 0.5, 0.5)));
+        bent += uneven * (vector noise(1.9 * d + shift) - vector(0.5, 0.5, 0.5));
+    if (crooked > 0)
+        bent += crooked * (vector noise(4.7 * d + shift) - vector(0.5, 0.5, 0.5));
+    bent = normalize(bent);
     vector own = vector(bent . a, bent . (c ^ a), bent . c);
     uniform float seed = id + 3.7;
     float most = 1, out, near, worn, deep;
@@ -60,6 +63,6 @@ displacement stone(float depth = 0.3; float rounding = 0.15; float slab = 0; flo
     // Stones are longer than they are broad.
     uniform float flat = 1.16 + 0.2 * mod(id * 0.37, 1), broad = 1 + 0.16 * mod(id * 0.91, 1);
     float longish = sqrt(xcomp(own) * xcomp(own) + broad * broad * ycomp(own) * ycomp(own) + flat * flat * zcomp(own) * zcomp(own));
-    P = transform("object", "current", point(d * (R * clamp(min(1, 1 / most) / longish - grain * rough, max(0.3, 1 - 1.22 * depth * (1 + slab)), 1))));
+    P = transform("object", "current", point(d * (R * clamp(min(1, 1 / most) / longish - grain * rough, max(0.3, 1 - 1.16 * depth * (1 + slab)), 1))));
     N = calculatenormal(P);
 }

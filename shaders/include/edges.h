@@ -28,8 +28,8 @@ normal rounded(normal n; vector i; float width; output float spread;) {
         float lx = length(ax), ly = length(ay), lz = length(az);
         float own = width * min(lx, ly, lz), pixel = pixelwidth(i, n);
         float w = max(own, 1.3 * pixel);
-        // An edge keeps its light far away, where it is but a pixel: two thirds of it at least, until the shape itself is some pixels.
-        float share = mix(own / w, 1, 0.66 * smoothstep(4, 12, own / width / pixel));
+        // An edge keeps its light far away, where it is but a pixel, until the shape itself is some pixels.
+        float share = mix(own / w, 1, 0.9 * smoothstep(3, 9, own / width / pixel));
         vector over = az / lz * sign(zcomp(q)) * leaning((1 - abs(zcomp(q))) * lz, w);
         if (kind == 1) {
             over += ax / lx * sign(xcomp(q)) * leaning((1 - abs(xcomp(q))) * lx, w);
@@ -65,9 +65,11 @@ float within(float out, pixel) {
 }
 
 // How dark the marks of a cylinder are, by which its turning is seen: in the ends holes about a bore, one of them filled and a line to it,
-// and lines along the mantle. i is the way from the eye, n the face. Marks that are too small to be seen fade to their mean.
-float marked(vector i; normal n;) {
+// and lines along the mantle. i is the way from the eye, n the face. Marks that are too small to be seen fade to their mean. lean is how the
+// rims of holes and grooves turn the normal.
+float marked(vector i; normal n; output vector lean;) {
     float on = 0;
+    lean = 0;
     uniform float kind = shape_kind();
     if (kind == 2) {
         point q = transform("object", P);
@@ -92,11 +94,16 @@ float marked(vector i; normal n;) {
             float far = deep / max(0.05, abs(zcomp(way)));
             float bx = u + far * xcomp(way), by = v + far * ycomp(way);
             float missed = sqrt(bx * bx + by * by) / hole;
-            float dark = mix(0.9, 0.5, smoothstep(1, 3, missed));
+            float dark = mix(0.97, 0.5, smoothstep(1, 3, missed));
             on = within(out, pixel) * (is_filled > 0 ? 1 : dark);
             // Grooves about the boss and within the rim; a line from the boss to the filled place.
-            float groove = min(abs(r - 0.3), abs(r - 0.84)) - 0.008;
-            on = max(on, 0.55 * within(groove, pixel));
+            float ring = abs(r - 0.3) < abs(r - 0.84) ? r - 0.3 : r - 0.84;
+            on = max(on, 0.55 * within(abs(ring) - 0.008, pixel));
+            vector ax = vtransform("object", "current", vector(1, 0, 0)) / lx, ay = vtransform("object", "current", vector(0, 1, 0)) / lx;
+            float rim = max(0.03, 1.2 * pixel), seen = fade(pixel, 0.1);
+            float turned = is_filled > 0 ? 0 : -seen * leaning(abs(out), rim) / (out + hole + 0.001);
+            float dented = -0.6 * seen * leaning(abs(ring), rim) * sign(ring) / (r + 0.001);
+            lean = (ax * u + ay * v) * turned + (ax * x + ay * y) * dented;
             float line = max(abs(y) - 0.022, abs(x - 0.57) - 0.27);
             on = max(on, within(line, pixel));
         } else {

@@ -2,7 +2,7 @@
 
 use super::camera::{self, Stand};
 use super::instances::Prepared;
-use crate::binding::{Binding, Object, Quality, Shape};
+use crate::binding::{Binding, Object, Projection, Quality, Shape};
 use glam::{Quat, Vec3};
 use ri::{Class, InstanceShape, Instances, Param, Ri, RiResult, Type, Values};
 
@@ -19,8 +19,8 @@ struct Sort {
 }
 
 const SORTS: [Sort; 3] = [
-    Sort { cell: 0.042, share: 0.42, radius: [0.0008, 0.0032], from: [0.0, 1.6] },
-    Sort { cell: 0.11, share: 0.32, radius: [0.0018, 0.0065], from: [0.0, 3.0] },
+    Sort { cell: 0.06, share: 0.45, radius: [0.0012, 0.0036], from: [0.0, 1.3] },
+    Sort { cell: 0.11, share: 0.36, radius: [0.002, 0.0065], from: [0.0, 2.6] },
     Sort { cell: 0.5, share: 0.25, radius: [0.004, 0.014], from: [1.3, 10.0] },
 ];
 
@@ -40,10 +40,10 @@ pub(super) fn inject(
     }
     let Some(height) = ground(binding, prepared, has_ground) else { return Ok(()) };
     let ([x, y], _) = stand.floor();
-    let all = scattered([x, y, height], view);
+    let all = scattered([x, y, height], view, &Sight::of(stand, output.resolution));
     let largest = SORTS.iter().map(|sort| sort.radius[1] * view).fold(0.0, f32::max);
     let number = |name: &str, x: f32| vec![Param::floats(name, Class::Uniform, Type::Float, [x])];
-    ri.attribute("displacementbound", number("sphere", 0.4 * largest))?;
+    ri.attribute("displacementbound", number("sphere", 0.5 * largest))?;
     ri.attribute("trace", number("displacements", 0.0))?;
     ri.instances(all)
 }
@@ -76,8 +76,37 @@ fn ground(binding: &Binding, prepared: &[Prepared<'_>], has_ground: bool) -> Opt
     sets.flat_map(|all| (0..all.len()).filter_map(|i| level(all, i))).reduce(f32::min)
 }
 
-/// The pebbles about a point of the ground, in a view of so many metres.
-fn scattered(about: [f32; 3], view: f32) -> Instances {
+/// What a camera may see.
+struct Sight {
+    eye: Vec3,
+    forward: Vec3,
+    /// Cosine of the angle from its middle to a corner and a little more; none in parallel projection.
+    cosine: Option<f32>,
+}
+
+impl Sight {
+    /// Radius of the least pebble that is seen, in parts of its distance: about half a pixel.
+    const LEAST: f32 = 3e-4;
+
+    fn of(stand: Stand, resolution: [u32; 2]) -> Sight {
+        let [eye, at] = [stand.eye, stand.at].map(Vec3::from);
+        let [w, h] = resolution.map(|n| n as f32);
+        let corner = w.hypot(h) / w.min(h);
+        let cosine = match stand.projection {
+            Projection::Perspective(fov) => Some(((0.5 * fov).to_radians().tan() * corner).atan() + 0.05).map(f32::cos),
+            Projection::Parallel(_) => None,
+        };
+        Sight { eye, forward: (at - eye).normalize(), cosine }
+    }
+
+    fn sees(&self, at: Vec3, r: f32) -> bool {
+        let way = at - self.eye;
+        self.cosine.is_none_or(|cosine| way.dot(self.forward) > cosine * way.length() && r > Self::LEAST * way.length())
+    }
+}
+
+/// The pebbles about a point of the ground that are seen, in a view of so many metres.
+fn scattered(about: [f32; 3], view: f32, sight: &Sight) -> Instances {
     let (mut position, mut orientation, mut scale) = (vec![], vec![], vec![]);
     let (mut ids, mut colors) = (vec![], vec![]);
     for (k, sort) in SORTS.iter().enumerate() {
@@ -95,9 +124,11 @@ fn scattered(about: [f32; 3], view: f32) -> Instances {
             let away = (x - about[0]).hypot(y - about[1]);
             // At the rim they are as small as nothing, so that none comes or goes at once where the camera moves.
             let rim = ((far - away) / (0.3 * far)).min((away - near) / (0.3 * near.max(1e-6 * far))).clamp(0.0, 1.0);
-            let u = draw.number(3);
-            let r = rim * view * (sort.radius[0] + (sort.radius[1] - sort.radius[0]) * u * u * u);
-            if r <= 0.0 {
+            // One in five is of quartz, which breaks into larger pieces.
+            let is_pale = draw.number(11) < 0.2;
+            let part = draw.number(3).powf(if is_pale { 1.5 } else { 3.0 });
+            let r = rim * view * (sort.radius[0] + (sort.radius[1] - sort.radius[0]) * part);
+            if r <= 0.0 || !sight.sees(Vec3::new(x, y, about[2]), r) {
                 continue;
             }
             position.push([x, y, about[2] + (0.1 + 0.5 * draw.number(4)) * r]);
@@ -110,8 +141,8 @@ fn scattered(about: [f32; 3], view: f32) -> Instances {
             );
             orientation.push(q.to_array());
             ids.push((draw.bits(8) % 4096) as f32);
-            let (tone, warm) = (0.3 + 0.3 * draw.number(9), 0.9 + 0.2 * draw.number(10));
-            colors.extend([tone * warm, tone * 0.93, tone * 0.86 / warm]);
+            let (tone, warm) = (if is_pale { 1.0 } else { 0.28 + 0.3 * draw.number(9) }, 0.93 + 0.12 * draw.number(10));
+            colors.extend([tone * warm, tone * 0.94, tone * 0.88 / warm]);
         }
     }
     let params = vec![
