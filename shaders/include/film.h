@@ -17,7 +17,7 @@ float film_curve(float light; uniform float white) {
 color filmic(color light; uniform float white, black) {
     // They run over to the others.
     float most = max(comp(light, 0), comp(light, 1), comp(light, 2));
-    color c = max(mix(light, color(most, most, most), smoothstep(0.6, 2 * white, most)), color(0, 0, 0));
+    color c = max(mix(light, color(most, most, most), smoothstep(0.6, max(2 * white, 1.9), most)), color(0, 0, 0));
     // Channel by channel, colours become more vivid, and most so in the dark; by brightness alone, they stay as they are. Between the two.
     color vivid = color(film_curve(comp(c, 0), white), film_curve(comp(c, 1), white), film_curve(comp(c, 2), white));
     float bright = 0.3 * comp(c, 0) + 0.55 * comp(c, 1) + 0.15 * comp(c, 2);
