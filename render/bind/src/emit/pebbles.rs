@@ -141,7 +141,8 @@ fn scattered(about: [f32; 3], view: f32, sight: &Sight) -> Instances {
             );
             orientation.push(q.to_array());
             ids.push((draw.bits(8) % 4096) as f32);
-            let (tone, warm) = (if is_pale { 1.0 } else { 0.28 + 0.3 * draw.number(9) }, 0.93 + 0.12 * draw.number(10));
+            let (tone, warm) =
+                (if is_pale { 0.95 } else { 0.28 + 0.3 * draw.number(9) }, 0.93 + 0.12 * draw.number(10));
             colors.extend([tone * warm, tone * 0.94, tone * 0.88 / warm]);
         }
     }
