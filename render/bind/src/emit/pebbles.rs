@@ -93,7 +93,7 @@ impl Sight {
         let [w, h] = resolution.map(|n| n as f32);
         let corner = w.hypot(h) / w.min(h);
         let cosine = match stand.projection {
-            Projection::Perspective(fov) => Some(((0.5 * fov).to_radians().tan() * corner).atan() + 0.05).map(f32::cos),
+            Projection::Perspective(fov) => Some((((0.5 * fov).to_radians().tan() * corner).atan() + 0.05).cos()),
             Projection::Parallel(_) => None,
         };
         Sight { eye, forward: (at - eye).normalize(), cosine }
@@ -135,9 +135,9 @@ fn scattered(about: [f32; 3], view: f32, sight: &Sight) -> Instances {
             scale.push([r; 3]);
             let q = Quat::from_euler(
                 glam::EulerRot::ZYX,
-                6.28 * draw.number(5),
+                std::f32::consts::TAU * draw.number(5),
                 3.1 * draw.number(6),
-                6.28 * draw.number(7),
+                std::f32::consts::TAU * draw.number(7),
             );
             orientation.push(q.to_array());
             ids.push((draw.bits(8) % 4096) as f32);
