@@ -235,3 +235,34 @@ objects: [{name: grain, geometry: {sphere: {radius: 0.001}}}]\noutput: {quality:
     let is_flat = |y: u32| (1..90).all(|x| image.get_pixel(x, y) == image.get_pixel(0, y));
     assert!((300..900).filter(|y| is_flat(*y)).count() < 200, "levels are dithered");
 }
+
+#[test]
+fn pebbles_lie_still_on_soil() {
+    let work = scratch();
+    let file = heap(work.path(), &[0.5, 1.2]);
+    let text = std::fs::read_to_string(&file).unwrap();
+    // What is drawn before the data, each pebble with its place.
+    let pebbles = |frame: &str| {
+        let rib = scree(&["rib", &file, "-f", frame]).ok();
+        let (_, after) = rib.split_once("displacementbound").unwrap_or_default();
+        after.split_once("AttributeEnd\n  AttributeBegin").unwrap_or_default().0.to_string()
+    };
+    let still = pebbles("0");
+    assert!(still.matches("Sphere ").count() > 50 && still == pebbles("1"), "the same in each frame: {still}");
+    let spheres = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        scree(&["rib", &file, "-f", "0"]).ok().matches("Sphere ").count()
+    };
+    let bare = text.replace("line: 0", "line: 0, stones: 0");
+    let data = spheres(&bare);
+    assert!(spheres(&text) > data + 50, "pebbles on soil, but none on bare soil: {data} spheres");
+    let draft = text.replace("output: {", "output: {quality: draft, ");
+    let channels = text.replace("output: {", "output: {format: exr, channels: [z], ");
+    let tilted = text.replace(
+        "plane: {half: 900}}, position: [0, 0, 0]",
+        "plane: {half: 900}}, orientation: [0.9, 0.3, 0, 0], position: [0, 0, 0]",
+    );
+    for (other, what) in [(draft, "a draft"), (channels, "an image with channels"), (tilted, "a slope")] {
+        assert_eq!(spheres(&other), data, "{what} has none");
+    }
+}

@@ -16,7 +16,7 @@ float leaning(float away, width) {
 }
 
 // The normal as of edges that are rounded over a width, in parts of the shape's least half length. Edges narrower than a pixel turn it as
-// much less; spread is how much the normals of a pixel vary, for `gloss`.
+// much less, but not to nothing; spread is how much the normals of a pixel vary, for `gloss`.
 normal rounded(normal n; vector i; float width; output float spread;) {
     normal turned = n;
     uniform float kind = shape_kind();
@@ -27,8 +27,9 @@ normal rounded(normal n; vector i; float width; output float spread;) {
         vector az = vtransform("object", "current", vector(0, 0, 1));
         float lx = length(ax), ly = length(ay), lz = length(az);
         float own = width * min(lx, ly, lz), pixel = pixelwidth(i, n);
-        float w = max(own, 0.8 * pixel);
-        float share = own / w;
+        float w = max(own, 1.3 * pixel);
+        // An edge keeps its light far away, where it is but a pixel, until the shape itself is some pixels.
+        float share = mix(own / w, 1, 0.9 * smoothstep(3, 9, own / width / pixel));
         vector over = az / lz * sign(zcomp(q)) * leaning((1 - abs(zcomp(q))) * lz, w);
         if (kind == 1) {
             over += ax / lx * sign(xcomp(q)) * leaning((1 - abs(xcomp(q))) * lx, w);
@@ -58,17 +59,60 @@ float mirrors(normal n; vector v;) {
     return 0.04 + 0.4 * low * low * low * low * low;
 }
 
-// 1 on the marks of a cylinder, by which its turning is seen: two quarters of a disc on its ends, and bars across its mantle.
-float marked() {
+// How much of a pixel is within a distance that is negative inside.
+float within(float out, pixel) {
+    return 1 - smoothstep(-0.7, 0.7, out / max(pixel, 0.00001));
+}
+
+// How dark the marks of a cylinder are, by which its turning is seen: in the ends holes about a bore, one of them filled and a line to it,
+// and lines along the mantle. i is the way from the eye, n the face. Marks that are too small to be seen fade to their mean. lean is how the
+// rims of holes and grooves turn the normal.
+float marked(vector i; normal n; output vector lean;) {
     float on = 0;
+    lean = 0;
     uniform float kind = shape_kind();
     if (kind == 2) {
         point q = transform("object", P);
-        float r = sqrt(xcomp(q) * xcomp(q) + ycomp(q) * ycomp(q));
-        if (abs(zcomp(q)) > 0.999)
-            on = r < 0.42 && xcomp(q) * ycomp(q) > 0 ? 1 : 0;
-        else if (abs(zcomp(q)) > 0.8)
-            on = mod(atan(ycomp(q), xcomp(q)) / (PI / 2) + 0.06, 1) < 0.12 ? 1 : 0;
+        float lx = length(vtransform("object", "current", vector(1, 0, 0))), lz = length(vtransform("object", "current", vector(0, 0, 1)));
+        float pixel = pixelwidth(i, n) / lx, x = xcomp(q), y = ycomp(q);
+        float r = sqrt(x * x + y * y), turn = atan(y, x) / (2 * PI);
+        if (abs(zcomp(q)) > 0.999) {
+            // The nearest of six places for holes, about its middle; the way of the eye, in radii.
+            vector way = vtransform("object", i);
+            way = vector(xcomp(way), ycomp(way), zcomp(way) * lz / lx);
+            float place = floor(6 * turn + 0.5), hole = 0.145, deep = min(0.3, 0.8 * lz / lx);
+            float hx = 0.58 * cos(place * PI / 3), hy = 0.58 * sin(place * PI / 3);
+            if (r < 0.36) {
+                hx = 0;
+                hy = 0;
+                hole = 0.13;
+            }
+            float u = x - hx, v = y - hy;
+            float out = sqrt(u * u + v * v) - hole;
+            float is_filled = place == 0 && r >= 0.36 ? 1 : 0;
+            // Through the mouth of a hole its bottom is seen, or its wall, which is darker the deeper.
+            float far = deep / max(0.05, abs(zcomp(way)));
+            float bx = u + far * xcomp(way), by = v + far * ycomp(way);
+            float missed = sqrt(bx * bx + by * by) / hole;
+            float dark = mix(0.97, 0.5, smoothstep(1, 3, missed));
+            on = within(out, pixel) * (is_filled > 0 ? 1 : dark);
+            // Grooves about the boss and within the rim; a line from the boss to the filled place.
+            float ring = abs(r - 0.3) < abs(r - 0.84) ? r - 0.3 : r - 0.84;
+            on = max(on, 0.55 * within(abs(ring) - 0.008, pixel));
+            vector ax = vtransform("object", "current", vector(1, 0, 0)) / lx, ay = vtransform("object", "current", vector(0, 1, 0)) / lx;
+            float rim = max(0.03, 1.2 * pixel), seen = fade(pixel, 0.1);
+            float turned = is_filled > 0 ? 0 : -seen * leaning(abs(out), rim) / (out + hole + 0.001);
+            float dented = -0.6 * seen * leaning(abs(ring), rim) * sign(ring) / (r + 0.001);
+            lean = (ax * u + ay * v) * turned + (ax * x + ay * y) * dented;
+            float line = max(abs(y) - 0.022, abs(x - 0.57) - 0.27);
+            on = max(on, within(line, pixel));
+        } else {
+            // Four lines along the mantle, one of them broad; in the mean a tenth of it.
+            float about = abs(mod(4 * turn + 0.5, 1) - 0.5) / 4;
+            float half = abs(turn) < 0.1 ? 0.02 : 0.008;
+            on = within(2 * PI * (about - half) * max(r, 0.001), pixel) * 0.8;
+        }
+        on = mix(0.1, on, fade(pixel, 0.35));
     }
     return on;
 }

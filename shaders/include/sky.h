@@ -89,15 +89,20 @@ float sky_share() {
     return 0.5;
 }
 
+// What of it is seen behind everything.
+float seen_share() {
+    return 0.78;
+}
+
 // The mean of the sky near the horizon.
 color horizon_color(vector sun; float turbidity) {
     return 0.25 * (sky_color(vector(0.94, 0, 0.34), sun, turbidity) + sky_color(vector(-0.94, 0, 0.34), sun, turbidity)
                    + sky_color(vector(0, 0.94, 0.34), sun, turbidity) + sky_color(vector(0, -0.94, 0.34), sun, turbidity));
 }
 
-// The sky at the horizon, under the sun (side 1) or opposite to it (-1).
+// The sky that is seen at the horizon, under the sun (side 1) or opposite to it (-1).
 color haze_color(vector sun; float turbidity, side) {
-    return sky_color(vector(side * xcomp(sun) + 0.0001, side * ycomp(sun), 0.02), sun, turbidity);
+    return seen_share() * sky_color(vector(side * xcomp(sun) + 0.0001, side * ycomp(sun), 0.02), sun, turbidity);
 }
 
 #endif

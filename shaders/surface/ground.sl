@@ -24,11 +24,11 @@ surface ground(float Ka = 1; float Kd = 0.9; float spacing = 1; float line = 0; 
     float across = wide * sqrt(max(0.05, abs(normalize(N) . normalize(I))));
     float middle = fade(across, 0.09), fine = fade(across, 0.02), grains = fade(across, 0.009);
     if (middle > 0)
-        soil *= 1 + 0.26 * middle * (noise(x * 13, y * 13) - 0.5);
+        soil *= 1 + 0.2 * middle * (noise(x * 13, y * 13) - 0.5);
     if (fine > 0)
-        soil *= 1 + 0.4 * fine * (noise(x * 55, y * 55) - 0.5);
+        soil *= 1 + 0.28 * fine * (noise(x * 55, y * 55) - 0.5);
     if (grains > 0)
-        soil *= 1 + 0.5 * grains * (noise(x * 140, y * 140) - 0.5);
+        soil *= 1 + 0.36 * grains * (noise(x * 140, y * 140) - 0.5);
     // A pebble in some of the cells of a grid, with a place, a size and a turn of its own. Near by they would be discs.
     float shown = fade(wide, 0.7 * pebble) * (1 - smoothstep(18, 36, pebble / wide));
     if (shown > 0) {

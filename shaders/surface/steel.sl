@@ -3,7 +3,9 @@
 #include "edges.h"
 surface steel(float Ka = 1; float Kd = 0.25; float Ks = 0.9; float streaks = 400; color tint = color(0.6, 0.61, 0.63); float bevel = 0.04; float marks = 0.96;) {
     float bent = 0;
-    normal Nf = faceforward(rounded(normalize(N), I, bevel, bent), I);
+    vector lean = 0;
+    float mark = marks * marked(I, normalize(N), lean);
+    normal Nf = faceforward(normalize(rounded(normalize(N), I, bevel, bent) + min(1, 2 * marks) * normal(lean)), I);
     vector V = -normalize(I);
     point q = transform("object", P);
     // What is too fine to be seen fades to its mean.
@@ -19,5 +21,5 @@ surface steel(float Ka = 1; float Kd = 0.25; float Ks = 0.9; float streaks = 400
         spread += Cl * pow(max(0, 1 - ct * ct), 6) * pow(cn, 14);
     }
     Oi = Os;
-    Ci = Os * Cs * tint * (1 - marks * marked()) * (0.85 + 0.3 * streak) * (Ka * ambient() + Kd * diffuse(Nf) + Ks * (0.7 + 0.5 * (streak - 0.5)) * spread);
+    Ci = Os * Cs * tint * (1 - mark) * (0.85 + 0.3 * streak) * (Ka * ambient() + Kd * diffuse(Nf) + Ks * (0.7 + 0.5 * (streak - 0.5)) * spread);
 }

@@ -6,6 +6,7 @@
 //! #scree inject lights              the binding's lights, or the default ones
 //! #scree inject objects [NAME…]     the objects of these names, or all
 //! #scree inject floor               a floor under data that brings none, if the binding has a height for it
+//! #scree inject pebbles             small stones on the ground
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
 //! #scree ground                     a shift of what follows, the scene's own ground, to the binding's height; objects marked as
 //!                                   `ground` are left out then
@@ -19,6 +20,7 @@ mod group;
 mod instances;
 mod keys;
 mod missing;
+mod pebbles;
 mod rows;
 mod shapes;
 mod trails;
@@ -72,6 +74,7 @@ pub fn frame(
     let (path, text) =
         files.read(&binding.scene, &["scenes"]).map_err(|e| binding.doc.fault("scene", format!("scene {e}")))?;
     check_overrides(binding, &text)?;
+    let has_own_ground = text.lines().any(|line| line.trim() == "#scree ground");
     let has_ground = text.lines().any(|line| matches!(line.trim(), "#scree ground" | "#scree floor"));
     let mut drawn = false;
     if binding.output.shutter > 0.0 {
@@ -99,8 +102,9 @@ pub fn frame(
                 OVERRIDES.join(", ")
             ))),
             (Some("inject"), Some("floor")) => inject_floor(binding, stand, ri),
+            (Some("inject"), Some("pebbles")) => pebbles::inject(binding, &prepared, stand, has_own_ground, ri),
             (Some("inject"), what) => Err(Fail::new(format!(
-                "`#scree inject {}` is unknown, expected camera, lights, objects or floor",
+                "`#scree inject {}` is unknown, expected camera, lights, objects, floor or pebbles",
                 what.unwrap_or("")
             ))),
             (Some("ground"), None) => match binding.ground_height {
