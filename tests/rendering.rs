@@ -165,11 +165,11 @@ fn a_camera_inside_displaced_things_comes_to_an_end() {
 fn given_normals_are_shaded_with() {
     let square = "Polygon \"P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0]";
     let world = format!(
-        "LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {square} \"N\" [-1 0 -1 1 0 -1 1 0 -1 -1 0 -1]"
+        "LightSource \"distantlight\" 1 \"to\" [0 0 1] Surface \"matte\" \"Ka\" 0 \"Kd\" 1 {square} \"N\" [1 0 1 -1 0 1 -1 0 1 1 0 1]"
     );
     let p = render(ORTHO, &world);
     for x in [2, 20, 40, 70] {
-        // The normal is (x, 0, −1) across the image.
+        // The normal is (−x, 0, 1) across the image, on the side of the polygon's own, and is turned to the eye with it.
         let nx = (x as f32 + 0.5) / 40.0 - 1.0;
         let expected = 1.0 / (1.0 + nx * nx).sqrt();
         assert!((p.at(x, 40)[0] - expected).abs() < 0.01, "{x}: {}, expected {expected}", p.at(x, 40)[0]);

@@ -254,3 +254,30 @@ fn what_is_not_finite_stops_a_run() {
         assert!(broken.body == Some(0) && broken.why.contains(said), "{broken:?}");
     }
 }
+
+/// A load is what outweighs all others by far. It is thrown up again and again here, as by a bed whose solve is cut off.
+#[test]
+fn a_load_that_swings_is_reported() {
+    let swings = |mass: f64, every: usize| {
+        let mut sim = simulation(&format!(
+            "materials: {{m: {{density: 1000, friction: 0.5}}}}
+bodies:
+  - {{name: load, material: m, mass: {mass}, sphere: {{radius: 0.1}}}}
+  - {{name: grain, material: m, mass: 0.1, sphere: {{radius: 0.1}}, position: [5, 0, 0]}}
+"
+        ));
+        let mut steps = vec![];
+        for k in 1..=2000 {
+            if k % every == 0 {
+                sim.state.velocity[0].z = 0.5 * 9.81 * 1e-3 * every as f64;
+            }
+            steps.extend(sim.step().warnings.into_iter().filter(|w| w.kind == WarningKind::Swing).map(|w| w.step));
+        }
+        steps
+    };
+    // Two turns a throw, from the time on when loads are looked for.
+    let steps = swings(200.0, 20);
+    assert!(steps.first().is_some_and(|first| (400..=500).contains(first)), "{:?}", steps.first());
+    assert_eq!(swings(200.0, 500), [0; 0], "a ball that bounces now and then");
+    assert_eq!(swings(50.0, 20), [0; 0], "no load");
+}

@@ -1,6 +1,7 @@
 //! The step plan: layout and method, which follow from the model and hold for many steps. It is resolved again only when a body
 //! appears or begins to move, or the solver's settings change.
 
+use crate::heap::{are_spheres_but, is_bed, is_heap, loads};
 use crate::model::Model;
 use crate::settings::{FrictionLaw, Impacts, Method, SolverSettings};
 use crate::state::State;
@@ -8,7 +9,6 @@ use crate::watch::residual_bound;
 
 use crate::inertia::is_isotropic;
 use crate::shape::ShapeKind;
-use std::collections::BTreeSet;
 
 /// The narrow phase, and the layout of the contact rows that goes with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,6 +70,8 @@ pub struct StepPlan {
 impl StepPlan {
     /// Resolve the plan of a model, for the current activity of its bodies.
     pub fn resolve(model: &Model, state: &State) -> StepPlan {
+        /// What errors of a load that swings on bodies of any shapes may be, over those of a heap that lands.
+        const SWINGS: f64 = 3.0;
         let settings = &model.solver;
         let (rolls, coheres) = (rolls(model), coheres(model));
         let narrow = Narrow::of(model, state);
@@ -82,11 +84,11 @@ impl StepPlan {
         let bounces = model.laws.iter().any(|l| l.restitution > 0.0);
         let has_sequential_impacts = bounces && settings.impacts == Impacts::Sequential;
         let can_take_over = settings.sweep_landings && !sweeps && is_heap(model, state);
-        let takeover = match lightest_load(model, state) {
-            Some(load) if are_spheres(model, state, load) => Some(-1.0),
+        let takeover = match &loads(model, state)[..] {
+            [] => landing_bound(model, settings),
+            loads if are_spheres_but(loads, model, state) => -1.0,
             // Sweeps over the manifolds of other shapes do not bring a load to rest.
-            Some(_) => None,
-            None => Some(landing_bound(model, settings)),
+            _ => SWINGS * landing_bound(model, settings),
         };
         let has_forces = !model.loads.is_empty() || has_joints(model);
         StepPlan {
@@ -98,7 +100,7 @@ impl StepPlan {
             has_sequential_impacts,
             has_free_column: has_forces || has_sequential_impacts || !(sweeps && has_spheres),
             warm_starts: settings.warm_start,
-            takeover: takeover.filter(|_| can_take_over),
+            takeover: can_take_over.then_some(takeover),
             start: settings.start_iterations.filter(|_| settings.warm_start).map(|iterations| SolverSettings {
                 method: Some(Method::Apgd),
                 iterations: Some(iterations),
@@ -162,63 +164,11 @@ pub fn has_friction_alone(model: &Model) -> bool {
     !rolls(model) && !coheres(model)
 }
 
-/// Whether a model is a bed: many bodies, without joints, and none by far heavier than another. There Gauss–Seidel measures best.
-fn is_bed(model: &Model, state: &State) -> bool {
-    /// The least number of bodies that move.
-    const LEAST: usize = 1_000;
-    /// The greatest ratio of their masses.
-    const GREATEST: f64 = 1_000.0;
-    let moving = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(|b| model.inv_mass[b]);
-    let (light, heavy) = moving().fold((0f64, f64::INFINITY), |(most, least), x| (most.max(x), least.min(x)));
-    model.joints.is_empty() && moving().count() >= LEAST && light <= GREATEST * heavy
-}
-
 /// The root mean square of residual terms from which on the starting point of a step of a bed is far from its solution, m/s: more than a step of
 /// free fall changes speeds; of exact Jacobi, which rests from a tenth of what the others do, a tenth.
 fn landing_bound(model: &Model, settings: &SolverSettings) -> f64 {
     let is_slow = settings.method == Some(Method::Jacobi) && settings.friction == FrictionLaw::Exact;
     residual_bound(model) * if is_slow { 0.1 } else { 1.0 }
-}
-
-/// Whether a model is a heap: many bodies, most of which no joint holds.
-fn is_heap(model: &Model, state: &State) -> bool {
-    /// The least number of bodies that move.
-    const LEAST: usize = 100;
-    /// The greatest share of them that joints hold.
-    const HELD: f64 = 0.1;
-    let is_moving = |b: &u32| state.is_free(*b as usize);
-    let n_moving = (0..model.n_bodies() as u32).filter(is_moving).count();
-    let held: BTreeSet<u32> = model
-        .joints
-        .iter()
-        .flat_map(|j| j.bodies)
-        .chain(model.springs.iter().flat_map(|s| s.bodies))
-        .filter(is_moving)
-        .collect();
-    n_moving >= LEAST && held.len() as f64 <= HELD * n_moving as f64
-}
-
-/// The least mass, kg, of the loads on a heap: bodies that are by far heavier than the lightest and outweigh all others that move, as plates on
-/// grains. None where there are no such bodies, or where one of them is connected to others that move, as the chassis of a vehicle. Under loads
-/// other methods than Gauss–Seidel, where they are cut off, leave forces that swing for long.
-fn lightest_load(model: &Model, state: &State) -> Option<f64> {
-    /// The least ratio of a load's mass to that of the lightest body.
-    const LEAST: f64 = 1_000.0;
-    let mass = |b: usize| model.inv_mass[b].recip();
-    let masses = || (0..model.n_bodies()).filter(|b| state.is_free(*b)).map(mass);
-    let least = LEAST * masses().fold(f64::INFINITY, f64::min);
-    let (loads, others): (Vec<f64>, Vec<f64>) = masses().partition(|m| *m >= least);
-    let moving = |b: u32| state.is_free(b as usize).then(|| mass(b as usize));
-    let is_held = |[a, b]: [u32; 2]| moving(a).zip(moving(b)).is_some_and(|(a, b)| a.max(b) >= least);
-    let mut pairs = model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies));
-    let outweighs = loads.iter().sum::<f64>() > others.iter().sum();
-    (outweighs && !pairs.any(is_held)).then_some(least)
-}
-
-/// Whether all moving bodies of less than this mass, kg, are spheres.
-fn are_spheres(model: &Model, state: &State, mass: f64) -> bool {
-    let is_lighter = |b: usize| state.is_free(b) && model.inv_mass[b].recip() < mass;
-    (0..model.n_shapes()).all(|s| !is_lighter(model.shape_body[s] as usize) || model.is_centred_sphere(s))
 }
 
 /// Whether all moving shapes are spheres with isotropic inertia, and all spheres are about their bodies' centres of mass.

@@ -16,12 +16,20 @@ pub enum WarningKind {
     Energy,
     /// Two bodies overlap deeply.
     Overlap,
+    /// The force on a load swings.
+    Swing,
 }
 
 impl WarningKind {
     /// All kinds.
-    pub const ALL: [WarningKind; 5] =
-        [WarningKind::Residual, WarningKind::Joint, WarningKind::Motor, WarningKind::Energy, WarningKind::Overlap];
+    pub const ALL: [WarningKind; 6] = [
+        WarningKind::Residual,
+        WarningKind::Joint,
+        WarningKind::Motor,
+        WarningKind::Energy,
+        WarningKind::Overlap,
+        WarningKind::Swing,
+    ];
 
     /// Name, as in `run.json`.
     pub fn name(self) -> &'static str {
@@ -31,6 +39,7 @@ impl WarningKind {
             WarningKind::Motor => "motor",
             WarningKind::Energy => "energy",
             WarningKind::Overlap => "overlap",
+            WarningKind::Swing => "swing",
         }
     }
 }
@@ -72,6 +81,21 @@ pub struct Broken {
     pub why: String,
 }
 
+/// What is known of a load, a body by far heavier than those that carry it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Swing {
+    /// Id of the body.
+    pub(crate) body: u32,
+    /// Speed against gravity after the last step, m/s.
+    pub(crate) speed: f64,
+    /// Whether it was pushed up, or fell, when it was last accelerated by much.
+    pub(crate) is_up: bool,
+    /// Changes between the two, each soon after that before.
+    pub(crate) turns: u32,
+    /// Step of the last change.
+    pub(crate) turned: u64,
+}
+
 /// The state of the watch over a run; part of the simulation's state, so that a resumed run gives the same warnings.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct WatchState {
@@ -90,6 +114,9 @@ pub struct WatchState {
     /// The least inradius of a shape that moves, m; none where it is not known yet.
     #[serde(skip)]
     pub(crate) inradius: Option<f64>,
+    /// What is known of the loads.
+    #[serde(default)]
+    pub(crate) swings: Vec<Swing>,
     /// Warnings so far, by kind, in order of their first step.
     pub warnings: Vec<WarningCount>,
 }

@@ -22,6 +22,7 @@ use crate::model::Model;
 use crate::outcome::{Deepest, JointErrors, StepOutcome};
 use crate::rows::fold_rows;
 use crate::state::State;
+use crate::swing;
 use glam::DVec3;
 
 pub use crate::warning::{Broken, Warning, WarningCount, WarningKind, WatchState};
@@ -193,6 +194,7 @@ impl WatchState {
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
             self.energy(model, state, seen, survey).map(|m| (WarningKind::Energy, m)),
             self.overlap(model, seen).map(|m| (WarningKind::Overlap, m)),
+            swing::watch(&mut self.swings, model, state, |b| label(model, b)).map(|m| (WarningKind::Swing, m)),
         ];
         let warning = |(kind, message)| Warning { kind, step: state.steps, time: state.time, message };
         let warnings: Vec<Warning> = found.into_iter().flatten().map(warning).collect();

@@ -78,6 +78,10 @@ impl ModelFile {
                     format!("names a file: expected letters, digits and signs but / and \\, at most {LONGEST_NAME}");
                 return Err(doc.fault(&format!("{key}.name"), message));
             }
+            if let Some(first) = self.stages[..i].iter().position(|s| s.name == stage.name) {
+                let message = format!("stage {} has this name too: each has a checkpoint of its own name", first + 1);
+                return Err(doc.fault(&format!("{key}.name"), message));
+            }
             build.content(&format!("{key}."), stage.content(), begin)?;
             for (k, name) in stage.release.iter().enumerate() {
                 build.release(&format!("{key}.release.{k}"), name, begin)?;

@@ -78,10 +78,11 @@ impl Builder<'_> {
             None => None,
         };
         let appears = body.appears.unwrap_or(begins);
-        let moves = body.held_until.unwrap_or(0.0).max(appears);
-        for (part, value) in [("appears", appears), ("held_until", moves)] {
+        let held_until = body.held_until.unwrap_or(0.0);
+        for (part, value) in [("appears", appears), ("held_until", held_until)] {
             not_negative(doc, &at(part), value)?;
         }
+        let moves = held_until.max(appears);
         let class = self.class(body.class.as_deref().unwrap_or(&body.name));
         let id = self
             .add(

@@ -108,6 +108,9 @@ impl Builder<'_> {
         }
         // A rope may begin anywhere within its length.
         let is_rope = file.kind == JointKind::Distance && file.limits.is_some() && file.motor.is_none();
+        if long && file.length.is_some() && !(length.at(0.0) > 0.0) {
+            return Err(doc.fault(&at("length"), "is not above 0 at the start"));
+        }
         if long && !is_rope && !(length.at(0.0) > 0.0) {
             return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
         }
