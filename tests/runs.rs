@@ -211,7 +211,7 @@ fn a_closed_pipe_stops_no_work() {
 #[test]
 fn a_signal_ends_a_run_with_a_checkpoint() {
     let work = Work::new();
-    let slow = STONES.replace("duration: 0.1", "duration: 400").replace("frame_rate: 50", "frame_rate: 0.2");
+    let slow = STONES.replace("duration: 0.1", "duration: 40").replace("frame_rate: 50", "frame_rate: 2");
     for signal in ["TERM", "INT"] {
         let (model, run) = (work.write("m.yaml", &slow), work.at(signal));
         let mut child = Command::new(env!("CARGO_BIN_EXE_scree"))

@@ -252,7 +252,7 @@ impl Quality {
     /// Area of a micropolygon, pixels.
     pub fn shading_rate(self) -> f32 {
         match self {
-            Quality::Draft => 25.0,
+            Quality::Draft => 49.0,
             Quality::Normal => 2.0,
             Quality::Final => 1.0,
         }
