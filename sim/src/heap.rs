@@ -23,13 +23,7 @@ pub fn is_heap(model: &Model, state: &State) -> bool {
     const HELD: f64 = 0.1;
     let is_moving = |b: &u32| state.is_free(*b as usize);
     let n_moving = (0..model.n_bodies() as u32).filter(is_moving).count();
-    let held: BTreeSet<u32> = model
-        .joints
-        .iter()
-        .flat_map(|j| j.bodies)
-        .chain(model.springs.iter().flat_map(|s| s.bodies))
-        .filter(is_moving)
-        .collect();
+    let held: BTreeSet<u32> = connected(model).flatten().filter(is_moving).collect();
     n_moving >= LEAST && held.len() as f64 <= HELD * n_moving as f64
 }
 
@@ -46,8 +40,12 @@ pub fn loads(model: &Model, state: &State) -> Vec<u32> {
     let (loads, others): (Vec<u32>, Vec<u32>) = moving().partition(|b| mass(*b) >= least);
     let sum = |bodies: &[u32]| bodies.iter().map(|b| mass(*b)).sum::<f64>();
     let is_held = |pair: [u32; 2]| pair.iter().all(is_free) && pair.iter().any(|b| mass(*b) >= least);
-    let mut pairs = model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies));
-    if sum(&loads) <= sum(&others) || pairs.any(is_held) { vec![] } else { loads }
+    if sum(&loads) <= sum(&others) || connected(model).any(is_held) { vec![] } else { loads }
+}
+
+/// The pairs of bodies that joints and springs connect.
+fn connected(model: &Model) -> impl Iterator<Item = [u32; 2]> {
+    model.joints.iter().map(|j| j.bodies).chain(model.springs.iter().map(|s| s.bodies))
 }
 
 /// Whether nine in ten of the moving bodies but the loads are spheres.

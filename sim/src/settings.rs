@@ -152,6 +152,12 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
+    /// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size, `fall`.
+    pub fn residual_bound(&self, fall: f64) -> f64 {
+        let tolerance = if self.tolerance > 0.0 { self.tolerance } else { 1e-7 };
+        (100.0 * tolerance).max(fall)
+    }
+
     /// Maximum number of iterations of a problem with `n_blocks` blocks of three multipliers: `iterations`, or its default.
     pub fn max_iterations(&self, n_blocks: usize) -> u32 {
         self.iterations.unwrap_or((50_000 / n_blocks.max(1)).max(50) as u32)

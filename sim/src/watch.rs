@@ -44,10 +44,9 @@ const ENERGY_GROWTH: f64 = 0.1;
 /// Tolerance of overlaps, over the smaller inradius.
 const OVERLAP: f64 = 0.5;
 
-/// The residual above which a step counts as not converged, m/s: 100 tolerances, and at least gravity times step size.
+/// [`SolverSettings::residual_bound`](crate::settings::SolverSettings::residual_bound) of a model's steps, m/s.
 pub fn residual_bound(model: &Model) -> f64 {
-    let tolerance = if model.solver.tolerance > 0.0 { model.solver.tolerance } else { 1e-7 };
-    (100.0 * tolerance).max(model.gravity.length() * model.step)
+    model.solver.residual_bound(model.gravity.length() * model.step)
 }
 
 /// Sums and maxima over the bodies.

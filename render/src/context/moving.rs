@@ -45,8 +45,8 @@ fn turns(times: Vec<f32>, calls: Vec<Moving>) -> (Vec<f32>, Vec<Moving>) {
     (all, at)
 }
 
-/// The times and quadrics of a motion block, with so many between, where angles change, that the way is round: it is the quadric's
-/// numbers that go evenly from one time to the next.
+/// The times and quadrics of a motion block. Where angles change, others are added between two times, enough that the way is round: it is
+/// the quadric's numbers that go evenly from one time to the next.
 fn between(times: &[f32], quadrics: Vec<(Quadric, Params)>) -> (Vec<f32>, Vec<(Quadric, Params)>) {
     let mut all = vec![];
     for (t, pair) in times.windows(2).zip(quadrics.windows(2)) {

@@ -26,7 +26,7 @@ pub mod overlaps;
 pub mod residual;
 mod resistance;
 pub mod response;
-pub mod scale;
+mod scale;
 pub mod schedule;
 pub mod slip;
 mod sparse;

@@ -105,7 +105,7 @@ impl Sight {
     }
 }
 
-/// The pebbles about a point of the ground that are seen, in a view of so many metres.
+/// The visible pebbles about a point of the ground; `view` is the width of the view at what the camera looks at, m.
 fn scattered(about: [f32; 3], view: f32, sight: &Sight) -> Instances {
     let (mut position, mut orientation, mut scale) = (vec![], vec![], vec![]);
     let (mut ids, mut colors) = (vec![], vec![]);

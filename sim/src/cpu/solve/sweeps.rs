@@ -92,8 +92,7 @@ impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
         let Precisions { coarse, fine } = self;
         let is_exact = settings.friction == FrictionLaw::Exact;
         let closing = settings.overlap_tolerance.map_or(f64::INFINITY, |overlap| overlap / op.recovery.step);
-        // The residual from which on a step counts as not converged.
-        let lost = op.least_slip.max(100.0 * settings.tolerance);
+        let lost = settings.residual_bound(op.least_slip);
         let mut outcome = Outcome { iterations: 0, residual: f64::INFINITY };
         if op.joints.rows.is_empty() {
             coarse.fill(op, at, gamma, is_exact);

@@ -108,11 +108,12 @@ impl Builder<'_> {
         }
         // A rope may begin anywhere within its length.
         let is_rope = file.kind == JointKind::Distance && file.limits.is_some() && file.motor.is_none();
-        if long && file.length.is_some() && !(length.at(0.0) > 0.0) {
-            return Err(doc.fault(&at("length"), "is not above 0 at the start"));
-        }
         if long && !is_rope && !(length.at(0.0) > 0.0) {
-            return Err(doc.fault(&at("position_b"), "the joint's two points coincide: it has no length"));
+            let (part, says) = match file.length {
+                Some(_) => ("length", "is not above 0 at the start"),
+                None => ("position_b", "the joint's two points coincide: it has no length"),
+            };
+            return Err(doc.fault(&at(part), says));
         }
         if file.kind == JointKind::RevoluteSpherical && (pb - pa).normalize().dot(z).abs() > 1e-6 {
             return Err(doc.fault(&at("axis"), "is not perpendicular to the line between the joint's two points"));
