@@ -6,8 +6,12 @@ use crate::model::Model;
 use crate::state::State;
 use crate::warning::Swing;
 
-/// Acceleration over that of gravity beyond which a load is pushed up, or falls.
+/// Acceleration over that of gravity beyond which a load that moves is pushed up, or falls.
 const SWINGS: f64 = 0.5;
+/// The same of a load at rest, which nothing but the solver moves.
+const SWINGS_AT_REST: f64 = 0.25;
+/// Speed over that of a fall within a step up to which a load is at rest.
+const AT_REST: f64 = 10.0;
 /// Steps within which the acceleration of a load that swings changes its sign.
 const PERIOD: u64 = 200;
 /// Changes of sign, one after another, from which on a load swings.
@@ -38,7 +42,9 @@ pub fn watch(swings: &mut Vec<Swing>, model: &Model, state: &State, label: impl 
         let now = speed(swing.body);
         let push = (now - swing.speed) / (gravity * model.step);
         swing.speed = now;
-        if push.abs() < SWINGS || (push > 0.0) == swing.is_up {
+        let is_at_rest = state.velocity[swing.body as usize].length() <= AT_REST * gravity * model.step;
+        let least = if is_at_rest { SWINGS_AT_REST } else { SWINGS };
+        if push.abs() < least || (push > 0.0) == swing.is_up {
             continue;
         }
         let goes_on = state.steps - swing.turned <= PERIOD;
@@ -46,10 +52,11 @@ pub fn watch(swings: &mut Vec<Swing>, model: &Model, state: &State, label: impl 
         (swing.is_up, swing.turned) = (push > 0.0, state.steps);
         if swing.turns >= TURNS && message.is_none() {
             message = Some(format!(
-                "the force on body {} swings: {} times, the last time within {PERIOD} steps, it went from less than {SWINGS} to more than {} times the weight or back",
+                "the force on body {} swings: {} times, the last time within {PERIOD} steps, it went from less than {} to more than {} times the weight or back",
                 label(swing.body),
                 swing.turns,
-                1.0 + SWINGS
+                1.0 - least,
+                1.0 + least
             ));
         }
     }
