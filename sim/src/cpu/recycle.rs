@@ -11,7 +11,7 @@ use super::collide::manifold::OF_SECOND;
 use super::collide::point::{Placed, Point, Points};
 use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
 use crate::shape::ShapeKind;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Share of the least gap that relative motion may be: the normal between features that are apart turns by no more.
 const OF_GAP: f64 = 0.1;
@@ -78,7 +78,8 @@ pub fn collide_or_recycle(
     if a.position.distance(b.position) > extents[0] + extents[1] + reach {
         return 0;
     }
-    let into_a = a.orientation.inverse();
+    let [ra, rb] = [a, b].map(|placed| DMat3::from_quat(placed.orientation));
+    let [into_a, into_b] = [ra.transpose(), rb.transpose()];
     let position = into_a * (b.position - a.position);
     let moved = |kept: &Kept| {
         let turned = a.orientation * kept.orientation;
@@ -93,16 +94,15 @@ pub fn collide_or_recycle(
     if let Some((known, points)) = last.filter(|(known, _)| holds(known)) {
         kept.points.extend_from_slice(points);
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
-        return carry(a, b, points, reach, out);
+        return carry([(a.position, ra), (b.position, rb)], points, reach, out);
     }
-    let into_b = b.orientation.inverse();
     let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (DVec3, f64, f64)| {
-        let (end, orientation) = (kept.points.len() as u32, (into_a * b.orientation).normalize());
+        let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
         let axis = (into_a * axis).normalize_or_zero();
         kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, reach, slack });
         n
     };
-    let direction = last.map_or(DVec3::ZERO, |(known, _)| a.orientation * known.axis);
+    let direction = last.map_or(DVec3::ZERO, |(known, _)| ra * known.axis);
     if last.is_some_and(|(_, points)| points.is_empty()) && direction != DVec3::ZERO {
         let apart = separation(a, b, direction);
         if apart > reach {
@@ -132,13 +132,14 @@ pub fn collide_or_recycle(
     near
 }
 
-/// The points of a manifold where the shapes are now, those with a gap of at most `reach`, m. Returns their count.
-fn carry(a: &Placed, b: &Placed, points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
+/// The points of a manifold where the shapes are now, each given by its position and rotation, those with a gap of at most `reach`, m. Returns
+/// their count.
+fn carry([a, b]: [(DVec3, DMat3); 2], points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
     let mut n = 0;
     for p in points {
-        let on_first = a.position + a.orientation * p.on_first;
-        let on_second = b.position + b.orientation * p.on_second;
-        let normal: DVec3 = if p.is_of_second { b.orientation * p.normal } else { a.orientation * p.normal };
+        let on_first = a.0 + a.1 * p.on_first;
+        let on_second = b.0 + b.1 * p.on_second;
+        let normal = if p.is_of_second { b.1 * p.normal } else { a.1 * p.normal };
         let gap = (on_second - on_first).dot(normal);
         out[n] = Point { normal, on_first, on_second, gap, feature: p.feature };
         n += (gap <= reach) as usize;

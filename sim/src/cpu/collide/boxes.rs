@@ -4,7 +4,7 @@
 //! cross, have the nearest points of any two convex shapes.
 
 use super::convex::Axis;
-use super::manifold::{OF_SECOND, clip, convex_convex, feature};
+use super::manifold::{OF_SECOND, convex_convex, cut_id, feature_id};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
@@ -112,9 +112,9 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         }
     }
     let n = if face.1 < 3 {
-        clip(&feature(a, normal), &feature(b, -normal), normal, reach, out)
+        clip_face((a, rotations[0]), (b, rotations[1]), face.1, normal, reach, out)
     } else {
-        let n = clip(&feature(b, -normal), &feature(a, normal), -normal, reach, out);
+        let n = clip_face((b, rotations[1]), (a, rotations[0]), face.1 - 3, -normal, reach, out);
         swap_shapes(out, n);
         out[..n].iter_mut().for_each(|p| p.feature |= OF_SECOND);
         n
@@ -134,6 +134,81 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         }
         None => n,
     }
+}
+
+/// A corner of a clipped face: its place in the frame of the reference box, m, and its id.
+type Corner = ([f64; 3], u32);
+
+/// The corners of a clipped face: a face of four, which each of four sides may give one more.
+struct Corners {
+    corner: [Corner; 8],
+    n: usize,
+}
+
+impl Corners {
+    #[inline(always)]
+    fn push(&mut self, corner: Corner) {
+        if self.n < self.corner.len() {
+            self.corner[self.n] = corner;
+            self.n += 1;
+        }
+    }
+}
+
+/// What [`clip`](super::manifold::clip) does of the faces of two boxes, in the frame of the reference box: the face across `axis` that looks
+/// along `normal`, and the face of the other that looks against it most. Each box comes with its rotation. Returns the number of points.
+fn clip_face(
+    (of, rotation): (&Placed, &DMat3),
+    (other, turned): (&Placed, &DMat3),
+    axis: usize,
+    normal: DVec3,
+    reach: f64,
+    out: &mut Points,
+) -> usize {
+    let into = rotation.transpose();
+    let (middle, towards) = (into * (other.position - of.position), turned.transpose() * -normal);
+    let facing = (0..3).max_by(|i, j| towards[*i].abs().total_cmp(&towards[*j].abs())).unwrap_or(0);
+    let (one, two) = ((facing + 1) % 3, (facing + 2) % 3);
+    let centre = middle + into * (turned.col(facing) * other.size[facing].copysign(towards[facing]));
+    let (u, v) = (into * (turned.col(one) * other.size[one]), into * (turned.col(two) * other.size[two]));
+    let first = (8 * facing + if towards[facing] < 0.0 { 4 } else { 0 } + 1) as u32;
+    let mut face = Corners { corner: [([0.0; 3], 0); 8], n: 4 };
+    for (k, (s, t)) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate() {
+        face.corner[k] = ((centre + s * u + t * v).to_array(), first + k as u32);
+    }
+    // The sides of the reference face, between its corners in the same order.
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let sides = [(j, 1.0), (i, -1.0), (j, -1.0), (i, 1.0)];
+    for ((side, sign), id) in sides.into_iter().zip(1..) {
+        let beyond = |p: &Corner| sign * p.0[side] - of.size[side];
+        if face.corner[..face.n].iter().all(|p| beyond(p) <= 0.0) {
+            continue;
+        }
+        let mut clipped = Corners { corner: [([0.0; 3], 0); 8], n: 0 };
+        for k in 0..face.n {
+            let (p, q) = (&face.corner[k], &face.corner[if k + 1 < face.n { k + 1 } else { 0 }]);
+            let (before, after) = (beyond(p), beyond(q));
+            if before <= 0.0 {
+                clipped.push(*p);
+            }
+            if (before <= 0.0) != (after <= 0.0) {
+                let share = before / (before - after);
+                clipped.push((std::array::from_fn(|x| p.0[x] + (q.0[x] - p.0[x]) * share), cut_id(p.1, q.1, id)));
+            }
+        }
+        face = clipped;
+    }
+    let (sign, height) = (if normal.dot(rotation.col(axis)) < 0.0 { -1.0 } else { 1.0 }, of.size[axis]);
+    let mut n = 0;
+    for (p, id) in &face.corner[..face.n] {
+        let gap = sign * p[axis] - height;
+        if gap <= reach {
+            let on_second = of.position + *rotation * DVec3::from(*p);
+            out[n] = Point { normal, on_first: on_second - normal * gap, on_second, gap, feature: feature_id(*id) };
+            n += 1;
+        }
+    }
+    n
 }
 
 /// The contact point of two edges that cross, with the gap along their cross product, m.
@@ -158,4 +233,36 @@ fn edge_edge(a: &Placed, b: &Placed, [ra, rb]: [&DMat3; 2], (gap, i, j): (f64, u
     let on_first = pa + da * s.clamp(-a.size[i], a.size[i]);
     let on_second = pb + db * t.clamp(-b.size[j], b.size[j]);
     Point { normal, on_first, on_second, gap, feature: 1 << 16 | (i * 3 + j) as u32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::manifold::{clip, feature};
+    use super::*;
+    use crate::ShapeKind;
+    use crate::fill::SplitMix64;
+
+    #[test]
+    fn faces_of_boxes_are_clipped_as_any_faces_are() {
+        let mut random = SplitMix64(3);
+        let mut several = 0;
+        for k in 0..20_000 {
+            let mut placed = |position: DVec3| {
+                let size = DVec3::from([0; 3].map(|_| random.between(0.1, 0.3)));
+                Placed { kind: ShapeKind::Box, size, position, orientation: random.rotation(), hull: None }
+            };
+            let (a, b) = (placed(DVec3::new(0.3, -0.2, 0.1)), placed(DVec3::ZERO));
+            let rotations = [a, b].map(|p| DMat3::from_quat(p.orientation));
+            let normal = towards(rotations[0].col(k % 3), &a, &b);
+            let [mut own, mut any] = [Points::default(); 2];
+            let n = clip_face((&a, &rotations[0]), (&b, &rotations[1]), k % 3, normal, 0.2, &mut own);
+            assert_eq!(n, clip(&feature(&a, normal), &feature(&b, -normal), normal, 0.2, &mut any), "{k}");
+            for (p, q) in own[..n].iter().zip(&any) {
+                let error = p.on_first.distance(q.on_first) + p.on_second.distance(q.on_second) + (p.gap - q.gap).abs();
+                assert!(p.feature == q.feature && error < 1e-10, "{k}: {p:?} {q:?}");
+            }
+            several += (n > 2) as usize;
+        }
+        assert!(several > 5_000, "{several}");
+    }
 }

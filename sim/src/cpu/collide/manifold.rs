@@ -164,6 +164,16 @@ pub fn points(fa: &Feature, fb: &Feature, nearest: &Nearest, reach: f64, size: f
     kept
 }
 
+/// Id of the corner where a side, counted from 1, cuts the edge between two corners: a hash, which may overflow.
+pub fn cut_id(from: u32, to: u32, side: u32) -> u32 {
+    from.wrapping_mul(53).wrapping_add(to).wrapping_mul(17).wrapping_add(side)
+}
+
+/// Feature id of a corner of a clipped feature.
+pub fn feature_id(corner: u32) -> u32 {
+    corner.wrapping_mul(2_654_435_761) >> 18
+}
+
 /// Clip `other` against the sides of `reference` (a face, or an edge by its two ends) and keep the corners within `reach`, m, of it
 /// along the normal, which points from the reference to the other. Returns the number of points.
 pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out: &mut Points) -> usize {
@@ -197,9 +207,7 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
             let (v, v_id) = f.corner[(i + 1) % f.n];
             let dv = (v - p).dot(outward);
             if (du <= 0.0) != (dv <= 0.0) {
-                // A hash of the two corners and the edge: it may overflow.
-                let id = u_id.wrapping_mul(53).wrapping_add(v_id).wrapping_mul(17).wrapping_add(k as u32 + 1);
-                clipped.push(u + (v - u) * (du / (du - dv)), id);
+                clipped.push(u + (v - u) * (du / (du - dv)), cut_id(u_id, v_id, k as u32 + 1));
             }
         }
         std::mem::swap(&mut f, &mut clipped);
@@ -216,8 +224,7 @@ pub fn clip(reference: &Feature, other: &Feature, normal: DVec3, reach: f64, out
     for k in 0..kept {
         let (p, id) = f.corner[near[k * n / kept]];
         let gap = gap(p);
-        let feature = id.wrapping_mul(2_654_435_761) >> 18;
-        out[k] = Point { normal, on_first: p - normal * gap, on_second: p, gap, feature };
+        out[k] = Point { normal, on_first: p - normal * gap, on_second: p, gap, feature: feature_id(id) };
     }
     kept
 }
