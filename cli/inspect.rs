@@ -70,7 +70,7 @@ fn json(frames: &[u64], table: &Frame) -> serde_json::Value {
 }
 
 /// Write a metadata file for the data. One of other content is not replaced: it may have been edited.
-fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion, say: &dyn Fn(String)) -> Outcome {
+fn write(data_path: &Path, Suggestion { path, frames, time, kind, up }: &Suggestion, say: &dyn Fn(String)) -> Outcome {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path_in_file = relative(folder, data_path)?;
     let mut data = Data { time: time.clone(), rename: BTreeMap::new(), ..Data::default() };
@@ -79,7 +79,7 @@ fn write(data_path: &Path, Suggestion { path, frames, time, kind }: &Suggestion,
         Some(Kind::Csv) => &mut data.csv,
         Some(_) => &mut data.files,
     }) = Some(path_in_file);
-    let suggestion = bind::suggest::metadata(data, frames)
+    let suggestion = bind::suggest::metadata(data, frames, *up)
         .map_err(|m| Failure::new(Exit::Data, format!("{}: {m}", data_path.display())))?;
     let path = &guard::place_of(path);
     if path.exists() && std::fs::read_to_string(path).ok().as_ref() != Some(&suggestion.yaml) {

@@ -8,9 +8,9 @@ use crate::machine;
 use crate::progress::Progress;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source;
-use bind::Binding;
 use bind::data::{Source, Store};
 use bind::metadata::Data;
+use bind::{Binding, Up};
 use frame::run::{COMMANDS, RunReader, RunWriter, WarningEntry};
 use frame::{Fault, Frame};
 use sim::model_file::ModelFile;
@@ -112,11 +112,10 @@ pub fn provide(job: FramesJob) -> Outcome<(Binding, Source)> {
             of_run()?
         }
     };
-    let binding = match binding {
-        Some(binding) => binding,
-        None => source::metadata_of_run(&home)?.0,
-    };
-    Ok((binding, source))
+    match binding {
+        Some(binding) => Ok((binding, source)),
+        None => source::metadata_of_run(&home),
+    }
 }
 
 /// Fail if a run has warnings: its data exists, but is not to be trusted.
@@ -149,7 +148,8 @@ struct Console {
 impl Observer for Console {
     fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &mut RunWriter) -> Result<(), Fault> {
         geometry::write_archives(&sim.model, writer.folder())?;
-        write_metadata(std::slice::from_ref(first), writer).map(|_| ())
+        let up = Up::against(sim.model.gravity.to_array());
+        write_metadata(std::slice::from_ref(first), up, writer).map(|_| ())
     }
 
     fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
@@ -179,7 +179,7 @@ impl Observer for Console {
         let n_rows = run.index.frames.last().map_or(0, |f| f.rows);
         let sample = bind::suggest::sample(&run.numbers(), n_rows);
         let frames = sample.into_iter().map(|f| run.read_frame(f)).collect::<Result<Vec<_>, Fault>>()?;
-        if !write_metadata(&frames, writer)? {
+        if !write_metadata(&frames, Up::of_run(writer.folder()), writer)? {
             let path = writer.folder().join(METADATA);
             eprintln!("{} was edited and stays as it is; remove it to have one made of this run", path.display());
         }
@@ -195,9 +195,9 @@ const METADATA: &str = "metadata.yaml";
 
 /// Write the metadata file of a run, with an object for every class, so that `scree render RUN` needs no other file. Returns false if
 /// the user has edited the file there.
-fn write_metadata(frames: &[Frame], writer: &mut RunWriter) -> Result<bool, Fault> {
+fn write_metadata(frames: &[Frame], up: Up, writer: &mut RunWriter) -> Result<bool, Fault> {
     let data = Data { run: Some(".".into()), ..Data::default() };
-    match bind::suggest::metadata(data, frames) {
+    match bind::suggest::metadata(data, frames, up) {
         Ok(suggestion) => writer.write_generated(METADATA, &suggestion.yaml),
         // Nothing to look at: a model of planes alone.
         Err(_) => Ok(true),

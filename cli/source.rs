@@ -71,8 +71,10 @@ pub fn metadata_of_run(folder: &Path) -> Outcome<(Binding, Source)> {
         return Err(Fault::whole(FaultKind::Data, &path, "is missing: it says what to render").hint(hint).into());
     }
     let mut binding = bind::read(&path)?;
-    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive: vec![], select: None });
-    Ok((binding, Store::Run(run).into()))
+    let (derive, select) = binding.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
+    let source = Source::new(Store::Run(run), derive.clone(), select.clone());
+    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
+    Ok((binding, source))
 }
 
 /// Check that scene, camera and lights of a binding exist, and that its shaders exist, compile and have the parameters given.

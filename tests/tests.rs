@@ -51,6 +51,7 @@ mod stages;
 mod tables;
 mod terrain;
 mod tidy;
+mod upright;
 mod values;
 mod waiting;
 mod warm_start;

@@ -1,6 +1,7 @@
 //! Arguments of the commands that look at data: `inspect`, `plot`, `report`, `export` and `preview`.
 
-use super::value::{Interval, file_size, index, interval, whole};
+use super::value::{Interval, file_size, index, interval, up, whole};
+use bind::Up;
 use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::ffi::OsString;
@@ -75,6 +76,10 @@ pub struct InspectArgs {
     /// Metadata file to write for the data, ready for `scree render`.
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,
+    /// Axis of the data that points up, for the metadata file: x, y, z, -x, -y or -z
+    /// [default: against the gravity of a run; z of other data].
+    #[arg(long, value_name = "AXIS", requires = "write", value_parser = up, allow_hyphen_values = true)]
+    pub up: Option<Up>,
     /// Frame to inspect [default: the first].
     #[arg(short, long, value_name = "FRAME", value_parser = index::<u64>())]
     pub frame: Option<u64>,

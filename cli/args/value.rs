@@ -1,5 +1,6 @@
 //! Syntax of flag values: a parser for each, with the value as it is used.
 
+use bind::Up;
 use clap::ValueEnum;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -42,6 +43,12 @@ pub fn assignment(text: &str) -> Result<Assignment, String> {
         }
         _ => Err("expected PATH=VALUE, as solver.iterations=80".into()),
     }
+}
+
+/// Parse an axis that points up, as `-y`.
+pub fn up(text: &str) -> Result<Up, String> {
+    let found = Up::ALL.into_iter().find(|up| up.name() == text);
+    found.ok_or_else(|| "expected x, y, z, -x, -y or -z".into())
 }
 
 /// Parse a resolution, `1280x720`.

@@ -354,9 +354,9 @@ pub fn images_made_of(made: &MadeOf, folder: &Path, more: &[u64]) -> Outcome<Opt
         Origin::Finished => Store::Run(RunReader::open(made.home())?).into(),
         Origin::Model(_) => return Ok(None),
     };
-    let binding = match binding {
-        Some(binding) => binding,
-        None => source::metadata_of_run(made.home())?.0,
+    let (binding, source) = match binding {
+        Some(binding) => (binding, source),
+        None => source::metadata_of_run(made.home())?,
     };
     let choices = ImageChoices { allow_program: vec![], allow_programs: false, ..made.images.clone() };
     let now = if made.is_all { source.numbers() } else { vec![] };
@@ -394,17 +394,14 @@ fn images_of_data(
 
 /// The metadata and the data of a plan.
 fn data_of(plan: &Plan) -> Outcome<(Binding, Source)> {
-    Ok(match &plan.simulation {
-        None => data_without_simulation(plan)?,
-        Some(_) => {
-            let source: Source = Store::Run(RunReader::open(&plan.home)?).into();
-            let binding = match source::kind_of(&plan.input)? {
-                Yaml::Metadata => bind::read(&plan.input)?,
-                Yaml::Model => source::metadata_of_run(&plan.home)?.0,
-            };
-            (binding, source)
+    match (&plan.simulation, source::kind_of(&plan.input)) {
+        (None, _) => data_without_simulation(plan),
+        (Some(_), Ok(Yaml::Model)) => source::metadata_of_run(&plan.home),
+        (Some(_), Ok(Yaml::Metadata)) => {
+            Ok((bind::read(&plan.input)?, Store::Run(RunReader::open(&plan.home)?).into()))
         }
-    })
+        (Some(_), Err(failure)) => Err(failure),
+    }
 }
 
 fn data_without_simulation(plan: &Plan) -> Outcome<(Binding, Source)> {
@@ -424,6 +421,6 @@ fn data_without_simulation(plan: &Plan) -> Outcome<(Binding, Source)> {
     };
     match binding {
         Some(binding) => Ok((binding, source)),
-        None => Ok((source::metadata_of_run(&plan.home)?.0, source)),
+        None => source::metadata_of_run(&plan.home),
     }
 }

@@ -3,6 +3,7 @@
 use crate::args::InspectArgs;
 use crate::failed::FailedFrames;
 use crate::report::{Exit, Failure, Outcome};
+use bind::Up;
 use bind::data::{Source, Store};
 use frame::Frame;
 use frame::list;
@@ -35,6 +36,8 @@ pub struct Suggestion {
     pub time: Option<String>,
     /// What the files of the data are, if it is no run directory.
     pub kind: Option<Kind>,
+    /// The axis that points up.
+    pub up: Up,
 }
 
 impl InspectJob {
@@ -60,7 +63,12 @@ impl InspectJob {
         let suggestion = match args.write {
             Some(path) => {
                 let found = Suggestion::check(path, &source, &frames, table.rows(), &mut failed)?;
-                Some(Suggestion { time: args.time, ..found })
+                let up = match (args.up, &source.store) {
+                    (Some(up), _) => up,
+                    (None, Store::Run(run)) => Up::of_run(&run.folder),
+                    (None, Store::Files { .. }) => Up::default(),
+                };
+                Some(Suggestion { time: args.time, up, ..found })
             }
             None => None,
         };
@@ -101,6 +109,6 @@ impl Suggestion {
             Store::Files { files, .. } => files.values().next().map(|stored| stored.kind),
             Store::Run(_) => None,
         };
-        Ok(Suggestion { path, frames: read, time: None, kind })
+        Ok(Suggestion { path, frames: read, time: None, kind, up: Up::default() })
     }
 }

@@ -31,7 +31,7 @@ pub struct Content {
     pub scale: Option<Scale>,
     /// The colours.
     pub legend: Option<Legend>,
-    /// Where the axes of the world point: to the right, down and away from the eye.
+    /// Where the axes of the data point: to the right, down and away from the eye.
     pub axes: Option<[[f32; 3]; 3]>,
     /// The plot.
     pub graph: Option<Graph>,
@@ -242,7 +242,8 @@ impl Content {
                 let forward = (at - eye).normalize();
                 let right = forward.cross(camera.up.into()).normalize();
                 let down = forward.cross(right);
-                [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [right, down, forward].map(|way| axis.dot(way)))
+                let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| binding.up.turn_vector(axis));
+                axes.map(|axis| [right, down, forward].map(|way| axis.dot(way)))
             });
             content.scale = overlays.scale_bar.as_ref().map(|bar| {
                 let across = match stand.projection {

@@ -4,7 +4,7 @@ use crate::args::Args;
 use crate::fault::Failure;
 use bind::binding::{Color, Data, Place};
 use bind::data::{Source, Store};
-use bind::{Binding, Moment, emit, suggest};
+use bind::{Binding, Moment, Up, emit, suggest};
 use frame::run::RunReader;
 use frame::table::Kind;
 use frame::yaml::Document;
@@ -54,13 +54,18 @@ fn wait(path: &Path) {
 
 /// A run directory, by the metadata that its simulation wrote.
 fn of_run(folder: &Path) -> Result<Input, Failure> {
-    let source: Source = Store::Run(RunReader::open(folder)?).into();
+    let store = Store::Run(RunReader::open(folder)?);
     let metadata = folder.join("metadata.yaml");
     let mut binding = match metadata.is_file() {
         true => bind::read(&metadata)?,
-        false => suggested(&source, bind::metadata::Data { run: Some(".".into()), ..Default::default() }, &metadata)?,
+        false => {
+            let data = bind::metadata::Data { run: Some(".".into()), ..Default::default() };
+            suggested(&store.clone().into(), data, Up::of_run(folder), &metadata)?
+        }
     };
-    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive: vec![], select: None });
+    let (derive, select) = binding.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
+    let source = Source::new(store, derive.clone(), select.clone());
+    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
     Ok(Input { binding, source, run: Some(folder.into()), name: String::new() })
 }
 
@@ -102,15 +107,15 @@ fn of_tables(path: &Path) -> Result<Input, Failure> {
     let name: PathBuf = path.file_name().unwrap_or_default().into();
     let mut data = bind::metadata::Data::default();
     *(if kind == Some(Kind::Csv) { &mut data.csv } else { &mut data.files }) = Some(name);
-    let binding = suggested(&source, data, &path.with_file_name("metadata.yaml"))?;
+    let binding = suggested(&source, data, Up::default(), &path.with_file_name("metadata.yaml"))?;
     Ok(Input { binding, source, run: None, name: String::new() })
 }
 
 /// The binding that is suggested for a source, as if it stood in a file at `path`.
-fn suggested(source: &Source, data: bind::metadata::Data, path: &Path) -> Result<Binding, Failure> {
+fn suggested(source: &Source, data: bind::metadata::Data, up: Up, path: &Path) -> Result<Binding, Failure> {
     let frames = sample(source)?;
     let suggestion =
-        suggest::metadata(data, &frames).map_err(|message| Failure::data(format!("{}: {message}", path.display())))?;
+        suggest::metadata(data, &frames, up).map_err(|message| Failure::data(format!("{}: {message}", path.display())))?;
     suggestion.remarks.iter().for_each(|remark| eprintln!("note: {remark}"));
     let (metadata, doc): (bind::Metadata, Document) = frame::yaml::parse(path, suggestion.yaml)?;
     Ok(bind::metadata::check(metadata, doc)?)

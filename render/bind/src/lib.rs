@@ -15,8 +15,10 @@ pub mod file;
 pub mod metadata;
 pub mod moment;
 pub mod suggest;
+mod up;
 
 pub use binding::Binding;
 pub use file::read;
 pub use metadata::Metadata;
 pub use moment::Moment;
+pub use up::Up;

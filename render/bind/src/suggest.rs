@@ -7,6 +7,7 @@ mod motion;
 mod names;
 mod survey;
 
+use crate::Up;
 use crate::expr;
 use crate::metadata::{
     ArchiveSpec, BoxSpec, CameraSpec, Color, ColorBy, Data, Geometry, Metadata, Movie, Object, Parameter, PlaneSpec,
@@ -46,9 +47,9 @@ pub struct Suggestion {
     pub remarks: Vec<String>,
 }
 
-/// Suggest metadata for data, from some of its frames (such as the first and the last). An error if there is no frame, or if no
+/// Suggest metadata for data, from some of its frames (such as the first and the last) and the axis that points up in it. An error if there is no frame, or if no
 /// columns of positions are recognised.
-pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
+pub fn metadata(data: Data, frames: &[Frame], up: Up) -> Result<Suggestion, String> {
     let some = frames.iter().find(|frame| frame.rows() > 0);
     let frame = some.ok_or("the data has no rows from which a camera could be placed")?;
     let has = |name: &str| columns::is_numeric(frame, name);
@@ -59,7 +60,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         names.position.iter_mut().for_each(|length| length.origin = 0.0);
         remarks.clear();
     }
-    let surveys: Vec<Survey> = frames.iter().map(|frame| Survey::of(frame, &names)).collect();
+    let surveys: Vec<Survey> = frames.iter().map(|frame| Survey::of(frame, &names, up)).collect();
     let classes = Classes::of(&surveys);
     let containers = classes.containers();
     let [mut lo, mut hi] =
@@ -79,7 +80,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         None => framing::camera(lo, hi),
     };
     let objects = if is_ours {
-        kinds_as_objects(&kinds, &classes.moving(), &containers, ground_height, (hi - lo).length())
+        kinds_as_objects(&kinds, up, &classes.moving(), &containers, [ground_height, (hi - lo).length()])
     } else {
         let radius = names.radius.map_or(Quantity::Number(size), |r| r.quantity());
         vec![Object {
@@ -103,6 +104,7 @@ pub fn metadata(data: Data, frames: &[Frame]) -> Result<Suggestion, String> {
         .any(|object| object.ground || object.surface.as_ref().is_some_and(|surface| surface.name == "ground"));
     let metadata = Metadata {
         data: Some(data),
+        up,
         // What brings no ground stands, or floats, over a floor under the lowest of it.
         scene: if has_ground { "studio.rib" } else { "seamless.rib" }.into(),
         camera: Some(camera),
@@ -261,13 +263,13 @@ fn look(shape: &str, extent: f32) -> (Geometry, &'static str, [f32; 3]) {
     }
 }
 
-/// One object for each class and shape of a run of ours.
+/// One object for each class and shape of a run of ours; the height of its ground and its extent are in metres.
 fn kinds_as_objects(
     kinds: &[Kind<'_>],
+    up: Up,
     moving: &BTreeSet<&str>,
     containers: &[&str],
-    ground_height: f32,
-    extent: f32,
+    [ground_height, extent]: [f32; 2],
 ) -> Vec<Object> {
     // Walls would hide what is behind them.
     let drawn = || kinds.iter().filter(|kind| kind.has_others);
@@ -294,7 +296,7 @@ fn kinds_as_objects(
                 select += &format!(" and shape == '{shape}'");
             }
             if kind.has_walls {
-                select += " and quat_x * quat_x + quat_y * quat_y < 0.25";
+                select += &format!(" and {}", up.is_upright());
             }
             let (surface, color) = match paint(class) {
                 Some(paint) if matches!(shape, "box" | "cylinder" | "capsule" | "cone") => ("paintedmetal", paint),
@@ -414,7 +416,7 @@ mod tests {
                 run(k, &all)
             })
             .collect();
-        let suggestion = metadata(Data::default(), &frames).unwrap();
+        let suggestion = metadata(Data::default(), &frames, Up::Z).unwrap();
         let (read, _) = yaml::parse::<Metadata>(Path::new("m.yaml"), suggestion.yaml).unwrap();
         read.objects.into_iter().map(|object| (object.name.clone(), object)).collect()
     }
@@ -448,7 +450,7 @@ mod tests {
         for (name, column) in [("x", [0.0, 1.0]), ("y", [0.0, 0.5]), ("z", [0.75, 1.0]), ("radius", [0.25, 0.25])] {
             frame.push(name, "m", Column::F64(column.to_vec()));
         }
-        let suggestion = metadata(Data::default(), &[frame]).unwrap();
+        let suggestion = metadata(Data::default(), &[frame], Up::Z).unwrap();
         let (read, _) = yaml::parse::<Metadata>(Path::new("m.yaml"), suggestion.yaml).unwrap();
         let height = read.ground_height.expect("a floor");
         assert!(height <= 0.5 && height > 0.4, "{height} m under spheres that reach down to 0.5 m");

@@ -2,6 +2,7 @@
 
 use super::object::{Formula, Object};
 use super::overlays::Overlays;
+use crate::Up;
 use crate::data::{Source, Store};
 use crate::expr::Expr;
 use frame::csv::Layout;
@@ -21,6 +22,8 @@ pub struct Binding {
     pub model: Option<PathBuf>,
     /// The data, if the file names any.
     pub data: Option<Data>,
+    /// The axis of the data that points up.
+    pub up: Up,
     /// The scene: a RIB file, relative to the file's folder, or the name of a scene of the library.
     pub scene: String,
     /// The camera; none if the scene has its own.

@@ -6,6 +6,7 @@ use super::objects::{Drawn, Source};
 use super::places::Places;
 use super::scene::{Parts, scene};
 use super::shaders::{self, shader};
+use crate::Up;
 use crate::binding::{Binding, Camera, Data, ImageFormat, Output, Overlays, Place, Shader, delimiter, some_objects};
 use frame::Fault;
 use frame::yaml::Document;
@@ -99,6 +100,7 @@ impl Image {
             scene: self.scene_file,
             camera: self.camera.map(Camera::File),
             lights: None,
+            up: Up::Z,
             ground_height: None,
             objects: self.objects.into_iter().enumerate().map(compile).collect::<Result<_, _>>()?,
             overlays: Overlays::default(),

@@ -39,7 +39,7 @@ pub(super) fn groups<'a>(
     rows: &Rows,
     at: &Instances,
 ) -> Result<Vec<Group<'a>>, Fault> {
-    let vectors = rows.three("geometry.arrow.vector", exprs(&arrow.vector))?;
+    let vectors = rows.vectors("geometry.arrow.vector", exprs(&arrow.vector))?;
     let longest = vectors.iter().map(|v| Vec3::from(*v).length()).fold(0.0, f32::max);
     let scale = match arrow.scale {
         Some(scale) => scale,

@@ -161,7 +161,7 @@ fn moved(binding: &Binding, camera: &Placed, frame: &Frame) -> Result<Stand, Fau
     Ok(Stand { eye, at, projection })
 }
 
-/// The mean position of the rows that a camera follows. That there is none is a fault of the data.
+/// The mean position of the rows that a camera follows, turned as the data is. That there is none is a fault of the data.
 pub(super) fn followed(binding: &Binding, follow: &Formula, frame: &Frame) -> Result<[f64; 3], Fault> {
     let mut middle = [0.0; 3];
     let fault = |message: String| binding.doc.fault(&follow.key, message);
@@ -176,7 +176,7 @@ pub(super) fn followed(binding: &Binding, follow: &Formula, frame: &Frame) -> Re
         }
         middle[k] = values.iter().sum::<f64>() / values.len() as f64;
     }
-    Ok(middle)
+    Ok(binding.up.turn(middle))
 }
 
 /// A file's name with the frame's number for `{frame}`, or with N digits for `{frame:0N}`.

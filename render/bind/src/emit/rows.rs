@@ -73,6 +73,12 @@ impl<'a> Rows<'a> {
         Ok((0..self.rows.len()).map(|r| [0, 1, 2].map(|c| columns[c][r] as f32)).collect())
     }
 
+    /// Places or vectors, turned as the data is.
+    pub(super) fn vectors(&self, part: &str, vector: [&Expr; 3]) -> Result<Vec<[f32; 3]>, Fault> {
+        let up = self.binding.up;
+        Ok(self.three(part, vector)?.into_iter().map(|v| up.turn(v)).collect())
+    }
+
     /// One expression, three times.
     pub(super) fn same(&self, part: &str, x: &Expr) -> Result<Vec<[f32; 3]>, Fault> {
         Ok(self.numbers(part, x)?.into_iter().map(|x| [x as f32; 3]).collect())
@@ -136,7 +142,7 @@ impl<'a> Rows<'a> {
         let mut instances = Instances {
             shape: handle.cloned().map_or(InstanceShape::Sphere, InstanceShape::Object),
             scale: self.scale(&object.shape)?,
-            position: self.three("position", exprs(&object.position))?,
+            position: self.vectors("position", exprs(&object.position))?,
             orientation: self.orientation(object)?,
             params: vec![],
             moved: None,
@@ -182,29 +188,31 @@ impl<'a> Rows<'a> {
         Param::floats("id", Class::Uniform, Type::Float, ids.collect::<Vec<f32>>())
     }
 
-    /// Quaternions (x, y, z, w), made unit; none if neither the object nor the data has any.
+    /// Quaternions (x, y, z, w), made unit and turned as the data is; none if neither the object nor the data has any and nothing is turned.
     pub(super) fn orientation(&self, object: &Object) -> Result<Vec<[f32; 4]>, Fault> {
         let standard = ["quat_w", "quat_x", "quat_y", "quat_z"];
         let exprs = match &object.orientation {
             Some(q) => q.each_ref().map(|formula| formula.expr.clone()),
             None if standard.iter().all(|c| self.frame.column(c).is_some()) => standard.map(Expr::column),
-            None => return Ok(vec![]),
+            None if self.binding.up.is_z() => return Ok(vec![]),
+            None => return Ok(vec![self.binding.up.rotation().to_array(); self.rows.len()]),
         };
         let [w, x, y, z] = exprs.each_ref().map(|expr| self.numbers("orientation", expr));
         let (w, x, y, z) = (w?, x?, y?, z?);
         let unit = |i: usize| Quat::from_xyzw(x[i] as f32, y[i] as f32, z[i] as f32, w[i] as f32);
-        Ok((0..w.len())
-            .map(|i| if unit(i).length() > 0.0 { unit(i).normalize().to_array() } else { [0.0, 0.0, 0.0, 1.0] })
-            .collect())
+        let own = |i: usize| if unit(i).length() > 0.0 { unit(i).normalize() } else { Quat::IDENTITY };
+        let up = self.binding.up;
+        let turned = |q: Quat| if up.is_z() { q } else { up.rotation() * q };
+        Ok((0..w.len()).map(|i| turned(own(i)).to_array()).collect())
     }
 
     /// Velocities: the object's own, or those of the standard columns; none if the data does not have these either.
     pub(super) fn velocity(&self, object: &Object) -> Result<Option<Vec<[f32; 3]>>, Fault> {
         let standard = ["vel_x", "vel_y", "vel_z"];
         let velocity = match &object.velocity {
-            Some(own) => self.three("velocity", exprs(own))?,
+            Some(own) => self.vectors("velocity", exprs(own))?,
             None if standard.iter().all(|c| self.frame.column(c).is_some()) => {
-                self.three("velocity", standard.map(Expr::column).each_ref())?
+                self.vectors("velocity", standard.map(Expr::column).each_ref())?
             }
             None => return Ok(None),
         };

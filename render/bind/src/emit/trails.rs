@@ -79,7 +79,7 @@ type Key = (u64, u64);
 
 /// The places of rows.
 fn places(rows: &Rows, object: &Object, age: f32) -> Result<Vec<(Key, Place)>, Fault> {
-    let at = rows.three("position", exprs(&object.position))?;
+    let at = rows.vectors("position", exprs(&object.position))?;
     let colors = match &object.color {
         Color::By { value, map, range } => Some(rows.colors(value, *map, *range)?.0),
         Color::Rgb(_) => None,

@@ -42,6 +42,7 @@ pub fn check(metadata: Metadata, doc: Document) -> Result<Binding, Fault> {
         doc,
         model,
         data,
+        up: metadata.up,
         scene,
         camera,
         lights,

@@ -1,5 +1,6 @@
 //! The metadata file as types, just as it is written.
 
+use crate::Up;
 use crate::binding::Overlays;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -15,6 +16,10 @@ pub struct Metadata {
     /// The data.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub data: Option<Data>,
+    /// The axis of the data that points up. What is drawn is turned so that it is z, which is up in scenes; camera and `ground_height` belong to
+    /// what is turned.
+    #[serde(default, skip_serializing_if = "Up::is_z")]
+    pub up: Up,
     /// The scene: a RIB file, relative to this file's folder, or the name of a scene of the library.
     #[serde(default = "default_scene")]
     pub scene: String,

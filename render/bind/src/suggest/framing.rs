@@ -8,8 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Number of alike bodies of a frame from which on they are grains, and the outermost of them are strays.
 pub(super) const MANY: usize = 30;
 
-/// Share of alike rows that are strays on each side of each axis.
+/// Share of alike rows that may be strays on each side of each axis.
 const STRAYS: f32 = 0.03;
+
+/// What they stick out by, over the extent of the others, from which on they are: the top of a pyramid is none.
+const FAR: f32 = 0.25;
 
 /// The box around boxes; none if there are none.
 fn union(boxes: impl Iterator<Item = [Vec3; 2]>) -> Option<[Vec3; 2]> {
@@ -265,7 +268,10 @@ fn without_strays<'a>(things: impl IntoIterator<Item = &'a Thing>) -> Option<[Ve
         let corner = |end: &dyn Fn(&Thing) -> Vec3, k: usize| {
             Vec3::new(nth(&|t| end(t).x, k), nth(&|t| end(t).y, k), nth(&|t| end(t).z, k))
         };
-        [corner(&|t| t.lo, skip), corner(&|t| t.hi, last)]
+        let (lo, hi) = (corner(&|t| t.lo, skip), corner(&|t| t.hi, last));
+        let [all_lo, all_hi] = [corner(&|t| t.lo, 0), corner(&|t| t.hi, grains.len() - 1)];
+        let far = FAR * (hi - lo);
+        [Vec3::select((lo - all_lo).cmpgt(far), lo, all_lo), Vec3::select((all_hi - hi).cmpgt(far), hi, all_hi)]
     });
     union([core, around(others)].into_iter().flatten())
 }
@@ -347,6 +353,14 @@ mod tests {
         assert!(!is_container(corners.map(post).to_vec()), "posts");
         let walls = [plate([-0.6, 0.0, 0.6], [0.02, 0.6, 0.6]), plate([0.6, 0.0, 0.6], [0.02, 0.6, 0.6])];
         assert!(is_container(walls.to_vec()), "walls");
+    }
+
+    #[test]
+    fn the_top_of_a_pyramid_is_no_stray() {
+        let rows = (0..40).flat_map(|row| (0..40 - row).map(move |k| [0.5 * row as f32 + k as f32, 0.0, row as f32]));
+        let things: Vec<Thing> = rows.map(|at| thing(at, 0.5, 0)).collect();
+        let [lo, hi] = without_strays(&things).unwrap();
+        assert_eq!([lo, hi], [Vec3::splat(-0.5), Vec3::new(39.5, 0.5, 39.5)]);
     }
 
     #[test]

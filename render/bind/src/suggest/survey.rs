@@ -2,6 +2,7 @@
 
 use super::lengths::Length;
 use super::names::Names;
+use crate::Up;
 use frame::{Column, Frame};
 use glam::{Mat3, Quat, Vec3};
 
@@ -73,6 +74,7 @@ struct Columns<'a> {
     part: Option<&'a Column>,
     half: [Option<&'a Column>; 3],
     turn: [Option<&'a Column>; 4],
+    up: Up,
 }
 
 fn number(column: Option<&Column>, row: usize) -> Option<f32> {
@@ -80,7 +82,7 @@ fn number(column: Option<&Column>, row: usize) -> Option<f32> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(frame: &'a Frame, names: &Names<'a>) -> Columns<'a> {
+    fn of(frame: &'a Frame, names: &Names<'a>, up: Up) -> Columns<'a> {
         let metres = |length: Length<'a>| Metres { column: frame.column(length.column), length };
         Columns {
             place: names.position.map(metres),
@@ -88,6 +90,7 @@ impl<'a> Columns<'a> {
             part: frame.column("part"),
             half: ["half_x", "half_y", "half_z"].map(|name| frame.column(name)),
             turn: ["quat_x", "quat_y", "quat_z", "quat_w"].map(|name| frame.column(name)),
+            up,
         }
     }
 
@@ -107,20 +110,30 @@ impl<'a> Columns<'a> {
         if shape == "capsule" {
             half.z += half.x;
         }
-        let q = Quat::from_array(self.turn.map(|c| number(c, row).unwrap_or(0.0)));
-        let turn = Mat3::from_quat(if q.length() > 0.0 { q.normalize() } else { Quat::IDENTITY });
+        let turn = Mat3::from_quat(self.rotation(row));
         turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z
+    }
+
+    /// The rotation of a row, turned as the data is.
+    fn rotation(&self, row: usize) -> Quat {
+        let q = Quat::from_array(self.turn.map(|c| number(c, row).unwrap_or(0.0)));
+        self.up.rotation() * if q.length() > 0.0 { q.normalize() } else { Quat::IDENTITY }
+    }
+
+    /// The place of a row, m, turned as the data is.
+    fn place(&self, row: usize) -> Option<Vec3> {
+        let [x, y, z] = &self.place;
+        Some(self.up.turn_vector(Vec3::new(x.at(row)?, y.at(row)?, z.at(row)?)))
     }
 
     /// Vertical part of a plane's normal.
     fn normal_z(&self, row: usize) -> f32 {
-        let [x, y] = [self.turn[0], self.turn[1]].map(|c| number(c, row).unwrap_or(0.0));
-        1.0 - 2.0 * (x * x + y * y)
+        let q = self.rotation(row);
+        1.0 - 2.0 * (q.x * q.x + q.y * q.y)
     }
 
     fn thing(&self, shape: &str, class: u32, row: usize) -> Option<Thing> {
-        let [x, y, z] = &self.place;
-        let place = Vec3::new(x.at(row)?, y.at(row)?, z.at(row)?);
+        let place = self.place(row)?;
         let half = self.half(shape, row);
         let is_body = number(self.part, row).is_none_or(|part| part == 0.0);
         let (size, is_plate) = (half.max_element(), self.is_plate(shape, row));
@@ -130,14 +143,14 @@ impl<'a> Columns<'a> {
 }
 
 impl<'a> Survey<'a> {
-    pub(super) fn of(frame: &'a Frame, names: &Names<'a>) -> Survey<'a> {
+    pub(super) fn of(frame: &'a Frame, names: &Names<'a>, up: Up) -> Survey<'a> {
         let category = |name: &str| match frame.column(name) {
             Some(Column::Category { codes, names }) => (codes.as_slice(), names.as_slice()),
             _ => (&[][..], &[][..]),
         };
         let (shape_codes, shapes) = category("shape");
         let (class_codes, classes) = category("class");
-        let columns = Columns::of(frame, names);
+        let columns = Columns::of(frame, names, up);
         let mut survey = Survey { things: vec![], terrain: vec![], kinds: vec![], classes };
         // Index into the kinds by class and shape.
         let mut kind_of = vec![usize::MAX; classes.len() * shapes.len()];
@@ -180,7 +193,7 @@ impl<'a> Kind<'a> {
             self.has_walls = true;
             return;
         }
-        let height = columns.place[2].at(row).filter(|_| normal_z > 0.999_999);
+        let height = columns.place(row).map(|place| place.z).filter(|_| normal_z > 0.999_999);
         let plane = Kind { has_others: true, levels: height.map(|z| [z, z]), ..*self };
         self.merge(&plane);
     }
