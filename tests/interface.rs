@@ -576,3 +576,20 @@ fn clipping_planes_cut_what_their_normals_point_to() {
         assert!((found - expected).abs() < 0.012, "{planes}: {found}, expected {expected}");
     }
 }
+
+#[test]
+fn frames_neither_begin_nor_end_within_worlds_or_frames() {
+    // RISpec 4: frames have worlds in them, and no frames.
+    let work = scratch();
+    let path = work.path().join("t.rib");
+    let head = "Display \"t.png\" \"png\" \"rgb\" Format 8 8 1\n";
+    for (text, expected) in [
+        ("WorldBegin\nFrameBegin 1 Disk 0 1 360 FrameEnd WorldEnd", "t.rib:3:1: FrameBegin within a world"),
+        ("FrameBegin 1\nWorldBegin\nFrameEnd WorldEnd", "t.rib:4:1: FrameEnd before the WorldEnd"),
+        ("FrameBegin 1\n FrameBegin 2 FrameEnd FrameEnd", "t.rib:3:2: FrameBegin within FrameBegin"),
+    ] {
+        std::fs::write(&path, format!("{head}{text}\n")).unwrap();
+        let answer = scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()]);
+        assert!(answer.fails(3).contains(expected), "{text}: {}", answer.errors());
+    }
+}

@@ -8,6 +8,7 @@ mod cameras;
 mod cli;
 mod command_line;
 mod corpus;
+mod crowds;
 mod determinism;
 mod devices;
 mod displaced;

@@ -15,5 +15,6 @@ pub mod shape;
 pub mod solid;
 pub mod source;
 pub mod trim;
+pub mod twins;
 pub mod variables;
 pub mod world;

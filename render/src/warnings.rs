@@ -1,5 +1,6 @@
 //! Warnings about a scene, each kept once.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
@@ -16,21 +17,47 @@ struct Warning {
     placed: String,
 }
 
-/// Where a scene's file is read, if it is: the line and column of a request.
+/// A place in a file of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spot {
+    file: u32,
+    line: u32,
+    column: u32,
+}
+
+/// Where a scene's files are read, if they are.
 #[derive(Default)]
 struct Place {
-    file: PathBuf,
-    spot: Option<(usize, usize)>,
+    files: Vec<PathBuf>,
+    known: HashMap<PathBuf, u32>,
+    spot: Option<Spot>,
+    /// The file that was read last.
+    file: u32,
+}
+
+impl Place {
+    /// A message after a place.
+    fn placed(&self, spot: Option<Spot>, message: &str) -> String {
+        match spot {
+            Some(Spot { file, line, column }) => {
+                format!("{}:{line}:{column}: {message}", self.files[file as usize].display())
+            }
+            None => message.into(),
+        }
+    }
 }
 
 impl Warnings {
     /// Add a warning that is not there yet, with the place that is read.
     pub fn add(&self, message: String) {
         let place = lock(&self.place);
-        let placed = match place.spot {
-            Some((line, column)) => format!("{}:{line}:{column}: {message}", place.file.display()),
-            None => message.clone(),
-        };
+        let placed = place.placed(place.spot, &message);
+        self.push(message, placed);
+    }
+
+    /// Add a warning that is not there yet, about what stands at a place.
+    pub fn add_at(&self, spot: Option<Spot>, message: String) {
+        let placed = lock(&self.place).placed(spot, &message);
         self.push(message, placed);
     }
 
@@ -48,11 +75,22 @@ impl Warnings {
 
     /// Note the request that is read; none any more.
     pub fn set_place(&self, at: Option<(&Path, (usize, usize))>) {
-        let mut place = lock(&self.place);
-        place.spot = at.map(|(_, spot)| spot);
-        if let Some((file, _)) = at.filter(|(file, _)| *file != place.file) {
-            place.file = file.into();
-        }
+        let place = &mut *lock(&self.place);
+        place.spot = at.map(|(path, (line, column))| {
+            if place.files.get(place.file as usize).is_none_or(|file| file != path) {
+                place.file = place.known.get(path).copied().unwrap_or_else(|| {
+                    place.files.push(path.into());
+                    place.known.insert(path.into(), place.files.len() as u32 - 1);
+                    place.files.len() as u32 - 1
+                });
+            }
+            Spot { file: place.file, line: line as u32, column: column as u32 }
+        });
+    }
+
+    /// The place of the request that is read.
+    pub fn spot(&self) -> Option<Spot> {
+        lock(&self.place).spot
     }
 
     /// The warnings so far.

@@ -88,7 +88,7 @@ pub fn frame(
             (Some("inject"), Some("lights")) => inject_lights(binding, files, ri),
             (Some("inject"), Some("objects")) => {
                 drawn = true;
-                inject_objects(&prepared, &words.collect::<Vec<_>>(), has_ground, &binding.output, files, ri)
+                inject_objects(binding, &prepared, &words.collect::<Vec<_>>(), has_ground, files, ri)
             }
             (Some("override"), Some("ShadingRate")) if words.next() == Some("floor") => {
                 ri.shading_rate(floor_rate(&binding.output))
@@ -301,12 +301,58 @@ fn kind_of(shape: &Shape) -> Option<f32> {
     }
 }
 
+/// The attributes of an object.
+fn set_attributes(object: &Object, output: &Output, ri: &mut dyn Ri) -> RiResult {
+    if let Color::Rgb(color) = object.color {
+        ri.color(color)?;
+    }
+    if let Some(o) = object.opacity {
+        ri.opacity([o; 3])?;
+    }
+    for (name, params) in &object.attributes {
+        ri.attribute(name, params.clone())?;
+    }
+    if let Some(kind) = kind_of(&object.shape) {
+        // For edges and marks of the library's materials.
+        ri.attribute("shape", vec![Param::floats("kind", Class::Uniform, Type::Float, [kind])])?;
+    }
+    if let Shape::Plane(_) = object.shape {
+        ri.shading_rate(floor_rate(output))?;
+    }
+    if matches!(object.shape, Shape::Plane(_) | Shape::Box(_)) {
+        // What is flat has no silhouette within a micropolygon: shadows on it have smooth edges.
+        ri.shading_interpolation("smooth")?;
+    }
+    let is_mark = matches!(object.shape, Shape::Arrow(_) | Shape::Trail(_));
+    if is_mark {
+        // Marks are no bodies: they cast no shadows.
+        let no = vec![Param::floats("transmission", Class::Uniform, Type::Float, [0.0])];
+        ri.attribute("visibility", no)?;
+    }
+    match &object.surface {
+        Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
+        None if is_mark => ri.surface("mark", vec![])?,
+        None => ri.surface("matte", vec![])?,
+    }
+    if let Some(displacement) = &object.displacement {
+        if let Some(bound) = displacement.bound {
+            ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
+        }
+        if !displacement.traced || output.quality == Quality::Draft {
+            let no = vec![Param::floats("displacements", Class::Uniform, Type::Float, [0.0])];
+            ri.attribute("trace", no)?;
+        }
+        ri.displacement(&displacement.name, displacement.params.clone())?;
+    }
+    Ok(())
+}
+
 /// The objects of the given names, or all but those for which the scene has a ground of its own.
 fn inject_objects(
+    binding: &Binding,
     prepared: &[Prepared<'_>],
     names: &[&str],
     has_ground: bool,
-    output: &Output,
     files: &Files,
     ri: &mut dyn Ri,
 ) -> RiResult {
@@ -315,59 +361,23 @@ fn inject_objects(
             return Err(Fail::new(format!("the scene wants the object `{name}`, which the metadata does not have")));
         }
     }
-    let is_drawn = |p: &&Prepared<'_>| match names {
+    let output = &binding.output;
+    let is_drawn = |p: &Prepared<'_>| match names {
         [] => !(has_ground && p.object.is_ground),
         names => names.contains(&p.object.name.as_str()),
     };
-    for p in prepared.iter().filter(is_drawn) {
+    for (i, p) in prepared.iter().enumerate().filter(|(_, p)| is_drawn(p)) {
+        let place = Some((binding.doc.path.as_path(), binding.doc.place(&format!("objects.{i}"))));
+        ri.stands_at(place);
         ri.attribute_begin()?;
-        if let Color::Rgb(color) = p.object.color {
-            ri.color(color)?;
-        }
-        if let Some(o) = p.object.opacity {
-            ri.opacity([o; 3])?;
-        }
-        for (name, params) in &p.object.attributes {
-            ri.attribute(name, params.clone())?;
-        }
-        if let Some(kind) = kind_of(&p.object.shape) {
-            // For edges and marks of the library's materials.
-            ri.attribute("shape", vec![Param::floats("kind", Class::Uniform, Type::Float, [kind])])?;
-        }
-        if let Shape::Plane(_) = p.object.shape {
-            ri.shading_rate(floor_rate(output))?;
-        }
-        if matches!(p.object.shape, Shape::Plane(_) | Shape::Box(_)) {
-            // What is flat has no silhouette within a micropolygon: shadows on it have smooth edges.
-            ri.shading_interpolation("smooth")?;
-        }
-        let is_mark = matches!(p.object.shape, Shape::Arrow(_) | Shape::Trail(_));
-        if is_mark {
-            // Marks are no bodies: they cast no shadows.
-            let no = vec![Param::floats("transmission", Class::Uniform, Type::Float, [0.0])];
-            ri.attribute("visibility", no)?;
-        }
-        match &p.object.surface {
-            Some(surface) => ri.surface(&surface.name, surface.params.clone())?,
-            None if is_mark => ri.surface("mark", vec![])?,
-            None => ri.surface("matte", vec![])?,
-        }
-        if let Some(displacement) = &p.object.displacement {
-            if let Some(bound) = displacement.bound {
-                ri.attribute("displacementbound", vec![Param::floats("sphere", Class::Uniform, Type::Float, [bound])])?;
-            }
-            if !displacement.traced || output.quality == Quality::Draft {
-                let no = vec![Param::floats("displacements", Class::Uniform, Type::Float, [0.0])];
-                ri.attribute("trace", no)?;
-            }
-            ri.displacement(&displacement.name, displacement.params.clone())?;
-        }
+        set_attributes(p.object, output, ri)?;
         for group in &p.groups {
             if let Some(handle) = &group.handle {
                 ri.object_begin(handle)?;
                 shapes::define(&p.object.shape, group, files, ri)?;
                 ri.object_end()?;
             }
+            ri.stands_at(place);
             for instances in &group.instances {
                 ri.instances(instances.clone())?;
             }
@@ -376,6 +386,7 @@ fn inject_objects(
             p.trails.draw(p.object.opacity.unwrap_or(1.0), ri)?;
         }
         ri.attribute_end()?;
+        ri.stands_at(None);
     }
     Ok(())
 }

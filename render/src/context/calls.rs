@@ -24,12 +24,21 @@ impl Ri for Context {
         Ok(())
     }
     fn frame_begin(&mut self, number: i32) -> RiResult {
+        if self.is_world_open() {
+            return Err(Fail::new("FrameBegin within a world, expected before WorldBegin"));
+        }
+        if self.saved.is_some() {
+            return Err(Fail::new("FrameBegin within FrameBegin"));
+        }
         self.frame = number;
         let attributes = (self.attributes.clone(), self.geometry.clone());
         self.saved = Some((self.options.clone(), attributes, self.known_lights.clone()));
         Ok(())
     }
     fn frame_end(&mut self) -> RiResult {
+        if self.is_world_open() {
+            return Err(Fail::new("FrameEnd before the WorldEnd of its world"));
+        }
         if let Some((options, attributes, lights)) = self.saved.take() {
             self.options = options;
             (self.attributes, self.geometry) = attributes;

@@ -104,6 +104,11 @@ impl Context {
             let group = textured.as_ref().unwrap_or(group);
             let outer = group.attributes.as_ref().map(|own| {
                 let mut over = own.over(&self.attributes, self.transform * group.base.inverse());
+                if self.open_object.is_some() {
+                    // What is set within an object is set within those that it is a part of.
+                    self.changes += 1;
+                    over.set.join(&own.set, self.changes);
+                }
                 if let Some(own) = own.solid.filter(|_| own.set.has(Attribute::Solid)) {
                     over.solid = Some(self.scene.solids.copy(own, solid, &mut copied));
                 }

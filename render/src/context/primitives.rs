@@ -7,7 +7,7 @@ use crate::gprim::basis::to_bezier;
 use crate::gprim::curves::{self, Segment, curve, ribbon};
 use crate::gprim::nurbs::{nurbs, nurbs_variable, span_of};
 use crate::gprim::patch_mesh::patch_mesh;
-use crate::gprim::polygon::{polygon_cut, polygon_patches, turns};
+use crate::gprim::polygon::{Cut, MOST_CROSSED, polygon_cut, polygon_patches, turns};
 use crate::gprim::subdivision;
 use crate::gprim::teapot::teapot;
 use crate::gprim::variables::{
@@ -131,8 +131,15 @@ impl Context {
         if let Some(cut) = known {
             return polygon_patches(loops, params, [face, first], &cut.quads);
         }
-        let quads = polygon_cut(loops, params)?;
-        if quads.is_empty() && turns(loops, params) {
+        let Cut { quads, crosses } = polygon_cut(loops, params)?;
+        let n: usize = sizes().sum();
+        if crosses && n > MOST_CROSSED {
+            self.scene.warn(format!(
+                "a polygon of {n} vertices whose edges cross is not drawn: such a one has at most {MOST_CROSSED}"
+            ));
+        } else if crosses && !quads.is_empty() {
+            self.scene.warn("the edges of a polygon cross: parts of it may be missing".into());
+        } else if quads.is_empty() && turns(loops, params) {
             self.scene.warn("a polygon that crosses itself, as much one way as the other, is not drawn".into());
         }
         let patches = polygon_patches(loops, params, [face, first], &quads)?;

@@ -346,7 +346,8 @@ impl Context {
             }
             _ => vec![],
         };
-        let source = Source { shape, to_world, moves, attributes, uniform, shares_space, duplicates, attached };
+        let spot = self.scene.warnings.spot();
+        let source = Source { shape, to_world, moves, attributes, uniform, shares_space, duplicates, attached, spot };
         self.scene.sources.push(source);
         Ok(())
     }

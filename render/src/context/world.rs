@@ -10,6 +10,7 @@ use crate::scene::camera::Camera;
 use crate::scene::emitters;
 use crate::scene::motion;
 use crate::scene::options::{Hider, Options};
+use crate::scene::twins::hide_twins;
 use crate::scene::world::Scene;
 use crate::stats::Stats;
 use crate::texture::Textures;
@@ -124,6 +125,7 @@ impl Context {
             return self.leave_world();
         }
         emitters::expand(&mut self.scene);
+        hide_twins(&mut self.scene);
         if self.options.hider == Hider::Null {
             let options = Options { displays: vec![], unsupported_display: true, ..self.options.clone() };
             let items = self.scene.sources.iter().map(|s| s.len() as u64).sum();

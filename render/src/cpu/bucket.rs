@@ -50,10 +50,23 @@ pub fn render_bucket(
     let mut stats = Stats::default();
     let begun = Instant::now();
     let mut items = items.iter().peekable();
+    // The solid that the last item is of.
+    let mut solid = None;
     loop {
+        // Between solids those that are whole may be cut, once none of their pieces waits.
+        let next = items.peek().copied();
+        let is_between = solid.is_some() && next.is_some_and(|(_, item)| frame.scene.root(*item) != solid);
+        let cuts = is_between && deferred.cuts_early();
         // A piece that waits goes before the next item if it is nearer.
-        let waiting = dicer.queue.pop_before(items.peek().copied());
+        let waiting = dicer.queue.pop_before(next.filter(|_| !cuts));
+        if cuts && waiting.is_none() {
+            deferred.cut_solids(frame, samples);
+            deferred.flush(frame, samples, shading, &mut stats);
+        }
         let Some(item) = waiting.map(|w| w.item()).or_else(|| items.next().map(|(_, item)| *item)) else { break };
+        if waiting.is_none() {
+            solid = frame.scene.root(item);
+        }
         let view = frame.scene.view(item);
         instants(camera, &view, moments);
         let subject = Subject { item, view: &view, instants: moments, camera, parameters };

@@ -19,6 +19,10 @@ use sl::machine::{Message, Points};
 /// The maximum of points that are deferred.
 const MAX_POINTS: usize = 1 << 19;
 
+/// How many points of solids are deferred before these are cut, and how many times more of one than of others.
+const SOLID_POINTS: usize = MAX_POINTS >> 4;
+const SOLID_TIMES: usize = 8;
+
 /// The maximum of grids that are deferred.
 const MAX_GRIDS: usize = (1 << (31 - POINT_BITS)) - 1;
 
@@ -133,6 +137,8 @@ pub struct Deferred {
     grids: Vec<DeferredGrid>,
     layouts: Vec<Layout>,
     n: usize,
+    /// Whether there are solids that are not cut.
+    uncut: bool,
     wanted: Vec<bool>,
     color: Vec<Vec3A>,
     opacity: Vec<Vec3A>,
@@ -163,6 +169,7 @@ impl Deferred {
         let Surface { item, view, reach, z, .. } = *surface;
         let points = std::mem::replace(points, self.spare.pop().unwrap_or_default());
         let first = self.n;
+        self.uncut |= view.attributes.solid.is_some();
         self.n += points.n() * (1 + moments.len());
         debug_assert!(points.n() <= 1 << POINT_BITS);
         let (smooth, matte) = (view.attributes.smooth, view.attributes.matte);
@@ -177,11 +184,18 @@ impl Deferred {
 
     /// Whether it should be flushed before more is pushed.
     pub fn is_full(&self) -> bool {
-        self.n >= MAX_POINTS || self.grids.len() >= MAX_GRIDS
+        let most = if self.uncut { MAX_POINTS * SOLID_TIMES } else { MAX_POINTS };
+        self.n >= most || self.grids.len() >= MAX_GRIDS
+    }
+
+    /// Whether solids should be cut and flushed as soon as they are whole: what is hidden within others, or behind them, is not shaded.
+    pub fn cuts_early(&self) -> bool {
+        self.uncut && self.n >= SOLID_POINTS
     }
 
     /// Leave of solids what may be seen, once all that the bucket has is there.
-    pub fn cut_solids(&self, frame: &Frame<'_>, samples: &mut Samples) {
+    pub fn cut_solids(&mut self, frame: &Frame<'_>, samples: &mut Samples) {
+        self.uncut = false;
         samples.cut_solids(&frame.scene.solids, |m| !self.grids[m.grid()].shaded);
     }
 
@@ -189,7 +203,7 @@ impl Deferred {
     pub fn flush(&mut self, frame: &Frame<'_>, samples: &mut Samples, shading: &mut Shading, stats: &mut Stats) {
         let begun = std::time::Instant::now();
         let shaded_before = stats.seconds.shade;
-        let Deferred { grids, layouts, n, wanted, color, opacity, outputs, few, gathered, spare } = self;
+        let Deferred { grids, layouts, n, uncut, wanted, color, opacity, outputs, few, gathered, spare } = self;
         let (motion, depth) = (place_of(&frame.aovs, "motion"), frame.depth);
         wanted.clear();
         wanted.resize(*n, false);
@@ -251,7 +265,7 @@ impl Deferred {
         samples.set_colors(&Colors { layouts, color, opacity }, outputs);
         layouts.clear();
         spare.extend(grids.drain(..).map(|grid| grid.points));
-        *n = 0;
+        (*n, *uncut) = (0, false);
         let shaded = stats.seconds.shade - shaded_before;
         stats.seconds.filter += begun.elapsed().as_secs_f64() - shaded;
     }

@@ -43,12 +43,11 @@ pub fn displace(scene: &Scene, rays: &Rays<'_>, subject: &Subject<'_>, grid: &mu
         }
         if !is_finite {
             let (name, file) = (&displacement.program.name, &displacement.program.file);
-            let lost = "moves points to places that are not finite: these are not drawn";
-            scene.warn(format!("{file}: displacement `{name}` {lost}"));
+            scene.loses_points(format!("{file}: displacement `{name}`"), item.source);
         }
         if farthest > grid.reach * 1.001 && farthest.is_finite() {
             let scale = view.object_to_world.x_axis.truncate().length();
-            scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE));
+            scene.needs_bound(&displacement.program.name, farthest / scale.max(f32::MIN_POSITIVE), item.source);
         }
     }
     if grid.apron {

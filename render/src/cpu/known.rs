@@ -16,7 +16,7 @@ const TABLES: usize = 64;
 /// The most grids of a table: some tens of megabytes in all.
 const MOST: usize = 1 << 14;
 
-/// A grid of a patch: item, patch, and the ranges of its parameters to the bit.
+/// A grid: item, patch, and the ranges of its parameters to the bit; or face and ranges of a sphere's lattice.
 type Key = ([u32; 3], [u32; 4]);
 
 /// What has been found.
@@ -33,6 +33,9 @@ impl Default for Known {
 
 impl Known {
     fn key(item: Item, grid: &Grid) -> Option<Key> {
+        if let Some([face, range @ ..]) = grid.tile {
+            return Some(([item.source, item.index, face], range));
+        }
         let origin = grid.origin?;
         let range = [origin.u[0], origin.u[1], origin.v[0], origin.v[1]];
         Some(([item.source, item.index, origin.patch], range.map(f32::to_bits)))
@@ -55,5 +58,31 @@ impl Known {
         if table.len() < MOST {
             table.insert(key, bound);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gprim::grid::Origin;
+    use glam::Vec2;
+
+    #[test]
+    fn grids_of_patches_and_of_spheres_are_known_again() {
+        let known = Known::default();
+        let item = Item { source: 1, index: 2 };
+        let origin = |u: f32| Some(Origin { patch: 0, u: [u, 1.0], v: [0.0, 1.0] });
+        let tile = |i: u32| Some([5, i, i + 1, 0, 8]);
+        let of = |origin, tile| Grid { origin, tile, ..Grid::default() };
+        let all = [of(origin(0.0), None), of(origin(0.5), None), of(None, tile(0)), of(None, tile(1))];
+        for (k, grid) in all.iter().enumerate() {
+            assert!(known.bound(item, grid).is_none());
+            let (min, max) = (Vec2::splat(k as f32), Vec2::splat(9.0));
+            known.note(item, grid, Some(RasterBound { min, max, z: 1.0 }));
+        }
+        for (k, grid) in all.iter().enumerate() {
+            assert_eq!(known.bound(item, grid).unwrap().unwrap().min.x, k as f32);
+        }
+        assert!(known.bound(item, &Grid::default()).is_none());
     }
 }

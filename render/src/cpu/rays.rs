@@ -168,7 +168,8 @@ impl<'a> Hulls<'a> {
         };
         let all = scene.sources.par_iter().enumerate().map(|(s, source)| {
             let n = if source.attributes.solid.is_some() { source.len() } else { 0 };
-            (0..n).map(|i| hulls.finds_outward(scene, Item { source: s as u32, index: i as u32 })).collect()
+            let is_met = source.duplicates.is_empty();
+            (0..n).map(|i| !is_met || hulls.finds_outward(scene, Item { source: s as u32, index: i as u32 })).collect()
         });
         let outward = all.collect();
         hulls.outward = outward;

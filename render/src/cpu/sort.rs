@@ -5,6 +5,7 @@ use crate::gprim::bound::raster_bound;
 use crate::scene::motion::instants;
 use crate::scene::source::Item;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// For each bucket of a size, pixels, its items with their least depth, nearest first.
 pub fn items_of_buckets(frame: &Frame<'_>, size: [usize; 2], [columns, rows]: [usize; 2]) -> Vec<Vec<(f32, Item)>> {
@@ -21,9 +22,19 @@ pub fn items_of_buckets(frame: &Frame<'_>, size: [usize; 2], [columns, rows]: [u
             raster_bound(&frame.camera, &view, moments)
         })
         .collect();
+    // The primitives of a solid come together, when the first of them does.
+    let root = |item: &Item| frame.scene.root(*item);
+    let mut first: HashMap<u32, f32> = HashMap::new();
+    for (item, bound) in items.iter().zip(&bounds) {
+        if let (Some(root), Some(bound)) = (root(item), bound) {
+            let z = first.entry(root).or_insert(bound.z);
+            *z = z.min(bound.z);
+        }
+    }
     let mut lists: Vec<Vec<(f32, Item)>> = vec![Vec::new(); columns * rows];
     for (item, bound) in items.iter().zip(bounds) {
         let Some(bound) = bound else { continue };
+        let z = root(item).and_then(|root| first.get(&root).copied()).unwrap_or(bound.z);
         let range = |[lo, hi]: [f32; 2], margin: f32, size: f32, n: usize| {
             let first = ((lo - margin) / size).floor().max(0.0);
             let last = ((hi + margin) / size).floor().min(n as f32 - 1.0);
@@ -34,7 +45,7 @@ pub fn items_of_buckets(frame: &Frame<'_>, size: [usize; 2], [columns, rows]: [u
         if let (Some(across), Some(down)) = (across, down) {
             for row in down {
                 for column in across.clone() {
-                    lists[row * columns + column].push((bound.z, *item));
+                    lists[row * columns + column].push((z, *item));
                 }
             }
         }

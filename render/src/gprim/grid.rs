@@ -74,6 +74,8 @@ pub struct Grid {
     pub reach: f32,
     /// The part of a patch that it is.
     pub origin: Option<Origin>,
+    /// The part of a sphere's lattice that it is: its face, and its first and last column and row.
+    pub tile: Option<[u32; 5]>,
 }
 
 /// A part of a patch: the patch's index among those of its item, and ranges of its parameters.

@@ -1,9 +1,22 @@
 //! Polygons as patches, concave ones and those with holes by triangles.
 
+mod crossing;
+
 use crate::gprim::variables::{Places, patch_variables};
 use crate::scene::patch::Patch;
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use ri::{Fail, Params};
+
+/// The most vertices of a polygon that crosses itself: it is cut in a time that grows with their square.
+pub const MOST_CROSSED: usize = 1 << 14;
+
+/// How a polygon is cut.
+pub struct Cut {
+    /// Corners of patches among its vertices.
+    pub quads: Vec<[usize; 4]>,
+    /// Whether its edges cross.
+    pub crosses: bool,
+}
 
 /// The vertices of a polygon: those of its outline, then of its holes, as indices into "P".
 fn vertices(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[f32; 3]>, Fail> {
@@ -20,14 +33,15 @@ fn vertices(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[f32; 3]>, Fail
     Ok(points)
 }
 
-/// How a polygon is cut: corners of patches among its vertices. Four corners that make a convex face become one bilinear patch,
-/// others triangles.
-pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[usize; 4]>, Fail> {
+/// How a polygon is cut. Four corners that make a convex face become one bilinear patch, others triangles; of more than
+/// [`MOST_CROSSED`] whose edges cross nothing is made.
+pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Cut, Fail> {
     let points = vertices(loops, params)?;
     let n_outer = loops.first().map_or(0, Vec::len);
     let at = |i: usize| Vec3::from(points[i]);
     // Corners of a patch: (0,0), (1,0), (0,1), (1,1); a triangle has its last corner twice.
     let mut quads: Vec<[usize; 4]> = Vec::new();
+    let mut crosses = false;
     let normal = |a: usize, b: usize, c: usize| (at(b) - at(a)).cross(at(c) - at(a));
     let convex = |n: usize| {
         let first = normal(0, 1, 2);
@@ -44,14 +58,19 @@ pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[usize; 
         let mut flat = Vec::new();
         let mut triangles: Vec<usize> = Vec::new();
         if earcut::utils3d::project3d_to_2d(&points, n_outer, &mut flat) {
-            let holes: Vec<usize> = loops[..loops.len() - 1]
+            let firsts: Vec<usize> = loops
                 .iter()
                 .scan(0, |sum, l| {
                     *sum += l.len();
-                    Some(*sum)
+                    Some(*sum - l.len())
                 })
                 .collect();
-            earcut::Earcut::new().earcut(flat.iter().copied(), &holes, &mut triangles);
+            let plane: Vec<DVec2> = flat.iter().map(|p| DVec2::new(p[0].into(), p[1].into())).collect();
+            let outlines: Vec<&[DVec2]> = firsts.iter().zip(loops).map(|(k, own)| &plane[*k..k + own.len()]).collect();
+            crosses = crossing::crosses(&outlines);
+            if !crosses || points.len() <= MOST_CROSSED {
+                earcut::Earcut::new().earcut(flat.iter().copied(), &firsts[1..], &mut triangles);
+            }
         }
         // The plane that they are cut in may be seen from behind.
         let whole: Vec3 = (0..n_outer).map(|k| at(k).cross(at((k + 1) % n_outer))).sum();
@@ -60,7 +79,7 @@ pub fn polygon_cut(loops: &[Vec<usize>], params: &Params) -> Result<Vec<[usize; 
             if normal(a, b, c).dot(whole) < 0.0 { quads.push([a, c, b, b]) } else { quads.push([a, b, c, c]) }
         }
     }
-    Ok(quads)
+    Ok(Cut { quads, crosses })
 }
 
 /// Whether a polygon's vertices do not lie in a row.

@@ -120,6 +120,8 @@ pub fn dice(subject: &Subject<'_>, scratch: &mut Scratch, queue: &mut Queue, gri
             let range = |k: usize| [k * sphere.n / tiles, (k + 1) * sphere.n / tiles];
             let part = Tile { face, i: range(tile % tiles), j: range(tile / tiles) };
             if sink.takes_unseen() || part.may_show(subject, &sphere, shows_back, sink) {
+                let Tile { face, i, j } = part;
+                grid.tile = Some([face, i[0], i[1], j[0], j[1]].map(|k| k as u32));
                 part.dice(subject, &sphere, &mut scratch.directions, grid);
                 sink.take(grid);
             }

@@ -258,7 +258,8 @@ fn dice_piece(
     grid.apron = subject.view.attributes.displacement.is_some();
     dice(subject, patch, piece, size, grid);
     grid.keep = fineness.kept(size);
-    (grid.reach, grid.origin) = (reach, Some(Origin { patch: k as u32, u: piece.u, v: piece.v }));
+    (grid.reach, grid.tile) = (reach, None);
+    grid.origin = Some(Origin { patch: k as u32, u: piece.u, v: piece.v });
     sink.take(grid);
 }
 

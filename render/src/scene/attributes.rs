@@ -48,6 +48,12 @@ impl SetAttributes {
         self.times = time;
     }
 
+    /// Note that all are that are in another state; `time` is another one each time.
+    pub fn join(&mut self, other: &SetAttributes, time: u64) {
+        self.which |= other.which;
+        self.times = time;
+    }
+
     /// Whether any is.
     pub fn any(&self) -> bool {
         self.which != 0

@@ -69,6 +69,16 @@ impl Solids {
         self.nodes[id as usize].root
     }
 
+    /// The solids that are no parts of others.
+    pub fn roots(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.nodes.len() as u32).filter(|id| self.nodes[*id as usize].parent.is_none())
+    }
+
+    /// Its parts.
+    pub fn parts(&self, id: u32) -> &[u32] {
+        &self.nodes[id as usize].parts
+    }
+
     /// How many solids one is within.
     pub fn depth(&self, id: u32) -> u32 {
         self.nodes[id as usize].depth
@@ -116,8 +126,6 @@ pub struct Walk {
     /// Of every solid, what of it the line is in; `touched` are those where that is anything.
     states: Vec<State>,
     touched: Vec<u32>,
-    /// Of surfaces that coincide, the last of each whole.
-    last: Vec<(u32, usize)>,
 }
 
 /// What of a solid a line is in.
@@ -176,22 +184,28 @@ impl Walk {
         }
     }
 
-    /// Walk all the way, along places that are sorted: which of them are surfaces of the whole that they are of. Surfaces that coincide are
-    /// none where the line is on the same side of the whole before and after all of them.
+    /// Walk all the way, along places that are sorted, which are sorted by wholes then: which of them are surfaces of the whole that they are
+    /// of. Surfaces of a whole that coincide are none where the line is on the same side of it before and after all of them.
     pub fn surfaces<'a>(&'a mut self, solids: &Solids, line: &mut [Met]) -> &'a [bool] {
         self.start(solids, line);
         self.kept.clear();
-        let mut first = 0;
-        while first < line.len() {
-            let reach = line[first].at * (1.0 + COINCIDENT);
-            let n = line[first..].iter().take_while(|met| met.at <= reach).count();
-            self.group(solids, &mut line[first..first + n]);
-            first += n;
+        let whole = |met: &Met| solids.root(met.leaf);
+        if line.windows(2).any(|pair| whole(&pair[0]) != whole(&pair[1])) {
+            line.sort_by_key(whole);
+        }
+        for line in line.chunk_by_mut(|a, b| whole(a) == whole(b)) {
+            let mut first = 0;
+            while first < line.len() {
+                let reach = line[first].at * (1.0 + COINCIDENT);
+                let n = line[first..].iter().take_while(|met| met.at <= reach).count();
+                self.group(solids, &mut line[first..first + n]);
+                first += n;
+            }
         }
         &self.kept
     }
 
-    /// Cross surfaces that coincide, in the order of the parts, so that one of them counts whichever was met first.
+    /// Cross surfaces of a whole that coincide, in the order of the parts, so that one of them counts whichever was met first.
     fn group(&mut self, solids: &Solids, group: &mut [Met]) {
         let first = self.kept.len();
         if group.iter().any(|met| met.leaf != group[0].leaf) {
@@ -202,18 +216,14 @@ impl Walk {
             self.kept.push(is_surface);
         }
         // Each surface of a whole leads to its other side, and a second one back.
-        self.last.clear();
-        for i in 0..group.len() {
-            if !self.kept[first + i] {
+        let mut last = None;
+        for i in first..self.kept.len() {
+            if !self.kept[i] {
                 continue;
             }
-            let whole = solids.root(group[i].leaf);
-            match self.last.iter().position(|(root, _)| *root == whole) {
-                Some(k) => {
-                    let (_, other) = self.last.swap_remove(k);
-                    (self.kept[first + i], self.kept[first + other]) = (false, false);
-                }
-                None => self.last.push((whole, i)),
+            match last.take() {
+                Some(other) => (self.kept[i], self.kept[other]) = (false, false),
+                None => last = Some(i),
             }
         }
     }
@@ -263,6 +273,14 @@ mod tests {
             let mut met = line(&[(0.5, b, true), (1.0, one.0, one.1), (1.0, other.0, other.1), (2.0, a, false)]);
             assert_eq!(walk.surfaces(&solids, &mut met).iter().filter(|kept| **kept).count(), 2);
         }
+        // Another solid changes nothing: what is too thin to tell its sides apart is none, whatever is met just before.
+        let sole = solids.add(Operation::Union, None);
+        let thin = solids.add(Operation::Primitive, Some(sole));
+        let sliver = [(1.0, thin, true), (1.000_008, thin, false)];
+        assert_eq!(walk.surfaces(&solids, &mut line(&sliver)), [false; 2]);
+        let mut both = line(&[&[(0.999_995, a, true)], &sliver[..], &[(2.0, a, false)]].concat());
+        let kept = walk.surfaces(&solids, &mut both).to_vec();
+        assert!(both.iter().zip(kept).all(|(met, kept)| kept == (met.leaf == a)));
         // A copy is another solid with the same parts.
         let mut copied = HashMap::new();
         let other = solids.copy(b, None, &mut copied);

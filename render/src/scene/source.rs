@@ -5,6 +5,7 @@ use crate::scene::attributes::Attributes;
 use crate::scene::keys::later;
 use crate::scene::shape::Shape;
 use crate::scene::variables::VariableName;
+use crate::warnings::Spot;
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 use ri::{Instances, Param, Type, Values};
 use sl::Global;
@@ -52,6 +53,8 @@ pub struct Source {
     pub duplicates: Vec<bool>,
     /// The variables of each part, attached to its shaders; of one for all items where there are no parts.
     pub attached: Vec<Arc<Attached>>,
+    /// Where they stand in a file.
+    pub spot: Option<Spot>,
 }
 
 /// Source and index within it.

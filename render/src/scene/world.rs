@@ -47,8 +47,10 @@ pub struct Scene {
     pub unfinite: Mutex<BTreeMap<String, usize>>,
     /// Of each place of a shader whose index is out of its range, the least such index, and what is said of it.
     pub outside: Mutex<BTreeMap<String, (f32, String)>>,
-    /// Displacement bounds that are needed, by shader.
-    pub bounds: Mutex<HashMap<String, f32>>,
+    /// Displacement bounds that are needed, by shader, each with the source that needs it.
+    pub bounds: Mutex<BTreeMap<String, (f32, u32)>>,
+    /// Of each displacement that moves points to places that are not finite, as it is named, the first source.
+    pub lost: Mutex<BTreeMap<String, u32>>,
 }
 
 static WHOLE_SPHERE: Shape = Shape::Sphere;
@@ -109,6 +111,11 @@ impl Scene {
     pub fn first_ids(&self) -> Vec<usize> {
         let next = |next: &mut usize, source: &Source| Some(std::mem::replace(next, *next + source.len()));
         self.sources.iter().scan(1, next).collect()
+    }
+
+    /// The whole solid that an item is of, if it is of one.
+    pub fn root(&self, item: Item) -> Option<u32> {
+        self.sources[item.source as usize].attributes.solid.map(|leaf| self.solids.root(leaf))
     }
 
     /// The attributes of an item.
@@ -195,11 +202,19 @@ impl Scene {
         }
     }
 
-    /// Note how far a displacement shader moves a point beyond its bound, as the bound that it needs in object units.
-    pub fn needs_bound(&self, shader: &str, bound: f32) {
+    /// Note how far a displacement shader moves a point of a source beyond its bound, as the bound that it needs in object units.
+    pub fn needs_bound(&self, shader: &str, bound: f32, source: u32) {
         let mut needed = self.bounds.lock().unwrap_or_else(|e| e.into_inner());
-        let known = needed.entry(shader.into()).or_insert(0.0);
-        *known = known.max(bound);
+        let known = needed.entry(shader.into()).or_insert((bound, source));
+        let is_more = bound.total_cmp(&known.0).then(known.1.cmp(&source)).is_gt();
+        *known = if is_more { (bound, source) } else { *known };
+    }
+
+    /// Note a displacement, as it is named, that moves points of a source to places that are not finite.
+    pub fn loses_points(&self, displacement: String, source: u32) {
+        let mut known = self.lost.lock().unwrap_or_else(|e| e.into_inner());
+        let first = known.entry(displacement).or_insert(source);
+        *first = source.min(*first);
     }
 
     /// Note points to which a shader gave colours that are no finite numbers.
@@ -219,13 +234,19 @@ impl Scene {
 
     /// The warnings about the scene, which are removed.
     pub fn take_warnings(&self) -> Vec<String> {
-        let mut needed: Vec<(String, f32)> = self.bounds.lock().unwrap_or_else(|e| e.into_inner()).drain().collect();
-        needed.sort_by(|a, b| a.0.cmp(&b.0));
-        for (shader, bound) in needed {
-            self.warn(format!(
-                "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{}]` is needed",
-                (bound * 1.01 * 1e4).ceil() / 1e4
-            ));
+        let spot = |source: u32| self.sources.get(source as usize).and_then(|source| source.spot);
+        for (displacement, source) in std::mem::take(&mut *self.lost.lock().unwrap_or_else(|e| e.into_inner())) {
+            let lost = "moves points to places that are not finite: these are not drawn";
+            self.warnings.add_at(spot(source), format!("{displacement} {lost}"));
+        }
+        for (shader, (bound, source)) in std::mem::take(&mut *self.bounds.lock().unwrap_or_else(|e| e.into_inner())) {
+            let bound = (bound * 1.01 * 1e4).ceil() / 1e4;
+            self.warnings.add_at(
+                spot(source),
+                format!(
+                    "displacement `{shader}` reaches farther than its bound, so that some of it may be missing: `Attribute \"displacementbound\" \"sphere\" [{bound}]` is needed"
+                ),
+            );
         }
         for (_, (_, message)) in std::mem::take(&mut *self.outside.lock().unwrap_or_else(|e| e.into_inner())) {
             self.warn(message);

@@ -29,7 +29,10 @@ impl Job<'_> {
             let name = text(name);
             if !known.is_empty() && !known.contains(&name.as_str()) {
                 let at = format!("{key}.{name}");
-                self.warn(&at, &self.doc.unknown(&at, "key", &name, known).message);
+                match name.as_str() {
+                    "script" => self.no_python(&at, "write what it makes as a RIB file, or by the keys of the job"),
+                    _ => self.warn(&at, &self.doc.unknown(&at, "key", &name, known).message),
+                }
             }
             out.insert(name, value.clone());
         }

@@ -8,7 +8,7 @@ use sl::ir::Kind;
 
 impl Samples {
     /// Leave of the lists what may be seen: of solids the surfaces of the wholes, and nothing behind the first layer that is opaque.
-    /// All layers must be there; `stays_opaque` tells it of micropolygons that have no colour yet.
+    /// All layers of what is not cut must be there; `stays_opaque` tells it of micropolygons that have no colour yet.
     pub fn cut_solids(&mut self, solids: &Solids, stays_opaque: impl Fn(Micropolygon) -> bool) {
         if self.layers.is_empty() {
             return;
@@ -52,9 +52,35 @@ impl Samples {
                     waiting => stays_opaque(waiting),
                 };
                 if is_opaque {
+                    // What comes later is hidden behind it.
                     self.visible[k] = Micropolygon::NONE.id();
+                    self.z[k] = v.z.next_up();
                     break;
                 }
+            }
+        }
+        self.block_dirty.fill(true);
+        self.compact();
+    }
+
+    /// Leave out the layers that no list has.
+    fn compact(&mut self) {
+        let (depth, layers) = (self.depth, std::mem::take(&mut self.layers));
+        let outputs = std::mem::take(&mut self.layer_outputs);
+        for first in &mut self.list {
+            let mut at = std::mem::replace(first, NONE);
+            let mut last = None;
+            while at != NONE {
+                let to = self.layers.len() as u32;
+                match last {
+                    None => *first = to,
+                    Some(before) => self.layers[before as usize].next = to,
+                }
+                let layer = layers[at as usize];
+                self.layers.push(Layer { next: NONE, ..layer });
+                self.layer_outputs.extend(outputs.get(at as usize * depth..(at as usize + 1) * depth).unwrap_or(&[]));
+                self.layer_outputs.resize(self.layers.len() * depth, 0.0);
+                (last, at) = (Some(to), layer.next);
             }
         }
     }

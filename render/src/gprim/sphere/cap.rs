@@ -35,6 +35,9 @@ const ROUND: f32 = 0.5;
 /// The most that the cap of a displaced sphere reaches round the outline of what it was, radians: where cuts lay open what was behind.
 const LAID_OPEN: f32 = 0.8;
 
+/// The face that a cap is, beside the six of a whole lattice.
+const CAP: usize = 6;
+
 impl Cap {
     /// The cap of a sphere whose radius on the raster is `radius` micropolygons; none where the eye is too near or moves too far.
     pub fn new(subject: &Subject<'_>, sphere: &LatticeSphere, radius: f32) -> Option<Cap> {
@@ -108,6 +111,7 @@ impl Cap {
             if tiles > 1 && !subject.may_show(sink, box_at) {
                 continue;
             }
+            grid.tile = Some([CAP, i[0], i[1], j[0], j[1]].map(|k| k as u32));
             self.dice_tile(subject, &sphere, i, j, scratch, grid);
             sink.take(grid);
         }

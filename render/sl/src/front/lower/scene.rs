@@ -120,11 +120,19 @@ impl<'a> Lower<'a> {
         component: Option<u8>,
         args: &[Expr],
     ) -> Result<Value, Error> {
-        let Some(ExprKind::Name(variable)) = args.first().map(|a| &a.kind) else {
-            return error(at, format!("expected a variable as the first argument of `{name}`"));
+        let expected = || error(at, format!("expected a variable as the first argument of `{name}`"));
+        let Some(first) = args.first() else { return expected() };
+        // A variable, or an element of one that is an array.
+        let (var, index) = match &first.kind {
+            ExprKind::Name(variable) => (self.variable(at, variable)?, None),
+            ExprKind::Index(array, index) => match &array.kind {
+                ExprKind::Name(variable) => (self.variable(at, variable)?, Some(index)),
+                _ => return expected(),
+            },
+            _ => return expected(),
         };
-        let var = self.variable(at, variable)?;
-        let mut regs = vec![var.reg()];
+        let own = if index.is_some() { self.expr(first, None)? } else { var };
+        let mut regs = vec![own.reg()];
         if let Some(k) = component {
             regs.push(self.constant(at, k as f32)?.reg());
         }
@@ -134,16 +142,19 @@ impl<'a> Lower<'a> {
             given.push(self.convert(arg.at, value, Ty::Float)?);
         }
         regs.extend(given.iter().map(|v| v.reg()));
-        let wanted = if var.ty == Ty::Matrix { 4 } else { 3 };
-        if regs.len() != wanted || !(var.ty.is_triple() || var.ty == Ty::Matrix) {
+        let wanted = if own.ty == Ty::Matrix { 4 } else { 3 };
+        if regs.len() != wanted || !(own.ty.is_triple() || own.ty == Ty::Matrix) {
             return error(at, format!("other arguments of `{name}`: a triple or a matrix, its index, and a number"));
         }
         if component.is_none() {
             self.within(at, &given[..wanted - 2], if wanted == 4 { 4 } else { 3 })?;
         }
-        let function = if var.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
-        let new = self.temp(at, var.ty, true, |r| Op::Call(function, r.reg(), regs))?;
-        self.store(at, var, new)?;
+        let function = if own.ty == Ty::Matrix { Builtin::SET_MATRIX_COMPONENT } else { Builtin::SET_COMPONENT };
+        let new = self.temp(at, own.ty, true, |r| Op::Call(function, r.reg(), regs))?;
+        match index {
+            Some(index) => self.store_element(at, var, index, new)?,
+            None => self.store(at, var, new)?,
+        }
         Ok(Value::of(Ty::Void, 0, false))
     }
 }
