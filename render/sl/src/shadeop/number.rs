@@ -1,4 +1,7 @@
-//! Operations on single numbers.
+//! Operations on single numbers, and on runs of them.
+
+use super::runs::{zip, zip3};
+use super::wide::wide;
 
 /// Operations of one operand, component by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +81,56 @@ pub enum Binary {
     And,
     /// Logical or: 1 where either is not 0, else 0.
     Or,
+}
+
+wide! {
+    /// An operation on every number of a run.
+    pub fn unary_run(f: Unary, out: &mut [f32], a: &[f32]) = unary_loop;
+}
+
+wide! {
+    /// An operation on two runs, of one number or as many as come out each.
+    pub fn binary_run(f: Binary, out: &mut [f32], a: &[f32], b: &[f32]) = binary_loop;
+}
+
+wide! {
+    /// Of every number of the first run that is not 0 the second's, else the third's.
+    pub fn select_run(out: &mut [f32], c: &[f32], a: &[f32], b: &[f32]) = select_loop;
+}
+
+/// A loop for each operation.
+#[inline(always)]
+fn unary_loop(f: Unary, out: &mut [f32], a: &[f32]) {
+    let a = &a[..out.len()];
+    macro_rules! run {
+        ($($f:ident)*) => {
+            match f {
+                $(Unary::$f => {
+                    for k in 0..out.len() {
+                        out[k] = unary_value(Unary::$f, a[k]);
+                    }
+                })*
+            }
+        };
+    }
+    run!(Copy Negate Not Abs Sign Sqrt InverseSqrt Sin Cos Tan Asin Acos Atan Exp Log Floor Ceil Round Radians Degrees)
+}
+
+#[inline(always)]
+fn binary_loop(f: Binary, out: &mut [f32], a: &[f32], b: &[f32]) {
+    macro_rules! run {
+        ($($f:ident)*) => {
+            match f {
+                $(Binary::$f => zip(out, a, b, |x, y| binary_value(Binary::$f, x, y)),)*
+            }
+        };
+    }
+    run!(Add Sub Mul Div Min Max Pow Mod Atan2 Step Less LessEqual Equal And Or)
+}
+
+#[inline(always)]
+fn select_loop(out: &mut [f32], c: &[f32], a: &[f32], b: &[f32]) {
+    zip3(out, [c, a, b], |c, a, b| if c != 0.0 { a } else { b });
 }
 
 /// Numbers of one operation on one number.
