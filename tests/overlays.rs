@@ -20,6 +20,14 @@ const CAMERAS: [&str; 3] = [
     "{eye: [0, -2, 1], look_at: [0, 0, 0], follow: id == 2, orbit: 30, fov: 50}",
 ];
 
+/// The other kinds, of which some move.
+const OTHERS: [&str; 4] = [
+    "{view: top, orthographic: 2, look_at: [0, 0, 0]}",
+    "{view: front, orthographic: 1.5, look_at: [0, 0, 0.4]}",
+    "{eye: [1, -3, 1.4], look_at: [0.2, 0, 0.25], turns: 1, stereo: 0.065, lens: {f_stop: 2.8, focal_length: 0.05}}",
+    "{eye: [1, -3, 0.3], look_at: [0, 0, 0.3], keys: [{frame: 0}, {frame: 1, eye: [2, -2, 0.3], fov: 24}]}",
+];
+
 /// Two frames of stones, a table over time, and metadata with overlays.
 fn metadata(folder: &Path, camera: &str, overlays: &[&str], output: &str) -> String {
     for frame in 0..2 {
@@ -90,7 +98,7 @@ fn assert_legible(image: &RgbImage, [x0, y0, x1, y1]: [u32; 4], what: &str) {
 
 #[test]
 fn all_overlays_have_room_over_every_camera_at_three_sizes() {
-    for camera in CAMERAS {
+    for camera in CAMERAS.into_iter().chain(OTHERS) {
         for size in [[640, 360], [1280, 720], [3840, 2160]] {
             let (with, without) = (draw(camera, &ALL, size, 1), draw(camera, &[], size, 1));
             let found = regions(&with, &without);

@@ -140,7 +140,7 @@ fn letters(axes: &[[f32; 3]; 3]) -> [[f32; 2]; 3] {
     order.sort_by(|i, j| size(*j).total_cmp(&size(*i)));
     let mut places = [[f32::INFINITY; 2]; 3];
     for i in order {
-        let far = (1.42 * ARM * size(i)).max(0.9);
+        let far = (ARM * size(i) + 0.55).max(0.9);
         let first = axes[i][1].atan2(axes[i][0]);
         let turned = |k: i32| [first + k as f32 * TURN, first - k as f32 * TURN];
         let mut tried = (0..=TURNS).flat_map(turned).map(|angle| [far * angle.cos(), far * angle.sin()]);

@@ -47,8 +47,10 @@ pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn 
         let mut memory = found.unwrap_or_default();
         let (pixels, stats) = render_bucket(&frame, &mut memory, bucket, &lists[bucket.index]);
         spare().push(memory);
-        let (image, identities) = &mut *drawn.lock().unwrap_or_else(|e| e.into_inner());
-        put(image, identities, bucket, &pixels, [per_pixel, frame.depth]);
+        {
+            let (image, identities) = &mut *drawn.lock().unwrap_or_else(|e| e.into_inner());
+            put(image, identities, bucket, &pixels, [per_pixel, frame.depth]);
+        }
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, own.len());
         stats
     };

@@ -218,3 +218,34 @@ pub(crate) fn power(x: f32, y: f32) -> f32 {
     let p = x.powf(y);
     if p.is_nan() { 0.0 } else { p }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_have_the_bits_of_single_numbers_whichever_are_uniform() {
+        let n = 37;
+        let run = |first: f32, step: f32| (0..n).map(|k| first + step * (k % 9) as f32).collect::<Vec<f32>>();
+        let (a, b, c) = (run(-2.0, 0.5), run(1.25, -0.31), run(0.0, 0.125));
+        let runs = |v: &[f32]| [v.to_vec(), v[3..4].to_vec()];
+        let at = |v: &[f32], k: usize| if v.len() == 1 { v[0] } else { v[k] };
+        let mut out = vec![f32::NAN; n];
+        for (a, b) in runs(&a).into_iter().flat_map(|a| runs(&b).map(|b| (a.clone(), b))) {
+            for f in [Binary::Add, Binary::Div, Binary::Max, Binary::Pow, Binary::Mod, Binary::Step, Binary::Or] {
+                binary_run(f, &mut out, &a, &b);
+                (0..n).for_each(|k| {
+                    assert_eq!(out[k].to_bits(), binary_value(f, at(&a, k), at(&b, k)).to_bits(), "{f:?}")
+                });
+            }
+            for c in runs(&c) {
+                select_run(&mut out, &c, &a, &b);
+                (0..n).for_each(|k| assert_eq!(out[k], if at(&c, k) != 0.0 { at(&a, k) } else { at(&b, k) }));
+            }
+        }
+        for f in [Unary::Copy, Unary::Sqrt, Unary::Floor, Unary::Exp, Unary::InverseSqrt, Unary::Sign] {
+            unary_run(f, &mut out, &a);
+            (0..n).for_each(|k| assert_eq!(out[k].to_bits(), unary_value(f, a[k]).to_bits(), "{f:?}"));
+        }
+    }
+}
