@@ -110,14 +110,14 @@ pub fn axes(axes: &[[f32; 3]; 3], corner: Corner, style: &Style) -> Block {
             [middle + x * along - y * aside, middle + y * along + x * aside]
         };
         if size > 0.15 {
-            marks.push(Mark::Line([at(0.0, 0.0), at(0.9, 0.0)], 0.14, ink));
-            marks.push(Mark::Triangle([at(1.1, 0.0), at(0.72, 0.24), at(0.72, -0.24)], ink));
+            marks.push(Mark::Line([at(0.0, 0.0), at(0.9, 0.0)], 0.2, ink));
+            marks.push(Mark::Triangle([at(1.1, 0.0), at(0.66, 0.32), at(0.66, -0.32)], ink));
         } else if z < 0.0 {
             marks.push(Mark::Line([[middle, middle]; 2], 0.5, ink));
         } else {
             let (low, high) = (middle - 0.26, middle + 0.26);
-            marks.push(Mark::Line([[low, low], [high, high]], 0.14, ink));
-            marks.push(Mark::Line([[low, high], [high, low]], 0.14, ink));
+            marks.push(Mark::Line([[low, low], [high, high]], 0.18, ink));
+            marks.push(Mark::Line([[low, high], [high, low]], 0.18, ink));
         }
         let (letter, [x, y]) = (NAMES[i], letters[i]);
         marks.push(Mark::Text(letter.into(), [middle + x - text::width(letter) / 2.0, middle + y + 0.27], 1.0, ink));

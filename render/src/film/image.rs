@@ -159,31 +159,8 @@ impl Image {
         // Of a file that cannot have floats they are bytes.
         let [zero, one, min, max] = if one == 0 && max == 0 { [0, most, 0, most] } else { [zero, one, min, max] };
         let [zero, one, min, max] = [zero, one, min.max(0), max.min(most)].map(|x| x as f32);
-        let most = max.max(min);
-        let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
-        let each = if deep { 2 } else { 1 };
-        let row_length = (x1 - x0) * n * each;
-        let mut data = vec![0; row_length * (y1 - y0)];
-        let (mut noise, mut row) = (vec![0.0; x1 - x0], vec![0.0; x1 - x0]);
-        for (y, out) in (y0..y1).zip(data.chunks_exact_mut(row_length.max(1))) {
-            for (c, channel) in channels.iter().enumerate() {
-                let pixels = y * self.width + x0..y * self.width + x1;
-                // Dither is noise of the pixel's own, the same in every run.
-                sl::noise::noise_of_cells(&mut noise, x0 as i32, y as i32, channel.at as i32, 9);
-                row.iter_mut().zip(pixels).for_each(|(x, p)| *x = self.number(p, channel.at));
-                for (x, noise) in row.iter_mut().zip(&noise) {
-                    let level = zero + *x * (one - zero) + dither * (2.0 * noise - 1.0);
-                    // Rounded to the nearest whole number, as what is cut off by the conversion below.
-                    *x = level.clamp(min, most) + 0.5;
-                }
-                let places = out.chunks_exact_mut(n * each).zip(&row);
-                if deep {
-                    places.for_each(|(place, x)| place[2 * c..2 * c + 2].copy_from_slice(&bits(*x)));
-                } else {
-                    places.for_each(|(place, x)| place[c] = *x as u8);
-                }
-            }
-        }
+        let bits = if kind == "png" { u16::to_be_bytes } else { u16::to_ne_bytes };
+        let data = self.quantized(channels, encoding.window, ([zero, one, min, max], dither), deep.then_some(bits));
         let (color, tiff_color) = match (n, deep) {
             (1, false) => (png::ColorType::Grayscale, ExtendedColorType::L8),
             (1, true) => (png::ColorType::Grayscale, ExtendedColorType::L16),
@@ -210,6 +187,42 @@ impl Image {
         writer.write_image_data(&data).map_err(fault)?;
         writer.finish().map_err(fault)?;
         Ok(bytes)
+    }
+
+    /// The numbers of the pixels of a window as whole ones, dithered: bytes, or two of each as `bits` has them.
+    fn quantized(
+        &self,
+        channels: &[Channel],
+        [[x0, y0], [x1, y1]]: [[usize; 2]; 2],
+        ([zero, one, min, max], dither): ([f32; 4], f32),
+        bits: Option<fn(u16) -> [u8; 2]>,
+    ) -> Vec<u8> {
+        let most = max.max(min);
+        let each = channels.len() * if bits.is_some() { 2 } else { 1 };
+        let row_length = (x1 - x0) * each;
+        let mut data = vec![0; row_length * (y1 - y0)];
+        let (mut noise, mut row) = (vec![0.0; x1 - x0], vec![0.0; x1 - x0]);
+        for (y, out) in (y0..y1).zip(data.chunks_exact_mut(row_length.max(1))) {
+            for (c, channel) in channels.iter().enumerate() {
+                let pixels = y * self.width + x0..y * self.width + x1;
+                // Dither is noise of the pixel's own, the same in every run.
+                sl::noise::noise_of_cells(&mut noise, x0 as i32, y as i32, channel.at as i32, 9);
+                row.iter_mut().zip(pixels).for_each(|(x, p)| *x = self.number(p, channel.at));
+                for (x, noise) in row.iter_mut().zip(&noise) {
+                    let level = zero + *x * (one - zero) + dither * (2.0 * noise - 1.0);
+                    // Rounded to the nearest whole number, as what is cut off by the conversion below.
+                    *x = level.clamp(min, most) + 0.5;
+                }
+                let places = out.chunks_exact_mut(each).zip(&row);
+                match bits {
+                    Some(bits) => {
+                        places.for_each(|(place, x)| place[2 * c..2 * c + 2].copy_from_slice(&bits(*x as u16)))
+                    }
+                    None => places.for_each(|(place, x)| place[c] = *x as u8),
+                }
+            }
+        }
+        data
     }
 }
 
