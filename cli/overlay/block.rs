@@ -63,8 +63,8 @@ impl Style {
         let (pale, dark) = ([0.97, 0.97, 0.96, 1.0], [0.08, 0.09, 0.1, 1.0]);
         let faint = |ink: Ink| [ink[0], ink[1], ink[2], 0.4];
         match panel {
-            Panel::Dark => Style { ink: pale, faint: faint(pale), panel: [0.05, 0.055, 0.065, 0.62], rim: None },
-            Panel::Light => Style { ink: dark, faint: faint(dark), panel: [1.0, 1.0, 1.0, 0.72], rim: None },
+            Panel::Dark => Style { ink: pale, faint: faint(pale), panel: [0.05, 0.055, 0.065, 0.74], rim: None },
+            Panel::Light => Style { ink: dark, faint: faint(dark), panel: [1.0, 1.0, 1.0, 0.82], rim: None },
             Panel::None => {
                 Style { ink: pale, faint: faint(pale), panel: [0.0; 4], rim: Some([0.03, 0.03, 0.04, 0.75]) }
             }

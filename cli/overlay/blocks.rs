@@ -90,31 +90,104 @@ pub fn legend(legend: &Legend, corner: Corner, style: &Style) -> Block {
     Block { corner, size: [width, top + height + 0.4], marks }
 }
 
-/// An axis triad: where the axes of the world point in the image; x to the right, y down, z away.
+/// Length of an axis that lies in the image, ems.
+const ARM: f32 = 1.35;
+
+/// An axis triad: where the axes of the world point in the image; x to the right, y down, z away. One that points at the eye is a dot, one
+/// that points away from it a cross.
 pub fn axes(axes: &[[f32; 3]; 3], corner: Corner, style: &Style) -> Block {
     const SIDE: f32 = 4.2;
-    let (middle, length) = (SIDE / 2.0, 1.35);
+    let middle = SIDE / 2.0;
     let mut order = [0, 1, 2];
     // What is farther away is drawn first.
     order.sort_by(|i, j| axes[*j][2].total_cmp(&axes[*i][2]));
-    let mut marks = vec![];
+    let (mut marks, letters) = (vec![], letters(axes));
     for i in order {
-        let ([x, y, _], ink) = (axes[i], style.color([1, 2, 0][i]));
+        let ([x, y, z], ink) = (axes[i], style.color([1, 2, 0][i]));
+        let size = x.hypot(y);
         let at = |along: f32, aside: f32| {
-            let size = x.hypot(y).max(1e-4);
-            [middle + length * x * along - aside * y / size, middle + length * y * along + aside * x / size]
+            let (along, aside) = (ARM * along, aside / size.max(1e-4));
+            [middle + x * along - y * aside, middle + y * along + x * aside]
         };
-        marks.push(Mark::Line([at(0.0, 0.0), at(0.9, 0.0)], 0.14, ink));
-        if x.hypot(y) > 0.15 {
-            marks.push(Mark::Triangle([at(1.1, 0.0), at(0.72, 0.24), at(0.72, -0.24)], ink));
+        if size > 0.15 {
+            marks.push(Mark::Line([at(0.0, 0.0), at(0.9, 0.0)], 0.2, ink));
+            marks.push(Mark::Triangle([at(1.1, 0.0), at(0.66, 0.32), at(0.66, -0.32)], ink));
+        } else if z < 0.0 {
+            marks.push(Mark::Line([[middle, middle]; 2], 0.5, ink));
+        } else {
+            let (low, high) = (middle - 0.26, middle + 0.26);
+            marks.push(Mark::Line([[low, low], [high, high]], 0.18, ink));
+            marks.push(Mark::Line([[low, high], [high, low]], 0.18, ink));
         }
-        let (letter, [tx, ty]) = (["x", "y", "z"][i], at(1.42, 0.0));
-        marks.push(Mark::Text(letter.into(), [tx - text::width(letter) / 2.0, ty + 0.27], 1.0, ink));
+        let (letter, [x, y]) = (NAMES[i], letters[i]);
+        marks.push(Mark::Text(letter.into(), [middle + x - text::width(letter) / 2.0, middle + y + 0.27], 1.0, ink));
     }
     Block { corner, size: [SIDE, SIDE], marks }
+}
+
+/// The names of the axes.
+const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// Where the middles of the axes' names are, ems from where the axes meet: behind their tips, or aside where another name or axis is.
+fn letters(axes: &[[f32; 3]; 3]) -> [[f32; 2]; 3] {
+    /// Least distance from another name, and from an axis.
+    const APART: [f32; 2] = [0.85, 0.5];
+    /// Angles between the places that are tried, of which there are as many each way.
+    const TURN: f32 = std::f32::consts::PI / TURNS as f32;
+    const TURNS: i32 = 12;
+    let size = |i: usize| axes[i][0].hypot(axes[i][1]);
+    let mut order = [0, 1, 2];
+    order.sort_by(|i, j| size(*j).total_cmp(&size(*i)));
+    let mut places = [[f32::INFINITY; 2]; 3];
+    for i in order {
+        let far = (ARM * size(i) + 0.55).max(0.9);
+        let first = axes[i][1].atan2(axes[i][0]);
+        let turned = |k: i32| [first + k as f32 * TURN, first - k as f32 * TURN];
+        let mut tried = (0..=TURNS).flat_map(turned).map(|angle| [far * angle.cos(), far * angle.sin()]);
+        let is_free = |place: &[f32; 2]| {
+            let from_arm = |j: usize| from_line(*place, [ARM * axes[j][0], ARM * axes[j][1]]);
+            let from_name = |j: usize| (place[0] - places[j][0]).hypot(place[1] - places[j][1]);
+            (0..3).all(|j| from_arm(j) >= APART[1] && (j == i || from_name(j) >= APART[0]))
+        };
+        places[i] = tried.find(is_free).unwrap_or([far * first.cos(), far * first.sin()]);
+    }
+    places
+}
+
+/// Distance of a place from the line from the origin to an end.
+fn from_line([x, y]: [f32; 2], [ex, ey]: [f32; 2]) -> f32 {
+    let t = ((x * ex + y * ey) / (ex * ex + ey * ey).max(1e-9)).clamp(0.0, 1.0);
+    (x - t * ex).hypot(y - t * ey)
 }
 
 /// A linear value as sRGB.
 fn encoded(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_axes_keep_apart_from_each_other_and_from_the_axes() {
+        for azimuth in (0..360).step_by(5) {
+            for height in (-90..=90).step_by(5) {
+                let [[s, c], [up, level]] =
+                    [azimuth, height].map(|a| (a as f32).to_radians()).map(|a| [a.sin(), a.cos()]);
+                // What x, y and z are to an eye that looks down at this height.
+                let axes = [[-s, c * up, -c * level], [c, s * up, -s * level], [0.0, -level, -up]];
+                let places = letters(&axes);
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let [a, b] = [places[i], places[j]];
+                        assert!(i == j || (a[0] - b[0]).hypot(a[1] - b[1]) > 0.8, "{azimuth} {height}: {places:?}");
+                        let arm = [ARM * axes[j][0], ARM * axes[j][1]];
+                        assert!(from_line(a, arm) > 0.45, "{azimuth} {height}: {i} on {j}, {places:?}");
+                    }
+                    assert!(places[i][0].hypot(places[i][1]) < 2.0);
+                }
+            }
+        }
+    }
 }

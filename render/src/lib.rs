@@ -34,8 +34,8 @@ pub use {ri, sl};
 
 pub use context::result::{DrawnBy, RenderResult};
 pub use context::state::Context;
-pub use cpu::lanes::has_wide_lanes;
 pub use film::display::Display;
 pub use gpu::render::Renderer as DeviceRenderer;
 pub use scene::options::{Hider, Options};
+pub use sl::has_wide_lanes;
 pub use stats::{Seconds, Stats};

@@ -13,3 +13,4 @@ pub mod pattern;
 pub mod runs;
 pub mod spline;
 pub mod triple;
+pub mod wide;

@@ -43,7 +43,7 @@ impl sl::machine::Scene for ImagerScene<'_> {
 }
 
 /// Pixels that an imager is run over at a time, if it looks at each for itself: so that they stay in the caches.
-const AT_A_TIME: usize = 4096;
+const AT_A_TIME: usize = 512;
 
 /// Expose pixels as an imager takes them, unless the scene hands it light: `Option "imager" "exposed"` 0.
 pub fn expose(options: &Options, scene: &Scene, pixels: &mut [[f32; 4]]) {
@@ -81,16 +81,29 @@ fn run_strip(
     pixels: &mut [[f32; 4]],
 ) {
     let n = pixels.len();
-    (points.nu, points.nv, points.orientation) = (width, n / width, 1.0);
-    let place = |k: usize| [(x + k % width) as f32 + 0.5, (y + k / width) as f32 + 0.5, 0.0];
-    points.refill(Global::P).extend((0..3).flat_map(|c| (0..n).map(move |k| place(k)[c])));
-    points.refill(Global::Ci).extend((0..3).flat_map(|c| pixels.iter().map(move |p| p[c])));
-    points.refill(Global::Oi).extend((0..3).flat_map(|_| pixels.iter().map(|p| p[3])));
+    let rows = n / width;
+    (points.nu, points.nv, points.orientation) = (width, rows, 1.0);
+    let p = points.refill(Global::P);
+    (0..rows).for_each(|_| p.extend((x..x + width).map(|x| x as f32 + 0.5)));
+    (y..y + rows).for_each(|y| p.resize(p.len() + width, y as f32 + 0.5));
+    p.resize(3 * n, 0.0);
+    let ci = points.refill(Global::Ci);
+    (0..3).for_each(|c| ci.extend(pixels.iter().map(|p| p[c])));
+    let oi = points.refill(Global::Oi);
+    (0..3).for_each(|_| oi.extend(pixels.iter().map(|p| p[3])));
     points.refill(Global::Alpha).extend(pixels.iter().map(|p| p[3]));
     machine.run(imager, points, &ImagerScene(scene));
     let (ci, alpha) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), points.get(Global::Alpha).unwrap_or(&[0.0]));
-    let of = |v: &[f32], each: usize, c: usize, k: usize| if v.len() == each { v[c] } else { v[c * n + k] };
-    for (k, pixel) in pixels.iter_mut().enumerate() {
-        *pixel = [of(ci, 3, 0, k), of(ci, 3, 1, k), of(ci, 3, 2, k), of(alpha, 1, 0, k)];
+    let runs = [run_of(ci, 3, 0, n), run_of(ci, 3, 1, n), run_of(ci, 3, 2, n), run_of(alpha, 1, 0, n)];
+    for (c, run) in runs.into_iter().enumerate() {
+        match run {
+            [one] => pixels.iter_mut().for_each(|pixel| pixel[c] = *one),
+            run => pixels.iter_mut().zip(run).for_each(|(pixel, x)| pixel[c] = *x),
+        }
     }
+}
+
+/// A component's values: one for all pixels, or one a pixel.
+fn run_of(v: &[f32], width: usize, c: usize, n: usize) -> &[f32] {
+    if v.len() == width { &v[c..=c] } else { &v[c * n..][..n] }
 }

@@ -285,21 +285,6 @@ mod wide {
     }
 }
 
-/// Whether loops over samples run in vector registers: the processor has AVX2, and `SCREE_LANES=plain` is not in the environment (a switch
-/// for tests, read once).
-pub fn has_wide_lanes() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::sync::LazyLock;
-        static WIDE: LazyLock<bool> = LazyLock::new(|| {
-            std::arch::is_x86_feature_detected!("avx2") && std::env::var_os("SCREE_LANES").is_none_or(|v| v != "plain")
-        });
-        *WIDE
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    false
-}
-
 /// Define a method that runs a lanes loop, generic over [`Lanes`] and `#[inline(always)]`, with the processor's widest.
 macro_rules! with_lanes {
     ($(#[$doc:meta])* $vis:vis fn $name:ident = $lanes_loop:ident ($($arg:ident: $ty:ty),*) -> $out:ty) => {
@@ -311,7 +296,7 @@ macro_rules! with_lanes {
                 unsafe fn wide(own: &mut Samples, $($arg: $ty),*) -> $out {
                     own.$lanes_loop::<$crate::cpu::lanes::Wide>($($arg),*)
                 }
-                if $crate::cpu::lanes::has_wide_lanes() {
+                if sl::has_wide_lanes() {
                     // SAFETY: the processor has AVX2.
                     return unsafe { wide(self, $($arg),*) };
                 }

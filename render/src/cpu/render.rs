@@ -16,9 +16,6 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Buckets of a batch: few enough that what is in memory beside the image itself stays small.
-const BATCH: usize = 1024;
-
 /// Render an image; `progress` is called with the buckets done and in all.
 pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn Fn(usize, usize) + Sync)) -> Drawn {
     let start = Instant::now();
@@ -34,37 +31,43 @@ pub fn render(scene: &Scene, options: &Options, camera: Camera, progress: &(dyn 
     let inside = |t: &Bucket| t.x < x1 && t.x + t.width > x0 && t.y < y1 && t.y + t.height > y0;
     let own: Vec<Bucket> = buckets(options.width, options.height, size, options.shard).filter(inside).collect();
     let per_pixel = if options.keep_ids { options.samples[0] * options.samples[1] } else { 0 };
-    let mut identities = vec![0; options.width * options.height * per_pixel];
-    let mut image = Image::new(options.width, options.height, frame.aovs.clone());
+    let identities = vec![0; options.width * options.height * per_pixel];
+    let image = Image::new(options.width, options.height, frame.aovs.clone());
     let items = scene.sources.iter().map(|s| s.len() as u64).sum();
     let mut stats = Stats { items, seconds: Seconds { hierarchy, bound, ..Seconds::default() }, ..Stats::default() };
     // Memory between buckets, so that it is taken once a thread.
     let idle = Mutex::new(Vec::<Memory>::new());
-    for batch in own.chunks(BATCH) {
+    let drawn = Mutex::new((image, identities));
+    let render = |bucket: &Bucket| {
         if scene.stopped().is_some() {
-            break;
+            return Stats::default();
         }
-        let render = |bucket: &Bucket| {
-            let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
-            let found = spare().pop();
-            let mut memory = found.unwrap_or_default();
-            let rendered = render_bucket(&frame, &mut memory, bucket, &lists[bucket.index]);
-            spare().push(memory);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, own.len());
-            rendered
-        };
-        let rendered: Vec<(Pixels, Stats)> = batch.par_iter().with_max_len(1).map(render).collect();
-        for (bucket, (pixels, own)) in batch.iter().zip(rendered) {
-            stats = stats.add(own);
-            for row in 0..bucket.height {
-                let (at, from) = ((bucket.y + row) * options.width + bucket.x, row * bucket.width);
-                image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);
-                let kept = bucket.width * per_pixel;
-                identities[at * per_pixel..][..kept].copy_from_slice(&pixels.identities[from * per_pixel..][..kept]);
-                let wide = bucket.width * frame.depth;
-                image.extra[at * frame.depth..][..wide].copy_from_slice(&pixels.extra[from * frame.depth..][..wide]);
-            }
+        let spare = || idle.lock().unwrap_or_else(|e| e.into_inner());
+        let found = spare().pop();
+        let mut memory = found.unwrap_or_default();
+        let (pixels, stats) = render_bucket(&frame, &mut memory, bucket, &lists[bucket.index]);
+        spare().push(memory);
+        {
+            let (image, identities) = &mut *drawn.lock().unwrap_or_else(|e| e.into_inner());
+            put(image, identities, bucket, &pixels, [per_pixel, frame.depth]);
         }
-    }
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1, own.len());
+        stats
+    };
+    let of_buckets: Vec<Stats> = own.par_iter().with_max_len(1).map(render).collect();
+    stats = of_buckets.into_iter().fold(stats, Stats::add);
+    let (image, identities) = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
     Drawn { image, stats, identities }
+}
+
+/// Put a bucket's pixels into the image, with `per_pixel` identities and `depth` numbers of output variables each.
+fn put(image: &mut Image, identities: &mut [u64], bucket: &Bucket, pixels: &Pixels, [per_pixel, depth]: [usize; 2]) {
+    for row in 0..bucket.height {
+        let (at, from) = ((bucket.y + row) * image.width + bucket.x, row * bucket.width);
+        image.pixels[at..][..bucket.width].copy_from_slice(&pixels.color[from..][..bucket.width]);
+        let kept = bucket.width * per_pixel;
+        identities[at * per_pixel..][..kept].copy_from_slice(&pixels.identities[from * per_pixel..][..kept]);
+        let wide = bucket.width * depth;
+        image.extra[at * depth..][..wide].copy_from_slice(&pixels.extra[from * depth..][..wide]);
+    }
 }

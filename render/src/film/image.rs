@@ -70,15 +70,12 @@ impl Image {
         let Some(display) = displays.first() else { return Err("no display takes the image".into()) };
         let layers: Vec<Layer> = displays.iter().flat_map(|d| d.layers()).collect();
         let channels = channels(&layers, &self.aovs);
-        let [[x0, y0], [x1, y1]] = encoding.window;
-        let pixels: Vec<usize> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x)).collect();
-        let size = [x1 - x0, y1 - y0];
         match display.format() {
-            "exr" => self.exr(&channels, &pixels, size, displays.iter().all(|d| d.half), encoding),
+            "exr" => self.exr(&channels, displays.iter().all(|d| d.half), encoding),
             kind => {
                 let levels = display.levels(encoding.quantize_one, encoding.quantize_range);
                 let dither = display.dither.unwrap_or(encoding.dither);
-                self.plain(kind, &channels, &pixels, size, (levels, dither, encoding))
+                self.plain(kind, &channels, (levels, dither, encoding))
             }
         }
     }
@@ -94,21 +91,17 @@ impl Image {
         if at < 4 { self.pixels[pixel][at] } else { self.extra[pixel * self.depth() + at - 4] }
     }
 
-    fn exr(
-        &self,
-        channels: &[Channel],
-        pixels: &[usize],
-        [width, height]: [usize; 2],
-        half: bool,
-        encoding: &Encoding<'_>,
-    ) -> Result<Vec<u8>, String> {
+    fn exr(&self, channels: &[Channel], half: bool, encoding: &Encoding<'_>) -> Result<Vec<u8>, String> {
         use exr::prelude::{
             AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, LayerAttributes, LineOrder, Text,
             WritableImage, f16,
         };
         let text = |s: &str| Text::new_or_none(s).unwrap_or_else(|| Text::from("?"));
+        let [[x0, y0], [x1, y1]] = encoding.window;
+        let (width, height) = (x1 - x0, y1 - y0);
         let list = channels.iter().map(|c| {
-            let values = pixels.iter().map(|p| self.number(*p, c.at));
+            let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x));
+            let values = pixels.map(|p| self.number(p, c.at));
             // What is no colour needs all its digits.
             let colour = matches!(c.name.rsplit('.').next(), Some("R" | "G" | "B" | "A"));
             let samples = if half && colour {
@@ -140,14 +133,12 @@ impl Image {
         &self,
         kind: &str,
         channels: &[Channel],
-        pixels: &[usize],
-        size: [usize; 2],
         (levels @ [zero, one, min, max], dither, encoding): ([i32; 4], f32, &Encoding<'_>),
     ) -> Result<Vec<u8>, String> {
         let n = channels.len();
-        let [w, h] = size.map(|n| n as u32);
+        let [[x0, y0], [x1, y1]] = encoding.window;
+        let [w, h] = [x1 - x0, y1 - y0].map(|n| n as u32);
         let mut bytes = Vec::new();
-        let numbers = pixels.iter().flat_map(|p| channels.iter().map(move |c| (*p, c.at, self.number(*p, c.at))));
         let mut tiff = |data: &[u8], color| {
             let goal = std::io::Cursor::new(&mut bytes);
             TiffEncoder::new(goal).write_image(data, w, h, color).map_err(|e| e.to_string())
@@ -158,7 +149,9 @@ impl Image {
                 4 => ExtendedColorType::Rgba32F,
                 _ => return Err(format!("a TIFF file of floats has 3 or 4 channels, not {n}: take EXR")),
             };
-            tiff(&numbers.flat_map(|(.., x)| x.to_ne_bytes()).collect::<Vec<u8>>(), color)?;
+            let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * self.width + x));
+            let numbers = pixels.flat_map(|p| channels.iter().map(move |c| self.number(p, c.at)));
+            tiff(&numbers.flat_map(f32::to_ne_bytes).collect::<Vec<u8>>(), color)?;
             return Ok(bytes);
         }
         let deep = one.max(max) > 255;
@@ -166,19 +159,8 @@ impl Image {
         // Of a file that cannot have floats they are bytes.
         let [zero, one, min, max] = if one == 0 && max == 0 { [0, most, 0, most] } else { [zero, one, min, max] };
         let [zero, one, min, max] = [zero, one, min.max(0), max.min(most)].map(|x| x as f32);
-        let quantize = |(i, c, x): (usize, usize, f32)| {
-            // Dither is noise of the pixel's own, the same in every run.
-            let noise = sl::noise::noise_of_cell([i % self.width, i / self.width, c].map(|x| x as i32), 9);
-            let level = zero + x * (one - zero) + dither * (2.0 * noise - 1.0);
-            // Rounded to the nearest whole number, as what is cut off by the conversion below.
-            level.clamp(min, max.max(min)) + 0.5
-        };
-        let bits = |x: f32| if kind == "png" { (x as u16).to_be_bytes() } else { (x as u16).to_ne_bytes() };
-        let data: Vec<u8> = if deep {
-            numbers.flat_map(|x| bits(quantize(x))).collect()
-        } else {
-            numbers.map(|x| quantize(x) as u8).collect()
-        };
+        let bits = if kind == "png" { u16::to_be_bytes } else { u16::to_ne_bytes };
+        let data = self.quantized(channels, encoding.window, ([zero, one, min, max], dither), deep.then_some(bits));
         let (color, tiff_color) = match (n, deep) {
             (1, false) => (png::ColorType::Grayscale, ExtendedColorType::L8),
             (1, true) => (png::ColorType::Grayscale, ExtendedColorType::L16),
@@ -205,6 +187,42 @@ impl Image {
         writer.write_image_data(&data).map_err(fault)?;
         writer.finish().map_err(fault)?;
         Ok(bytes)
+    }
+
+    /// The numbers of the pixels of a window as whole ones, dithered: bytes, or two of each as `bits` has them.
+    fn quantized(
+        &self,
+        channels: &[Channel],
+        [[x0, y0], [x1, y1]]: [[usize; 2]; 2],
+        ([zero, one, min, max], dither): ([f32; 4], f32),
+        bits: Option<fn(u16) -> [u8; 2]>,
+    ) -> Vec<u8> {
+        let most = max.max(min);
+        let each = channels.len() * if bits.is_some() { 2 } else { 1 };
+        let row_length = (x1 - x0) * each;
+        let mut data = vec![0; row_length * (y1 - y0)];
+        let (mut noise, mut row) = (vec![0.0; x1 - x0], vec![0.0; x1 - x0]);
+        for (y, out) in (y0..y1).zip(data.chunks_exact_mut(row_length.max(1))) {
+            for (c, channel) in channels.iter().enumerate() {
+                let pixels = y * self.width + x0..y * self.width + x1;
+                // Dither is noise of the pixel's own, the same in every run.
+                sl::noise::noise_of_cells(&mut noise, x0 as i32, y as i32, channel.at as i32, 9);
+                row.iter_mut().zip(pixels).for_each(|(x, p)| *x = self.number(p, channel.at));
+                for (x, noise) in row.iter_mut().zip(&noise) {
+                    let level = zero + *x * (one - zero) + dither * (2.0 * noise - 1.0);
+                    // Rounded to the nearest whole number, as what is cut off by the conversion below.
+                    *x = level.clamp(min, most) + 0.5;
+                }
+                let places = out.chunks_exact_mut(each).zip(&row);
+                match bits {
+                    Some(bits) => {
+                        places.for_each(|(place, x)| place[2 * c..2 * c + 2].copy_from_slice(&bits(*x as u16)))
+                    }
+                    None => places.for_each(|(place, x)| place[c] = *x as u8),
+                }
+            }
+        }
+        data
     }
 }
 

@@ -28,6 +28,7 @@ pub fn optimise(program: &mut Program) {
             break;
         }
     }
+    program.variables = variables_of(program);
     (program.keeps_opacity, program.reads_neighbours) = (keeps_opacity(program), reads_neighbours(program));
     program.asks_displacement = any(program, |op| matches!(op, Op::Ask { what: crate::ir::Ask::Displacement, .. }));
     program.traces = any(program, |op| match op {
@@ -82,6 +83,18 @@ fn assigned(program: &Program) -> Vec<bool> {
         });
     }
     found
+}
+
+/// The registers of [`Program::variables`]: those and parameters.
+fn variables_of(program: &Program) -> Vec<u16> {
+    let mut found = assigned(program);
+    for param in &program.params {
+        param.reg.array(param.array.unwrap_or(1)).for_each(|o| match o {
+            Operand::Number(r) => found[r.index()] = true,
+            Operand::Text(_) => {}
+        });
+    }
+    (0..found.len()).filter(|k| found[*k]).map(|k| k as u16).collect()
 }
 
 /// Where a variable is but another name for a value, its readers read the value: such are the parameters of inlined functions.

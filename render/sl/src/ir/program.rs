@@ -44,6 +44,8 @@ pub struct Program {
     pub globals: Vec<(Global, Reg)>,
     /// Operations of the shader's body.
     pub body: Vec<Op>,
+    /// The registers that may be written more than once, or in part; all others are written whole before they are read.
+    pub variables: Vec<u16>,
     /// Whether it is an ambient light: a light shader without `solar` and `illuminate`.
     pub is_ambient: bool,
     /// Whether the shader keeps Oi equal to Os, so that an opaque surface stays opaque.

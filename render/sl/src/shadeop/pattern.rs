@@ -3,11 +3,24 @@
 use super::call::Call;
 use super::matrix::triple16;
 use super::noise as lattice;
-use super::runs::{at, triple};
+use super::runs::{at, run_of, triple};
 
 /// Noise in [0, 1] of 1, 2 or 3 numbers; as many values as the result has components, independent of each other.
 pub fn noise(call: &Call<'_>, out: &mut Vec<f32>) {
-    at_places(call, out, lattice::noise);
+    let (n, lanes) = (call.n, call.lanes());
+    let is_sparse = |mask: &[bool]| lanes == n && 4 * mask.iter().filter(|on| **on).count() < n;
+    if call.mask.is_some_and(is_sparse) {
+        return at_places(call, out, lattice::noise);
+    }
+    out.resize(call.width * lanes, 0.0);
+    let of = |c| run_of(call.arg(0), call.args[0].width, c, n);
+    for (c, out) in out.chunks_exact_mut(lanes.max(1)).enumerate() {
+        match call.args {
+            [p] if p.width == 3 => lattice::noise_run(out, [of(0), of(1), of(2)], c as u32),
+            [_] => lattice::noise_run_flat(out, of(0), &[0.0], c as u32),
+            _ => lattice::noise_run_flat(out, of(0), call.arg(1), c as u32),
+        }
+    }
 }
 
 /// Constant noise of the cell, likewise.

@@ -12,14 +12,51 @@ pub fn at(run: &[f32], i: usize) -> f32 {
     if run.len() == 1 { run[0] } else { run[i] }
 }
 
-/// Append `f` of two runs.
-#[inline]
-pub fn zip(out: &mut Vec<f32>, a: &[f32], b: &[f32], n: usize, f: impl Fn(f32, f32) -> f32) {
+/// `f` of two runs, of one number or as many as come out each.
+#[inline(always)]
+pub fn zip(out: &mut [f32], a: &[f32], b: &[f32], f: impl Fn(f32, f32) -> f32) {
+    let n = out.len();
+    // Iterators over several slices might be compiled for any processor, see `wide`.
     match (a, b) {
-        ([a], [b]) => out.extend(std::iter::repeat_n(f(*a, *b), n)),
-        ([a], b) => out.extend(b.iter().map(|b| f(*a, *b))),
-        (a, [b]) => out.extend(a.iter().map(|a| f(*a, *b))),
-        (a, b) => out.extend(a.iter().zip(b).map(|(a, b)| f(*a, *b))),
+        ([a], [b]) => out.fill(f(*a, *b)),
+        ([a], b) => {
+            let b = &b[..n];
+            for k in 0..n {
+                out[k] = f(*a, b[k]);
+            }
+        }
+        (a, [b]) => {
+            let a = &a[..n];
+            for k in 0..n {
+                out[k] = f(a[k], *b);
+            }
+        }
+        (a, b) => {
+            let (a, b) = (&a[..n], &b[..n]);
+            for k in 0..n {
+                out[k] = f(a[k], b[k]);
+            }
+        }
+    }
+}
+
+/// `f` of three runs, likewise.
+#[inline(always)]
+pub fn zip3(out: &mut [f32], [a, b, c]: [&[f32]; 3], f: impl Fn(f32, f32, f32) -> f32) {
+    let n = out.len();
+    match (a, b, c) {
+        ([a], [b], c) => zip(out, &[0.0], c, |_, c| f(*a, *b, c)),
+        ([a], b, [c]) => zip(out, b, &[0.0], |b, _| f(*a, b, *c)),
+        (a, [b], [c]) => zip(out, a, &[0.0], |a, _| f(a, *b, *c)),
+        ([a], b, c) => zip(out, b, c, |b, c| f(*a, b, c)),
+        (a, [b], c) => zip(out, a, c, |a, c| f(a, *b, c)),
+        (a, b, [c]) => zip(out, a, b, |a, b| f(a, b, *c)),
+        (a, b, c) => {
+            let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+            for k in 0..n {
+                out[k] = f(a[k], b[k], c[k]);
+            }
+        }
     }
 }
 

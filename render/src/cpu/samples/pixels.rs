@@ -20,7 +20,8 @@ impl Samples {
     /// Filter the pixels of the bucket proper, `margin` pixels in from each side.
     pub fn filter(&self, filter: &PixelFilter, margin: [usize; 2], aovs: &[Aov]) -> Pixels {
         let [sx, sy] = self.strata;
-        let mut out = Pixels::default();
+        let n_pixels = (self.width - 2 * margin[0]) * (self.height - 2 * margin[1]);
+        let mut out = Pixels { color: Vec::with_capacity(n_pixels), ..Pixels::default() };
         let mut sums = vec![0.0; self.depth];
         // A box of a pixel takes its own samples and no others.
         let alone = filter.is_pixel();

@@ -20,8 +20,11 @@ impl Machine {
         let outer = self.mask.take();
         for (ops, wanted) in [(then, true), (otherwise, false)] {
             if !ops.is_empty() {
-                let active = |i: usize| outer.as_ref().is_none_or(|m| m[i]);
-                self.mask = Some((0..self.n).map(|i| active(i) && (c[i] != 0.0) == wanted).collect());
+                let holds = c.iter().map(|c| (*c != 0.0) == wanted);
+                self.mask = Some(match &outer {
+                    Some(outer) => outer.iter().zip(holds).map(|(on, holds)| on & holds).collect(),
+                    None => holds.collect(),
+                });
                 self.block(ops, scene);
             }
         }

@@ -3,46 +3,33 @@
 use super::state::{Beyond, Indexed, Machine};
 use crate::ir::*;
 use crate::shadeop::matrix::element;
-use crate::shadeop::number::{binary_value, unary_value};
-use crate::shadeop::runs::{at, run_of, zip};
+use crate::shadeop::number::{binary_run, binary_value, select_run, unary_run};
+use crate::shadeop::runs::{at, run_of};
 
 impl Machine {
     pub(super) fn unary(&mut self, f: Unary, dst: Reg, a: Reg) {
         let repeats = dst.width() / a.width();
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         let a = &self.regs[a.index()];
-        out.clear();
-        macro_rules! run {
-            ($($f:ident)*) => {
-                match f {
-                    Unary::Copy => out.extend_from_slice(a),
-                    $(Unary::$f => out.extend(a.iter().map(|x| unary_value(Unary::$f, *x))),)*
-                }
-            };
-        }
-        for _ in 0..repeats {
-            run!(Negate Not Abs Sign Sqrt InverseSqrt Sin Cos Tan Asin Acos Atan Exp Log Floor Ceil Round Radians Degrees);
-        }
+        let n = a.len();
+        out.resize(repeats * n, 0.0);
+        (0..repeats).for_each(|c| unary_run(f, &mut out[c * n..][..n], a));
         self.regs[dst.index()] = out;
     }
 
     pub(super) fn binary(&mut self, f: Binary, dst: Reg, a: Reg, b: Reg) {
-        let (wd, wa, wb) = (dst.width(), a.width(), b.width());
+        let (wa, wb) = (a.width(), b.width());
         let mut out = std::mem::take(&mut self.regs[dst.index()]);
         let (a, b) = (&self.regs[a.index()][..], &self.regs[b.index()][..]);
-        out.clear();
-        let varying = a.len() != wa || b.len() != wb;
-        macro_rules! run {
-            ($n:ident, $a:ident, $b:ident, $($f:ident)*) => {
-                match f {
-                    $(Binary::$f => zip(&mut out, $a, $b, $n, |x, y| binary_value(Binary::$f, x, y)),)*
-                }
-            };
-        }
-        for c in 0..wd {
-            let (a, b) = (run_of(a, wa, c, self.n), run_of(b, wb, c, self.n));
-            let n = if varying { self.n } else { 1 };
-            run!(n, a, b, Add Sub Mul Div Min Max Pow Mod Atan2 Step Less LessEqual Equal And Or);
+        if let ([a], [b], 1) = (a, b, dst.width()) {
+            out.resize(1, 0.0);
+            out[0] = binary_value(f, *a, *b);
+        } else {
+            let n = if a.len() != wa || b.len() != wb { self.n } else { 1 };
+            out.resize(dst.width() * n, 0.0);
+            for c in 0..dst.width() {
+                binary_run(f, &mut out[c * n..][..n], run_of(a, wa, c, self.n), run_of(b, wb, c, self.n));
+            }
         }
         self.regs[dst.index()] = out;
     }
@@ -53,10 +40,10 @@ impl Machine {
         let (c, a, b) = (view(c.into()), view(a), view(b));
         let varying = [c, a, b].iter().any(|(v, w)| v.len() != *w);
         let n = if varying { self.n } else { 1 };
-        out.clear();
+        out.resize(dst.width() * n, 0.0);
         for k in 0..dst.width() {
-            let [c, a, b] = [c, a, b].map(|(v, w)| run_of(v, w, k, self.n));
-            out.extend((0..n).map(|i| if at(c, i) != 0.0 { at(a, i) } else { at(b, i) }));
+            let of = |(v, w)| run_of(v, w, k, self.n);
+            select_run(&mut out[k * n..][..n], of(c), of(a), of(b));
         }
         self.regs[dst.index()] = out;
     }

@@ -144,11 +144,11 @@ impl Machine {
         self.lit.clear();
         self.reached.clear();
         self.reached.resize(self.n, false);
-        // Nothing of the last grid is left, whose points were others.
-        self.regs.iter_mut().for_each(Vec::clear);
+        // Nothing of the last grid is left, whose points were others, where a value might be kept.
         if self.regs.len() < program.widths.len() {
             self.regs.resize_with(program.widths.len(), Vec::new);
         }
+        program.variables.iter().for_each(|k| self.regs[*k as usize].clear());
         if self.texts.len() < program.n_texts {
             self.texts.resize(program.n_texts, String::new());
         }

@@ -43,6 +43,7 @@ pub fn lower(file: &File, prelude: &[Function]) -> Result<Program, Error> {
         params,
         globals: l.globals,
         body: l.ops,
+        variables: vec![],
         is_ambient: shader.kind == ShaderKind::Light && !l.directed,
         keeps_opacity: false,
         reads_neighbours: true,
