@@ -17,7 +17,7 @@ pub use bench::{BenchArgs, BenchCommand, BenchGpuArgs, BenchRenderArgs, BenchSim
 pub use data::{ExportArgs, FormatArg, InspectArgs, PlotArgs, PreviewArgs, ReportArgs};
 pub use image::{ImageArgs, MovieArgs, QualityChoice, RenderArgs, RibArgs, StitchArgs};
 pub use simulate::{Friction, Method, Quality, RunArgs, SimulateArgs, SolveArgs};
-pub use value::{Assignment, Backend, Interval, ShardArg};
+pub use value::{Assignment, Axis, Backend, Interval, ShardArg};
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;

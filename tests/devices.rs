@@ -202,10 +202,9 @@ fn models_go_on_on_a_device_as_on_the_processor() {
         let energies = [&own, &cpu].map(|s| s.state.kinetic_energy(&s.model));
         eprintln!("{name}: {contacts:?} contacts, {worst:.2e} m at most, {mean:.2e} m in the mean, {energies:?} J");
         // Pendulums swing free.
-        assert!(
-            (contacts[1] > 10 || name == "pendulums") && contacts[0].abs_diff(contacts[1]) * 50 <= contacts[1],
-            "{name}: {contacts:?}"
-        );
+        let enough = contacts[1] > 10 || name == "pendulums";
+        // One may be at the rim of a face, or of the reach.
+        assert!(enough && contacts[0].abs_diff(contacts[1]) <= (contacts[1] / 50).max(1), "{name}: {contacts:?}");
         // In a bed that comes to rest some grains roll another way.
         assert!(worst < 5e-4 && mean < 2e-5, "{name}: {worst} m at most, {mean} m in the mean");
         // Cards that stand have next to none.

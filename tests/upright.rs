@@ -105,5 +105,5 @@ fn runs_stand_against_their_gravity_and_tables_as_they_are_told() {
     let height: f64 = value(Path::new(&file), "ground_height").unwrap().parse().unwrap();
     assert!((-2.2..=-2.1).contains(&height), "{height}");
     let refused = scree(&["inspect", &place("t.csv"), "--write", &place("u.yaml"), "--up", "w"]);
-    assert!(refused.fails(2).contains("expected x, y, z, -x, -y or -z"));
+    assert!(refused.fails(2).contains("[possible values: x, y, z, -x, -y, -z]"));
 }

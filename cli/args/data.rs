@@ -1,7 +1,6 @@
 //! Arguments of the commands that look at data: `inspect`, `plot`, `report`, `export` and `preview`.
 
-use super::value::{Interval, file_size, index, interval, up, whole};
-use bind::Up;
+use super::value::{Axis, Interval, file_size, index, interval, whole};
 use clap::{Args, ValueEnum};
 use frame::list::FrameList;
 use std::ffi::OsString;
@@ -78,8 +77,8 @@ pub struct InspectArgs {
     pub write: Option<PathBuf>,
     /// Axis of the data that points up, for the metadata file: x, y, z, -x, -y or -z
     /// [default: against the gravity of a run; z of other data].
-    #[arg(long, value_name = "AXIS", requires = "write", value_parser = up, allow_hyphen_values = true)]
-    pub up: Option<Up>,
+    #[arg(long, value_name = "AXIS", requires = "write", allow_hyphen_values = true, hide_possible_values = true)]
+    pub up: Option<Axis>,
     /// Frame to inspect [default: the first].
     #[arg(short, long, value_name = "FRAME", value_parser = index::<u64>())]
     pub frame: Option<u64>,

@@ -1,6 +1,5 @@
 //! Syntax of flag values: a parser for each, with the value as it is used.
 
-use bind::Up;
 use clap::ValueEnum;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -12,6 +11,26 @@ pub struct Assignment {
     pub path: String,
     /// The value, as YAML.
     pub value: String,
+}
+
+/// An axis, or against it.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Axis {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+    /// Against x.
+    #[value(name = "-x")]
+    MinusX,
+    /// Against y.
+    #[value(name = "-y")]
+    MinusY,
+    /// Against z.
+    #[value(name = "-z")]
+    MinusZ,
 }
 
 /// Width and height of an image, pixels.
@@ -43,12 +62,6 @@ pub fn assignment(text: &str) -> Result<Assignment, String> {
         }
         _ => Err("expected PATH=VALUE, as solver.iterations=80".into()),
     }
-}
-
-/// Parse an axis that points up, as `-y`.
-pub fn up(text: &str) -> Result<Up, String> {
-    let found = Up::ALL.into_iter().find(|up| up.name() == text);
-    found.ok_or_else(|| "expected x, y, z, -x, -y or -z".into())
 }
 
 /// Parse a resolution, `1280x720`.

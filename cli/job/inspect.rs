@@ -1,6 +1,6 @@
 //! The job of `scree inspect`.
 
-use crate::args::InspectArgs;
+use crate::args::{Axis, InspectArgs};
 use crate::failed::FailedFrames;
 use crate::report::{Exit, Failure, Outcome};
 use bind::Up;
@@ -64,7 +64,7 @@ impl InspectJob {
             Some(path) => {
                 let found = Suggestion::check(path, &source, &frames, table.rows(), &mut failed)?;
                 let up = match (args.up, &source.store) {
-                    (Some(up), _) => up,
+                    (Some(axis), _) => up(axis),
                     (None, Store::Run(run)) => Up::of_run(&run.folder),
                     (None, Store::Files { .. }) => Up::default(),
                 };
@@ -73,6 +73,18 @@ impl InspectJob {
             None => None,
         };
         Ok(InspectJob { data: args.data, frames, table, failed, suggestion, json: args.json })
+    }
+}
+
+/// What points up along an axis.
+fn up(axis: Axis) -> Up {
+    match axis {
+        Axis::X => Up::X,
+        Axis::Y => Up::Y,
+        Axis::Z => Up::Z,
+        Axis::MinusX => Up::MinusX,
+        Axis::MinusY => Up::MinusY,
+        Axis::MinusZ => Up::MinusZ,
     }
 }
 

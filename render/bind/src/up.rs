@@ -32,9 +32,6 @@ pub enum Up {
 }
 
 impl Up {
-    /// All of them.
-    pub const ALL: [Up; 6] = [Up::X, Up::MinusX, Up::Y, Up::MinusY, Up::Z, Up::MinusZ];
-
     /// The axis that gravity, in any unit, points against most; z where there is none.
     pub fn against(gravity: [f64; 3]) -> Up {
         let [x, y, z] = gravity.map(f64::abs);
@@ -77,18 +74,6 @@ impl Up {
     /// Whether nothing is turned.
     pub fn is_z(&self) -> bool {
         *self == Up::Z
-    }
-
-    /// The name, as files and the command line have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Up::X => "x",
-            Up::MinusX => "-x",
-            Up::Y => "y",
-            Up::MinusY => "-y",
-            Up::Z => "z",
-            Up::MinusZ => "-z",
-        }
     }
 
     /// The condition, on columns of a quaternion, that the z axis of a row points up by more than half.
@@ -141,7 +126,8 @@ mod tests {
     #[test]
     fn what_is_up_comes_to_be_z_by_a_rotation() {
         let ways = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
-        for (up, way) in Up::ALL.into_iter().zip(ways) {
+        let all = [Up::X, Up::MinusX, Up::Y, Up::MinusY, Up::Z, Up::MinusZ];
+        for (up, way) in all.into_iter().zip(ways) {
             assert_eq!(up.turn_vector(way), Vec3::Z, "{up:?}");
             assert_eq!(Up::against((-9.81 * way).as_dvec3().to_array()), up);
             let v = Vec3::new(1.0, -2.0, 3.5);
