@@ -11,6 +11,11 @@ pub const MAX_CORNERS: usize = 16;
 /// Number of corners of the polygon in place of the flat end of a cylinder or a cone.
 const RIM: usize = 8;
 
+/// Where these corners are, over the radius.
+const CORNERS: [[f64; 2]; RIM] =
+    [[1.0, 0.0], [HALF, HALF], [0.0, 1.0], [-HALF, HALF], [-1.0, 0.0], [-HALF, -HALF], [0.0, -1.0], [HALF, -HALF]];
+const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// Bit of the feature ids of points whose reference feature was the second shape's.
 pub const OF_SECOND: u32 = 1 << 15;
 
@@ -61,8 +66,8 @@ pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
     let mut f = Feature::new();
     let mut local = |p: DVec3, id: u32| f.push(shape.position + shape.orientation * p, id);
     let rim = |k: usize, z: f64| {
-        let (s, c) = (k as f64 * std::f64::consts::TAU / RIM as f64).sin_cos();
-        DVec3::new(size.x * c, size.x * s, z)
+        let [x, y] = CORNERS[k];
+        DVec3::new(size.x * x, size.x * y, z)
     };
     match shape.kind {
         ShapeKind::Box => {
