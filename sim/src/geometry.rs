@@ -202,7 +202,7 @@ pub fn solid_of(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> Solid {
             diagonal(2.0 * PI * r * r * h, DVec3::new(across, across, r * r / 2.0))
         }
         ShapeKind::Capsule => {
-            let (cylinder, sphere) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r.powi(3));
+            let (cylinder, sphere) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * (r * r * r));
             let across = cylinder * (r * r / 4.0 + h * h / 3.0) + sphere * (0.4 * r * r + h * h + 0.75 * h * r);
             let about = cylinder * r * r / 2.0 + sphere * 0.4 * r * r;
             Solid {

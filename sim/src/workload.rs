@@ -68,7 +68,7 @@ pub fn build(workload: Workload, n: usize, solver: SolverSettings, step: f64) ->
         let site = [i % side, i / side % side, i / (side * side)];
         let p = site.map(|c| (c as f64 + 0.5) * spacing + (2.0 * random.uniform() - 1.0) * 0.04 * r_max);
         let (r, mass) = match workload {
-            Workload::S => (r_max, 1900.0 * 4.0 / 3.0 * std::f64::consts::PI * r_max.powi(3)),
+            Workload::S => (r_max, 1900.0 * 4.0 / 3.0 * std::f64::consts::PI * (r_max * r_max * r_max)),
             Workload::A => (0.025 + 0.011 * random.uniform(), 0.005),
         };
         add(&mut model, &mut state, 1, ShapeKind::Sphere, DVec3::splat(r), DVec3::from_array(p), DQuat::IDENTITY, mass);
