@@ -17,10 +17,7 @@ pub struct Document {
     pub path: PathBuf,
     /// The whole text.
     pub text: Arc<str>,
-    /// `a.b.2.c` → line and column, from 1, of the key (or of the list's item).
-    places: Arc<HashMap<String, (usize, usize)>>,
-    /// Where a key stands for the second time.
-    repeated: Option<(usize, usize)>,
+    places: Arc<Places>,
     /// Keys whose values were replaced after reading, each with the place of its new value.
     replaced: Vec<(String, Written)>,
 }
@@ -49,10 +46,10 @@ pub fn parse<T: DeserializeOwned>(path: &Path, mut text: String) -> Result<(T, D
     if text.trim().is_empty() {
         return Err(Fault::at(FaultKind::Input, path, "", 1, 1, "is empty"));
     }
-    let (places, repeated) = places(&text).map_err(|(line, column)| {
+    let places = Places::of(&text).map_err(|(line, column)| {
         Fault::at(FaultKind::Input, path, &text, line, column, format!("is nested more than {MAX_DEPTH} deep"))
     })?;
-    let doc = Document { path: path.into(), places: Arc::new(places), repeated, text: text.into(), replaced: vec![] };
+    let doc = Document { path: path.into(), places: Arc::new(places), text: text.into(), replaced: vec![] };
     let value = deserialize(&doc, serde_yaml::Deserializer::from_str(&doc.text))?;
     Ok((value, doc))
 }
@@ -95,7 +92,7 @@ impl Document {
 
     /// Whether the file, or what replaces its values, gives the key of a dotted path.
     pub fn has(&self, key: &str) -> bool {
-        self.places.contains_key(key) || self.replacement(key).is_some()
+        self.places.find(key).is_some() || self.replacement(key).is_some()
     }
 
     /// Where the value is written that takes the place of that of a key, or of one around it; none if it is the file's.
@@ -126,15 +123,15 @@ impl Document {
     /// Let a key that the file does not have, by which its readers name a value, stand where the key `at` does.
     pub fn stand(&mut self, key: &str, at: &str) {
         let place = self.place(at);
-        Arc::make_mut(&mut self.places).insert(key.into(), place);
+        Arc::make_mut(&mut self.places).standing.insert(key.into(), place);
     }
 
     /// The place of the key of a dotted path, or of the longest part of the path that the file has: line and column, from 1.
     pub fn place(&self, key: &str) -> (usize, usize) {
         let mut key = key;
         loop {
-            if let Some(place) = self.places.get(key) {
-                return *place;
+            if let Some(place) = self.places.find(key) {
+                return place;
             }
             match key.rsplit_once('.') {
                 Some((parent, _)) => key = parent,
@@ -218,9 +215,11 @@ fn structural_fault(
     if let Some((_, written)) = doc.replaced.iter().rev().find(|(replaced, _)| is_below(replaced)) {
         return doc.fault_in(written, message);
     }
-    let known_place = name.is_some() && doc.places.contains_key(key);
+    let known_place = name.is_some() && doc.places.find(key).is_some();
     let (line, column) = match error.location() {
-        _ if message.starts_with("duplicate") && doc.repeated.is_some() => doc.repeated.unwrap_or_default(),
+        _ if message.starts_with("duplicate") && doc.places.repeated.is_some() => {
+            doc.places.repeated.unwrap_or_default()
+        }
         Some(at) if !known_place => (at.line(), at.column()),
         _ => return doc.fault(key, message),
     };
@@ -246,75 +245,135 @@ fn in_plain_words(message: &str) -> String {
     format!("{head}expected {words}")
 }
 
-/// Lines and columns of keys and list items, and of the first key that stands twice.
-type Places = (HashMap<String, (usize, usize)>, Option<(usize, usize)>);
-
 /// The deepest nesting of lists and maps.
 const MAX_DEPTH: usize = 64;
 
-/// Where every key and list item of a YAML text stands, and the first key that stands twice; of a text that is not YAML, what came
-/// before the error. An error, with its place, if lists and maps are nested too deep.
-fn places(text: &str) -> Result<Places, (usize, usize)> {
-    enum Level {
-        Map { path: String, key: Option<String> },
-        List { path: String, next: usize },
-    }
-    let join = |path: &str, part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
-    let (mut found, mut repeated) = (HashMap::new(), None);
-    let mut stack: Vec<Level> = Vec::new();
-    for event in Parser::new_from_str(text) {
-        let (event, span) = match event {
-            Ok(next) => next,
-            // The parser reads ahead of what it tells of.
-            Err(e) if e.info().contains("recursion") => return Err((e.marker().line(), e.marker().col() + 1)),
-            Err(_) => break,
-        };
-        let at = (span.start.line(), span.start.col() + 1);
-        if stack.len() > MAX_DEPTH {
-            return Err(at);
-        }
-        // The path of the value that this event starts; a map's keys are consumed here.
-        let mut value_path = || -> Option<String> {
-            match stack.last_mut() {
-                None => Some(String::new()),
-                Some(Level::List { path, next }) => {
-                    let here = join(path, &next.to_string());
-                    *next += 1;
-                    found.insert(here.clone(), at);
-                    Some(here)
+/// Where every key and list item of a YAML text stands.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    /// Each value of a key and each item of a list; the first is the whole text.
+    values: Vec<Value>,
+    /// Where a key stands for the second time.
+    repeated: Option<(usize, usize)>,
+    /// Keys that the text does not have, and where they stand.
+    standing: HashMap<String, (usize, usize)>,
+}
+
+/// A value of the text.
+#[derive(Clone, Debug, Default)]
+struct Value {
+    /// Line and column, from 1, of its key, or of itself in a list.
+    line: u32,
+    column: u32,
+    /// What is in it; none in a scalar.
+    parts: Option<Box<Parts>>,
+}
+
+/// Indices of the values in a value.
+#[derive(Clone, Debug)]
+enum Parts {
+    Map(HashMap<String, u32>),
+    List(Vec<u32>),
+}
+
+impl Places {
+    /// Where all stands in a text; of one that is not YAML, what came before the error. An error, with its place, if lists and maps are nested
+    /// too deep.
+    fn of(text: &str) -> Result<Places, (usize, usize)> {
+        let mut places = Places { values: vec![Value::default()], ..Places::default() };
+        // The lists and maps that are open, each with the value of the key that has been read last.
+        let mut open: Vec<(u32, Option<u32>)> = vec![];
+        for event in Parser::new_from_str(text) {
+            let (event, span) = match event {
+                Ok(next) => next,
+                // The parser reads ahead of what it tells of.
+                Err(e) if e.info().contains("recursion") => return Err((e.marker().line(), e.marker().col() + 1)),
+                Err(_) => break,
+            };
+            let at = (span.start.line(), span.start.col() + 1);
+            if open.len() > MAX_DEPTH {
+                return Err(at);
+            }
+            match event {
+                Event::MappingStart(..) => {
+                    let value = places.begin(&mut open, at);
+                    places.values[value as usize].parts = Some(Box::new(Parts::Map(HashMap::new())));
+                    open.push((value, None));
                 }
-                Some(Level::Map { path, key }) => key.take().map(|k| join(path, &k)),
-            }
-        };
-        match event {
-            Event::MappingStart(..) => {
-                let path = value_path().unwrap_or_default();
-                stack.push(Level::Map { path, key: None });
-            }
-            Event::SequenceStart(..) => {
-                let path = value_path().unwrap_or_default();
-                stack.push(Level::List { path, next: 0 });
-            }
-            Event::MappingEnd | Event::SequenceEnd => {
-                stack.pop();
-            }
-            Event::Scalar(value, ..) => {
-                if value_path().is_none()
-                    && let Some(Level::Map { path, key }) = stack.last_mut()
-                {
-                    if found.insert(join(path, &value), at).is_some() {
-                        repeated.get_or_insert(at);
+                Event::SequenceStart(..) => {
+                    let value = places.begin(&mut open, at);
+                    places.values[value as usize].parts = Some(Box::new(Parts::List(vec![])));
+                    open.push((value, None));
+                }
+                Event::MappingEnd | Event::SequenceEnd => {
+                    open.pop();
+                }
+                Event::Scalar(name, ..) => match open.last_mut() {
+                    Some((map, key @ None)) if places.is_map(*map) => *key = Some(places.key(*map, &name, at)),
+                    _ => {
+                        places.begin(&mut open, at);
                     }
-                    *key = Some(value.to_string());
+                },
+                Event::Alias(_) => {
+                    places.begin(&mut open, at);
                 }
+                _ => {}
             }
-            Event::Alias(_) => {
-                value_path();
-            }
-            _ => {}
         }
+        Ok(places)
     }
-    Ok((found, repeated))
+
+    fn is_map(&self, value: u32) -> bool {
+        self.values[value as usize].parts.as_deref().is_some_and(|parts| matches!(parts, Parts::Map(_)))
+    }
+
+    fn push(&mut self, (line, column): (usize, usize)) -> u32 {
+        self.values.push(Value { line: line as u32, column: column as u32, parts: None });
+        self.values.len() as u32 - 1
+    }
+
+    /// The value that begins here: that of the key before, a new item of a list, or the whole text.
+    fn begin(&mut self, open: &mut [(u32, Option<u32>)], at: (usize, usize)) -> u32 {
+        let Some((around, key)) = open.last_mut() else { return 0 };
+        if let Some(value) = key.take() {
+            return value;
+        }
+        let (around, value) = (*around as usize, self.push(at));
+        if let Some(Parts::List(items)) = self.values[around].parts.as_deref_mut() {
+            items.push(value);
+        }
+        value
+    }
+
+    /// The value of a key of a map.
+    fn key(&mut self, map: u32, name: &str, at: (usize, usize)) -> u32 {
+        let value = self.push(at);
+        if let Some(Parts::Map(keys)) = self.values[map as usize].parts.as_deref_mut()
+            && keys.insert(name.into(), value).is_some()
+        {
+            self.repeated.get_or_insert(at);
+        }
+        value
+    }
+
+    /// Line and column, from 1, of a key by its dotted path (`a.b.2.c`), if there is one.
+    fn find(&self, path: &str) -> Option<(usize, usize)> {
+        if let Some(place) = self.standing.get(path) {
+            return Some(*place);
+        }
+        let value = &self.values[self.find_in(0, path)? as usize];
+        Some((value.line as usize, value.column as usize))
+    }
+
+    /// The value at a path within another. Keys may have dots.
+    fn find_in(&self, value: u32, path: &str) -> Option<u32> {
+        let part = |name: &str| match self.values.get(value as usize)?.parts.as_deref()? {
+            Parts::Map(keys) => keys.get(name).copied(),
+            Parts::List(items) => items.get(name.parse::<usize>().ok()?).copied(),
+        };
+        let within = |(dot, _)| self.find_in(part(&path[..dot])?, &path[dot + 1..]);
+        part(path).or_else(|| path.match_indices('.').find_map(within))
+    }
 }
 
 #[cfg(test)]

@@ -76,11 +76,11 @@ impl Choice {
                 near: None,
             },
             Kind::Bodies => Choice {
-                step: level(0.16, 0.117, 0.02),
+                step: level(0.16, 0.09, 0.02),
                 longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Relaxed,
-                iterations: Some(count(10, 10, 20)),
+                iterations: Some(count(15, 15, 20)),
                 start_iterations: Some(count(2000, 2000, 4000)),
                 overlap: None,
                 tolerance: 1e-9,
