@@ -126,41 +126,18 @@ fn tumble_by_a_part((before, local): (DQuat, DVec3), inverse: DVec3, h: f64) -> 
     ((before * rotation(middle * h)).normalize(), spin(middle * h))
 }
 
-/// Square of half the angle up to which the series of [`small_rotation`] are right to round-off.
-const SMALL: f64 = 0.0625;
-
-/// The rotation by a rotation vector, rad: its direction is the axis, its length the angle. By arithmetic alone, so that it is the same with every
-/// mathematics library, and however it is called.
+/// The rotation by a rotation vector, rad: its direction is the axis, its length the angle.
 #[inline]
 fn rotation(angle: DVec3) -> DQuat {
     let q = 0.25 * angle.length_squared();
-    if q <= SMALL {
-        return small_rotation(angle, q);
+    if q > 1e-3 {
+        return DQuat::from_scaled_axis(angle);
     }
-    large_rotation(angle, q)
-}
-
-/// The rotation by a small vector; `q` is the square of half the angle, in which there are series.
-#[inline(always)]
-fn small_rotation(angle: DVec3, q: f64) -> DQuat {
-    let sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0 * (1.0 - q / 110.0))));
-    let cosine =
-        1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0 * (1.0 - q / 132.0)))));
+    // Series in the square of the half angle, to round-off.
+    let sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0)));
+    let cosine = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0)));
     let v = angle * (0.5 * sine);
     DQuat::from_xyzw(v.x, v.y, v.z, cosine)
-}
-
-/// The rotation by any vector: that by a part of it, doubled again and again.
-#[inline(never)]
-fn large_rotation(angle: DVec3, q: f64) -> DQuat {
-    // Beyond that, what is left of the angle in a turn is round-off.
-    const MOST: u32 = 40;
-    let (mut part, mut q, mut doublings) = (angle, q, 0);
-    while q > SMALL && doublings < MOST {
-        (part, q, doublings) = (0.5 * part, 0.25 * q, doublings + 1);
-    }
-    let small = small_rotation(part, q.min(SMALL));
-    (0..doublings).fold(small, |turn, _| (turn * turn).normalize())
 }
 
 #[cfg(test)]
@@ -220,10 +197,9 @@ mod tests {
 
     #[test]
     fn the_series_is_the_rotation() {
-        for length in [0.0, 1e-9, 1e-4, 0.03, 0.0632, 0.3, 0.499, 0.501, 1.0, 3.0, 10.0, 100.0] {
+        for length in [0.0, 1e-9, 1e-4, 0.03, 0.0632] {
             let angle = DVec3::new(2.0, -1.0, 0.5).normalize() * length;
-            let error = (rotation(angle) - DQuat::from_scaled_axis(angle)).length();
-            assert!(error < 4e-16 * (1.0 + 10.0 * length), "{length}: {error}");
+            assert!((rotation(angle) - DQuat::from_scaled_axis(angle)).length() < 1e-16 * 4.0, "{length}");
         }
     }
 }
