@@ -1,7 +1,7 @@
 //! Convex bodies and joints by the levels of quality: cost against penetration.
 //!
 //! `cargo bench -p sim --bench convex [WORD…]` writes `results/convex.csv` and `results/convex.svg`; words choose among the names of scenes and
-//! levels. One thread.
+//! levels. One thread. The plot has the points of `results/convex_peers.csv` beside, crosses.
 
 mod clock;
 
@@ -53,8 +53,17 @@ fn run(scene: Convex, quality: Quality) -> Row {
     Row { scene, text, point: (cost, last) }
 }
 
-/// The cost of each scene against its penetration, a curve for each scene.
-fn draw(rows: &[Row], goal: &Path) -> Result<(), Box<dyn std::error::Error>> {
+/// The penetrations over the inradius and the costs that peers were measured at, with the names of the scenes.
+fn peers(table: &str) -> Vec<(String, (f64, f64))> {
+    let row = |line: &str| {
+        let [scene, _, cost, penetration] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
+        Some((scene.to_string(), (penetration.parse().ok()?, cost.parse().ok()?)))
+    };
+    table.lines().skip(1).filter_map(row).collect()
+}
+
+/// The cost of each scene against its penetration, a curve for each scene, and a cross for each of the peers.
+fn draw(rows: &[Row], peers: &[(String, (f64, f64))], goal: &Path) -> Result<(), Box<dyn std::error::Error>> {
     plotters::style::register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
         .unwrap_or_else(|_| panic!("the built-in font can be read"));
     let area = SVGBackend::new(goal, (900, 560)).into_drawing_area();
@@ -64,11 +73,12 @@ fn draw(rows: &[Row], goal: &Path) -> Result<(), Box<dyn std::error::Error>> {
         .margin(12)
         .x_label_area_size(44)
         .y_label_area_size(80)
-        .build_cartesian_2d((1e-7..1.0).log_scale(), (0.3..100.0).log_scale())?;
+        .build_cartesian_2d((1e-7..1.0).log_scale(), (0.2..100.0).log_scale())?;
     chart
         .configure_mesh()
         .x_desc("worst penetration at the end over the inradius")
         .y_desc("CPU-seconds per simulated second")
+        .x_label_formatter(&|x| format!("{x:.0e}"))
         .draw()?;
     for (k, scene) in SCENES.into_iter().enumerate() {
         let points: Vec<(f64, f64)> =
@@ -81,6 +91,12 @@ fn draw(rows: &[Row], goal: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let legend = move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2));
         chart.draw_series(line)?.label(format!("{scene:?}")).legend(legend);
         chart.draw_series(points.iter().map(|p| Circle::new(*p, 4, color.filled())))?;
+        let own = peers.iter().filter(|(name, _)| *name == format!("{scene:?}"));
+        let crosses = own.map(|(_, p)| Cross::new(*p, 6, color.stroke_width(2))).collect::<Vec<_>>();
+        if !crosses.is_empty() {
+            let legend = move |(x, y)| Cross::new((x + 8, y), 5, color.stroke_width(2));
+            chart.draw_series(crosses)?.label(format!("{scene:?}, Rapier")).legend(legend);
+        }
     }
     chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
     area.present()?;
@@ -111,6 +127,7 @@ fn main() {
     if wanted.is_empty() {
         let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/results");
         std::fs::write(results.join("convex.csv"), table).expect("the folder of results can be written");
-        draw(&rows, &results.join("convex.svg")).expect("a plot can be drawn");
+        let table = std::fs::read_to_string(results.join("convex_peers.csv")).expect("the peers' table");
+        draw(&rows, &peers(&table), &results.join("convex.svg")).expect("a plot can be drawn");
     }
 }
