@@ -91,6 +91,8 @@ pub fn check_library(binding: &Binding) -> Outcome {
             files.read(name, &["scenes"]).map_err(|e| binding.doc.fault(key, e))?;
         }
     }
+    // In jobs of Chrono::Render the renderer's own warning tells of them.
+    let is_job = binding.doc.has(bind::chronorender::ROOT);
     for (i, object) in binding.objects.iter().enumerate() {
         for (kind, shader) in [("surface", &object.surface), ("displacement", &object.displacement)] {
             let Some(shader) = shader else { continue };
@@ -99,7 +101,8 @@ pub fn check_library(binding: &Binding) -> Outcome {
                 .shader_parameters(&shader.name, kind)
                 .map_err(|f| binding.doc.fault(&format!("{key}.name"), f.message))?;
             let names: Vec<&str> = known.iter().map(String::as_str).collect();
-            if let Some(name) = shader.params.iter().map(|p| &p.decl.name).find(|p| !names.contains(&p.as_str())) {
+            let unknown = shader.params.iter().map(|p| &p.decl.name).find(|p| !names.contains(&p.as_str()));
+            if let Some(name) = unknown.filter(|_| !is_job) {
                 let noun = format!("parameter of `{}`", shader.name);
                 return Err(binding.doc.unknown(&format!("{key}.{name}"), &noun, name, &names).into());
             }

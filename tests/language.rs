@@ -133,6 +133,7 @@ fn jobs_of_chrono_render() {
     assert_eq!(warned("{filename: light.rib}", "{script: {file: a.py}}", "Python"), [255, 0, 0]);
     assert_eq!(warned("name: main,", "name: main, wobble: 3,", "wobble"), [255, 0, 0]);
     assert_eq!(warned("name: main,", "name: main, script: {file: a.py},", "Python"), [255, 0, 0]);
+    assert_eq!(warned("{name: constant.sl}}", "{name: constant.sl, Kq: 5}}", "Kq"), [255, 0, 0]);
     // Attributes of an object: it is there, and not seen.
     let hidden = "shader: {name: constant.sl}, attribute: [{name: visibility, int camera: 0}]}\n      - {name: bar";
     let job = JOB.replace("shader: {name: constant.sl}}\n      - {name: bar", hidden);
