@@ -114,8 +114,8 @@ fn of_tables(path: &Path) -> Result<Input, Failure> {
 /// The binding that is suggested for a source, as if it stood in a file at `path`.
 fn suggested(source: &Source, data: bind::metadata::Data, up: Up, path: &Path) -> Result<Binding, Failure> {
     let frames = sample(source)?;
-    let suggestion =
-        suggest::metadata(data, &frames, up).map_err(|message| Failure::data(format!("{}: {message}", path.display())))?;
+    let suggestion = suggest::metadata(data, &frames, up)
+        .map_err(|message| Failure::data(format!("{}: {message}", path.display())))?;
     suggestion.remarks.iter().for_each(|remark| eprintln!("note: {remark}"));
     let (metadata, doc): (bind::Metadata, Document) = frame::yaml::parse(path, suggestion.yaml)?;
     Ok(bind::metadata::check(metadata, doc)?)
