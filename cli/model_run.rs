@@ -42,7 +42,8 @@ pub fn simulate(job: ModelRun) -> Outcome {
     }
     say_what_is_there(&file, &folder, span.resume)?;
     note_command(&folder, span.resume)?;
-    let mut console = Console { progress: None, interruption: Listener::new() };
+    let up = Up::against(resolved.model.gravity.to_array());
+    let mut console = Console { progress: None, interruption: Listener::new(), up };
     guard::memory::doing("simulating into", &folder);
     let done = machine::with_all_memory(|| run::simulate(&file, resolved, &folder, (&span, &computer), &mut console));
     done.map_err(|e| match e {
@@ -143,13 +144,14 @@ pub fn check_warnings(folder: &Path) -> Outcome {
 struct Console {
     progress: Option<Progress>,
     interruption: Listener,
+    /// The axis that points up.
+    up: Up,
 }
 
 impl Observer for Console {
     fn begin(&mut self, sim: &Simulation, first: &Frame, writer: &mut RunWriter) -> Result<(), Fault> {
         geometry::write_archives(&sim.model, writer.folder())?;
-        let up = Up::against(sim.model.gravity.to_array());
-        write_metadata(std::slice::from_ref(first), up, writer).map(|_| ())
+        write_metadata(std::slice::from_ref(first), self.up, writer).map(|_| ())
     }
 
     fn resume(&mut self, checkpoint: &Path, time: f64, there: u64, expected: u64) {
@@ -179,7 +181,7 @@ impl Observer for Console {
         let n_rows = run.index.frames.last().map_or(0, |f| f.rows);
         let sample = bind::suggest::sample(&run.numbers(), n_rows);
         let frames = sample.into_iter().map(|f| run.read_frame(f)).collect::<Result<Vec<_>, Fault>>()?;
-        if !write_metadata(&frames, Up::of_run(writer.folder()), writer)? {
+        if !write_metadata(&frames, self.up, writer)? {
             let path = writer.folder().join(METADATA);
             eprintln!("{} was edited and stays as it is; remove it to have one made of this run", path.display());
         }

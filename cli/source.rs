@@ -3,8 +3,8 @@
 
 use crate::library;
 use crate::report::{Exit, Failure, Outcome};
-use bind::binding::{Binding, Camera, Data, Place};
-use bind::data::{Source, Store};
+use bind::binding::{Binding, Camera};
+use bind::data::Source;
 use frame::run::RunReader;
 use frame::{Fault, FaultKind, foreign};
 use render::Context;
@@ -71,9 +71,7 @@ pub fn metadata_of_run(folder: &Path) -> Outcome<(Binding, Source)> {
         return Err(Fault::whole(FaultKind::Data, &path, "is missing: it says what to render").hint(hint).into());
     }
     let mut binding = bind::read(&path)?;
-    let (derive, select) = binding.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
-    let source = Source::new(Store::Run(run), derive.clone(), select.clone());
-    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
+    let source = binding.take_run(run);
     Ok((binding, source))
 }
 

@@ -394,13 +394,12 @@ fn images_of_data(
 
 /// The metadata and the data of a plan.
 fn data_of(plan: &Plan) -> Outcome<(Binding, Source)> {
-    match (&plan.simulation, source::kind_of(&plan.input)) {
-        (None, _) => data_without_simulation(plan),
-        (Some(_), Ok(Yaml::Model)) => source::metadata_of_run(&plan.home),
-        (Some(_), Ok(Yaml::Metadata)) => {
-            Ok((bind::read(&plan.input)?, Store::Run(RunReader::open(&plan.home)?).into()))
-        }
-        (Some(_), Err(failure)) => Err(failure),
+    if plan.simulation.is_none() {
+        return data_without_simulation(plan);
+    }
+    match source::kind_of(&plan.input)? {
+        Yaml::Model => source::metadata_of_run(&plan.home),
+        Yaml::Metadata => Ok((bind::read(&plan.input)?, Store::Run(RunReader::open(&plan.home)?).into())),
     }
 }
 

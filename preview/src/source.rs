@@ -2,7 +2,7 @@
 
 use crate::args::Args;
 use crate::fault::Failure;
-use bind::binding::{Color, Data, Place};
+use bind::binding::Color;
 use bind::data::{Source, Store};
 use bind::{Binding, Moment, Up, emit, suggest};
 use frame::run::RunReader;
@@ -54,18 +54,16 @@ fn wait(path: &Path) {
 
 /// A run directory, by the metadata that its simulation wrote.
 fn of_run(folder: &Path) -> Result<Input, Failure> {
-    let store = Store::Run(RunReader::open(folder)?);
+    let run = RunReader::open(folder)?;
     let metadata = folder.join("metadata.yaml");
     let mut binding = match metadata.is_file() {
         true => bind::read(&metadata)?,
         false => {
             let data = bind::metadata::Data { run: Some(".".into()), ..Default::default() };
-            suggested(&store.clone().into(), data, Up::of_run(folder), &metadata)?
+            suggested(&Store::Run(run.clone()).into(), data, Up::of_run(folder), &metadata)?
         }
     };
-    let (derive, select) = binding.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
-    let source = Source::new(store, derive.clone(), select.clone());
-    binding.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
+    let source = binding.take_run(run);
     Ok(Input { binding, source, run: Some(folder.into()), name: String::new() })
 }
 

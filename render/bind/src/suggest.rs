@@ -47,8 +47,8 @@ pub struct Suggestion {
     pub remarks: Vec<String>,
 }
 
-/// Suggest metadata for data, from some of its frames (such as the first and the last) and the axis that points up in it. An error if there is no frame, or if no
-/// columns of positions are recognised.
+/// Suggest metadata for data, from some of its frames (such as the first and the last) and the axis that points up in it. An error if there
+/// is no frame, or if no columns of positions are recognised.
 pub fn metadata(data: Data, frames: &[Frame], up: Up) -> Result<Suggestion, String> {
     let some = frames.iter().find(|frame| frame.rows() > 0);
     let frame = some.ok_or("the data has no rows from which a camera could be placed")?;

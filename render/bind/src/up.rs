@@ -35,29 +35,11 @@ impl Up {
     /// The axis that gravity, in any unit, points against most; z where there is none.
     pub fn against(gravity: [f64; 3]) -> Up {
         let [x, y, z] = gravity.map(f64::abs);
-        let is_down = |g: f64| g <= 0.0;
+        let against = |g: f64, [up, down]: [Up; 2]| if g <= 0.0 { up } else { down };
         match gravity {
-            [g, ..] if x > y && x > z => {
-                if is_down(g) {
-                    Up::X
-                } else {
-                    Up::MinusX
-                }
-            }
-            [_, g, _] if y > z => {
-                if is_down(g) {
-                    Up::Y
-                } else {
-                    Up::MinusY
-                }
-            }
-            [.., g] => {
-                if is_down(g) {
-                    Up::Z
-                } else {
-                    Up::MinusZ
-                }
-            }
+            [g, ..] if x > y && x > z => against(g, [Up::X, Up::MinusX]),
+            [_, g, _] if y > z => against(g, [Up::Y, Up::MinusY]),
+            [.., g] => against(g, [Up::Z, Up::MinusZ]),
         }
     }
 

@@ -15,4 +15,5 @@ pub use front::{Diagnostic, Include, compile, compile_with};
 pub use ir::Global;
 pub use shadeop::direction::spread;
 pub use shadeop::noise;
+pub use shadeop::runs::run_of;
 pub use shadeop::wide::has_wide_lanes;

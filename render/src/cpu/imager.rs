@@ -94,16 +94,11 @@ fn run_strip(
     points.refill(Global::Alpha).extend(pixels.iter().map(|p| p[3]));
     machine.run(imager, points, &ImagerScene(scene));
     let (ci, alpha) = (points.get(Global::Ci).unwrap_or(&[0.0; 3]), points.get(Global::Alpha).unwrap_or(&[0.0]));
-    let runs = [run_of(ci, 3, 0, n), run_of(ci, 3, 1, n), run_of(ci, 3, 2, n), run_of(alpha, 1, 0, n)];
+    let runs = [sl::run_of(ci, 3, 0, n), sl::run_of(ci, 3, 1, n), sl::run_of(ci, 3, 2, n), sl::run_of(alpha, 1, 0, n)];
     for (c, run) in runs.into_iter().enumerate() {
         match run {
             [one] => pixels.iter_mut().for_each(|pixel| pixel[c] = *one),
             run => pixels.iter_mut().zip(run).for_each(|(pixel, x)| pixel[c] = *x),
         }
     }
-}
-
-/// A component's values: one for all pixels, or one a pixel.
-fn run_of(v: &[f32], width: usize, c: usize, n: usize) -> &[f32] {
-    if v.len() == width { &v[c..=c] } else { &v[c * n..][..n] }
 }

@@ -335,6 +335,14 @@ impl Binding {
         self.doc.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()
     }
 
+    /// Take the run in the file's folder as the data, with what the file derives and selects of its data.
+    pub fn take_run(&mut self, run: run::RunReader) -> Source {
+        let (derive, select) = self.data.take().map(|data| (data.derive, data.select)).unwrap_or_default();
+        let source = Source::new(Store::Run(run), derive.clone(), select.clone());
+        self.data = Some(Data { place: Some(Place::Run(".".into())), derive, select });
+        source
+    }
+
     /// Open the data. An error if the binding names no data, or not exactly one place of it, or the data cannot be opened.
     pub fn open_data(&self) -> Result<Source, Fault> {
         let Some(data) = &self.data else {
