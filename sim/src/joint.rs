@@ -148,6 +148,8 @@ pub struct JointState {
     pub coordinate: f64,
     /// Rate of the coordinate, rad/s or m/s.
     pub rate: f64,
+    /// The force on A in the step before, N, world.
+    pub force_before: DVec3,
     /// Constraint violation: the maximum |Ψ| of the joint's rows, locked and driven, m or rad.
     pub violation: f64,
 }
@@ -157,6 +159,8 @@ pub struct JointState {
 pub struct SpringState {
     /// Force, N, or torque, N m; positive pulls B towards A, or turns B back about z.
     pub force: f64,
+    /// The force in the step before, N or N m.
+    pub force_before: f64,
     /// Length, m, or angle, rad, unwrapped over full turns.
     pub coordinate: f64,
 }

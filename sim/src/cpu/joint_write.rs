@@ -10,15 +10,16 @@
 //! inout  free         [n_bodies]      explicit springs act on it, and geometric stiffness
 //! Source: paper §2, bilateral constraints; springs are implicit where they are too stiff for the step.
 
-use super::geometric_stiffness::Stiffness;
+use super::geometric_stiffness::{Stiffness, Target};
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
-use crate::joint::{Coordinate, JointState, Row, Spring, SpringState};
+use crate::joint::{Coordinate, Joint, JointState, Row, Spring, SpringState};
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::{Activity, State};
 use crate::twist::Twist;
+use glam::DVec3;
 
 /// Number of steps within which a coordinate must be able to reach a limit for the limit to have a row.
 const LOOK_AHEAD: f64 = 3.0;
@@ -64,18 +65,13 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     joints.rows.clear();
     joints.bias.clear();
     *limits = Limits::default();
-    let present = |bodies: [u32; 2]| {
-        !bodies.iter().any(|b| state.is_inactive(*b as usize)) && bodies.iter().any(|b| state.moves(*b as usize))
-    };
-    let mut stiffness = Stiffness::default();
     for (i, joint) in model.joints.iter().enumerate() {
         let first = joints.rows.len();
         start.push(first as u32);
-        if !joint.acts(state.time) || !present(joint.bodies) {
+        if !joint_acts(state, joint) {
             continue;
         }
         let f = state.joint_frames(joint);
-        stiffness.add(joint, &f, state.joints[i].force_world);
         joint.rows(&f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
@@ -96,13 +92,10 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         }
     }
     start.push(joints.rows.len() as u32);
-    let acting = |spring: &Spring| spring.acts(state.time) && present(spring.bodies);
-    for (spring, known) in model.springs.iter().zip(&state.springs).filter(|(spring, _)| acting(spring)) {
-        stiffness.add_spring(spring, &state.spring_frames(spring), known);
-    }
-    stiffness.apply(model, state, h, masses, free, joints);
+    let mut stiffness = stiffness(model, state, |i| [state.joints[i].force_world, state.joints[i].force_before]);
+    let is_stiff = stiffness.apply(model, state, h, Target { masses, free, joints });
     for (i, spring) in model.springs.iter().enumerate() {
-        if !acting(spring) {
+        if !spring_acts(state, spring) {
             continue;
         }
         let f = state.spring_frames(spring);
@@ -122,6 +115,68 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
             }
         }
     }
+    // At the start no force is known.
+    if is_stiff || state.steps == 0 {
+        follow(model, state, &mut stiffness, start, Target { masses, free, joints });
+    }
+}
+
+/// Let the stiffness follow the forces of the step itself, as they are without contacts.
+fn follow(
+    model: &Model,
+    state: &State,
+    stiffness: &mut Stiffness,
+    start: &[u32],
+    Target { masses, free, joints }: Target,
+) {
+    /// The most times: each makes the forces smaller.
+    const MOST: usize = 3;
+    let h = model.step;
+    let mut response = Response::default();
+    for _ in 0..MOST {
+        joints.prepare(masses);
+        response.twist.clear();
+        response.twist.extend_from_slice(free);
+        joints.reset(&mut response);
+        joints.solve(masses, &mut response);
+        let found = self::stiffness(model, state, |i| {
+            let range = start[i] as usize..start[i + 1] as usize;
+            let f = state.joint_frames(&model.joints[i]);
+            let force = f.reaction(&joints.rows[range.clone()], &response.lambda[range], h).0;
+            [force, force]
+        });
+        if !stiffness.follow(&found, model, state, h, Target { masses, free, joints }) {
+            break;
+        }
+    }
+}
+
+/// The geometric stiffness of the joints and springs that act, by the forces of joints now and before.
+fn stiffness(model: &Model, state: &State, forces: impl Fn(usize) -> [DVec3; 2]) -> Stiffness {
+    let mut stiffness = Stiffness::default();
+    for (i, joint) in model.joints.iter().enumerate().filter(|(_, joint)| joint_acts(state, joint)) {
+        stiffness.add((i, joint), &state.joint_frames(joint), forces(i));
+    }
+    for (i, spring) in model.springs.iter().enumerate().filter(|(_, spring)| spring_acts(state, spring)) {
+        stiffness.add_spring((model.joints.len() + i, spring), &state.spring_frames(spring), &state.springs[i]);
+    }
+    stiffness
+}
+
+/// Whether a joint acts in the step: it does not yet with an inactive body.
+fn joint_acts(state: &State, joint: &Joint) -> bool {
+    joint.acts(state.time) && are_present(state, joint.bodies)
+}
+
+/// [`joint_acts`] of a spring.
+fn spring_acts(state: &State, spring: &Spring) -> bool {
+    spring.acts(state.time) && are_present(state, spring.bodies)
+}
+
+/// Whether no body is inactive, and one at least moves.
+fn are_present(state: &State, bodies: [u32; 2]) -> bool {
+    let mut bodies = bodies.into_iter().map(|b| b as usize);
+    !bodies.clone().any(|b| state.is_inactive(b)) && bodies.any(|b| state.moves(b))
 }
 
 /// Record the states of the joints and springs: reactions, those of limits included, coordinates, violations. Runs before the poses change.
@@ -149,7 +204,11 @@ pub fn record(
         let range = start[i] as usize..start[i + 1] as usize;
         let (rows, lambda) = (&all_rows[range.clone()], &response.lambda[range]);
         let known = state.joints[i];
-        let mut now = JointState { coordinate: joint.coordinate(&f, &known), ..JointState::default() };
+        let mut now = JointState {
+            coordinate: joint.coordinate(&f, &known),
+            force_before: known.force_world,
+            ..JointState::default()
+        };
         if let Some(c) = joint.kind.coordinate() {
             now.rate = joint.free_row(&f, c).speed_in(motion);
             now.coordinate += h * now.rate;
@@ -191,7 +250,7 @@ pub fn record(
         let force = |(psi, speed): (f64, f64)| spring.tension(psi, state.time + h) + spring.damping * speed;
         let force = if acts { spring.coordinate(rows().map(force)) } else { 0.0 };
         let coordinate = spring.coordinate(rows().map(|(psi, speed)| psi + h * speed));
-        state.springs[i] = SpringState { force, coordinate };
+        state.springs[i] = SpringState { force, force_before: state.springs[i].force, coordinate };
     }
 }
 

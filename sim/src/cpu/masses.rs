@@ -61,7 +61,7 @@ impl Masses {
 
     /// [`Masses::rotate`] of some bodies: all that are asked for in the step.
     pub fn rotate_bodies(&mut self, model: &Model, state: &State, bodies: impl Iterator<Item = usize>) {
-        for (b, inv_moment) in self.stiffened.drain(..) {
+        for (b, inv_moment) in self.stiffened.drain(..).rev() {
             self.inv_moment[b] = inv_moment;
         }
         let InertiaTensors::Some { slot, tensor } = &mut self.tensors else { return };

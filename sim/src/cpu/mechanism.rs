@@ -110,8 +110,9 @@ impl Mechanism {
             joints.rows.push(*row);
             joints.bias.push(recovery.limit_rate(row.psi));
         }
-        let is_new = joints.prepare(masses);
+        joints.prepare(masses);
         joints.reduce(masses, reduced);
+        let is_new = joints.take_is_new();
         self.respond(&[]);
         is_new
     }

@@ -35,6 +35,8 @@ pub struct Joints {
     pattern: Pattern,
     factor: Factor,
     softness: Vec<f64>,
+    /// Whether the structure of the factor has changed since it was last asked ([`Joints::take_is_new`]).
+    is_new: bool,
 }
 
 /// Pivot over the diagonal below which a row follows from those before it: thirty times the trace of compliance that lets it be there at
@@ -93,16 +95,17 @@ pub fn on_body(row: &Row, body: u32) -> Twist {
 }
 
 impl Joints {
-    /// Factorise S for the rows of a step. Returns whether its structure is another.
-    pub fn prepare(&mut self, masses: &Masses) -> bool {
+    /// Factorise S for the rows of a step.
+    pub fn prepare(&mut self, masses: &Masses) {
         let n = self.rows.len();
         if n == 0 {
-            return false;
+            return;
         }
         let known = &self.pattern.bodies;
         let is_new = known.len() != n || self.rows.iter().zip(known).any(|(r, p)| r.bodies != *p);
         if is_new {
             self.analyse(masses);
+            self.is_new = true;
         }
         let Joints { rows, pattern, factor, softness, .. } = self;
         softness.clear();
@@ -115,7 +118,11 @@ impl Joints {
             on_diagonal[*place as usize] = softness[softness.len() - 1];
         }
         factor.factorise(1e-14 * largest, |front, element, first| pattern.fill(front, element, first, rows, masses));
-        is_new
+    }
+
+    /// Whether the structure of the factor is another than when this was last asked.
+    pub fn take_is_new(&mut self) -> bool {
+        std::mem::take(&mut self.is_new)
     }
 
     fn analyse(&mut self, masses: &Masses) {
