@@ -27,12 +27,13 @@ const MAX_FILE: usize = 600;
 const MAX_FUNCTION: usize = 80;
 
 /// Longer functions, by file and name, and why they are.
-const LONG_FUNCTIONS: [(&str, &str, &str); 7] = [
+const LONG_FUNCTIONS: [(&str, &str, &str); 8] = [
     ("render/sl/src/back/machine/run.rs", "op", "an arm for each operation of the IR"),
     ("render/sl/src/front/lower/form.rs", "form", "a rule for each function whose arguments no row describes"),
     ("render/sl/src/ir/validate.rs", "op", "an arm for each operation of the IR"),
     ("render/sl/src/ir/walk.rs", "reads", "an arm for each operation of the IR"),
     ("sim/src/assembly/tracked_vehicle.rs", "track", "one track, part by part: shoes, pins, wheels, axles"),
+    ("sim/benches/rows.rs", "rows", "the table of the rows, each with its model and what is measured"),
     ("sim/src/model_file/resolve/base.rs", "base", "copies a model column by column, over one table of new ids"),
     ("sim/src/model_file/resolve/bodies.rs", "body", "the checks of a body's keys, in the order of the file format"),
 ];

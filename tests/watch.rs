@@ -281,3 +281,27 @@ bodies:
     assert_eq!(swings(200.0, 500), [0; 0], "a ball that bounces now and then");
     assert_eq!(swings(50.0, 20), [0; 0], "no load");
 }
+
+/// A knee of two light links that carries a load on a vertical guide and passes its straight line, faster than a step resolves: the energy of
+/// its swing goes, and that is said. With heavier links it is kept, and nothing is said.
+#[test]
+fn energy_that_joints_lose_is_reported() {
+    let knee = |link: f64| {
+        format!(
+            "step: 1e-3
+materials: {{m: {{density: 1000, friction: 0}}}}
+bodies:
+  - {{name: upper, shapes: [], mass: {link}, inertia: [1e-3, 1e-3, 1e-4], position: [0.05, 0, -0.0866025403784], rotate: {{axis: [0, 1, 0], angle: -30}}}}
+  - {{name: lower, shapes: [], mass: {link}, inertia: [1e-3, 1e-3, 1e-4], position: [0.05, 0, -0.2598076211353], rotate: {{axis: [0, 1, 0], angle: 30}}}}
+  - {{name: load, shapes: [], mass: 20, inertia: [0.01, 0.01, 0.01], position: [0, 0, -0.3464101615138]}}
+joints:
+  - {{name: top, kind: revolute, a: world, b: upper, position: [0, 0, 0], axis: [0, 1, 0]}}
+  - {{name: knee, kind: revolute, a: upper, b: lower, position: [0.1, 0, -0.1732050807569], axis: [0, 1, 0]}}
+  - {{name: foot, kind: revolute, a: lower, b: load, position: [0, 0, -0.3464101615138], axis: [0, 1, 0]}}
+  - {{name: guide, kind: prismatic, a: world, b: load, position: [0, 0, 0], axis: [0, 0, 1]}}
+"
+        )
+    };
+    assert_eq!(kinds(&knee(0.02), 1_000), [WarningKind::Energy]);
+    assert_eq!(kinds(&knee(20.0), 1_000), []);
+}

@@ -33,10 +33,21 @@ pub fn is_heap(model: &Model, state: &State) -> bool {
 pub fn loads(model: &Model, state: &State) -> Vec<u32> {
     /// The least ratio of a load's mass to that of the lightest body.
     const LEAST: f64 = 1_000.0;
+    loads_from(LEAST, model, state)
+}
+
+/// Whether a few sweeps a step are not enough for what some bodies carry: [`loads`] from thirty times the lightest body on.
+pub fn carries_loads(model: &Model, state: &State) -> bool {
+    const LEAST: f64 = 30.0;
+    !loads_from(LEAST, model, state).is_empty()
+}
+
+/// [`loads`], from a ratio of masses on.
+fn loads_from(ratio: f64, model: &Model, state: &State) -> Vec<u32> {
     let mass = |b: u32| model.inv_mass[b as usize].recip();
     let is_free = |b: &u32| state.is_free(*b as usize);
     let moving = || (0..model.n_bodies() as u32).filter(is_free);
-    let least = LEAST * moving().map(mass).fold(f64::INFINITY, f64::min);
+    let least = ratio * moving().map(mass).fold(f64::INFINITY, f64::min);
     let (loads, others): (Vec<u32>, Vec<u32>) = moving().partition(|b| mass(*b) >= least);
     let sum = |bodies: &[u32]| bodies.iter().map(|b| mass(*b)).sum::<f64>();
     let is_held = |pair: [u32; 2]| pair.iter().all(is_free) && pair.iter().any(|b| mass(*b) >= least);

@@ -12,7 +12,7 @@ pub enum WarningKind {
     Joint,
     /// A motor does not reach the rate or the coordinate that it prescribes.
     Motor,
-    /// Energy has grown without a cause.
+    /// Energy has grown without a cause, or joints alone have lost it.
     Energy,
     /// Two bodies overlap deeply.
     Overlap,
@@ -111,6 +111,8 @@ pub struct WatchState {
     pub(crate) acting: Vec<bool>,
     /// Minimum energy since the last cause of growth, J.
     pub(crate) min_energy: f64,
+    /// Maximum energy, and maximum kinetic energy, since anything could take energy away, J; none in such a step.
+    pub(crate) kept: Option<[f64; 2]>,
     /// The least inradius of a shape that moves, m; none where it is not known yet.
     #[serde(skip)]
     pub(crate) inradius: Option<f64>,

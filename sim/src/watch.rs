@@ -5,7 +5,7 @@
 //! | residual | the step's residual is above 100 tolerances and above gravity times step size |
 //! | joint | the error of a locked motion is above a thousandth of the initial bounding box's diagonal, or a hundredth of a radian |
 //! | motor | a driven rate is off by more than a hundredth of what is prescribed, and by more than half of it or what gives five times the error above in 1 s; or a driven coordinate by more than that error |
-//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause |
+//! | energy | kinetic, potential and elastic energy have grown by more than a tenth of the available energy, without a cause; or while nothing but joints acted, they have fallen by more than a tenth of the maximum kinetic energy |
 //! | overlap | two bodies overlap by more than half the smaller inradius of their shapes; on a device, of all shapes that move |
 //!
 //! Causes of growing energy are loads, motors, lengths and preloads that change, and bodies that appear or begin to move, anywhere in
@@ -21,7 +21,7 @@ use crate::load::Function;
 use crate::model::Model;
 use crate::outcome::{Deepest, JointErrors, StepOutcome};
 use crate::rows::fold_rows;
-use crate::state::State;
+use crate::state::{Activity, State};
 use crate::swing;
 use glam::DVec3;
 
@@ -41,6 +41,8 @@ const MOTOR_DRIFT: f64 = 5.0;
 const SLOWEST: f64 = 1e-3;
 /// Tolerance of energy growth, over the available energy.
 const ENERGY_GROWTH: f64 = 0.1;
+/// Tolerance of energy that joints lose, over the maximum kinetic energy.
+const ENERGY_LOSS: f64 = 0.1;
 /// Tolerance of overlaps, over the smaller inradius.
 const OVERLAP: f64 = 0.5;
 
@@ -187,11 +189,14 @@ impl WatchState {
         if broken.is_some() {
             return (vec![], broken);
         }
+        let is_caused = self.is_caused(model, state, survey.mass);
         let found = [
             self.residual(model, seen).map(|m| (WarningKind::Residual, m)),
             self.joint(model, seen).map(|m| (WarningKind::Joint, m)),
             self.motor(model, state).map(|m| (WarningKind::Motor, m)),
-            self.energy(model, state, seen, survey).map(|m| (WarningKind::Energy, m)),
+            self.energy(model, state, (seen, survey), is_caused)
+                .or_else(|| self.lost_energy(model, state, survey, is_caused))
+                .map(|m| (WarningKind::Energy, m)),
             self.overlap(model, seen).map(|m| (WarningKind::Overlap, m)),
             swing::watch(&mut self.swings, model, state, |b| label(model, b)).map(|m| (WarningKind::Swing, m)),
         ];
@@ -253,13 +258,18 @@ impl WatchState {
         lags.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, message)| message)
     }
 
-    fn energy(&mut self, model: &Model, state: &State, seen: &StepOutcome, survey: &Survey) -> Option<String> {
-        let caused = self.is_caused(model, state, survey.mass);
+    fn energy(
+        &mut self,
+        model: &Model,
+        state: &State,
+        (seen, survey): (&StepOutcome, &Survey),
+        is_caused: bool,
+    ) -> Option<String> {
         let elastic: f64 = (0..model.springs.len()).map(|i| elastic_energy(model, state, i)).sum();
         let energy = survey.kinetic + survey.potential + elastic;
         let oscillation = survey.oscillation + seen.spring_oscillation;
         let upper = energy + oscillation;
-        if caused {
+        if is_caused {
             self.min_energy = upper;
             return None;
         }
@@ -285,6 +295,36 @@ impl WatchState {
             ));
         }
         Some(message)
+    }
+
+    /// Energy that is lost while nothing but joints without limits acts, which take none: where the step does not resolve how fast the links of a
+    /// mechanism move, as when it passes a straight line.
+    fn lost_energy(&mut self, model: &Model, state: &State, survey: &Survey, is_caused: bool) -> Option<String> {
+        /// Steps of free fall whose speed is that of the start, when links begin to carry.
+        const START: f64 = 30.0;
+        let can_lose = is_caused
+            || model.joints.is_empty()
+            || !model.springs.is_empty()
+            || model.joints.iter().any(|j| j.limits.is_some() && j.locked_at().is_none())
+            || !state.contacts.is_empty()
+            || state.activity.contains(&Activity::Asleep);
+        if can_lose {
+            self.kept = None;
+            return None;
+        }
+        let energy = survey.kinetic + survey.potential;
+        let [most, fastest] = self.kept.unwrap_or([f64::NEG_INFINITY, 0.0]);
+        let (most, fastest) = (most.max(energy - survey.oscillation), fastest.max(survey.kinetic));
+        self.kept = Some([most, fastest]);
+        let slow = START * residual_bound(model);
+        let loss = most - energy - survey.oscillation;
+        if !(loss > ENERGY_LOSS * fastest + 0.5 * survey.mass * slow * slow) {
+            return None;
+        }
+        self.kept = None;
+        Some(format!(
+            "energy has fallen by {loss:.3e} J although nothing but joints acts, the maximum kinetic energy was {fastest:.3e} J: the step is too long for how fast links turn"
+        ))
     }
 
     fn overlap(&mut self, model: &Model, seen: &StepOutcome) -> Option<String> {

@@ -4,8 +4,8 @@
 //! changes by −K δθ with K = (F·r̂) (|r| 1 − r r̂ᵀ): none about the arm itself. Light links under tension swing fast, and where h²K is above
 //! their inertia the explicit rows of a step shake them apart. There K acts at the step's end, as a stiff spring does: it is added to the
 //! inertia, h²K for the links' rotation, and so S stays block-sparse; a link of constant length resists transverse motion with F over its
-//! length, by two rows. Inertia that is more than in the step before takes over the momentum that is there: links that shake while their
-//! load grows heavier would gain energy from nothing, if they kept their velocity.
+//! length, by two rows. Inertia that is more than twice that of the step before takes over the momentum that is there: links that shake while
+//! they turn taut would gain energy from nothing, if they kept their velocity.
 //! Forces are those of the last step. Where joints of such bodies carry far more in this one, as when a chain becomes taut, the stiffness
 //! follows: the joints are solved for their forces before the contacts are ([`Stiffness::follow`]).
 //! Source: Andrews, Teichmann and Kry, *Geometric stiffness for real-time constrained multibody dynamics* (2017), with the threshold of
@@ -107,7 +107,8 @@ impl Stiffness {
         for (body, [now, before]) in &self.of_body {
             let Some(least) = least_moment(model, state, *body) else { continue };
             let Some(added) = now.added(h, least) else { continue };
-            let rise = before.added(h, least).map_or(added, |before| positive(added - before));
+            let before = before.added(h, least).unwrap_or(DMat3::ZERO);
+            let rise = positive(added - 2.0 * before - DMat3::IDENTITY * least);
             target.stiffen(*body, added, rise);
             self.acting.inertia.insert(*body, added);
         }

@@ -43,7 +43,7 @@ impl Spheres {
     pub fn new(device: &Device, model: &Model, narrow: Narrow) -> Result<(Spheres, Scale), Fault> {
         let shapes: Vec<usize> = (0..model.n_shapes()).filter(|s| solids::is_mover(model, *s)).collect();
         if shapes.is_empty() {
-            return Err(Fault::Unsupported("the model has no spheres and nothing that moves".into()));
+            return Err(Fault::Unsupported("no body of the model that moves has a shape".into()));
         }
         let hulls = Hulls::new(device, model)?;
         let solids = match narrow {

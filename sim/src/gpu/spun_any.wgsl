@@ -1,5 +1,5 @@
 // Rotation of any body over a step, from the columns `mass`, `orientation` and `displaced` of the kernel: the angular momentum in the world
-// stays, and the body turns by what it makes of it in the middle of the step.
+// stays, and the energy is split about the principal axes.
 // Twin: cpu/integrate.rs
 #import inertia
 
@@ -8,42 +8,47 @@ struct Spun {
     spin: vec3<f32>,
 }
 
-// The most iterations, and the change over the angular velocity at which the middle is found.
-const MOST: u32 = 12u;
-const FOUND: f32 = 2e-7;
-
-// The frame of a body after it has turned by an angle, and its angular velocity there.
-fn spin_after(angle: vec3<f32>, momentum: vec3<f32>, inverse: vec3<f32>) -> vec3<f32> {
-    return turned_back(rotation_by(angle), momentum) * inverse;
-}
-
-// The greatest angle of a part of the step, rad, and the most parts.
-const PART: f32 = 0.5;
+// The greatest angle of the swing between two axes in a part of the step, rad, and the most parts.
+const PART: f32 = 0.25;
 const MOST_PARTS: f32 = 1e4;
 
-// Orientation and angular velocity in its own frame after a step without torque. Fast rotation goes in parts.
-fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun {
-    let parts = clamp(ceil(length(w) * h / PART), 1.0, MOST_PARTS);
-    var now = Spun(before, turned_back(before, w));
-    for (var i = 0.0; i < parts; i += 1.0) {
-        now = tumbled_by_a_part(now, inverse, h / parts);
-    }
-    return now;
+// The body's rotation about an axis of its own, and its angular momentum in its frame.
+struct Turn {
+    turned: vec4<f32>,
+    local: vec3<f32>,
 }
 
-fn tumbled_by_a_part(before: Spun, inverse: vec3<f32>, h: f32) -> Spun {
-    let momentum = before.spin / inverse;
-    var middle = before.spin;
-    for (var i = 0u; i < MOST; i++) {
-        let next = spin_after(middle * (0.5 * h), momentum, inverse);
-        let change = next - middle;
-        middle = next;
-        if dot(change, change) <= FOUND * FOUND * dot(next, next) {
-            break;
-        }
+fn about(now: Turn, axis: vec3<f32>, rate: f32, time: f32) -> Turn {
+    if rate == 0.0 {
+        return now;
     }
-    let after = normalize(product_of(before.orientation, rotation_by(middle * h)));
-    return Spun(after, spin_after(middle * h, momentum, inverse));
+    let angle = rotation_by(axis * (rate * dot(now.local, axis) * time));
+    return Turn(product_of(now.turned, angle), turned_back(angle, now.local));
+}
+
+// Orientation and angular velocity in its own frame after a step without torque: about the angular momentum by the middle moment, and in
+// turns about the two other axes by what their moments differ.
+fn tumbled(before: vec4<f32>, w: vec3<f32>, inverse: vec3<f32>, h: f32) -> Spun {
+    let least = min(inverse.x, min(inverse.y, inverse.z));
+    let most = max(inverse.x, max(inverse.y, inverse.z));
+    // The first of the least, the last of the most, and what is left.
+    let slow = select(select(vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, 0.0), inverse.y == least), vec3(1.0, 0.0, 0.0), inverse.x == least);
+    let fast = select(select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), inverse.y == most), vec3(0.0, 0.0, 1.0), inverse.z == most);
+    let middle = dot(inverse, 1.0 - slow - fast);
+    let rates = vec2(least - middle, most - middle);
+    let start = turned_back(before, w) / inverse;
+    let momentum = turned(before, start);
+    let swing = sqrt(-rates.x * rates.y) * length(momentum) * h;
+    let parts = clamp(ceil(swing / PART), 1.0, MOST_PARTS);
+    var now = Turn(vec4(0.0, 0.0, 0.0, 1.0), start);
+    let time = h / parts;
+    for (var i = 0.0; i < parts; i += 1.0) {
+        now = about(now, slow, rates.x, 0.5 * time);
+        now = about(now, fast, rates.y, time);
+        now = about(now, slow, rates.x, 0.5 * time);
+    }
+    let after = normalize(product_of(rotation_by(momentum * (middle * h)), product_of(before, now.turned)));
+    return Spun(after, turned_back(after, momentum) * inverse);
 }
 
 // Orientation and angular velocity in its own frame after a step `h` that begins with the angular velocity `w`, and the recovery of overlaps

@@ -4,6 +4,7 @@
 //! piles, pyramids and machines (`benches/convex.rs`).
 
 use super::types::ModelFile;
+use crate::heap::carries_loads;
 use crate::model::Model;
 use crate::plan::{Narrow, coheres, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
@@ -116,12 +117,20 @@ struct Scale {
     speed: f64,
 }
 
+/// Part of its least half length that a body may move by in a step at the start: half of the way of a step is how far it comes to rest too early.
+fn way(quality: Quality) -> f64 {
+    match quality {
+        Quality::Draft => 1.0,
+        Quality::Normal | Quality::Tight => 0.45,
+    }
+}
+
 impl Scale {
     fn of(model: &Model, state: &State) -> Scale {
         let mut awake = state.clone();
         awake.wake(model);
         let kind = match Narrow::of(model, &awake) {
-            _ if has_joints(model) => Kind::Any,
+            _ if has_joints(model) || carries_loads(model, &awake) => Kind::Any,
             Narrow::Spheres => Kind::Grains,
             // The envelope that bodies of any shape rest with would be the range of their cohesion.
             Narrow::Any if coheres(model) => Kind::Any,
@@ -148,7 +157,7 @@ impl Quality {
     pub fn settings(self, model: &Model, state: &State) -> (f64, SolverSettings) {
         let Scale { kind, radius, gravity, speed } = Scale::of(model, state);
         let choice = Choice::of(self, kind);
-        let by_speed = if speed > 0.0 { radius / speed } else { f64::INFINITY };
+        let by_speed = if speed > 0.0 { way(self) * radius / speed } else { f64::INFINITY };
         let step = (choice.step * (radius / gravity).sqrt()).min(choice.longest).min(by_speed);
         let open = SolverSettings::default();
         let fall = gravity * step * step;
