@@ -302,15 +302,27 @@ impl Samples {
         grid: &SampledGrid<'_>,
         area: impl FnOnce() -> f32,
     ) {
-        if grid.is_probe {
-            return;
-        }
         if grid.opaque {
             self.z[k] = z;
             self.visible[k] = micropolygon.id();
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
-            return;
+        } else if !grid.is_probe {
+            let area = if grid.solid.is_some() { area() } else { 0.0 };
+            self.record_layer(k, z, micropolygon, weights, grid, area);
         }
+    }
+
+    /// The same of what may be translucent.
+    #[inline(never)]
+    fn record_layer(
+        &mut self,
+        k: usize,
+        z: f32,
+        micropolygon: Micropolygon,
+        weights: [f32; 2],
+        grid: &SampledGrid<'_>,
+        area: f32,
+    ) {
         if grid.seen != [0.0, 1.0] {
             let part = self.part(k);
             if part < grid.seen[0] || part >= grid.seen[1] {
@@ -320,7 +332,7 @@ impl Samples {
         if is_clipped(grid.planes, [self.x[k] + self.x0 as f32, self.y[k] + self.y0 as f32], z) {
             return;
         }
-        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area() > 0.0) == positive));
+        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
         // Every surface of a solid counts.
         let primitive = if solid.is_some() { NO_PRIMITIVE } else { grid.primitive };
         let next = std::mem::replace(&mut self.list[k], self.layers.len() as u32);
