@@ -53,7 +53,7 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
     let answer = said(&[("t.sl", doubled)], &format!("{head}Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
     let errors = answer.fails(3);
     assert!(
-        errors.contains("a string of the shader `t` grows beyond 1 MiB, in ") && errors.contains("t.sl:3"),
+        errors.contains("a string of the shader `t` grows beyond 64 KiB, in ") && errors.contains("t.sl:3"),
         "{errors}"
     );
 }

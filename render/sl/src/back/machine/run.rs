@@ -8,11 +8,9 @@ use super::light::cosines;
 use super::state::{Beyond, Indexed, LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::{SPACES, convert};
+use crate::shadeop::format::LONGEST;
 use crate::shadeop::matrix::triple16;
 use crate::shadeop::runs::{dot, put, triple};
-
-/// The most bytes of a string.
-const MOST_TEXT: usize = 1 << 20;
 use crate::shadeop::spline;
 
 /// What all loops of a run may do: turns over points. A shader whose loops do not end must not hang the render.
@@ -76,7 +74,7 @@ impl Machine {
         }
         if let Some(place) = self.overlong.take() {
             let (name, place) = (&program.name, place.map_or(program.file.as_str(), |place| program.place(place)));
-            scene.stop(&format!("a string of the shader `{name}` grows beyond 1 MiB, in {place}"));
+            scene.stop(&format!("a string of the shader `{name}` grows beyond 64 KiB, in {place}"));
         }
         if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
             let (most, place, name) = (len - 1, program.place(place), &program.name);
@@ -281,9 +279,9 @@ impl Machine {
             }
             Op::Format(dst, args) => {
                 let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
-                let mut text = self.format(args, k);
-                if text.len() > MOST_TEXT {
-                    text.truncate(text.floor_char_boundary(MOST_TEXT));
+                let text = self.format(args, k);
+                // It is cut at the end of a character, of four bytes at most.
+                if text.len() + 4 > LONGEST {
                     self.overlong = self.overlong.or(Some(self.loop_place));
                 }
                 self.texts[dst.index()] = text;
