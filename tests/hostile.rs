@@ -391,7 +391,8 @@ fn nothing_is_read_outside_of_the_root() {
 fn memory_is_bounded_by_what_is_allowed() {
     let work = scratch();
     let scene = work.path().join("s.rib");
-    let spheres = "Sphere 1 -1 1 360\n".repeat(200_000);
+    // Each of a size of its own: of what is alike in one place one is kept.
+    let spheres: String = (1..=200_000).map(|k| format!("Sphere {k} -{k} {k} 360\n")).collect();
     std::fs::write(
         &scene,
         format!("Display \"a.png\" \"file\" \"rgb\"\nFormat 8 8 1\nWorldBegin\n{spheres}WorldEnd\n"),

@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod blobbies;
 pub mod blobby_call;
 pub mod calls;
+pub mod copies;
 pub mod geometry;
 pub mod motion_block;
 pub mod moving;

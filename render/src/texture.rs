@@ -221,7 +221,8 @@ impl Textures {
     }
 }
 
-/// Whether an image says that its colours are encoded for screens: a PNG file by a chunk `sRGB`, or `gAMA` of 1/2.2.
+/// Whether an image says that its colours are encoded for screens: a PNG file by a chunk `sRGB`, or if it has none, by `gAMA` of 1/2.2
+/// (PNG, third edition, 11.3.2.5: `sRGB` goes before `gAMA`, in whatever order they stand).
 fn is_for_screens(path: &Path) -> bool {
     use std::io::Read;
     /// Bytes in which the chunks before the image stand.
@@ -232,19 +233,21 @@ fn is_for_screens(path: &Path) -> bool {
         return false;
     }
     let mut rest = &head[8.min(head.len())..];
+    let mut by_gamma = false;
     while let [a, b, c, d, kind @ ..] = rest {
         let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize;
         let data = kind.get(4..).unwrap_or(&[]);
         match kind.get(..4) {
             Some(b"sRGB") => return true,
             Some(b"gAMA") if data.len() >= 4 => {
-                return u32::from_be_bytes([data[0], data[1], data[2], data[3]]).abs_diff(45_455) < 500;
+                by_gamma = u32::from_be_bytes([data[0], data[1], data[2], data[3]]).abs_diff(45_455) < 500;
             }
-            Some(b"IDAT") | None => return false,
-            _ => rest = data.get(length + 4..).unwrap_or(&[]),
+            Some(b"IDAT") | None => break,
+            _ => {}
         }
+        rest = data.get(length + 4..).unwrap_or(&[]);
     }
-    false
+    by_gamma
 }
 
 /// The most places along the longer axis of a filter.

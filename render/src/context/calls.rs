@@ -342,7 +342,11 @@ impl Ri for Context {
     }
     fn transform(&mut self, matrix: [f32; 16]) -> RiResult {
         let m = Mat4::from_cols_array(&matrix);
-        if m.is_finite() { self.set_transform(m) } else { Err(Fail::new("the transformation is not finite")) }
+        if !m.is_finite() {
+            return Err(Fail::new("the transformation is not finite"));
+        }
+        self.say_flat(&m, "the matrix of `Transform`");
+        self.set_transform(m)
     }
     fn concat_transform(&mut self, matrix: [f32; 16]) -> RiResult {
         self.concat(Mat4::from_cols_array(&matrix), "the matrix of `ConcatTransform`")

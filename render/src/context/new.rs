@@ -1,5 +1,6 @@
 //! A context before its first call.
 
+use crate::context::copies::Copies;
 use crate::context::geometry::Geometry;
 use crate::context::state::Context;
 use crate::gprim::basis::BEZIER;
@@ -48,6 +49,8 @@ impl Context {
             motion: None,
             made: HashMap::new(),
             scene: Scene::default(),
+            copies: Copies::default(),
+            of_patches: None,
             outside: [0; 2],
             objects: HashMap::new(),
             open_object: None,

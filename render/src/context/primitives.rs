@@ -141,6 +141,8 @@ impl Context {
             self.scene.warn("the edges of a polygon cross: parts of it may be missing".into());
         } else if quads.is_empty() && turns(loops, params) {
             self.scene.warn("a polygon that crosses itself, as much one way as the other, is not drawn".into());
+        } else if self.motion.is_none() && (quads.is_empty() || n <= 4) && !turns(loops, params) {
+            self.scene.warn("a polygon whose vertices lie in a row has no area and is not seen".into());
         }
         let patches = polygon_patches(loops, params, [face, first], &quads)?;
         if let Some(block) = self.motion.as_mut().filter(|block| block.calls.is_empty()) {
@@ -440,18 +442,26 @@ impl Context {
         let (columns, values, width) = corner_columns(&others, &vertices, corners)?;
         let n_points = points.len();
         let mesh = subdivision::Mesh::new(points, &n_vertices, &vertices, &tags, &values, width)?;
-        // Fewer steps where there are many faces already.
-        let levels = match n_vertices.len() {
+        // Fewer steps where there are many faces already, or many patches of other meshes.
+        let of_faces = match n_vertices.len() {
             0..=200 => 4,
             201..=3000 => 3,
             3001..=30000 => 2,
             _ => 1,
         };
+        let levels = match self.scene.n_subdivided {
+            0..100_000 => of_faces,
+            100_000..150_000 => of_faces.min(3),
+            150_000..250_000 => of_faces.min(2),
+            _ => 1,
+        };
         let whole: Params = params.iter().filter(|p| p.decl.class.is_whole()).cloned().collect();
         let mut names = names_of(&whole);
         columns.iter().chain(smooth.iter().map(|p| &p.decl)).for_each(|declared| note_varying(&mut names, declared));
-        let mut patches = Vec::new();
-        for part in mesh.patches(levels) {
+        let parts = mesh.patches(levels);
+        self.scene.n_subdivided += parts.len();
+        let mut patches = Vec::with_capacity(parts.len());
+        for part in parts {
             let mut patch = part.patch;
             corner_variables(&mut patch, &columns, &part.values, width);
             patch_variables(&mut patch, &whole, &Places { face: part.face, ..Places::default() })?;

@@ -57,7 +57,7 @@ impl Context {
             Shape::Patches(patches, names) => (patches.as_slice(), names),
         };
         let Some(there) = patches.iter().map(|patch| projected(patch, place)).collect::<Option<Vec<_>>>() else {
-            self.scene.warn("a primitive goes behind the eye of a `Perspective` and is not drawn".into());
+            self.say_behind(place);
             return Ok(());
         };
         let own: Vec<VariableName> = uniform.iter().map(|(name, _)| name.clone()).collect();

@@ -1,5 +1,6 @@
 //! The state between calls, and what all calls change it by: transformations, and primitives that are added to the scene.
 
+use crate::context::copies::Copies;
 use crate::context::geometry::Geometry;
 use crate::context::motion_block::{Keys, MotionBlock, Moving, Place};
 use crate::context::open_object::{Group, OpenObject};
@@ -65,6 +66,9 @@ pub struct Context {
     pub(super) motion: Option<MotionBlock>,
     pub(super) made: texture::Made,
     pub(super) scene: Scene,
+    pub(super) copies: Copies,
+    /// The attributes that the patches of one primitive have in common.
+    pub(super) of_patches: Option<Arc<Attributes>>,
     /// Attributes and transformations that were kept when the world began.
     pub(super) outside: [usize; 2],
     pub(super) objects: HashMap<String, Arc<Vec<Group>>>,
@@ -164,15 +168,29 @@ impl Context {
         (self.transform, self.moves.clone())
     }
 
+    /// Say that a transformation has no inverse: a scale of 0 makes all that follows flat or a point.
+    pub(super) fn say_flat(&self, m: &Mat4, what: &str) {
+        if m.determinant() == 0.0 {
+            self.scene.warn(format!("{what} cannot be inverted: what it holds for has no volume and may not be seen"));
+        }
+    }
+
+    /// Say that a primitive is not before the eye of a transformation with a perspective.
+    pub(super) fn say_behind(&self, m: &Mat4) {
+        let what = if m.determinant() == 0.0 {
+            "a primitive under a transformation that cannot be inverted is not drawn"
+        } else {
+            "a primitive goes behind the eye of a `Perspective` and is not drawn"
+        };
+        self.scene.warn(what.into());
+    }
+
     /// Another transformation after the current one.
     pub(super) fn concat(&mut self, m: Mat4, what: &str) -> RiResult {
         if !m.is_finite() {
             return Err(Fail::new("the transformation is not finite"));
         }
-        if m.determinant() == 0.0 {
-            // A scale of 0 makes all that follows flat or a point.
-            self.scene.warn(format!("{what} cannot be inverted: what it holds for has no volume and may not be seen"));
-        }
+        self.say_flat(&m, what);
         if let Some(block) = &mut self.motion {
             block.calls.push(Moving::Concat(m));
             return Ok(());
@@ -219,13 +237,15 @@ impl Context {
         let attached = self.attach(&[], &names);
         let (names, solid) = (Arc::new(names), self.enter_part());
         let corners = self.texture_corners();
-        for mut patch in patches {
+        self.of_patches = Some(self.opened_attributes());
+        let done = patches.into_iter().try_for_each(|mut patch| {
             patch.trim.clone_from(&self.geometry.trim);
             patch.set_corners(&corners);
-            self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())?;
-        }
+            self.add(Shape::Patches(Arc::new(vec![patch]), names.clone()), vec![], attached.clone())
+        });
+        self.of_patches = None;
         self.attributes.solid = solid;
-        Ok(())
+        done
     }
 
     /// Add patches under a transformation with a perspective: in the world, where that leads them.
@@ -235,7 +255,7 @@ impl Context {
             self.scene.warn("what moves under a `Perspective` is drawn as it is when the shutter opens".into());
         }
         let Some(there) = patches.iter().map(|patch| projected(patch, &m)).collect::<Option<Vec<_>>>() else {
-            self.scene.warn("a primitive goes behind the eye of a `Perspective` and is not drawn".into());
+            self.say_behind(&m);
             return Ok(());
         };
         let before = std::mem::take(&mut self.moves);
@@ -303,27 +323,25 @@ impl Context {
             self.scene.warn(format!("a primitive that reaches farther than {FARTHEST:e} units is not drawn"));
             return Ok(());
         }
-        let mut attributes = self.attributes.clone();
-        if let Some(light) = attributes.area_light {
-            // What shines does not stand in its own way.
-            attributes.casts_shadows = false;
+        if let Some(light) = self.attributes.area_light {
             if !self.moves.is_empty() {
                 self.scene.warn("an area light shines from where it is when the shutter opens".into());
             }
             let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
+            let reversed = self.attributes.reversed;
             match &shape {
-                SourceShape::One(shape) => area.add(shape, to_world, attributes.reversed),
-                SourceShape::Spheres(columns) => (0..columns.len())
-                    .for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), attributes.reversed)),
+                SourceShape::One(shape) => area.add(shape, to_world, reversed),
+                SourceShape::Spheres(columns) => {
+                    (0..columns.len()).for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), reversed))
+                }
                 SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
                     let place = to_world * columns.matrix(i);
-                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, attributes.reversed));
+                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, reversed));
                 }),
             }
         }
         let shutter = self.open_shutter();
-        attributes.open(shutter);
-        let attributes = Arc::new(attributes);
+        let attributes = self.of_patches.clone().unwrap_or_else(|| self.opened_attributes());
         let (to_world, moves) =
             if self.moves.is_empty() { (self.transform, vec![]) } else { motion::in_shutter(&self.moves, shutter) };
         let mut shape = shape;
@@ -348,8 +366,19 @@ impl Context {
         };
         let spot = self.scene.warnings.spot();
         let source = Source { shape, to_world, moves, attributes, uniform, shares_space, duplicates, attached, spot };
-        self.scene.sources.push(source);
+        if !self.copies.hide(&self.scene.sources, &source) {
+            self.scene.sources.push(source);
+        }
         Ok(())
+    }
+
+    /// The attributes of a primitive that is added to the scene.
+    fn opened_attributes(&self) -> Arc<Attributes> {
+        let mut attributes = self.attributes.clone();
+        // What shines does not stand in its own way.
+        attributes.casts_shadows &= attributes.area_light.is_none();
+        attributes.open(self.open_shutter());
+        Arc::new(attributes)
     }
 }
 

@@ -1,5 +1,6 @@
 //! `WorldBegin` and `WorldEnd`, which renders.
 
+use crate::context::copies::Copies;
 use crate::context::result::{DrawnBy, RenderResult};
 use crate::context::state::Context;
 use crate::cpu::render::render;
@@ -48,6 +49,7 @@ impl Context {
             ),
             ..Scene::default()
         };
+        self.copies = Copies::default();
         self.tell_options();
         self.say_levels_of_depths();
         // Spaces that were set before are in camera space.

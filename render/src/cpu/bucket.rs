@@ -7,6 +7,7 @@ use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::imager;
 use crate::cpu::raster::Raster;
+use crate::cpu::samples::layers::ToCome;
 use crate::cpu::samples::pixels::Pixels;
 use crate::cpu::samples::{SampledGrid, Samples};
 use crate::cpu::shade::{Shading, Surface, shade, surface_opacity};
@@ -14,12 +15,14 @@ use crate::film::bucket::Bucket;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
+use crate::gprim::split::Queue;
 use crate::scene::camera::RasterBound;
 use crate::scene::motion::{self, instants};
 use crate::scene::shape::Shape;
 use crate::scene::source::Item;
 use crate::stats::Stats;
 use sl::machine::Points;
+use std::collections::HashSet;
 use std::time::Instant;
 
 /// The memory of the stages, kept from bucket to bucket: each stage is given its own part.
@@ -34,13 +37,33 @@ pub struct Memory {
     pixels: Points,
 }
 
-/// Render a bucket: its items front to back, then its samples filtered.
+/// Pixels along the longer edge of a bucket up to which it is drawn at once, whatever is in it.
+const SMALL: usize = 8;
+
+/// Render a bucket: at once, or in halves if there is too much in it that others are seen through.
 pub fn render_bucket(
     frame: &Frame<'_>,
     memory: &mut Memory,
     bucket: &Bucket,
     items: &[(f32, Item)],
 ) -> (Pixels, Stats) {
+    if let Some(drawn) = draw_bucket(frame, memory, bucket, items) {
+        return drawn;
+    }
+    memory.dicer.queue.take();
+    memory.dicer.queue.splits = 0;
+    memory.deferred.clear();
+    let [(first, stats), (second, more)] = bucket.halves().map(|half| render_bucket(frame, memory, &half, items));
+    (Pixels::joined(first, second, bucket, frame.depth), stats.add(more))
+}
+
+/// Draw a bucket: its items front to back, then its samples filtered. None if it should be drawn in parts.
+fn draw_bucket(
+    frame: &Frame<'_>,
+    memory: &mut Memory,
+    bucket: &Bucket,
+    items: &[(f32, Item)],
+) -> Option<(Pixels, Stats)> {
     let Memory { instants: moments, dicer, raster, samples, shading, deferred, pixels: points } = memory;
     let (camera, margin, parameters) = (&frame.camera, frame.margin(), frame.needs_parameters());
     let (width, height) = (bucket.width + 2 * margin[0], bucket.height + 2 * margin[1]);
@@ -53,6 +76,13 @@ pub fn render_bucket(
     // The solid that the last item is of.
     let mut solid = None;
     loop {
+        if samples.is_crowded(1) && !deferred.has_uncut() {
+            deferred.flush(frame, samples, shading, &mut stats);
+            pack(frame, samples, &dicer.queue, items.peek().map(|(z, _)| *z));
+        }
+        if samples.is_overfull() && bucket.width.max(bucket.height) > SMALL {
+            return None;
+        }
         // Between solids those that are whole may be cut, once none of their pieces waits.
         let next = items.peek().copied();
         let is_between = solid.is_some() && next.is_some_and(|(_, item)| frame.scene.root(*item) != solid);
@@ -96,7 +126,19 @@ pub fn render_bucket(
     let seconds = &mut stats.seconds;
     seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
     seconds.filter += begun.elapsed().as_secs_f64() - drawn;
-    (pixels, stats)
+    Some((pixels, stats))
+}
+
+/// Pack the layers of samples, all of which have their colours, between two items or pieces.
+fn pack(frame: &Frame<'_>, samples: &mut Samples, queue: &Queue, next_item: Option<f32>) {
+    let waiting: HashSet<u64> = queue.items().map(primitive_of).collect();
+    let next = [queue.least_depth(), next_item].into_iter().flatten().fold(f32::INFINITY, f32::min);
+    samples.pack(&ToCome { z: next, has: &|primitive| waiting.contains(&primitive) }, &frame.aovs);
+}
+
+/// The name of a primitive among samples.
+fn primitive_of(item: Item) -> u64 {
+    (item.source as u64) << 32 | item.index as u64
 }
 
 /// What becomes of an item's grids in a bucket: the stages after dicing, with what they read and what they write.
@@ -142,6 +184,11 @@ impl Sink for Grids<'_> {
             return;
         }
         let surface = Surface { item, view, reach: grid.reach, z: bound.z, time: 0.0 };
+        // Behind what lets nothing through nothing need be shaded to know what it hides.
+        if self.samples.is_closed() && !self.sample(grid, false, true) {
+            self.stats.grids_hidden += 1;
+            return;
+        }
         // What is surely opaque is shaded when the bucket knows which of its points are visible.
         let later = view.attributes.stays_opaque() && view.attached.opacity.is_none();
         let moments = if later { vec![] } else { self.shade_over_time(&surface, &grid.points) };
@@ -155,13 +202,18 @@ impl Sink for Grids<'_> {
             && view.attributes.solid.is_none()
             && view.attributes.seen == [0.0, 1.0]
             && self.frame.planes.is_empty();
-        if !self.sample(grid, opaque) {
+        if !self.sample(grid, opaque, false) {
             return;
         }
         let shaded = if later { None } else { Some(&mut *self.shading) };
         self.deferred.push(self.frame, &surface, &mut grid.points, self.raster, (shaded, moments));
-        if self.deferred.is_full() {
+        // Of an item whose layers are more than should be there between two, all may repeat each other.
+        let is_crowded = self.samples.is_crowded(2) && !self.deferred.has_uncut();
+        if is_crowded || self.deferred.is_full() {
             self.deferred.flush(self.frame, self.samples, self.shading, self.stats);
+        }
+        if is_crowded {
+            self.samples.pack(&ToCome { z: 0.0, has: &|_| true }, &self.frame.aovs);
         }
     }
 }
@@ -189,14 +241,14 @@ impl Grids<'_> {
         outward != mirrored
     }
 
-    /// Sample a projected grid; whether any sample takes something of it.
-    fn sample(&mut self, grid: &Grid, opaque: bool) -> bool {
+    /// Sample a projected grid, or only find whether there is a sample for it; whether any sample takes something of it.
+    fn sample(&mut self, grid: &Grid, opaque: bool, is_probe: bool) -> bool {
         let begun = Instant::now();
         let Subject { item, view, instants, camera, .. } = self.subject;
         self.raster.choose(camera, view, grid);
         let Raster { at, micropolygons } = &*self.raster;
         let nu = grid.points.nu;
-        let primitive = (item.source as u64) << 32 | item.index as u64;
+        let primitive = primitive_of(item);
         let solid = view.attributes.solid.map(|leaf| (leaf, self.is_entered(&grid.points)));
         let sampled = SampledGrid {
             index: self.deferred.next(),
@@ -206,6 +258,7 @@ impl Grids<'_> {
             seen: view.attributes.seen,
             planes: &self.frame.planes,
             solid,
+            is_probe,
         };
         let jitter = &self.frame.jitter;
         // Without a lens, what stands still in an image of motion is sampled as if it moved.
@@ -214,7 +267,7 @@ impl Grids<'_> {
         } else {
             self.samples.still(&at[0], nu, micropolygons, &sampled)
         };
-        self.stats.micropolygons += micropolygons.len() as u64;
+        self.stats.micropolygons += if is_probe { 0 } else { micropolygons.len() as u64 };
         self.stats.samples += tally.tried;
         self.stats.seconds.sample += begun.elapsed().as_secs_f64();
         tally.hit

@@ -222,6 +222,39 @@ impl Bvh {
         best
     }
 
+    /// Add all surfaces along a direction of unit length within a length, each as [`Bvh::nearest`] finds it, in no order; those of one
+    /// thing are at least `step` of how far they are from each other.
+    #[allow(clippy::too_many_arguments)]
+    pub fn layers(
+        &self,
+        own: Item,
+        from: Vec3,
+        dir: Vec3,
+        length: f32,
+        bias: [f32; 2],
+        step: impl Fn(f32) -> f32,
+        out: &mut Vec<(f32, Item)>,
+    ) {
+        if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {
+            return;
+        }
+        self.tree.leaves(from, dir, length, |leaf, length| {
+            for (item, occluder) in &self.occluders[leaf] {
+                let mut least = 0.0;
+                while let Some(t) =
+                    self.distance(*item == own, occluder, from, dir, least, bias).filter(|t| *t < length)
+                {
+                    out.push((t, *item));
+                    if matches!(occluder, Occluder::Triangle { .. }) {
+                        break;
+                    }
+                    least = t + step(t);
+                }
+            }
+            Some(length)
+        });
+    }
+
     /// Whether there is anything along a direction of unit length, as [`Bvh::nearest`] finds it.
     pub fn meets(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2]) -> bool {
         if self.tree.is_empty() || !from.is_finite() || !dir.is_finite() {

@@ -193,6 +193,18 @@ impl Deferred {
         self.uncut && self.n >= SOLID_POINTS
     }
 
+    /// Whether there are solids that are not cut.
+    pub fn has_uncut(&self) -> bool {
+        self.uncut
+    }
+
+    /// Forget all grids.
+    pub fn clear(&mut self) {
+        self.layouts.clear();
+        self.spare.extend(self.grids.drain(..).map(|grid| grid.points));
+        (self.n, self.uncut) = (0, false);
+    }
+
     /// Leave of solids what may be seen, once all that the bucket has is there.
     pub fn cut_solids(&mut self, frame: &Frame<'_>, samples: &mut Samples) {
         self.uncut = false;

@@ -13,11 +13,12 @@ use crate::scene::camera::Camera;
 use crate::scene::facets::{Cut, facets_of};
 use crate::scene::shape::Shape;
 use crate::scene::solid::{Met, Solids, Walk};
-use crate::scene::source::Item;
+use crate::scene::source::{Item, Source};
 use crate::scene::world::Scene;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use std::cell::RefCell;
+use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 /// The part of the way to a light at whose end surfaces do not count.
@@ -52,7 +53,7 @@ impl<'a> Rays<'a> {
         let of = |item: Item| &*scene.sources[item.source as usize].attributes;
         let has_rays = scene.sources.iter().any(|source| source.attributes.traces());
         let meshed = |item: Item| has_rays && is_meshed(scene, camera, item);
-        let open = |item: Item| of(item).casts_shadows && of(item).solid.is_none();
+        let open = |item: Item| has_rays && of(item).casts_shadows && of(item).solid.is_none();
         let displaced = |are: &dyn Fn(Item) -> bool| {
             let items: Vec<Item> = scene.items().filter(|i| are(*i) && meshed(*i)).collect();
             (!items.is_empty()).then(|| Box::new(Displaced::new(scene, camera, items, displace.clone())))
@@ -131,6 +132,44 @@ impl<'a> Rays<'a> {
         [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    /// All surfaces along a direction within a length, nearest first. Those of one thing are at least `step` of how far they are from each
+    /// other: what is an edge of two of its facets is met once.
+    #[allow(clippy::too_many_arguments)]
+    pub fn layers(
+        &self,
+        scene: &Scene,
+        own: Item,
+        from: Vec3,
+        dir: Vec3,
+        length: f32,
+        bias: [f32; 2],
+        step: impl Fn(f32) -> f32,
+    ) -> Vec<(f32, Item)> {
+        let mut met = vec![];
+        self.surfaces.layers(own, from, dir, length, bias, &step, &mut met);
+        if let Some(displaced) = &self.displaced {
+            let mut spots = vec![];
+            displaced.spots(from, dir, &mut spots);
+            met.extend(spots.into_iter().map(|(item, spot)| (spot.t, item)));
+        }
+        if let Some(hulls) = &self.solids {
+            let casts = |item: Item| hulls.casts[item.source as usize];
+            hulls.surfaces(own, from, dir, bias, |t, item| met.extend(casts(item).then_some((t, item))));
+        }
+        met.retain(|(t, _)| *t < length);
+        met.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+        if met.len() > 1 {
+            let mut last: HashMap<_, f32> = HashMap::new();
+            met.retain(|(t, item)| {
+                let before = last.entry(scene.whole_of(*item)).or_insert(f32::NEG_INFINITY);
+                let counts = *t > *before + step(*before);
+                *before = if counts { *t } else { *before };
+                counts
+            });
+        }
+        met
+    }
+
     /// Whether there is anything along a direction, as [`Rays::nearest`] finds it.
     pub fn meets(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2]) -> bool {
         self.surfaces.meets(own, from, dir, bias)
@@ -173,7 +212,62 @@ impl<'a> Hulls<'a> {
         });
         let outward = all.collect();
         hulls.outward = outward;
+        hulls.say_open(scene);
         hulls
+    }
+
+    /// Say which primitives do not enclose a volume.
+    fn say_open(&self, scene: &Scene) {
+        let is_open = |(s, source): (usize, &Source)| {
+            let n = if source.attributes.solid.is_some() && source.duplicates.is_empty() { source.len() } else { 0 };
+            (0..n).any(|i| self.is_open(scene, Item { source: s as u32, index: i as u32 }))
+        };
+        let open: Vec<bool> = scene.sources.par_iter().enumerate().map(is_open).collect();
+        let mut said = HashSet::new();
+        for (source, _) in scene.sources.iter().zip(open).filter(|(_, open)| *open) {
+            if said.insert(source.attributes.solid) {
+                let message = "a primitive of a solid does not enclose a volume: parts of the solid may be missing";
+                scene.warnings.add_at(source.spot, message.into());
+            }
+        }
+    }
+
+    /// Whether lines through an item pass through its primitive's surfaces an odd number of times: two of six, since one may run through
+    /// an edge.
+    fn is_open(&self, scene: &Scene, item: Item) -> bool {
+        let facets = self.facets(scene, item);
+        let leaf = self.leaves[item.source as usize];
+        let is_odd = |k: &usize| {
+            let [a, b, c] = facets[(facets.len() * (2 * k + 1)) / 12];
+            let (along, normal) = ((b - a).normalize_or_zero(), (b - a).cross(c - a).normalize_or_zero());
+            let size = (b - a).cross(c - a).length() / (b - a).length().max((c - a).length()).max((c - b).length());
+            if !(size > 0.0) {
+                return false;
+            }
+            // Askew, each another way: straight through a wall without ends a line meets the wall over against it.
+            let turned = Quat::from_axis_angle(normal, *k as f32 * 1.1 + 0.3) * along;
+            let dir = (turned * 0.94 + normal * 0.34 + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
+            let from = a * 0.41 + b * 0.28 + c * 0.31;
+            let mut met = vec![];
+            for dir in [dir, -dir] {
+                self.crossings(None, from, dir, [1e-3 * size; 2], &mut met);
+            }
+            met.iter().filter(|m| self.leaves[m.item.source as usize] == leaf).count() % 2 == 0
+        };
+        !facets.is_empty() && (0..6).filter(is_odd).count() >= 2
+    }
+
+    /// The facets of an item, as rays meet it; none of a whole sphere.
+    fn facets(&self, scene: &Scene, item: Item) -> Vec<[Vec3; 3]> {
+        let (shape, to_world) = scene.place(item);
+        let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
+        match (displaced, shape) {
+            (Some(facets), _) => facets,
+            (None, Shape::Patches(patches, _)) => {
+                patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
+            }
+            (None, Shape::Sphere) => vec![],
+        }
     }
 
     /// Whether no light gets through an item that casts shadows.
@@ -184,15 +278,7 @@ impl<'a> Hulls<'a> {
     /// Whether the cross product of the directions along u and v of an item points out of its primitive: a ray that way leaves it if
     /// it meets an even number of its surfaces. Of three rays from different places most are believed.
     fn finds_outward(&self, scene: &Scene, item: Item) -> bool {
-        let (shape, to_world) = scene.place(item);
-        let displaced = self.displaced.as_ref().and_then(|displaced| displaced.facets(item));
-        let facets: Vec<[Vec3; 3]> = match (displaced, shape) {
-            (Some(facets), _) => facets,
-            (None, Shape::Patches(patches, _)) => {
-                patches.iter().flat_map(|p| facets_of(p, Cut::of(p), to_world)).collect()
-            }
-            (None, Shape::Sphere) => return true,
-        };
+        let facets = self.facets(scene, item);
         // By area: at a pole a facet has none, or what rounding makes of it, and no normal.
         let mut area = 0.0;
         let sums = facets.iter().map(|[a, b, c]| {
@@ -247,10 +333,21 @@ impl<'a> Hulls<'a> {
         bias: [f32; 2],
         counts: impl Fn(Item) -> bool,
     ) -> Option<(f32, Item)> {
+        let mut first: Option<(f32, Item)> = None;
+        self.surfaces(own, from, dir, bias, |t, item| {
+            if t > least && first.is_none_or(|(before, _)| t < before) && counts(item) {
+                first = Some((t, item));
+            }
+        });
+        first
+    }
+
+    /// Visit the surfaces of wholes along a ray.
+    fn surfaces(&self, own: Item, from: Vec3, dir: Vec3, bias: [f32; 2], mut visit: impl FnMut(f32, Item)) {
         let mut met = vec![];
         self.crossings(Some(own), from, dir, bias, &mut met);
         if met.is_empty() {
-            return None;
+            return;
         }
         met.sort_by(|a, b| a.t.total_cmp(&b.t).then((a.item.source, a.item.index).cmp(&(b.item.source, b.item.index))));
         let placed = |(name, m): (usize, &Crossing)| {
@@ -261,7 +358,7 @@ impl<'a> Hulls<'a> {
         WALK.with_borrow_mut(|walk| {
             let kept = walk.surfaces(&self.solids, &mut line);
             let surfaces = line.iter().zip(kept).filter(|(_, kept)| **kept).map(|(m, _)| &met[m.name as usize]);
-            surfaces.filter(|m| m.t > least && counts(m.item)).min_by(|a, b| a.t.total_cmp(&b.t)).map(|m| (m.t, m.item))
-        })
+            surfaces.for_each(|m| visit(m.t, m.item));
+        });
     }
 }

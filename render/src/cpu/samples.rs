@@ -4,9 +4,10 @@
 //! and a micropolygon looks only at the cells that its bound touches. A sample holds the id of the
 //! micropolygon that is visible there, which is shaded when nothing more will hide it (`crate::cpu::deferred`).
 
-pub mod composite;
 pub mod cull;
+pub mod layers;
 pub mod pixels;
+pub mod solids;
 pub mod visible;
 
 use crate::cpu::lanes::LANES;
@@ -21,23 +22,33 @@ pub(crate) const EDGE: f32 = 1.5e-3;
 /// Strata along x and y of a cell, whose samples are tested together. Whole cells make up a block.
 pub(crate) const CELL: [usize; 2] = [4, LANES / 4];
 
-/// Something that may be translucent at a sample.
+/// Something that may be translucent at a sample, or several one behind the other.
 #[derive(Clone, Copy)]
 struct Layer {
     z: f32,
     micropolygon: Micropolygon,
     weights: [f32; 2],
+    /// Colour, by the opacity already, and what part of what is behind it is seen.
     color: [f32; 3],
-    opacity: [f32; 3],
+    open: [f32; 3],
+    /// Coverage, which is 0 of what leaves a hole, and what part of that of what is behind it counts.
+    alpha: f32,
+    open_alpha: f32,
+    /// Depth of the nearest of them that is half opaque; infinite if none is.
+    half_z: f32,
     primitive: u64,
+    sample: u32,
     next: u32,
     /// Of a solid, the primitive that is met, and whether the sample's line enters it.
     solid: Option<(u32, bool)>,
-    /// It leaves a hole, as far as it is opaque.
-    matte: bool,
+    /// It counts at the depth where nothing more is seen, too.
+    last: bool,
 }
 
 const NONE: u32 = u32::MAX;
+
+/// The primitive of layers that are not compared with others of it.
+const NO_PRIMITIVE: u64 = u64::MAX;
 
 /// A grid, as far as sampling depends on it.
 #[derive(Clone, Copy)]
@@ -56,6 +67,8 @@ pub struct SampledGrid<'a> {
     pub planes: &'a [RasterPlane],
     /// Of a solid, the primitive that it is a part of, and whether triangles of positive area on the raster are entered.
     pub solid: Option<(u32, bool)>,
+    /// Nothing is recorded: it is only asked whether any sample takes something.
+    pub is_probe: bool,
 }
 
 /// A tally of sampling.
@@ -131,6 +144,11 @@ pub struct Samples {
     alpha: Vec<f32>,
     list: Vec<u32>,
     layers: Vec<Layer>,
+    /// How many of the layers have been given their colours, and how many may be there before they are packed.
+    n_colored: usize,
+    room: usize,
+    /// Whether layers have closed samples to what is behind.
+    closed: bool,
     /// What displays take besides colour, `depth` numbers of each sample and of each layer.
     outputs: Vec<f32>,
     layer_outputs: Vec<f32>,
@@ -163,7 +181,7 @@ impl Samples {
         self.alpha.resize(n, 0.0);
         self.list.clear();
         self.list.resize(n, NONE);
-        self.layers.clear();
+        self.clear_layers();
         self.outputs.clear();
         self.outputs.resize(n * self.depth, 0.0);
         self.identities.clear();
@@ -288,8 +306,23 @@ impl Samples {
             self.z[k] = z;
             self.visible[k] = micropolygon.id();
             (self.weights[0][k], self.weights[1][k]) = (weights[0], weights[1]);
-            return;
+        } else if !grid.is_probe {
+            let area = if grid.solid.is_some() { area() } else { 0.0 };
+            self.record_layer(k, z, micropolygon, weights, grid, area);
         }
+    }
+
+    /// The same of what may be translucent.
+    #[inline(never)]
+    fn record_layer(
+        &mut self,
+        k: usize,
+        z: f32,
+        micropolygon: Micropolygon,
+        weights: [f32; 2],
+        grid: &SampledGrid<'_>,
+        area: f32,
+    ) {
         if grid.seen != [0.0, 1.0] {
             let part = self.part(k);
             if part < grid.seen[0] || part >= grid.seen[1] {
@@ -299,19 +332,26 @@ impl Samples {
         if is_clipped(grid.planes, [self.x[k] + self.x0 as f32, self.y[k] + self.y0 as f32], z) {
             return;
         }
-        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area() > 0.0) == positive));
+        let solid = grid.solid.map(|(leaf, positive)| (leaf, (area > 0.0) == positive));
         // Every surface of a solid counts.
-        let mut at = if solid.is_some() { NONE } else { self.list[k] };
-        while at != NONE {
-            let other = &self.layers[at as usize];
-            if other.primitive == grid.primitive && (other.z - z).abs() <= 1e-4 * z {
-                return;
-            }
-            at = other.next;
-        }
-        let (primitive, next) = (grid.primitive, self.list[k]);
-        let (color, opacity) = ([0.0; 3], [0.0; 3]);
-        self.layers.push(Layer { z, micropolygon, weights, color, opacity, primitive, next, solid, matte: false });
-        self.list[k] = self.layers.len() as u32 - 1;
+        let primitive = if solid.is_some() { NO_PRIMITIVE } else { grid.primitive };
+        let next = std::mem::replace(&mut self.list[k], self.layers.len() as u32);
+        let (color, open, alpha, open_alpha, half_z) = ([0.0; 3], [1.0; 3], 0.0, 1.0, f32::INFINITY);
+        let (sample, last) = (k as u32, false);
+        self.layers.push(Layer {
+            z,
+            micropolygon,
+            weights,
+            color,
+            open,
+            alpha,
+            open_alpha,
+            half_z,
+            primitive,
+            sample,
+            next,
+            solid,
+            last,
+        });
     }
 }

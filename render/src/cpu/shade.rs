@@ -45,7 +45,7 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
     note_outputs(frame, item, view, points, shading);
     let n_lost = not_finite(points);
     if n_lost > 0 {
-        frame.scene.not_finite(&a.surface.program.name, n_lost);
+        frame.scene.not_finite(&a.surface.program, n_lost, item.source);
     }
     if let Some(atmosphere) = &a.atmosphere {
         shading.machine.tell(Ask::Surface, &a.surface, points);
@@ -53,7 +53,7 @@ pub fn shade(frame: &Frame<'_>, surface: &Surface<'_>, points: &mut Points, shad
         shading.machine.run_with(atmosphere, &view.attached.atmosphere, points, &scene);
         let more = not_finite(points).saturating_sub(n_lost);
         if more > 0 {
-            frame.scene.not_finite(&atmosphere.program.name, more);
+            frame.scene.not_finite(&atmosphere.program, more, item.source);
         }
     }
     points.footprints.clear();

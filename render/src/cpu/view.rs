@@ -216,29 +216,28 @@ impl<'a> View<'a> {
     fn light_through(&self, from: Vec3, to: Vec3) -> [f32; 3] {
         let length = (to - from).length();
         let dir = (to - from) / length;
-        let open =
-            self.through(from, dir, length * BEFORE_END, |item, distance| self.opacity_at(item, from, dir, distance));
-        if nearly_none(open) { [0.0; 3] } else { open }
-    }
-
-    /// Follow a ray for a length through the surfaces that it meets, as long as they let something through: `meet` is told the item and
-    /// how far it is, and answers its opacity. What is left at the end.
-    fn through(&self, from: Vec3, dir: Vec3, length: f32, mut meet: impl FnMut(Item, f32) -> [f32; 3]) -> [f32; 3] {
-        let (mut open, mut least) = ([1.0f32; 3], 0.0);
-        for _ in 0..MAX_LAYERS {
-            let found = self.rays.nearest(self.item, from, dir, least, self.bias);
-            let Some((distance, item)) = found.filter(|(distance, _)| *distance < length) else { break };
-            if !self.pass(&mut open, &mut least, distance, meet(item, distance)) {
-                break;
+        let mut open = [1.0f32; 3];
+        for (distance, item) in
+            self.rays.layers(self.scene, self.item, from, dir, length * BEFORE_END, self.bias, |t| self.step(t))
+        {
+            let opacity = self.opacity_at(item, from, dir, distance);
+            (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
+            if nearly_none(open) {
+                return [0.0; 3];
             }
         }
         open
     }
 
+    /// How far on from a surface at a distance a ray may meet the same thing again.
+    fn step(&self, distance: f32) -> f32 {
+        self.bias[0].max(1e-5 * distance)
+    }
+
     /// Let a ray pass a surface at a distance: what is left of it, and how far it has come. Whether it goes on.
     fn pass(&self, open: &mut [f32; 3], least: &mut f32, distance: f32, opacity: [f32; 3]) -> bool {
         (0..3).for_each(|c| open[c] *= (1.0 - opacity[c]).clamp(0.0, 1.0));
-        *least = distance + self.bias[0].max(1e-5 * distance);
+        *least = distance + self.step(distance);
         !nearly_none(*open)
     }
 

@@ -25,6 +25,26 @@ pub struct Bucket {
     pub(crate) index: usize,
 }
 
+impl Bucket {
+    /// Its halves: left and right of one that is as wide as it is high, or wider, else the upper and the lower.
+    pub fn halves(&self) -> [Bucket; 2] {
+        let (mut first, mut second) = (*self, *self);
+        if self.is_wide() {
+            first.width = self.width / 2;
+            (second.x, second.width) = (self.x + first.width, self.width - first.width);
+        } else {
+            first.height = self.height / 2;
+            (second.y, second.height) = (self.y + first.height, self.height - first.height);
+        }
+        [first, second]
+    }
+
+    /// Whether its halves lie side by side.
+    pub fn is_wide(&self) -> bool {
+        self.width >= self.height
+    }
+}
+
 /// The buckets of an image of `width` by `height` pixels, row by row, each `size` pixels along its edges; with a shard, only its
 /// buckets: of n shards every n-th bucket, so that all shards take about the same time.
 pub fn buckets(width: usize, height: usize, size: usize, shard: Option<Shard>) -> impl Iterator<Item = Bucket> {

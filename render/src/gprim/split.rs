@@ -119,6 +119,16 @@ impl Queue {
         self.waiting.len()
     }
 
+    /// The least depth of the pieces that wait.
+    pub fn least_depth(&self) -> Option<f32> {
+        self.waiting.peek().map(|w| w.z)
+    }
+
+    /// The items whose pieces wait.
+    pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
+        self.waiting.iter().map(|w| w.item)
+    }
+
     /// All pieces that wait, the nearest first, which do so no more.
     pub fn take(&mut self) -> Vec<Waiting> {
         let mut all = std::mem::take(&mut self.waiting).into_sorted_vec();

@@ -280,9 +280,13 @@ impl Mesh {
         }
     }
 
-    /// The limit surface as patches: of every quadrilateral after `levels` steps.
+    /// The limit surface as patches: of every quadrilateral after `levels` steps, or as soon as all faces are regular.
     pub fn patches(mut self, levels: u32) -> Vec<LimitPatch> {
-        for _ in 0..levels.max(1) {
+        self = self.subdivide();
+        for _ in 1..levels {
+            if self.is_regular() {
+                break;
+            }
             self = self.subdivide();
         }
         let around = self.around();
@@ -328,6 +332,25 @@ impl Mesh {
             });
         }
         out
+    }
+
+    /// Whether the patch of every face is the limit surface itself: four edges meet at each vertex within, three at the boundary but two
+    /// at its corners, and no other edge is sharp. Values at corners that are not those of neighbours stay as they are all the same.
+    fn is_regular(&self) -> bool {
+        let around = self.around();
+        let is_within = |v: u32| !self.on_boundary(v, &around);
+        let is_smooth = |edge: &[u32; 2]| around.edges.get(edge).is_none_or(|faces| faces.len() != 2);
+        let is_corner = |v: u32| self.corners.get(&v).is_some_and(|sharp| *sharp >= SHARP);
+        self.creases.iter().all(|(edge, sharp)| is_smooth(edge) && *sharp >= SHARP)
+            && self.corners.keys().all(|v| is_corner(*v))
+            && around.edges.values().all(|faces| faces.len() <= 2)
+            && (0..self.points.len() as u32).all(|v| match around.neighbours[v as usize].len() {
+                0 => true,
+                2 => !is_within(v) && is_corner(v) && around.faces[v as usize].len() == 1,
+                3 => !is_within(v) && !is_corner(v) && around.faces[v as usize].len() == 2,
+                4 => is_within(v) && !is_corner(v) && around.faces[v as usize].len() == 4,
+                _ => false,
+            })
     }
 
     /// The inner control point of a face next to its corner k.

@@ -238,8 +238,13 @@ impl Attributes {
 
     /// Whether it is opaque and no shader makes it less, nor the time.
     pub fn stays_opaque(&self) -> bool {
+        self.opacity == [1.0; 3] && self.keeps_opacity()
+    }
+
+    /// Whether no shader changes its opacity, nor the time.
+    pub fn keeps_opacity(&self) -> bool {
         let kept = |shader: &BoundShader| shader.program.keeps_opacity;
-        !self.fades() && self.opacity == [1.0; 3] && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
+        !self.fades() && kept(&self.surface) && self.atmosphere.as_deref().is_none_or(kept)
     }
 
     /// Whether the colour of a point depends on the points beside it.

@@ -9,18 +9,20 @@ use crate::scene::source::{Item, ItemView, Source, SourceShape, instance_color, 
 use crate::texture::Textures;
 use crate::warnings::Warnings;
 use glam::{Mat4, Vec3};
-use sl::ir::Ask;
+use sl::ir::{Ask, Program};
 use sl::machine::Answer;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// The scene.
 #[derive(Default)]
 pub struct Scene {
     /// Primitives.
     pub sources: Vec<Source>,
+    /// Count of the patches of subdivision meshes.
+    pub n_subdivided: usize,
     /// What solids are made of.
     pub solids: Solids,
     /// Named coordinate systems, to world.
@@ -43,8 +45,8 @@ pub struct Scene {
     pub printed: AtomicUsize,
     /// What is wrong with a shader whose loops did not end.
     pub stopped: OnceLock<String>,
-    /// Points to which a shader gave colours that are no finite numbers, by shader.
-    pub unfinite: Mutex<BTreeMap<String, usize>>,
+    /// Points to which a shader gave colours that are no finite numbers, by the shader as it is named, and the first source.
+    pub unfinite: Mutex<BTreeMap<String, (usize, u32)>>,
     /// Of each place of a shader whose index is out of its range, the least such index, and what is said of it.
     pub outside: Mutex<BTreeMap<String, (f32, String)>>,
     /// Displacement bounds that are needed, by shader, each with the source that needs it.
@@ -85,6 +87,17 @@ impl Scene {
             let is_seen = move |i: &usize| source.duplicates.get(*i / parts) != Some(&true);
             (0..source.len()).filter(is_seen).map(move |i| Item { source: s as u32, index: i as u32 })
         })
+    }
+
+    /// Names what an item is a part of: the patches of one primitive have their attributes in common, and the parts of an instance.
+    pub fn whole_of(&self, item: Item) -> (usize, u32) {
+        let source = &self.sources[item.source as usize];
+        let instance = match &source.shape {
+            SourceShape::One(_) => 0,
+            SourceShape::Spheres(_) => item.index,
+            SourceShape::Objects(_, parts) => item.index / parts.len() as u32,
+        };
+        (Arc::as_ptr(&source.attributes) as usize, instance)
     }
 
     /// Whether anything moves while the shutter is open.
@@ -218,9 +231,11 @@ impl Scene {
     }
 
     /// Note points to which a shader gave colours that are no finite numbers.
-    pub fn not_finite(&self, shader: &str, n: usize) {
+    pub fn not_finite(&self, shader: &Program, n: usize, source: u32) {
         let mut known = self.unfinite.lock().unwrap_or_else(|e| e.into_inner());
-        *known.entry(shader.into()).or_insert(0) += n;
+        let (count, first) =
+            known.entry(format!("{}: the shader `{}`", shader.file, shader.name)).or_insert((0, source));
+        (*count, *first) = (*count + n, source.min(*first));
     }
 
     /// Note an index that is out of its range at a place of a shader: each place is warned of once.
@@ -251,8 +266,9 @@ impl Scene {
         for (_, (_, message)) in std::mem::take(&mut *self.outside.lock().unwrap_or_else(|e| e.into_inner())) {
             self.warn(message);
         }
-        for (shader, n) in std::mem::take(&mut *self.unfinite.lock().unwrap_or_else(|e| e.into_inner())) {
-            self.warn(format!("the shader `{shader}` gives colours that are no finite numbers, at {n} points"));
+        for (shader, (n, source)) in std::mem::take(&mut *self.unfinite.lock().unwrap_or_else(|e| e.into_inner())) {
+            let lost = format!("gives colours that are no finite numbers, at {n} points");
+            self.warnings.add_at(spot(source), format!("{shader} {lost}"));
         }
         self.warnings.take()
     }

@@ -9,7 +9,7 @@ pub enum Value<'a> {
 }
 
 /// Longest text that a shader makes, bytes: one that doubles itself in a loop would take the memory of the machine.
-const LONGEST: usize = 1 << 16;
+pub const LONGEST: usize = 1 << 16;
 
 /// The text of a format (the first value) and what its `%f`, `%d`, `%s`, `%p`, `%c`, `%m` take; cut where it is too long.
 pub fn format(values: &[Value]) -> String {

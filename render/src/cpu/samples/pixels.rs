@@ -1,6 +1,7 @@
 //! Filtering of samples to pixels.
 
 use crate::cpu::samples::Samples;
+use crate::film::bucket::Bucket;
 use crate::film::display::{Aov, placed};
 use crate::film::filter::PixelFilter;
 use sl::ir::Kind;
@@ -14,6 +15,30 @@ pub struct Pixels {
     pub extra: Vec<f32>,
     /// The identities of what is visible, if these are kept, one pixel's samples after another's.
     pub identities: Vec<u64>,
+}
+
+impl Pixels {
+    /// The pixels of a bucket from those of its halves, with `depth` numbers of what displays take besides colour.
+    pub fn joined(first: Pixels, second: Pixels, bucket: &Bucket, depth: usize) -> Pixels {
+        let widths = bucket.halves().map(|half| half.width);
+        let is_wide = bucket.is_wide();
+        let per_pixel = first.identities.len() / first.color.len().max(1);
+        fn rows<T: Copy>(halves: [Vec<T>; 2], is_wide: bool, [left, right]: [usize; 2]) -> Vec<T> {
+            let [mut first, second] = halves;
+            if !is_wide || left == 0 {
+                first.extend(second);
+                return first;
+            }
+            let rows = first.chunks_exact(left).zip(second.chunks_exact(right));
+            rows.flat_map(|(a, b)| a.iter().chain(b).copied()).collect()
+        }
+        let wide = |n: usize| widths.map(|width| width * n);
+        Pixels {
+            color: rows([first.color, second.color], is_wide, widths),
+            extra: rows([first.extra, second.extra], is_wide, wide(depth)),
+            identities: rows([first.identities, second.identities], is_wide, wide(per_pixel)),
+        }
+    }
 }
 
 impl Samples {

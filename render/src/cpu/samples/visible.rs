@@ -1,7 +1,7 @@
 //! Visible points: which micropolygons samples have, and the colours that they get of these.
 
 use crate::cpu::micropolygon::Micropolygon;
-use crate::cpu::samples::{NONE, Samples, within};
+use crate::cpu::samples::{Samples, within};
 use glam::Vec3A;
 
 /// A shaded triangle of a micropolygon.
@@ -60,17 +60,9 @@ impl Samples {
 
     /// Visit those of layers that are visible and have no colour yet.
     pub fn for_each_layer(&self, mut visit: impl FnMut(Micropolygon)) {
-        if self.layers.is_empty() {
-            return;
-        }
-        for k in 0..self.list.len() {
-            let mut at = self.list[k];
-            while at != NONE {
-                let layer = &self.layers[at as usize];
-                if layer.micropolygon != Micropolygon::NONE && layer.z < self.z[k] {
-                    visit(layer.micropolygon);
-                }
-                at = layer.next;
+        for layer in &self.layers[self.n_colored..] {
+            if layer.micropolygon != Micropolygon::NONE && layer.is_before(self.z[layer.sample as usize]) {
+                visit(layer.micropolygon);
             }
         }
     }
@@ -120,28 +112,24 @@ impl Samples {
     /// The same of layers that others may be seen through.
     fn set_layer_colors(&mut self, triangles: &impl Triangles, outputs: &[f32]) {
         self.layer_outputs.resize(self.layers.len() * self.depth, 0.0);
-        for k in 0..self.list.len() {
-            let time = self.time.get(k).copied().unwrap_or(0.0);
-            let mut at = self.list[k];
-            while at != NONE {
-                let own = &mut self.layer_outputs[at as usize * self.depth..][..self.depth];
-                let layer = &mut self.layers[at as usize];
-                let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
-                if id != Micropolygon::NONE && layer.z < self.z[k] {
-                    let triangle = triangles.at(id, time);
-                    let w = triangle.weights(layer.weights);
-                    let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
-                    (layer.color, layer.opacity) = (mix(triangle.color), mix(triangle.opacity));
-                    layer.matte = triangle.matte;
-                    if triangle.matte {
-                        layer.color = [0.0; 3];
-                        own.fill(0.0);
-                    } else {
-                        triangle.outputs(outputs, w, own);
-                    }
-                }
-                at = layer.next;
+        for at in self.n_colored..self.layers.len() {
+            let layer = &mut self.layers[at];
+            let id = std::mem::replace(&mut layer.micropolygon, Micropolygon::NONE);
+            let k = layer.sample as usize;
+            if id == Micropolygon::NONE || !layer.is_before(self.z[k]) {
+                continue;
+            }
+            let triangle = triangles.at(id, self.time.get(k).copied().unwrap_or(0.0));
+            let w = triangle.weights(layer.weights);
+            let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
+            layer.paint(mix(triangle.color), mix(triangle.opacity), triangle.matte);
+            let own = &mut self.layer_outputs[at * self.depth..][..self.depth];
+            if triangle.matte {
+                own.fill(0.0);
+            } else {
+                triangle.outputs(outputs, w, own);
             }
         }
+        self.n_colored = self.layers.len();
     }
 }

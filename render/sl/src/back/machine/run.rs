@@ -8,6 +8,7 @@ use super::light::cosines;
 use super::state::{Beyond, Indexed, LoopFrame, Machine};
 use crate::ir::*;
 use crate::shadeop::color::{SPACES, convert};
+use crate::shadeop::format::LONGEST;
 use crate::shadeop::matrix::triple16;
 use crate::shadeop::runs::{dot, put, triple};
 use crate::shadeop::spline;
@@ -70,6 +71,10 @@ impl Machine {
     pub(super) fn say_faults(&mut self, program: &Program, scene: &dyn Scene) {
         if let Some((_, place)) = self.endless.take() {
             scene.stop(&format!("the loops of the shader `{}` do not end, in {}", program.name, program.place(place)));
+        }
+        if let Some(place) = self.overlong.take() {
+            let (name, place) = (&program.name, place.map_or(program.file.as_str(), |place| program.place(place)));
+            scene.stop(&format!("a string of the shader `{name}` grows beyond 64 KiB, in {place}"));
         }
         if let Some(Beyond { what, index, len, place }) = self.beyond.take() {
             let (most, place, name) = (len - 1, program.place(place), &program.name);
@@ -274,7 +279,12 @@ impl Machine {
             }
             Op::Format(dst, args) => {
                 let k = self.mask.as_ref().and_then(|m| m.iter().position(|m| *m)).unwrap_or(0);
-                self.texts[dst.index()] = self.format(args, k);
+                let text = self.format(args, k);
+                // It is cut at the end of a character, of four bytes at most.
+                if text.len() + 4 > LONGEST {
+                    self.overlong = self.overlong.or(Some(self.loop_place));
+                }
+                self.texts[dst.index()] = text;
             }
             Op::Print(args) => {
                 let varies = |o: &Operand| matches!(o, Operand::Number(r) if self.regs[r.index()].len() != r.width());

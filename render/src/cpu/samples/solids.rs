@@ -1,10 +1,8 @@
-//! Compositing of the layers of samples.
+//! Layers of solids: those that are surfaces of the whole.
 
 use crate::cpu::micropolygon::Micropolygon;
 use crate::cpu::samples::{Layer, NONE, Samples};
-use crate::film::display::{Aov, placed};
 use crate::scene::solid::{Met, Solids, Walk};
-use sl::ir::Kind;
 
 impl Samples {
     /// Leave of the lists what may be seen: of solids the surfaces of the wholes, and nothing behind the first layer that is opaque.
@@ -19,7 +17,7 @@ impl Samples {
             let mut at = self.list[k];
             while at != NONE {
                 let v = &self.layers[at as usize];
-                if v.z < self.z[k] {
+                if v.is_before(self.z[k]) {
                     stack.push(at);
                 }
                 at = v.next;
@@ -48,7 +46,7 @@ impl Samples {
                 }
                 v.next = std::mem::replace(&mut self.list[k], *at);
                 let is_opaque = match v.micropolygon {
-                    Micropolygon::NONE => v.opacity.iter().all(|o| *o >= 1.0),
+                    Micropolygon::NONE => v.open.iter().all(|o| *o <= 0.0),
                     waiting => stays_opaque(waiting),
                 };
                 if is_opaque {
@@ -67,6 +65,7 @@ impl Samples {
     fn compact(&mut self) {
         let (depth, layers) = (self.depth, std::mem::take(&mut self.layers));
         let outputs = std::mem::take(&mut self.layer_outputs);
+        self.n_colored = 0;
         for first in &mut self.list {
             let mut at = std::mem::replace(first, NONE);
             let mut last = None;
@@ -81,57 +80,6 @@ impl Samples {
                 self.layer_outputs.extend(outputs.get(at as usize * depth..(at as usize + 1) * depth).unwrap_or(&[]));
                 self.layer_outputs.resize(self.layers.len() * depth, 0.0);
                 (last, at) = (Some(to), layer.next);
-            }
-        }
-    }
-
-    /// Composite the lists: each sample's colour, premultiplied, and its coverage.
-    pub fn resolve(&mut self, aovs: &[Aov]) {
-        let mut stack: Vec<(u32, Layer)> = Vec::new();
-        for k in 0..self.list.len() {
-            if self.list[k] == NONE {
-                continue;
-            }
-            stack.clear();
-            let mut at = self.list[k];
-            while at != NONE {
-                let v = self.layers[at as usize];
-                if v.z < self.z[k] {
-                    stack.push((at, v));
-                }
-                at = v.next;
-            }
-            // Farthest first; what is equally far keeps the order in which it came.
-            stack.sort_by(|a, b| b.1.z.total_cmp(&a.1.z));
-            for (layer, v) in &stack {
-                for c in 0..3 {
-                    self.color[k][c] = v.color[c] + self.color[k][c] * (1.0 - v.opacity[c]);
-                }
-                let mean = (v.opacity[0] + v.opacity[1] + v.opacity[2]) / 3.0;
-                self.alpha[k] = if v.matte { 0.0 } else { mean } + self.alpha[k] * (1.0 - mean);
-                if self.depth > 0 {
-                    let own = &self.layer_outputs[*layer as usize * self.depth..][..self.depth];
-                    let under = &mut self.outputs[k * self.depth..][..self.depth];
-                    lay_over(aovs, own, v.opacity, under);
-                }
-                if mean >= 0.5 {
-                    self.z[k] = v.z;
-                }
-            }
-        }
-    }
-}
-
-/// Lay what displays take of a surface over what is behind it: colours by the opacity, other values if it is half opaque.
-fn lay_over(aovs: &[Aov], own: &[f32], opacity: [f32; 3], under: &mut [f32]) {
-    let mean = (opacity[0] + opacity[1] + opacity[2]) / 3.0;
-    for (first, aov) in placed(aovs) {
-        for c in 0..aov.width() {
-            let k = first + c;
-            match aov.kind {
-                Kind::Color => under[k] = own[k] + under[k] * (1.0 - opacity[c]),
-                _ if mean >= 0.5 => under[k] = own[k],
-                _ => {}
             }
         }
     }

@@ -1,0 +1,59 @@
+//! Nothing is silent: what cannot be drawn as it stands, and what grows without end, is said with its place.
+
+use crate::cli::{Answer, scratch, scree};
+use crate::rendering::ORTHO;
+
+/// What is said of a scene with shaders beside it.
+fn said(files: &[(&str, &str)], text: &str) -> Answer {
+    let work = scratch();
+    for (name, text) in files {
+        std::fs::write(work.path().join(name), text).unwrap();
+    }
+    let path = work.path().join("t.rib");
+    std::fs::write(&path, text).unwrap();
+    scree(&["render", path.to_str().unwrap(), "-o", work.path().to_str().unwrap()])
+}
+
+#[test]
+fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
+    let head = format!("Display \"t.png\" \"png\" \"rgb\"\n{ORTHO}\nWorldBegin\n");
+    let solid = |parts: &str| format!("SolidBegin \"difference\"\n{parts}Sphere .5 -.5 .5 360\nSolidEnd\n");
+    let tube = "SolidBegin \"primitive\" Cylinder .7 -.7 .7 360 SolidEnd\n";
+    let closed = format!("{}Disk .7 .7 360 Disk -.7 .7 360 SolidEnd\n", &tube[..tube.len() - "SolidEnd\n".len()]);
+    let open = "t.rib:5:24: a primitive of a solid does not enclose a volume";
+    for (world, expected) in [
+        (
+            "Transform [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0] Disk 0 .8 360\n",
+            "t.rib:4:1: the matrix of `Transform` cannot be inverted",
+        ),
+        (
+            "Transform [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0] Disk 0 .8 360\n",
+            "t.rib:4:45: a primitive under a transformation that cannot",
+        ),
+        ("Skew 90 0 1 0 1 0 0 Disk 0 .8 360\n", "t.rib:4:1: the angle of a skew is 90, expected less than 90 degrees"),
+        ("Polygon \"P\" [0 0 0 .5 0 0 1 0 0]\n", "t.rib:4:1: a polygon whose vertices lie in a row has no area"),
+        ("Polygon \"P\" [0 0 0 .5 0 0 1 0 0 .2 0 0 .1 0 0]\n", "t.rib:4:1: a polygon whose vertices lie in a row"),
+        (solid(tube).as_str(), open),
+    ] {
+        let answer = said(&[], &format!("{head}{world}WorldEnd\n"));
+        assert!(answer.errors().contains(expected), "{world}: {}", answer.errors());
+    }
+    for whole in ["", &closed] {
+        let answer = said(&[], &format!("{head}{}WorldEnd\n", solid(&format!("Sphere .8 -.8 .8 360\n{whole}"))));
+        assert!(!answer.errors().contains("enclose"), "{whole}: {}", answer.errors());
+    }
+    let lost = "surface t() { Oi = 1; Ci = pow(10, 30) * pow(10, 30) * u; }";
+    let answer = said(&[("t.sl", lost)], &format!("{head}Surface \"t\"\n Disk 0 .8 360\nWorldEnd\n"));
+    let errors = answer.errors();
+    assert!(
+        errors.contains("t.rib:5:2: ") && errors.contains("t.sl: the shader `t` gives colours that are no"),
+        "{errors}"
+    );
+    let doubled = "surface t() {\n string s = \"ab\"; float i;\n for (i = 0; i < 60; i += 1) s = concat(s, s);\n Ci = Cs; if (s == \"x\") Ci = 0; }";
+    let answer = said(&[("t.sl", doubled)], &format!("{head}Surface \"t\" Disk 0 .8 360\nWorldEnd\n"));
+    let errors = answer.fails(3);
+    assert!(
+        errors.contains("a string of the shader `t` grows beyond 64 KiB, in ") && errors.contains("t.sl:3"),
+        "{errors}"
+    );
+}
