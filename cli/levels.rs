@@ -85,7 +85,7 @@ fn levels_of(images: &[Vec<[f32; 3]>]) -> [f64; 2] {
     };
     let [dark, bright] = [root(DARK), root(BRIGHT)];
     let whites = |k: usize| shares([BLACK, step(WHITE, k, -1.0)], &|y| y >= bright);
-    // Whites first: black hardly moves them. As many as are wanted, but not too many in any image.
+    // Whites first: what becomes white does so whatever is black. As many as are wanted, but not too many in any image.
     let n = ((WHITE - LOWEST_WHITE) / STEP).round() as usize;
     let wanted = first(n, |k| whites(k).iter().all(|share| *share >= SHARE));
     let most = first(n + 1, |k| whites(k).iter().any(|share| *share > MOST_BRIGHT)).saturating_sub(1);
@@ -130,12 +130,16 @@ impl Levels {
     /// What a value becomes.
     fn level(&self, x: f32) -> f32 {
         let [black, white] = [root(BLACK as f32), root(WHITE as f32)];
-        let slope = (white - black) / (self.bright - self.dark);
-        let [toe, shoulder] = [slope * self.dark / black, slope * (1.0 - self.bright) / (1.0 - white)];
+        let slope = (1.0 - black) / (1.0 - self.dark);
+        let toe = slope * self.dark / black;
+        let high = black + slope * (self.bright - self.dark);
+        let (from, lift) = (0.6 * high, white - high);
+        let shoulder = (1.0 + 2.0 * lift / (high - from)) * (1.0 - high) / (1.0 - white);
         let t = (x / self.dark).min(1.0);
-        let u = ((1.0 - x) / (1.0 - self.bright)).clamp(0.0, 1.0);
-        let line = (x - self.dark).clamp(0.0, self.bright - self.dark);
-        black * t / (t + toe * (1.0 - t)) + slope * line + (1.0 - white) * (1.0 - u / (u + shoulder * (1.0 - u)))
+        let y = black * t / (t + toe * (1.0 - t)) + slope * (x - self.dark).clamp(0.0, 1.0);
+        let q = ((y - from) / (high - from)).clamp(0.0, 1.0);
+        let u = ((1.0 - y) / (1.0 - high)).clamp(0.0, 1.0);
+        y.min(high) + lift * q * q + (1.0 - white) * (1.0 - u / (u + shoulder * (1.0 - u)))
     }
 
     /// The brightness of a colour, as a root of light.

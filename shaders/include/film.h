@@ -35,14 +35,17 @@ color filmic(color light; uniform float white, black) {
 }
 
 // Levels as of Option "film" "levels", for brightness as it is on a screen: what is `low` becomes 0.04, nearly black, and what is `high` 0.95,
-// nearly white; in between a line, beyond it a toe to 0 and a shoulder to 1. In roots of light, `dark` and `bright` are those, `black` and
-// `white` what they become.
+// nearly white; a line from black to 1, below it a toe, and what is in its upper part lifted the more the brighter it is. In roots of
+// light, `dark` and `bright` are low and high, `black` and `white` what they become.
 #define LEVEL(kind, name) \
     kind name(kind x; uniform float dark, bright, black, white) { \
-        uniform float slope = (white - black) / (bright - dark); \
-        uniform float toe = slope * dark / black, shoulder = slope * (1 - bright) / (1 - white); \
-        kind one = 1, none = 0, t = min(x / dark, one), line = bright - dark, u = clamp((1 - x) / (1 - bright), none, one); \
-        return black * t / (t + toe * (1 - t)) + slope * clamp(x - dark, none, line) + (1 - white) * (1 - u / (u + shoulder * (1 - u))); \
+        uniform float slope = (1 - black) / (1 - dark), toe = slope * dark / black; \
+        uniform float high = black + slope * (bright - dark), from = 0.6 * high, lift = white - high; \
+        uniform float shoulder = (1 + 2 * lift / (high - from)) * (1 - high) / (1 - white); \
+        kind one = 1, none = 0, top = high, t = min(x / dark, one); \
+        kind y = black * t / (t + toe * (1 - t)) + slope * clamp(x - dark, none, one); \
+        kind q = clamp((y - from) / (high - from), none, one), u = clamp((1 - y) / (1 - high), none, one); \
+        return min(y, top) + lift * q * q + (1 - white) * (1 - u / (u + shoulder * (1 - u))); \
     }
 LEVEL(float, level)
 LEVEL(color, levels)
