@@ -24,6 +24,7 @@ mod inspect;
 mod interrupt;
 mod job;
 mod ledger;
+mod levels;
 mod library;
 mod machine;
 mod model_run;

@@ -2,6 +2,7 @@
 
 use crate::job::ImageJob;
 use crate::ledger::Ledger;
+use crate::levels;
 use crate::progress::Progress;
 use crate::report::Outcome;
 use bind::binding::{Arrow, Camera, Color, Shape};
@@ -31,13 +32,19 @@ impl Found {
     }
 }
 
-/// Settle the ranges that are open, of a job and of its passes.
+/// Settle the ranges that are open, and the levels of the film, of a job and of its passes.
 pub fn settle(job: &mut ImageJob) -> Outcome {
+    let kept = Ledger::of(&job.folder).folder().join("ranges.json");
+    of_data(&mut job.binding, &job.source, Some(&kept))?;
+    levels::settle(&mut job.binding, &job.source, &job.files);
     for pass in &mut job.passes {
+        // Both eyes see one film.
+        if pass.binding.scene == job.binding.scene {
+            pass.binding.output.levels = pass.binding.output.levels.or(job.binding.output.levels);
+        }
         settle(pass)?;
     }
-    let kept = Ledger::of(&job.folder).folder().join("ranges.json");
-    of_data(&mut job.binding, &job.source, Some(&kept))
+    Ok(())
 }
 
 /// Settle the ranges that a binding leaves open, of all frames of its data; what has been found is kept in a file.

@@ -2,6 +2,7 @@
 
 use crate::failed::MissingValues;
 use crate::job::RibJob;
+use crate::levels;
 use crate::library;
 use crate::model_run;
 use crate::ranges;
@@ -24,6 +25,7 @@ pub fn run(job: RibJob) -> Outcome {
     binding.check_columns(&table)?;
     ranges::of_data(&mut binding, &source, None)?;
     let files = binding.files(library::files(&binding.folder()));
+    levels::settle(&mut binding, &source, &files);
     let mut writer = Writer::new(Vec::new()).map_err(|f| Failure::new(Exit::Fault, f.message))?;
     let missing = emit::frame(
         &binding,

@@ -287,10 +287,24 @@ fn each_segment_of_a_simulation_has_the_frames_that_are_drawn_of_it() {
     let work = scratch();
     let (model, home) = film(work.path());
     let md = at(work.path(), "md.yaml");
-    let head = "model: \"it's a drop.yaml\"\ncamera: {eye: [0, -3, 1], look_at: [0, 0, 0]}\nmovie: {frame_rate: 10}\n";
+    let head = "model: \"it's a drop.yaml\"\ncamera: {eye: [0, -3, 1], look_at: [0, 0, 0]}\nmovie: {frame_rate: 10}\noutput: {levels: [0.1, 0.9]}\n";
     let object = "objects: [{name: b, select: class == 'block', position: [pos_x, pos_y, pos_z], geometry: {sphere: {radius: 0.1}}}]\n";
     std::fs::write(&md, format!("{head}{object}")).unwrap();
     let submit = ["submit", &md, "-o", &home, "--scheduler", "local", "--segments", "2"];
+    // Levels of the film that are not given are those of the whole run.
+    let open = std::fs::read_to_string(&md).unwrap().replace("levels: [0.1, 0.9]", "format: png");
+    std::fs::write(at(work.path(), "open.yaml"), open).unwrap();
+    let open = [
+        "submit",
+        &at(work.path(), "open.yaml"),
+        "-o",
+        &at(work.path(), "o"),
+        "--scheduler",
+        "local",
+        "--segments",
+        "2",
+    ];
+    assert!(scree(&open).fails(2).contains("its output `levels`"));
     call(&submit, &SMALL).ok();
     let plan: serde_json::Value =
         serde_json::from_slice(&std::fs::read(Path::new(&home).join("plan/plan.json")).unwrap()).unwrap();

@@ -266,3 +266,91 @@ fn pebbles_lie_still_on_soil() {
         assert_eq!(spheres(&other), data, "{what} has none");
     }
 }
+
+/// Shares of an image that are at 12 or below, and at 240 or above, of 255.
+fn dark_and_bright(image: &image::RgbImage) -> [f64; 2] {
+    let light = |p: &image::Rgb<u8>| 0.2126 * p[0] as f64 + 0.7152 * p[1] as f64 + 0.0722 * p[2] as f64;
+    let share = |is: &dyn Fn(f64) -> bool| image.pixels().filter(|p| is(light(p))).count() as f64;
+    let n = (image.width() * image.height()) as f64;
+    [share(&|l| l <= 12.0) / n, share(&|l| l >= 240.0) / n]
+}
+
+/// Bricks in a wall, over which a ball goes: nothing of it is dark by itself.
+fn wall(folder: &Path) -> String {
+    for frame in 0..3 {
+        let mut rows = format!("id,kind,pos_x,pos_y,pos_z,r\n0,ball,{},-0.6,0.3,0.2\n", frame as f64 * 0.3 - 0.3);
+        for k in 0..24 {
+            let [x, z] = [(k % 6) as f64 * 0.4 + (k / 6 % 2) as f64 * 0.2 - 1.0, (k / 6) as f64 * 0.2 + 0.1];
+            rows += &format!("{},brick,{x},0,{z},0.1\n", k + 1);
+        }
+        std::fs::write(folder.join(format!("w_{frame}.csv")), rows).unwrap();
+    }
+    let text = "data: {files: 'w_*.csv'}\nscene: studio.rib\ncamera: {eye: [-2, -5.8, 2.9], look_at: [0.2, 0, 0.3], fov: 32}\nground_height: 0\nobjects:
+  - {name: ball, select: kind == 'ball', geometry: {sphere: {radius: r}}, surface: {name: matte}, color: [0.56, 0.48, 0.4]}
+  - {name: bricks, select: kind == 'brick', geometry: {box: {half: [0.2, 0.1, 0.1]}}, surface: {name: paintedmetal, wear: 0.1}, color: [0.03, 0.18, 0.42]}
+output: {resolution: [320, 180]}\n";
+    let path = folder.join("m.yaml");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().into()
+}
+
+#[test]
+fn levels_give_films_that_are_pale_blacks_and_highlights() {
+    let work = scratch();
+    let file = wall(work.path());
+    let text = std::fs::read_to_string(&file).unwrap();
+    let all = images(&file, 3, &[]);
+    for image in &all {
+        let [dark, bright] = dark_and_bright(image);
+        assert!((1e-3..0.03).contains(&dark) && (1e-3..0.03).contains(&bright), "{dark} dark, {bright} bright");
+    }
+    // A frame alone has the levels of its film, whatever the threads; the corner that the ball does not reach is the same in all of them.
+    let out = scratch();
+    let args = ["render", &file, "-o", out.path().to_str().unwrap(), "-f", "2", "--threads", "1"];
+    let said = scree(&args).errors();
+    assert!(image::open(out.path().join("000002.png")).unwrap().to_rgb8() == all[2]);
+    let corner = |k: usize| (0..320 * 20).map(|i| *all[k].get_pixel(i % 320, i / 320)).collect::<Vec<_>>();
+    assert!(corner(0) == corner(2), "what is still is the same");
+    // What is said can be given, and is then not measured.
+    let (_, levels) = said.split_once("`levels: ").unwrap_or_else(|| panic!("no levels: {said}"));
+    let levels = levels.split('`').next().unwrap();
+    let with =
+        |levels: &str| std::fs::write(&file, text.replace("output: {", &format!("output: {{levels: {levels}, ")));
+    with(levels).unwrap();
+    assert!(images(&file, 3, &[]) == all);
+    // Without, nothing is dark.
+    with("[0.04, 0.95]").unwrap();
+    assert!(dark_and_bright(&images(&file, 3, &[])[0])[0] < 1e-3);
+    let pale = images(&file, 3, &["--image-quality", "draft"]);
+    with("[0.9, 0.2]").unwrap();
+    let said = scree(&["render", &file]).fails(3);
+    assert!(said.contains("output.levels") || said.contains("0.01 to 0.99"), "{said}");
+    // A draft has its own.
+    std::fs::write(&file, &text).unwrap();
+    assert!(dark_and_bright(&images(&file, 3, &["--image-quality", "draft"])[0])[0] >= 1e-3);
+    assert!(dark_and_bright(&pale[0])[0] < 1e-3);
+    // A scene that has its own tone is left alone, and says so of levels that are given.
+    let moon = text.replace("studio.rib", "lunar.rib").replace("ground_height: 0\n", "");
+    std::fs::write(&file, &moon).unwrap();
+    assert!(!scree(&["rib", &file, "-f", "0"]).ok().contains("levels"));
+    std::fs::write(&file, moon.replace("output: {", "output: {levels: [0.1, 0.9], ")).unwrap();
+    let said = scree(&["render", &file]).fails(3);
+    assert!(said.contains("#scree inject levels"), "{said}");
+}
+
+#[test]
+fn levels_keep_black_white_and_order() {
+    let value = |grey: f32, levels: &str| {
+        let options = format!(
+            "{ORTHO} Option \"film\" \"float[2] levels\" [{levels}] Imager \"film\" \"color bgcolor\" [{grey} {grey} {grey}]"
+        );
+        render_with(&[], &options, "").at(40, 40)[0]
+    };
+    let shown = |grey: f32| grey.powf(2.2);
+    for grey in [0.0, 0.2, 0.5, 1.0] {
+        assert!((value(grey, "0.04 0.95") - grey).abs() < 1e-6, "these change nothing");
+    }
+    let row: Vec<f32> = (0..=50).map(|k| value(shown(k as f32 / 50.0), "0.3 0.8").powf(1.0 / 2.2)).collect();
+    assert!(row[0] == 0.0 && (row[50] - 1.0).abs() < 1e-4 && row.windows(2).all(|w| w[0] < w[1]), "{row:?}");
+    assert!((row[15] - 0.04).abs() < 0.002 && (row[40] - 0.95).abs() < 0.002, "{} {}", row[15], row[40]);
+}

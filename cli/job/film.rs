@@ -11,10 +11,11 @@ use crate::args::{
     StatusArgs, SubmitArgs, TaskArgs, VerifyArgs,
 };
 use crate::batch::{ImageChoices, MadeOf, Plan, Requests, Scheduler, Simulation, Task};
+use crate::library;
 use crate::report::{Exit, Failure, Outcome};
 use crate::source::{self, Yaml};
-use bind::Binding;
 use bind::data::{Source, Store};
+use bind::{Binding, emit};
 use frame::list::{self, FrameList};
 use frame::run::RunReader;
 use sim::model_file::{self, Replacement};
@@ -312,10 +313,12 @@ fn simulation(
         Some(list) => list.select(&all).map_err(|m| Failure::new(Exit::Usage, format!("--frames: {m}")))?,
         None => all,
     };
-    let is_settled = binding.is_some_and(|binding| !binding.is_open());
+    let files = |binding: &Binding| binding.files(library::files(&binding.folder()));
+    let is_settled =
+        binding.is_some_and(|binding| !binding.is_open() && !emit::levels_are_open(binding, &files(binding)));
     if cut.segments > 1 && !is_settled {
         let message = "--segments: images can be drawn before the simulation has ended only by a metadata file whose colours \
-                       have a `range`, its arrows a `scale`, and whose camera has neither `turns` nor `damping`: camera and colours are found from the whole run otherwise";
+                       have a `range`, its arrows a `scale`, its output `levels`, and whose camera has neither `turns` nor `damping`: these are found from the whole run otherwise";
         return Err(Failure::new(Exit::Usage, message));
     }
     let n_chunks = plan.frames.len().div_ceil(plan.frames_per_task);

@@ -11,6 +11,8 @@ imager film(color bgcolor = 0; color top = color(-1, -1, -1); float exposure = 1
     if (on != 0 && alpha > 0)
         Ci = alpha * filmic(Ci / alpha, white, black);
     Ci += (1 - alpha) * mix(comp(top, 0) < 0 ? bgcolor : top, bgcolor, smoothstep(0, 1, ycomp(P) / format[1]));
+    if (on != 0)
+        Ci = levelled(Ci);
     Ci = exposed(Ci);
     Oi = 1;
     alpha = 1;

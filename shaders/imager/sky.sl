@@ -57,6 +57,6 @@ imager sky(vector sun = vector(0.5, 0.4, 0.7); float turbidity = 3; float exposu
     option("film:view", on);
     Ci *= exposure;
     if (on != 0)
-        Ci = filmic(Ci, white, black);
+        Ci = levelled(filmic(Ci, white, black));
     Ci = exposed(Ci);
 }

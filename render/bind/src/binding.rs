@@ -16,4 +16,6 @@ mod resolved;
 pub use check::{delimiter, some_objects};
 pub use object::{Archive, Arrow, Color, Formula, Object, Reach, Shader, Shape, Trail};
 pub use overlays::{Axes, Corner, GrowingPlot, Legend, Overlays, Panel, ScaleBar, TIME_UNITS, TimeStamp, Title};
-pub use resolved::{Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality};
+pub use resolved::{
+    BLACK, Binding, Camera, Data, ImageFormat, Key, Lens, Output, Place, Placed, Projection, Quality, WHITE,
+};

@@ -7,6 +7,7 @@
 //! #scree inject objects [NAME…]     the objects of these names, or all
 //! #scree inject floor               a floor under data that brings none, if the binding has a height for it
 //! #scree inject pebbles             small stones on the ground
+//! #scree inject levels              the levels of the film: what becomes black and what white
 //! #scree override Format            the binding's resolution; likewise Display, PixelSamples, PixelFilter, ShadingRate
 //! #scree ground                     a shift of what follows, the scene's own ground, to the binding's height; objects marked as
 //!                                   `ground` are left out then
@@ -103,8 +104,9 @@ pub fn frame(
             ))),
             (Some("inject"), Some("floor")) => inject_floor(binding, stand, ri),
             (Some("inject"), Some("pebbles")) => pebbles::inject(binding, &prepared, stand, has_own_ground, ri),
+            (Some("inject"), Some("levels")) => inject_levels(&binding.output, ri),
             (Some("inject"), what) => Err(Fail::new(format!(
-                "`#scree inject {}` is unknown, expected camera, lights, objects, floor or pebbles",
+                "`#scree inject {}` is unknown, expected camera, lights, objects, floor, pebbles or levels",
                 what.unwrap_or("")
             ))),
             (Some("ground"), None) => match binding.ground_height {
@@ -186,6 +188,17 @@ pub fn prepare<'a>(binding: &'a Binding, moment: &Moment) -> Result<(Vec<Prepare
     Ok((prepared, missing))
 }
 
+/// Whether the levels of the film are still to be measured: they are not given, the binding's scene takes them, and the image is none of data.
+pub fn levels_are_open(binding: &Binding, files: &Files) -> bool {
+    let scene = || files.read(&binding.scene, &["scenes"]).is_ok_and(|(_, text)| takes_levels(&text));
+    binding.output.levels.is_none() && binding.output.format == ImageFormat::Png && scene()
+}
+
+/// Whether a scene takes levels of the film.
+fn takes_levels(scene: &str) -> bool {
+    scene.lines().any(|line| line.trim() == "#scree inject levels")
+}
+
 /// A setting that the file makes and the scene does not take would be lost silently: that is an error.
 fn check_overrides(binding: &Binding, scene: &str) -> Result<(), Fault> {
     let places = [
@@ -200,6 +213,10 @@ fn check_overrides(binding: &Binding, scene: &str) -> Result<(), Fault> {
             let message = format!("the scene does not take it: `#scree override {call}` is missing there");
             return Err(binding.doc.fault(&format!("output.{key}"), message));
         }
+    }
+    if binding.doc.place("output.levels") != binding.doc.place("output") && !takes_levels(scene) {
+        let message = "the scene does not take them: `#scree inject levels` is missing there";
+        return Err(binding.doc.fault("output.levels", message));
     }
     if !scene.contains("#scree override Display") {
         return Err(binding
@@ -267,6 +284,14 @@ fn inject_lights(binding: &Binding, files: &Files, ri: &mut dyn Ri) -> RiResult 
         triple("to", Type::Point, [0.55, 0.5, -0.8]),
     ];
     ri.light_source("distantlight", "scree:sun", sun)
+}
+
+/// The levels of the film, if they are given or measured.
+fn inject_levels(output: &Output, ri: &mut dyn Ri) -> RiResult {
+    let Some(levels) = output.levels else { return Ok(()) };
+    let mut param = Param::floats("levels", Class::Uniform, Type::Float, levels.map(|x| x as f32));
+    param.decl.array = 2;
+    ri.option("film", vec![param])
 }
 
 /// Go to a height under what the camera looks at, with its distance as unit.

@@ -24,7 +24,7 @@ fn is_known_option(group: &str, name: &str) -> bool {
         "texture" => name == "colorspace",
         "sky" => matches!(name, "sun" | "turbidity"),
         "quality" => matches!(name, "sky" | "sun"),
-        "film" => name == "view",
+        "film" => matches!(name, "view" | "levels"),
         "imager" => name == "exposed",
         "searchpath" | "user" => true,
         _ => false,

@@ -6,7 +6,7 @@ use frame::Fault;
 use frame::yaml::Document;
 
 impl Output {
-    /// Check resolution, samples, shading rate, shutter, bits, layers and filter. An error is at the key of the first bad value.
+    /// Check resolution, samples, shading rate, shutter, bits, layers, levels and filter. An error is at the key of the first bad value.
     pub fn check(&self, doc: &Document) -> Result<(), Fault> {
         if self.resolution.iter().any(|n| !(1..=65_536).contains(n)) {
             return Err(doc.fault("output.resolution", "expected two numbers from 1 to 65536"));
@@ -30,6 +30,11 @@ impl Output {
         }
         if !self.channels.is_empty() && self.format != ImageFormat::Exr {
             return Err(doc.fault("output.channels", "needs `format: exr`: no other file has layers"));
+        }
+        if let Some([low, high]) = self.levels
+            && !(low >= 0.01 && low < high && high <= 0.99)
+        {
+            return Err(doc.fault("output.levels", "expected two numbers from 0.01 to 0.99, the second larger"));
         }
         let filters = ["box", "triangle", "gaussian", "catmull-rom", "sinc", "mitchell"];
         let (name, width) = &self.filter;

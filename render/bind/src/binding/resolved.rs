@@ -226,9 +226,17 @@ pub struct Output {
     pub shutter: f64,
     /// Frame list ([`frame::list`]) of the frames to draw; all if not given.
     pub frames: Option<String>,
+    /// Levels of the film: the brightness on the screen, 0 to 1, that becomes [`BLACK`], and that which becomes [`WHITE`]; the scene's own if
+    /// they are neither given nor measured.
+    pub levels: Option<[f64; 2]>,
     /// Name of the pixel filter and its full width, pixels.
     pub filter: (String, f32),
 }
+
+/// The brightness on the screen, 0 to 1, of what is nearly black.
+pub const BLACK: f64 = 0.04;
+/// That of what is nearly white.
+pub const WHITE: f64 = 0.95;
 
 /// Image quality.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -308,6 +316,7 @@ impl Default for Output {
             channels: vec![],
             shutter: 0.0,
             frames: None,
+            levels: None,
             filter: ("gaussian".into(), 2.0),
         }
     }

@@ -93,6 +93,7 @@ fn output(o: types::Output) -> Output {
         channels: o.channels,
         shutter: o.shutter,
         frames: o.frames,
+        levels: o.levels,
         filter: (o.filter.name, o.filter.width),
     }
 }

@@ -464,6 +464,10 @@ pub struct Output {
     /// Frame list of the frames to draw, as for `-f`; all if not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<String>,
+    /// Levels of the film: the brightness on the screen, 0 to 1, that becomes nearly black (0.04), and that which becomes nearly white (0.95);
+    /// if not given, measured from the first, the middle and the last frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels: Option<[f64; 2]>,
     /// The pixel filter.
     pub filter: PixelFilter,
 }
@@ -528,6 +532,7 @@ impl Default for Output {
             bits: None,
             channels: vec![],
             frames: None,
+            levels: None,
             filter: PixelFilter::default(),
         }
     }
