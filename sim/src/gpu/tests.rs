@@ -345,7 +345,7 @@ fn what_is_not_built_for_devices_is_refused() {
     assert!(refused(&model, &state).contains("1000 times"));
     model.shape_size[last] = DVec3::splat(0.1);
     let (model, state) = spheres(0, |_| unreachable!());
-    assert!(refused(&model, &state).contains("no spheres"));
+    assert!(refused(&model, &state).contains("no body of the model that moves"));
 }
 
 /// Spheres that overlap far from all planes, and settings of Jacobi that both back ends have.

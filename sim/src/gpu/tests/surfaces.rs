@@ -148,8 +148,8 @@ fn spheres_on_surfaces_have_the_contacts_of_the_cpu() {
     }
 }
 
-/// Bodies that have met the ground for some steps, on both back ends from then on.
-fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64)) {
+/// Bodies that have met the ground for some steps, on both back ends for `steps` more.
+fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64), steps: u32) {
     let iterations = Some(100);
     // Contact points are found anew in each step, as on the device.
     model.recycle = 0.0;
@@ -159,7 +159,7 @@ fn fall(model: &mut Model, state: &State, (method, tolerance): (Method, f64)) {
     let state = written(&cpu.state);
     let Some(mut own) = on_device(model, &state) else { return };
     let mut n_contacts = 0;
-    for _ in 0..20 {
+    for _ in 0..steps {
         let (a, b) = (own.step(), cpu.step());
         n_contacts = n_contacts.max(b.contacts);
         assert!(a.broken.is_none(), "{a:?}");
@@ -194,7 +194,7 @@ fn steps_of_spheres_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(|k| ShapeFile::sphere(0.05 + 0.01 * (k % 4) as f64), 100, DVec3::ZERO);
     layers(&model, &mut state, 100);
     for method in [Method::Apgd, Method::GaussSeidel] {
-        fall(&mut model, &state, (method, 2e-6));
+        fall(&mut model, &state, (method, 2e-6), 20);
     }
 }
 
@@ -237,9 +237,9 @@ fn solids_on_surfaces_have_the_contacts_of_the_cpu() {
 fn steps_of_solids_on_surfaces_are_those_of_the_cpu() {
     let (mut model, mut state) = over_ground(solids, 36, DVec3::ZERO);
     layers(&model, &mut state, 36);
-    // A hundred sweeps of the processor leave more than a hundred iterations of APGD.
-    for (method, tolerance) in [(Method::Apgd, 2e-5), (Method::GaussSeidel, 3e-4)] {
-        fall(&mut model, &state, (method, tolerance));
+    // What turns another way at a seam soon meets others.
+    for method in [Method::Apgd, Method::GaussSeidel] {
+        fall(&mut model, &state, (method, 5e-6), 8);
     }
 }
 
