@@ -60,6 +60,21 @@ fn coincident_spheres_cover_what_their_opacities_come_to() {
     }
 }
 
+/// Panes that each let two colours through are opaque together; alpha is the mean of what is covered by channel.
+#[test]
+fn alpha_is_that_of_each_channel() {
+    let pane = |z: f32, opacity: &str| {
+        format!("Color [1 1 1] Opacity [{opacity}] Polygon \"P\" [-1 -1 {z} 1 -1 {z} 1 1 {z} -1 1 {z}]\n")
+    };
+    let three = pane(0.0, "1 0 0") + &pane(0.1, "0 1 0") + &pane(0.2, "0 0 1");
+    for (channel, found) in render(PLAIN, &three).at(32, 32).into_iter().enumerate() {
+        assert_near(found, 1.0, &format!("channel {channel}"));
+    }
+    let two = pane(0.0, "0.5 0.25 0.01") + &pane(0.1, "0.5 0.25 0.01");
+    let covered = [0.5f32, 0.25, 0.01].map(|o| 1.0 - (1.0 - o) * (1.0 - o));
+    assert_near(render(PLAIN, &two).at(32, 32)[3], covered.iter().sum::<f32>() / 3.0, "alpha of two");
+}
+
 #[test]
 fn what_lets_nothing_through_together_hides_what_is_behind() {
     // A hundred of one half let 2⁻¹⁰⁰ through: of ten times as many no more points are shaded than of these, nor of a hundred that are

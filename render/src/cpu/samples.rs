@@ -31,9 +31,8 @@ struct Layer {
     /// Colour, by the opacity already, and what part of what is behind it is seen.
     color: [f32; 3],
     open: [f32; 3],
-    /// Coverage, which is 0 of what leaves a hole, and what part of that of what is behind it counts.
-    alpha: f32,
-    open_alpha: f32,
+    /// Coverage by channel, which is 0 of what leaves a hole: the opacity of all that is laid together.
+    alpha: [f32; 3],
     /// Depth of the nearest of them that is half opaque; infinite if none is.
     half_z: f32,
     primitive: u64,
@@ -336,7 +335,7 @@ impl Samples {
         // Every surface of a solid counts.
         let primitive = if solid.is_some() { NO_PRIMITIVE } else { grid.primitive };
         let next = std::mem::replace(&mut self.list[k], self.layers.len() as u32);
-        let (color, open, alpha, open_alpha, half_z) = ([0.0; 3], [1.0; 3], 0.0, 1.0, f32::INFINITY);
+        let (color, open, alpha, half_z) = ([0.0; 3], [1.0; 3], [0.0; 3], f32::INFINITY);
         let (sample, last) = (k as u32, false);
         self.layers.push(Layer {
             z,
@@ -345,7 +344,6 @@ impl Samples {
             color,
             open,
             alpha,
-            open_alpha,
             half_z,
             primitive,
             sample,

@@ -5,16 +5,20 @@
 
 use super::types::ModelFile;
 use crate::heap::carries_loads;
+use crate::inertia::gyration;
 use crate::model::Model;
 use crate::plan::{Narrow, coheres, has_joints};
 use crate::settings::{FrictionLaw, Method, Quality, SolverSettings};
 use crate::state::State;
 use frame::Fault;
 use frame::yaml::Document;
+use std::collections::BTreeSet;
 
 /// The envelope of bodies of any shape over g h²: what loses its support falls by less before it is back, with the points that it had.
 const FALLS: f64 = 15.0;
 
+/// The half length of what moves where it has no shape, at most, m.
+const UNKNOWN: f64 = 0.1;
 /// Sweeps over spheres at normal quality.
 pub const NORMAL_SWEEPS: u32 = 8;
 /// Relaxation factor of sweeps over spheres at normal quality.
@@ -109,12 +113,23 @@ impl Choice {
 /// What the choice depends on besides the level.
 struct Scale {
     kind: Kind,
-    /// Least half length of a shape that moves, m.
+    /// Least half length of a shape that moves, or of a moving body without shapes, m.
     radius: f64,
     /// Gravity, m/s².
     gravity: f64,
     /// Greatest speed at the start, m/s.
     speed: f64,
+}
+
+/// Sizes of the moving bodies without shapes, m: their radii of gyration. Points, far smaller than the others, have none.
+fn sizes_without_shapes(model: &Model) -> impl Iterator<Item = f64> {
+    /// Size over the greatest of them, below which a body is a point.
+    const POINT: f64 = 1e-3;
+    let has_shapes: BTreeSet<u32> = model.shape_body.iter().copied().collect();
+    let bare = (0..model.n_bodies()).filter(|b| model.inv_mass[*b] > 0.0 && !has_shapes.contains(&(*b as u32)));
+    let size: Vec<f64> = bare.map(|b| gyration(model.inv_mass[b], model.inv_inertia[b].min_element())).collect();
+    let most = size.iter().copied().fold(0.0, f64::max);
+    size.into_iter().filter(move |size| *size > POINT * most).map(|size| size.min(UNKNOWN))
 }
 
 /// Part of its least half length that a body may move by in a step at the start: half of the way of a step is how far it comes to rest too early.
@@ -137,15 +152,13 @@ impl Scale {
             Narrow::Any => Kind::Bodies,
         };
         let moves = |s: &usize| model.inv_mass[model.shape_body[*s] as usize] > 0.0;
-        let radius = (0..model.n_shapes())
-            .filter(moves)
-            .map(|s| model.shape_size[s].min_element())
-            .fold(f64::INFINITY, f64::min);
+        let of_shapes = (0..model.n_shapes()).filter(moves).map(|s| model.shape_size[s].min_element());
+        let radius = of_shapes.chain(sizes_without_shapes(model)).fold(f64::INFINITY, f64::min);
         let speed = state.velocity.iter().fold(0.0f64, |most, v| most.max(v.length()));
         let gravity = model.gravity.length();
         Scale {
             kind,
-            radius: if radius.is_finite() && radius > 0.0 { radius } else { 0.1 },
+            radius: if radius.is_finite() && radius > 0.0 { radius } else { UNKNOWN },
             gravity: if gravity > 0.0 { gravity } else { 9.81 },
             speed,
         }

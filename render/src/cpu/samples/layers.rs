@@ -38,7 +38,7 @@ impl Layer {
         let mean = (opacity[0] + opacity[1] + opacity[2]) / 3.0;
         self.color = if matte { [0.0; 3] } else { color };
         self.open = opacity.map(|o| 1.0 - o);
-        (self.alpha, self.open_alpha) = (if matte { 0.0 } else { mean }, 1.0 - mean);
+        self.alpha = if matte { [0.0; 3] } else { opacity };
         self.half_z = if mean >= 0.5 { self.z } else { f32::INFINITY };
     }
 
@@ -58,23 +58,22 @@ impl Layer {
         }
         for c in 0..3 {
             self.color[c] += self.open[c] * next.color[c];
+            self.alpha[c] += self.open[c] * next.alpha[c];
             self.open[c] *= next.open[c];
         }
-        self.alpha += self.open_alpha * next.alpha;
-        self.open_alpha *= next.open_alpha;
         self.half_z = self.half_z.min(next.half_z);
     }
 }
 
 /// Light that is left behind layers.
 #[derive(Clone, Copy)]
-struct Left([f32; 4]);
+struct Left([f32; 3]);
 
 impl Left {
-    const ALL: Left = Left([1.0; 4]);
+    const ALL: Left = Left([1.0; 3]);
 
     fn behind(v: &Layer) -> Left {
-        Left([v.open[0], v.open[1], v.open[2], v.open_alpha])
+        Left(v.open)
     }
 
     fn pass(&mut self, v: &Layer) {
@@ -235,7 +234,7 @@ impl Samples {
         for c in 0..3 {
             self.color[k][c] = sum.color[c] + sum.open[c] * color[c];
         }
-        self.alpha[k] = sum.alpha + sum.open_alpha * alpha;
+        self.alpha[k] = (0..3).map(|c| sum.alpha[c] + sum.open[c] * alpha).sum::<f32>() / 3.0;
         if is_half || is_closed {
             self.z[k] = if is_half { sum.half_z } else { sum.z };
         }
