@@ -15,8 +15,9 @@ const SAMPLES: u32 = 2;
 /// Values of 8 bits at or below which a pixel is dark, and at or above which it is bright.
 const DARK: f32 = 12.0 / 255.0;
 const BRIGHT: f32 = 240.0 / 255.0;
-/// The share of an image that is to be dark, and likewise bright, at least.
-const SHARE: f64 = 0.0014;
+/// The shares of a small image that are to be dark and bright, at least, for a thousandth of one in full size: highlights are smaller there.
+const DARK_SHARE: f64 = 0.0014;
+const BRIGHT_SHARE: f64 = 0.0018;
 /// The share that levels may make bright, at most.
 const MOST_BRIGHT: f64 = 0.025;
 /// How far levels go.
@@ -87,12 +88,12 @@ fn levels_of(images: &[Vec<[f32; 3]>]) -> [f64; 2] {
     let whites = |k: usize| shares([BLACK, step(WHITE, k, -1.0)], &|y| y >= bright);
     // Whites first: what becomes white does so whatever is black. As many as are wanted, but not too many in any image.
     let n = ((WHITE - LOWEST_WHITE) / STEP).round() as usize;
-    let wanted = first(n, |k| whites(k).iter().all(|share| *share >= SHARE));
+    let wanted = first(n, |k| whites(k).iter().all(|share| *share >= BRIGHT_SHARE));
     let most = first(n + 1, |k| whites(k).iter().any(|share| *share > MOST_BRIGHT)).saturating_sub(1);
     let white = step(WHITE, wanted.min(most), -1.0);
     let n = ((HIGHEST_BLACK - BLACK) / STEP).round() as usize;
     let blacks = |k: usize| shares([step(BLACK, k, 1.0), white], &|y| y <= dark);
-    [step(BLACK, first(n, |k| blacks(k).iter().all(|share| *share >= SHARE)), 1.0), white]
+    [step(BLACK, first(n, |k| blacks(k).iter().all(|share| *share >= DARK_SHARE)), 1.0), white]
 }
 
 /// A value some steps up or down, of two digits.
