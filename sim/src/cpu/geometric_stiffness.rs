@@ -29,8 +29,8 @@ const BOUND: f64 = 2.0;
 pub struct Stiffness {
     /// That of the rotation of bodies, by the forces of the last step and by those of the step before it.
     of_body: BTreeMap<u32, [Turning; 2]>,
-    /// Transverse rows of links, with the stiffness, N/m, in place of the softness, and their joints or springs.
-    transverse: Vec<(Row, usize)>,
+    /// Transverse rows of links, with the stiffness, N/m, in place of the softness, and the joint or spring and the direction of each.
+    transverse: Vec<(Row, [usize; 2])>,
     acting: Acting,
 }
 
@@ -39,8 +39,8 @@ pub struct Stiffness {
 struct Acting {
     /// To the inertia of bodies, kg m², world.
     inertia: BTreeMap<u32, DMat3>,
-    /// To the mass across links, kg, by joint, or n_joints + spring.
-    mass: BTreeMap<usize, f64>,
+    /// To the mass across links, kg, by joint, or n_joints + spring, and direction.
+    mass: BTreeMap<[usize; 2], f64>,
 }
 
 /// The parts of a step that stiffness changes.
@@ -95,9 +95,11 @@ impl Stiffness {
         let stiffness = along.linear.dot(force_on_a) / along.psi.max(f64::MIN_POSITIVE);
         let (u, w) = along.linear.any_orthonormal_pair();
         let [a, b] = f.arms();
-        self.transverse.extend([u, w].map(|e| {
+        self.transverse.extend([u, w].into_iter().enumerate().map(|(k, e)| {
             let (angular_a, angular_b) = (a.cross(e), b.cross(e));
-            (Row { bodies: along.bodies, linear: e, angular_a, angular_b, softness: stiffness, ..Row::default() }, i)
+            let row =
+                Row { bodies: along.bodies, linear: e, angular_a, angular_b, softness: stiffness, ..Row::default() };
+            (row, [i, k])
         }));
     }
 
