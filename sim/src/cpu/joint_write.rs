@@ -14,7 +14,7 @@ use super::geometric_stiffness::{Stiffness, Target};
 use super::masses::Masses;
 use super::solve::joints::Joints;
 use super::solve::response::Response;
-use crate::joint::{Coordinate, Joint, JointState, Row, Spring, SpringState};
+use crate::joint::{Coordinate, Frames, Joint, JointState, Row, Spring, SpringState};
 use crate::model::Model;
 use crate::outcome::{JointErrors, StepOutcome};
 use crate::state::{Activity, State};
@@ -65,20 +65,19 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     joints.rows.clear();
     joints.bias.clear();
     *limits = Limits::default();
-    for (i, joint) in model.joints.iter().enumerate() {
+    let frames: Vec<Option<Frames>> =
+        model.joints.iter().map(|joint| joint_acts(state, joint).then(|| state.joint_frames(joint))).collect();
+    for (i, (joint, f)) in model.joints.iter().zip(&frames).enumerate() {
         let first = joints.rows.len();
         start.push(first as u32);
-        if !joint_acts(state, joint) {
-            continue;
-        }
-        let f = state.joint_frames(joint);
-        joint.rows(&f, &state.joints[i], end, &mut joints.rows);
+        let Some(f) = f else { continue };
+        joint.rows(f, &state.joints[i], end, &mut joints.rows);
         let bound = model.solver.recovery_speed.max(1.0);
         joints.bias.extend(joints.rows[first..].iter().map(|r| (r.psi / h).clamp(-bound / h, bound / h) - r.rate));
         let limits_of = joint.limits.filter(|_| joint.locked_at().is_none());
         if let (Some([min, max]), Some(c)) = (limits_of, joint.kind.coordinate()) {
-            let at = joint.coordinate(&f, &state.joints[i]);
-            let row = joint.free_row(&f, c);
+            let at = joint.coordinate(f, &state.joints[i]);
+            let row = joint.free_row(f, c);
             let reach = LOOK_AHEAD * h * state.joints[i].rate.abs() + near(c, max - min);
             // A length is never below 0, where it has no direction.
             let is_bound = c != Coordinate::Length || min > 0.0;
@@ -92,7 +91,8 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
         }
     }
     start.push(joints.rows.len() as u32);
-    let mut stiffness = stiffness(model, state, |i| [state.joints[i].force_world, state.joints[i].force_before]);
+    let mut stiffness =
+        stiffness(model, state, &frames, |i, _| [state.joints[i].force_world, state.joints[i].force_before]);
     let is_stiff = stiffness.apply(model, state, h, Target { masses, free, joints });
     for (i, spring) in model.springs.iter().enumerate() {
         if !spring_acts(state, spring) {
@@ -117,14 +117,13 @@ pub fn run(model: &Model, state: &State, masses: &mut Masses, Output { start, jo
     }
     // At the start no force is known.
     if is_stiff || state.steps == 0 {
-        follow(model, state, &mut stiffness, start, Target { masses, free, joints });
+        follow((model, state, &frames), &mut stiffness, start, Target { masses, free, joints });
     }
 }
 
 /// Let the stiffness follow the forces of the step itself, as they are without contacts.
 fn follow(
-    model: &Model,
-    state: &State,
+    (model, state, frames): (&Model, &State, &[Option<Frames>]),
     stiffness: &mut Stiffness,
     start: &[u32],
     Target { masses, free, joints }: Target,
@@ -139,9 +138,8 @@ fn follow(
         response.twist.extend_from_slice(free);
         joints.reset(&mut response);
         joints.solve(masses, &mut response);
-        let found = self::stiffness(model, state, |i| {
+        let found = self::stiffness(model, state, frames, |i, f| {
             let range = start[i] as usize..start[i + 1] as usize;
-            let f = state.joint_frames(&model.joints[i]);
             let force = f.reaction(&joints.rows[range.clone()], &response.lambda[range], h).0;
             [force, force]
         });
@@ -151,11 +149,18 @@ fn follow(
     }
 }
 
-/// The geometric stiffness of the joints and springs that act, by the forces of joints now and before.
-fn stiffness(model: &Model, state: &State, forces: impl Fn(usize) -> [DVec3; 2]) -> Stiffness {
+/// The geometric stiffness of the joints that act, those with frames, by their forces now and before, and of the springs.
+fn stiffness(
+    model: &Model,
+    state: &State,
+    frames: &[Option<Frames>],
+    forces: impl Fn(usize, &Frames) -> [DVec3; 2],
+) -> Stiffness {
     let mut stiffness = Stiffness::default();
-    for (i, joint) in model.joints.iter().enumerate().filter(|(_, joint)| joint_acts(state, joint)) {
-        stiffness.add((i, joint), &state.joint_frames(joint), forces(i));
+    for (i, (joint, f)) in model.joints.iter().zip(frames).enumerate() {
+        if let Some(f) = f {
+            stiffness.add((i, joint), f, forces(i, f));
+        }
     }
     for (i, spring) in model.springs.iter().enumerate().filter(|(_, spring)| spring_acts(state, spring)) {
         stiffness.add_spring((model.joints.len() + i, spring), &state.spring_frames(spring), &state.springs[i]);
