@@ -70,7 +70,7 @@ pub fn moved_pose(
 ) -> (Pose, DVec3) {
     let mut position = from.position + v * h;
     let (mut orientation, mut spin) = if is_isotropic(inverse) {
-        let after = (rotation(w * h) * from.orientation).normalize();
+        let after = unit(rotation(w * h) * from.orientation);
         (after, after.inverse() * w)
     } else {
         tumble(from.orientation, w, inverse, h)
@@ -80,7 +80,7 @@ pub fn moved_pose(
         if moved.w != DVec3::ZERO {
             // What is turned keeps its angular momentum, too.
             let momentum = orientation * (spin / inverse);
-            orientation = (rotation(moved.w * part) * orientation).normalize();
+            orientation = unit(rotation(moved.w * part) * orientation);
             let into = orientation.inverse();
             spin = if is_isotropic(inverse) { into * w } else { (into * momentum) * inverse };
         }
@@ -102,33 +102,56 @@ fn tumble(before: DQuat, w: DVec3, inverse: DVec3, h: f64) -> (DQuat, DVec3) {
     /// The most parts, of what rotates beyond all bounds.
     const MOST: f64 = 1e4;
     let [slow, middle, fast] = by_size(inverse);
-    let mut local = (before.inverse() * w) / inverse;
+    let local = (before.inverse() * w) / inverse;
     let momentum = before * local;
     let rates = [slow, fast].map(|k| inverse[k] - inverse[middle]);
-    let swing = (-rates[0] * rates[1]).sqrt() * momentum.length() * h;
-    let n_parts = (swing / PART).ceil().clamp(1.0, MOST);
-    let mut turned = DQuat::IDENTITY;
-    let mut turn = |axis: usize, rate: f64, time: f64| {
-        if rate != 0.0 {
-            let angle = DVec3::AXES[axis] * (rate * local[axis] * time);
-            local = rotation(-angle) * local;
-            turned *= rotation(angle);
-        }
-    };
+    let swing2 = -rates[0] * rates[1] * momentum.length_squared() * (h * h);
+    let n_parts = if swing2 <= PART * PART { 1.0 } else { (swing2.sqrt() / PART).ceil().min(MOST) };
+    let mut frame = Turning { local: local.to_array(), turned: DQuat::IDENTITY.to_array() };
     let time = h / n_parts;
     for _ in 0..n_parts as u32 {
-        turn(slow, rates[0], 0.5 * time);
-        turn(fast, rates[1], time);
-        turn(slow, rates[0], 0.5 * time);
+        frame.turn(slow, rates[0] * (0.5 * time));
+        frame.turn(fast, rates[1] * time);
+        frame.turn(slow, rates[0] * (0.5 * time));
     }
-    let after = (rotation(momentum * (inverse[middle] * h)) * before * turned).normalize();
+    let turned = DQuat::from_array(frame.turned);
+    let after = unit(rotation(momentum * (inverse[middle] * h)) * before * turned);
     (after, (after.inverse() * momentum) * inverse)
+}
+
+/// A frame that turns about its own axes.
+struct Turning {
+    /// The angular momentum in the frame, kg m²/s.
+    local: [f64; 3],
+    /// The rotation of the frame so far.
+    turned: [f64; 4],
+}
+
+impl Turning {
+    /// Turn about an axis, for `rate`, rad s/(kg m²), times the angular momentum about it.
+    #[inline(always)]
+    fn turn(&mut self, axis: usize, rate: f64) {
+        if rate == 0.0 {
+            return;
+        }
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let Turning { local, turned: q } = self;
+        let [sine, cosine] = half_angle(rate * local[axis]);
+        let (s, c) = (2.0 * sine * cosine, 1.0 - 2.0 * sine * sine);
+        (local[i], local[j]) = (c * local[i] + s * local[j], c * local[j] - s * local[i]);
+        (q[axis], q[3]) = (q[axis] * cosine + q[3] * sine, q[3] * cosine - q[axis] * sine);
+        (q[i], q[j]) = (q[i] * cosine + q[j] * sine, q[j] * cosine - q[i] * sine);
+    }
 }
 
 /// The axes in the order of the values, ascending.
 fn by_size(values: DVec3) -> [usize; 3] {
     let mut order = [0, 1, 2];
-    order.sort_by(|i, j| values[*i].total_cmp(&values[*j]));
+    for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+        if values[order[j]] < values[order[i]] {
+            order.swap(i, j);
+        }
+    }
     order
 }
 
@@ -136,14 +159,41 @@ fn by_size(values: DVec3) -> [usize; 3] {
 #[inline]
 fn rotation(angle: DVec3) -> DQuat {
     let q = 0.25 * angle.length_squared();
-    if q > 1e-3 {
+    if q > SMALL {
         return DQuat::from_scaled_axis(angle);
     }
-    // Series in the square of the half angle, to round-off.
-    let sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0)));
-    let cosine = 1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0)));
-    let v = angle * (0.5 * sine);
+    let [over_half, cosine] = series(q);
+    let v = angle * (0.5 * over_half);
     DQuat::from_xyzw(v.x, v.y, v.z, cosine)
+}
+
+/// The unit quaternion of a product of unit quaternions, whose length is 1 to round-off: a step of Newton's method.
+#[inline(always)]
+fn unit(q: DQuat) -> DQuat {
+    q * (1.5 - 0.5 * q.length_squared())
+}
+
+/// The sine and the cosine of half an angle, rad.
+#[inline(always)]
+fn half_angle(angle: f64) -> [f64; 2] {
+    let half = 0.5 * angle;
+    let q = half * half;
+    if q > SMALL {
+        return [half.sin(), half.cos()];
+    }
+    let [over_half, cosine] = series(q);
+    [half * over_half, cosine]
+}
+
+/// The greatest square of half an angle of which the series is right to round-off, rad².
+const SMALL: f64 = 1e-3;
+
+/// The sine of half an angle over it, and its cosine, from its square: series, to round-off.
+#[inline(always)]
+fn series(q: f64) -> [f64; 2] {
+    let sine = 1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q * (1.0 / 362880.0))));
+    let cosine = 1.0 - q * (1.0 / 2.0 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q * (1.0 / 40320.0))));
+    [sine, cosine]
 }
 
 #[cfg(test)]
