@@ -91,13 +91,16 @@ struct Output {
 
 /// Run `scree doctor`.
 pub fn run(job: DoctorJob) -> Outcome {
-    let lanes = |is_wide: bool| if is_wide { "AVX2" } else { "plain" };
     let findings = Findings {
         scree: env!("CARGO_PKG_VERSION"),
         processors: rayon::current_num_threads(),
         memory_bytes: machine::memory_kib().map(|kib| kib * 1024),
-        contact_lanes: lanes(sim::has_wide_lanes()),
-        sample_lanes: lanes(render::has_wide_lanes()),
+        contact_lanes: match sim::registers() {
+            sim::Registers::Arrays => "plain",
+            sim::Registers::Avx2 => "AVX2",
+            sim::Registers::Avx512 => "AVX-512",
+        },
+        sample_lanes: if render::has_wide_lanes() { "AVX2" } else { "plain" },
         ffmpeg: movie::ffmpeg_version(),
         encoders: movie::encoders(),
         adapters: gpu::adapters().into_iter().map(Adapter::of).collect(),

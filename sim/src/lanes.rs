@@ -1,4 +1,4 @@
-//! Lanes: scalars and vectors of several contacts side by side, in vector registers where the processor has AVX2, in plain arrays
+//! Lanes: scalars and vectors of several contacts side by side, in vector registers where the processor has AVX2 or AVX-512, in plain arrays
 //! elsewhere. No operation is fused, so that all machines get the same bits.
 //!
 //! A lane loop is a function generic over [`Lanes`], `#[inline(always)]` down to here. A function compiled for AVX2 calls it with
@@ -83,19 +83,36 @@ pub trait LaneLoop {
     fn run<V: Lanes4>(self) -> Self::Out;
 }
 
-/// Whether loops over contacts run in vector registers: the processor has AVX2, and `SCREE_LANES=plain` is not in the environment (a switch
-/// for tests, read once).
-pub fn has_wide_lanes() -> bool {
+/// The registers of loops over contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Registers {
+    /// Plain arrays.
+    Arrays,
+    /// Registers of 256 bits.
+    Avx2,
+    /// Registers of 512 bits, where a loop has lanes for them; else of 256.
+    Avx512,
+}
+
+/// The widest registers that the processor has and `SCREE_LANES` (a switch for tests, read once: `plain` or `avx2`) allows.
+pub fn registers() -> Registers {
     #[cfg(target_arch = "x86_64")]
     {
         use std::sync::LazyLock;
-        static WIDE: LazyLock<bool> = LazyLock::new(|| {
-            std::arch::is_x86_feature_detected!("avx2") && std::env::var_os("SCREE_LANES").is_none_or(|v| v != "plain")
+        static WIDEST: LazyLock<Registers> = LazyLock::new(|| {
+            let allowed = std::env::var_os("SCREE_LANES").unwrap_or_default();
+            if !std::arch::is_x86_feature_detected!("avx2") || allowed == "plain" {
+                Registers::Arrays
+            } else if !std::arch::is_x86_feature_detected!("avx512f") || allowed == "avx2" {
+                Registers::Avx2
+            } else {
+                Registers::Avx512
+            }
         });
-        *WIDE
+        *WIDEST
     }
     #[cfg(not(target_arch = "x86_64"))]
-    false
+    Registers::Arrays
 }
 
 /// Align the stack of the calling function to cache lines: what lies on the stack is aligned only where something must be, and registers that
@@ -116,7 +133,7 @@ pub fn widest<L: LaneLoop>(lane_loop: L) -> L::Out {
             align_stack();
             lane_loop.run::<Wide<std::arch::x86_64::__m256d>>()
         }
-        if has_wide_lanes() {
+        if registers() != Registers::Arrays {
             // SAFETY: the processor has AVX2.
             return unsafe { wide(lane_loop) };
         }
@@ -226,277 +243,86 @@ impl Lanes4 for Plain<f64, 4> {
     }
 }
 
-/// Lanes in a vector register, for functions that are compiled for AVX2 and run on processors with AVX2 alone.
+/// Lanes in a vector register, for functions that are compiled for AVX2 (AVX-512 where it has 512 bits) and run on processors that have it alone.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);
 
 #[cfg(target_arch = "x86_64")]
-mod wide {
-    // SAFETY, here and below: AVX2 is there (see `Wide`), and loads and stores are of as many numbers as a register holds.
-    use super::*;
-    use std::arch::x86_64::*;
+mod wide;
 
-    macro_rules! operator {
-        ($V:ty, $Op:ident, $op:ident, $f:ident) => {
-            impl $Op for Wide<$V> {
-                type Output = Self;
-                #[inline(always)]
-                fn $op(self, o: Self) -> Self {
-                    Wide(unsafe { $f(self.0, o.0) })
-                }
-            }
-        };
+/// Twice as many lanes as V has, in two halves, so that one is worked on while the other waits.
+#[derive(Clone, Copy)]
+pub struct Double<V>([V; 2]);
+
+impl<V: Copy> Double<V> {
+    #[inline(always)]
+    fn with(self, o: Self, f: impl Fn(V, V) -> V) -> Self {
+        Double([f(self.0[0], o.0[0]), f(self.0[1], o.0[1])])
     }
+}
 
-    operator!(__m256, Add, add, _mm256_add_ps);
-    operator!(__m256, Sub, sub, _mm256_sub_ps);
-    operator!(__m256, Mul, mul, _mm256_mul_ps);
-    operator!(__m256, Div, div, _mm256_div_ps);
-    operator!(__m256d, Add, add, _mm256_add_pd);
-    operator!(__m256d, Sub, sub, _mm256_sub_pd);
-    operator!(__m256d, Mul, mul, _mm256_mul_pd);
-    operator!(__m256d, Div, div, _mm256_div_pd);
-
-    impl Lanes<f32, 8> for Wide<__m256> {
-        #[inline(always)]
-        fn splat(x: f32) -> Self {
-            Wide(unsafe { _mm256_set1_ps(x) })
-        }
-        #[inline(always)]
-        fn load(v: &[f32; 8]) -> Self {
-            Wide(unsafe { _mm256_loadu_ps(v.as_ptr()) })
-        }
-        #[inline(always)]
-        fn to_array(self) -> [f32; 8] {
-            let mut out = [0.0; 8];
-            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
-            out
-        }
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Wide(unsafe { _mm256_sqrt_ps(self.0) })
-        }
-        #[inline(always)]
-        fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
-            Wide(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, max.0)) })
-        }
-        #[inline(always)]
-        fn columns(rows: &[[f32; 8]; 8]) -> [Self; 8] {
-            let [a, b, c, d, e, f, g, h] = rows;
-            let rows = [Self::load(a), Self::load(b), Self::load(c), Self::load(d)];
-            unsafe {
-                transpose([
-                    rows[0],
-                    rows[1],
-                    rows[2],
-                    rows[3],
-                    Self::load(e),
-                    Self::load(f),
-                    Self::load(g),
-                    Self::load(h),
-                ])
+macro_rules! double {
+    ($Op:ident, $op:ident) => {
+        impl<V: Copy + $Op<Output = V>> $Op for Double<V> {
+            type Output = Self;
+            #[inline(always)]
+            fn $op(self, o: Self) -> Self {
+                self.with(o, V::$op)
             }
         }
-        #[inline(always)]
-        fn rows(columns: [Self; 8]) -> [[f32; 8]; 8] {
-            let rows = unsafe { transpose(columns) };
-            let mut out = [[0.0; 8]; 8];
-            for i in 0..8 {
-                unsafe { _mm256_storeu_ps(out[i].as_mut_ptr(), rows[i].0) };
-            }
-            out
-        }
-    }
+    };
+}
 
-    /// Transpose eight rows: pairs of values, then pairs of those, then halves.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    fn transpose(r: [Wide<__m256>; 8]) -> [Wide<__m256>; 8] {
-        let mut p = r;
-        for i in 0..4 {
-            p[2 * i].0 = _mm256_unpacklo_ps(r[2 * i].0, r[2 * i + 1].0);
-            p[2 * i + 1].0 = _mm256_unpackhi_ps(r[2 * i].0, r[2 * i + 1].0);
-        }
-        let mut q = p;
-        for k in 0..2 {
-            let i = 4 * k;
-            q[i].0 = _mm256_shuffle_ps::<0b01_00_01_00>(p[i].0, p[i + 2].0);
-            q[i + 1].0 = _mm256_shuffle_ps::<0b11_10_11_10>(p[i].0, p[i + 2].0);
-            q[i + 2].0 = _mm256_shuffle_ps::<0b01_00_01_00>(p[i + 1].0, p[i + 3].0);
-            q[i + 3].0 = _mm256_shuffle_ps::<0b11_10_11_10>(p[i + 1].0, p[i + 3].0);
-        }
-        let mut out = q;
-        for i in 0..4 {
-            out[i].0 = _mm256_permute2f128_ps::<0x20>(q[i].0, q[i + 4].0);
-            out[i + 4].0 = _mm256_permute2f128_ps::<0x31>(q[i].0, q[i + 4].0);
-        }
-        out
-    }
+double!(Add, add);
+double!(Sub, sub);
+double!(Mul, mul);
+double!(Div, div);
 
-    impl Lanes<f64, 4> for Wide<__m256d> {
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            Wide(unsafe { _mm256_set1_pd(x) })
-        }
-        #[inline(always)]
-        fn load(v: &[f64; 4]) -> Self {
-            Wide(unsafe { _mm256_loadu_pd(v.as_ptr()) })
-        }
-        #[inline(always)]
-        fn to_array(self) -> [f64; 4] {
-            let mut out = [0.0; 4];
-            unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) };
-            out
-        }
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Wide(unsafe { _mm256_sqrt_pd(self.0) })
-        }
-        #[inline(always)]
-        fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
-            Wide(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, max.0)) })
-        }
-        #[inline(always)]
-        fn columns(rows: &[[f64; 8]; 4]) -> [Self; 8] {
-            let (mut low, mut high) = ([Self::splat(0.0); 4], [Self::splat(0.0); 4]);
-            for i in 0..4 {
-                low[i].0 = unsafe { _mm256_loadu_pd(rows[i].as_ptr()) };
-                high[i].0 = unsafe { _mm256_loadu_pd(rows[i].as_ptr().add(4)) };
-            }
-            let ([a, b, c, d], [e, f, g, h]) = unsafe { (transpose4(low), transpose4(high)) };
-            [a, b, c, d, e, f, g, h]
-        }
-        #[inline(always)]
-        fn rows(c: [Self; 8]) -> [[f64; 8]; 4] {
-            let low = unsafe { transpose4([c[0], c[1], c[2], c[3]]) };
-            let high = unsafe { transpose4([c[4], c[5], c[6], c[7]]) };
-            let mut rows = [[0.0; 8]; 4];
-            for i in 0..4 {
-                unsafe { _mm256_storeu_pd(rows[i].as_mut_ptr(), low[i].0) };
-                unsafe { _mm256_storeu_pd(rows[i].as_mut_ptr().add(4), high[i].0) };
-            }
-            rows
-        }
+impl<V: Lanes<f32, 8>> Lanes<f32, 16> for Double<V> {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Double([V::splat(x); 2])
     }
+    #[inline(always)]
+    fn load(v: &[f32; 16]) -> Self {
+        let (a, b) = halves(v);
+        Double([V::load(a), V::load(b)])
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f32; 16] {
+        joined(self.0.map(V::to_array))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Double([self.0[0].sqrt(), self.0[1].sqrt()])
+    }
+    #[inline(always)]
+    fn select_le(self, max: Self, yes: Self, no: Self) -> Self {
+        let of = |k: usize| self.0[k].select_le(max.0[k], yes.0[k], no.0[k]);
+        Double([of(0), of(1)])
+    }
+    #[inline(always)]
+    fn columns(rows: &[[f32; 8]; 16]) -> [Self; 8] {
+        let (a, b) = halves(rows);
+        let (a, b) = (V::columns(a), V::columns(b));
+        std::array::from_fn(|c| Double([a[c], b[c]]))
+    }
+    #[inline(always)]
+    fn rows(columns: [Self; 8]) -> [[f32; 8]; 16] {
+        joined([V::rows(columns.map(|c| c.0[0])), V::rows(columns.map(|c| c.0[1]))])
+    }
+}
 
-    /// Transpose four rows.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    fn transpose4(r: [Wide<__m256d>; 4]) -> [Wide<__m256d>; 4] {
-        let (a, b) = (_mm256_unpacklo_pd(r[0].0, r[1].0), _mm256_unpackhi_pd(r[0].0, r[1].0));
-        let (c, d) = (_mm256_unpacklo_pd(r[2].0, r[3].0), _mm256_unpackhi_pd(r[2].0, r[3].0));
-        [
-            Wide(_mm256_permute2f128_pd::<0x20>(a, c)),
-            Wide(_mm256_permute2f128_pd::<0x20>(b, d)),
-            Wide(_mm256_permute2f128_pd::<0x31>(a, c)),
-            Wide(_mm256_permute2f128_pd::<0x31>(b, d)),
-        ]
-    }
+#[inline(always)]
+fn halves<T>(v: &[T; 16]) -> (&[T; 8], &[T; 8]) {
+    let (a, b) = v.split_at(8);
+    (a.try_into().expect("eight"), b.try_into().expect("eight"))
+}
 
-    impl Lanes4 for Wide<__m256d> {
-        #[inline(always)]
-        fn mask_le(self, max: Self) -> u32 {
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, max.0)) as u32 }
-        }
-        #[inline(always)]
-        fn load3(v: &[DVec3; 4]) -> Lane3<Self> {
-            let [x, y, z] = unsafe { load3(v.as_ptr().cast()) };
-            Lane3 { x: Wide(x), y: Wide(y), z: Wide(z) }
-        }
-        #[inline(always)]
-        fn store3(v: Lane3<Self>, to: &mut [DVec3; 4]) {
-            unsafe { store3([v.x.0, v.y.0, v.z.0], to.as_mut_ptr().cast()) }
-        }
-        #[inline(always)]
-        fn load2(v: &[[f64; 2]; 4]) -> [Self; 2] {
-            let [a, b] = unsafe { load2(v.as_ptr().cast()) };
-            [Wide(a), Wide(b)]
-        }
-        #[inline(always)]
-        fn twists(t: [&Twist; 4]) -> [Lane3<Self>; 2] {
-            unsafe { twists(t) }
-        }
-        #[inline(always)]
-        fn to_twists(v: Lane3<Self>, w: Lane3<Self>) -> [Twist; 4] {
-            unsafe { to_twists(v, w) }
-        }
-    }
-
-    /// Load twelve consecutive values as the components of four vectors.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn load3(v: *const f64) -> [__m256d; 3] {
-        // x₀ y₀ z₀ x₁ | y₁ z₁ x₂ y₂ | z₂ x₃ y₃ z₃
-        let (r, s, t) = unsafe { (_mm256_loadu_pd(v), _mm256_loadu_pd(v.add(4)), _mm256_loadu_pd(v.add(8))) };
-        let a = _mm256_blend_pd::<0b1100>(r, s);
-        let b = _mm256_permute2f128_pd::<0x21>(r, t);
-        let c = _mm256_blend_pd::<0b1100>(s, t);
-        [_mm256_shuffle_pd::<0b1010>(a, b), _mm256_shuffle_pd::<0b0101>(a, c), _mm256_shuffle_pd::<0b1010>(b, c)]
-    }
-
-    /// The inverse of the function before.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn store3([x, y, z]: [__m256d; 3], to: *mut f64) {
-        let (a, c) = (_mm256_unpacklo_pd(x, y), _mm256_unpackhi_pd(y, z));
-        let b = _mm256_shuffle_pd::<0b1010>(z, x);
-        unsafe {
-            _mm256_storeu_pd(to, _mm256_permute2f128_pd::<0x20>(a, b));
-            _mm256_storeu_pd(to.add(4), _mm256_blend_pd::<0b1100>(c, a));
-            _mm256_storeu_pd(to.add(8), _mm256_permute2f128_pd::<0x31>(b, c));
-        }
-    }
-
-    /// Load eight consecutive values as four pairs.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn load2(v: *const f64) -> [__m256d; 2] {
-        let (r, s) = unsafe { (_mm256_loadu_pd(v), _mm256_loadu_pd(v.add(4))) };
-        let (p, q) = (_mm256_permute2f128_pd::<0x20>(r, s), _mm256_permute2f128_pd::<0x31>(r, s));
-        [_mm256_unpacklo_pd(p, q), _mm256_unpackhi_pd(p, q)]
-    }
-
-    /// Load the six components of four twists.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn twists(t: [&Twist; 4]) -> [Lane3<Wide<__m256d>>; 2] {
-        let mut first = [Wide(_mm256_setzero_pd()); 4];
-        let mut rest = [_mm_setzero_pd(); 4];
-        for i in 0..4 {
-            let numbers: *const f64 = (t[i] as *const Twist).cast();
-            first[i].0 = unsafe { _mm256_loadu_pd(numbers) };
-            rest[i] = unsafe { _mm_loadu_pd(numbers.add(4)) };
-        }
-        let [vx, vy, vz, wx] = transpose4(first);
-        let (p, q) = (_mm256_set_m128d(rest[2], rest[0]), _mm256_set_m128d(rest[3], rest[1]));
-        let (wy, wz) = (Wide(_mm256_unpacklo_pd(p, q)), Wide(_mm256_unpackhi_pd(p, q)));
-        [Lane3 { x: vx, y: vy, z: vz }, Lane3 { x: wx, y: wy, z: wz }]
-    }
-
-    /// The inverse of the function before.
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    unsafe fn to_twists(v: Lane3<Wide<__m256d>>, w: Lane3<Wide<__m256d>>) -> [Twist; 4] {
-        let first = transpose4([v.x, v.y, v.z, w.x]);
-        // y₀ z₀ y₂ z₂ | y₁ z₁ y₃ z₃
-        let (p, q) = (_mm256_unpacklo_pd(w.y.0, w.z.0), _mm256_unpackhi_pd(w.y.0, w.z.0));
-        let rest = [
-            _mm256_castpd256_pd128(p),
-            _mm256_castpd256_pd128(q),
-            _mm256_extractf128_pd::<1>(p),
-            _mm256_extractf128_pd::<1>(q),
-        ];
-        let mut out = [Twist::default(); 4];
-        for i in 0..4 {
-            let numbers: *mut f64 = (&raw mut out[i]).cast();
-            unsafe {
-                _mm256_storeu_pd(numbers, first[i].0);
-                _mm_storeu_pd(numbers.add(4), rest[i]);
-            }
-        }
-        out
-    }
+#[inline(always)]
+fn joined<T: Copy>(v: [[T; 8]; 2]) -> [T; 16] {
+    std::array::from_fn(|l| v[l / 8][l % 8])
 }
 
 /// A 3-vector of each contact.
@@ -540,17 +366,25 @@ impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<Output = V>> Lane3<V> {
 /// Project onto the cones |γ_t| ≤ μ γ_n, without branches.
 #[inline(always)]
 pub fn project<T: Real, const L: usize, V: Lanes<T, L>>(y: Lane3<V>, n: Lane3<V>, mu: V) -> Lane3<V> {
-    let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
     let normal = y.dot(n);
     let tangent = y.minus(n.times(normal));
-    let t = tangent.dot(tangent).sqrt();
-    let reach = t * mu;
-    let kept = reach.select_le(zero - normal, zero, (reach + normal) / (mu * mu + one));
-    let scale = t.select_le(zero, zero, mu * kept / t);
+    let (kept, share) = cone(normal, tangent.dot(tangent).sqrt(), mu);
+    n.times(kept).plus(tangent.times(share))
+}
+
+/// The projection onto the cones |γ_t| ≤ μ γ_n of vectors with a normal part and a tangential part of length `t`: its normal part, and its share
+/// of the tangential one.
+#[inline(always)]
+pub fn cone<T: Real, const L: usize, V: Lanes<T, L>>(normal: V, t: V, mu: V) -> (V, V) {
+    let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
+    // What does not wait for t and the normal part stands apart.
+    let (reach, flat) = (t * mu, one / (mu * mu + one));
+    let kept = reach.select_le(zero - normal, zero, (reach + normal) * flat);
+    let share = t.select_le(zero, zero, mu * kept * (one / t));
     let limit = mu * normal;
     // Without friction and tangent a negative normal passes the test of the cone, 0 ≤ −0.
     let pushing = zero.select_le(normal, normal, zero);
-    n.times(t.select_le(limit, pushing, kept)).plus(tangent.times(t.select_le(limit, one, scale)))
+    (t.select_le(limit, pushing, kept), t.select_le(limit, one, share))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

@@ -63,7 +63,7 @@ pub use backend::Backend;
 pub use builder::ModelBuilder;
 pub use contacts::{Arms, Contacts, Tiles};
 pub use fill::SplitMix64;
-pub use lanes::has_wide_lanes;
+pub use lanes::{Registers, registers};
 pub use model::{ContactLaw, Model, Scheduled};
 pub use outcome::{JointErrors, Outcome, StepOutcome};
 pub use plan::{ContactMethod, Narrow, StepPlan};

@@ -1,7 +1,7 @@
 //! Lanes in registers against arrays, bit for bit.
 
 use super::*;
-use std::arch::x86_64::{__m256, __m256d};
+use std::arch::x86_64::{__m256, __m256d, __m512};
 
 /// The projection of a contact without friction has no negative normal part and no tangent part.
 #[test]
@@ -40,6 +40,7 @@ fn registers_and_arrays_agree() {
         V::rows(c)
     }
     if !std::arch::is_x86_feature_detected!("avx2") {
+        eprintln!("skipped: this processor has no AVX2");
         return;
     }
     let number = |i: usize| ((i * 7919) % 101) as f64 * 0.173 - 4.0;
@@ -55,4 +56,37 @@ fn registers_and_arrays_agree() {
     assert_eq!(a, b);
     assert_eq!(single_wide, single::<Plain<f32, 8>>(&f));
     assert!(a.0.iter().all(|v| v.is_finite()) && a.0 != [DVec3::ZERO; 4] && a.2 != 0 && a.2 != 15);
+}
+
+/// Sixteen lanes have the same bits in one register, in two, and in arrays.
+#[test]
+fn sixteen_lanes_agree() {
+    type Rows = [[f32; 8]; 16];
+    fn sixteen<V: Lanes<f32, 16>>(f: &Rows) -> Rows {
+        let mut c = V::columns(f);
+        c[0] = V::load(&(c[0] * c[1] / c[2]).to_array()) + V::splat(0.3);
+        c[1] = c[3].select_le(c[4], c[5], c[6]).sqrt() - c[7];
+        (c[2], c[3]) = cone(c[1], c[4], c[5]);
+        V::rows(c)
+    }
+    #[target_feature(enable = "avx2")]
+    unsafe fn two(f: &Rows) -> Rows {
+        sixteen::<Double<Wide<__m256>>>(f)
+    }
+    #[target_feature(enable = "avx512f")]
+    unsafe fn one(f: &Rows) -> Rows {
+        sixteen::<Wide<__m512>>(f)
+    }
+    let number = |i: usize| ((i * 7919) % 101) as f32 * 0.173 + 0.5;
+    let f: Rows = std::array::from_fn(|i| std::array::from_fn(|k| number(8 * i + k)));
+    let plain = sixteen::<Plain<f32, 16>>(&f);
+    assert!(plain.as_flattened().iter().all(|x| x.is_finite()) && plain != f);
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        assert_eq!(unsafe { two(&f) }, plain);
+    }
+    if std::arch::is_x86_feature_detected!("avx512f") {
+        // SAFETY: the processor has AVX-512.
+        assert_eq!(unsafe { one(&f) }, plain);
+    }
 }

@@ -148,7 +148,7 @@ impl Operator for BodyOperator<'_> {
         };
         let mut taken = vec![0; self.masses.inv_mass.len()];
         // SAFETY: no other thread is at work.
-        unsafe { colored.fill(0..self.n_blocks() as u32, bodies, &Cells::new(&mut taken)) };
+        unsafe { colored.fill(0..self.n_blocks() as u32, bodies, |_| 1, &Cells::new(&mut taken)) };
     }
 
     fn has_homogeneous_cones(&self) -> bool {

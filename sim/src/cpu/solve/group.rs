@@ -3,8 +3,8 @@
 use super::bodies::BodyOperator;
 use super::cells::Cells;
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::Wide;
-use crate::lanes::{Lanes, Plain, Real};
+use crate::lanes::{Double, Registers, Wide};
+use crate::lanes::{Lane3, Lanes, Plain, Real, cone};
 use crate::twist::Twist;
 use glam::DVec3;
 use std::ops::Range;
@@ -14,11 +14,14 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
     /// A group without blocks: its lanes refer to the motion after the last body's, which belongs to no body.
     fn empty(n_bodies: usize) -> Self;
 
-    /// Put a block's contacts into a lane, with the impulses γ, projected onto their cones, for the exact law of friction or the relaxed.
-    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], is_exact: bool);
-
-    /// Note whether all bodies move, once all lanes are filled.
-    fn close(&mut self, op: &BodyOperator);
+    /// Put the contacts of blocks into the lanes, at most one block each, with the impulses γ, for the exact law of friction or the relaxed.
+    fn fill(
+        &mut self,
+        op: &BodyOperator,
+        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
+        gamma: &[DVec3],
+        is_exact: bool,
+    );
 
     /// Impulse of contact `k` of the block in a lane.
     fn gamma(&self, l: usize, k: usize) -> DVec3;
@@ -40,7 +43,7 @@ pub trait Group<T: Grouped<L>, const L: usize>: Copy + Send + Sync {
 
 /// The action of a visit on a contact.
 pub mod act {
-    /// Evaluate what the later visits need of it, and apply its impulse to its bodies; the first visit of a solve.
+    /// Evaluate what the later visits need of it, project its impulse onto its cone and apply it to its bodies; the first visit of a solve.
     pub const APPLY: u8 = 0;
     /// Solve its problem with relaxed friction.
     pub const RELAXED: u8 = 1;
@@ -71,9 +74,12 @@ impl<T: Real> Motion<T> {
 
 /// Lanes of as many blocks as a group has.
 pub trait Grouped<const L: usize>: Real {
-    /// Lanes in registers.
+    /// Lanes in registers of AVX2.
     #[cfg(target_arch = "x86_64")]
     type Wide: Lanes<Self, L>;
+    /// Lanes in registers of AVX-512, or of AVX2 where there are too few.
+    #[cfg(target_arch = "x86_64")]
+    type Widest: Lanes<Self, L>;
     /// Lanes in arrays.
     type Plain: Lanes<Self, L>;
 }
@@ -81,12 +87,24 @@ pub trait Grouped<const L: usize>: Real {
 impl Grouped<8> for f32 {
     #[cfg(target_arch = "x86_64")]
     type Wide = Wide<std::arch::x86_64::__m256>;
+    #[cfg(target_arch = "x86_64")]
+    type Widest = Self::Wide;
     type Plain = Plain<f32, 8>;
+}
+
+impl Grouped<16> for f32 {
+    #[cfg(target_arch = "x86_64")]
+    type Wide = Double<Wide<std::arch::x86_64::__m256>>;
+    #[cfg(target_arch = "x86_64")]
+    type Widest = Wide<std::arch::x86_64::__m512>;
+    type Plain = Plain<f32, 16>;
 }
 
 impl Grouped<4> for f64 {
     #[cfg(target_arch = "x86_64")]
     type Wide = Wide<std::arch::x86_64::__m256d>;
+    #[cfg(target_arch = "x86_64")]
+    type Widest = Self::Wide;
     type Plain = Plain<f64, 4>;
 }
 
@@ -111,9 +129,22 @@ pub unsafe fn visit<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8
             // SAFETY: the caller's promise.
             unsafe { G::visit::<ACT, T::Wide>(groups, motion, omega) }
         }
-        if crate::lanes::has_wide_lanes() {
+        #[target_feature(enable = "avx512f")]
+        unsafe fn widest<T: Grouped<L>, const L: usize, G: Group<T, L>, const ACT: u8>(
+            groups: &mut [G],
+            motion: &Cells<Motion<T>>,
+            omega: f64,
+        ) -> [f64; 2] {
+            crate::lanes::align_stack();
+            // SAFETY: the caller's promise.
+            unsafe { G::visit::<ACT, T::Widest>(groups, motion, omega) }
+        }
+        match crate::lanes::registers() {
+            // SAFETY: the processor has AVX-512; the caller's promise.
+            Registers::Avx512 if L > 8 => return unsafe { widest::<T, L, G, ACT>(groups, motion, omega) },
             // SAFETY: the processor has AVX2; the caller's promise.
-            return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) };
+            Registers::Avx512 | Registers::Avx2 => return unsafe { wide::<T, L, G, ACT>(groups, motion, omega) },
+            Registers::Arrays => {}
         }
     }
     // SAFETY: the caller's promise.
@@ -164,6 +195,20 @@ pub unsafe fn scatter<T: Real, const L: usize, V: Lanes<T, L>>(
             }
         }
     }
+}
+
+/// Impulses projected onto the cones of contacts with adhesion `tip`, N s.
+#[inline(always)]
+pub fn projected<T: Real, const L: usize, V: Lanes<T, L>>(
+    gamma: Lane3<V>,
+    n: Lane3<V>,
+    friction: V,
+    tip: V,
+) -> Lane3<V> {
+    let normal = gamma.dot(n);
+    let tangent = gamma.minus(n.times(normal));
+    let (kept, share) = cone(normal + tip, tangent.dot(tangent).sqrt(), friction);
+    n.times(kept - tip).plus(tangent.times(share))
 }
 
 /// The greater of the speeds of closing, m/s, so far and of contacts that open at some speed.

@@ -9,11 +9,10 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
-use super::operator::Operator;
+use super::group::{self, Group, Grouped, Motion, act, gather, projected, scatter};
 use super::resistance::Resistance;
 use super::schedule::Blocks;
-use crate::lanes::{Lane3, Lanes, Real, project};
+use crate::lanes::{Lane3, Lanes, Real, cone};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -46,6 +45,8 @@ struct Contact<T, const L: usize, const R: usize> {
     /// Step lengths along the normal and the tangents, kg.
     along: [T; L],
     across: [T; L],
+    /// √(b/a).
+    stretch: [T; L],
     /// 1/η, 1/kg.
     inv_eta: [T; L],
     resistance: [Resistance<T, L>; R],
@@ -63,6 +64,7 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
             friction: zero,
             along: one,
             across: one,
+            stretch: one,
             inv_eta: zero,
             resistance: [Resistance::empty(); R],
         }
@@ -72,9 +74,8 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         if let Some(resistance) = self.resistance.first_mut() {
             resistance.put(l, op, i, gamma);
         }
-        let gamma = op.project(i, gamma[i], gamma);
         let c = op.contacts;
-        let n = c.normal[i];
+        let (n, gamma) = (c.normal[i], gamma[i]);
         let arms = c.arms(i);
         for k in 0..3 {
             self.normal[k][l] = T::of(n[k]);
@@ -87,11 +88,14 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         self.friction[l] = T::of(op.law(i).friction);
     }
 
-    /// Evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse inertia tensors of the bodies.
+    /// Project the impulses onto their cones, and evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse inertia tensors of the bodies.
     #[inline(always)]
     fn prepare<V: Lanes<T, L>>(&mut self, is_exact: bool, mass: V, inv_inertia: &[[[T; L]; 6]; 2]) {
         let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));
         let n: Lane3<V> = load3(&self.normal);
+        let tip = self.resistance.first().map_or(zero, |r| r.tip());
+        let gamma: Lane3<V> = projected(load3(&self.gamma), n, V::load(&self.friction), tip);
+        self.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
         let (u, w) = tangents(n);
         let arms: [Lane3<V>; 2] = [load3(&self.arms[0]), load3(&self.arms[1])];
         let of_n = respond(n, arms, mass, inv_inertia);
@@ -112,6 +116,7 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         self.coupling = [coupling.x.to_array(), coupling.y.to_array(), coupling.z.to_array()];
         self.along = (one / (bound * of_normal)).to_array();
         self.across = (one / (bound * b)).to_array();
+        self.stretch = (b / a).sqrt().to_array();
         self.inv_eta = ((a + uu + ww) * V::splat(T::of(1.0 / 3.0))).to_array();
         if let Some(resistance) = self.resistance.first_mut() {
             resistance.prepare(turned_most::<T, L, V>(inv_inertia));
@@ -136,20 +141,19 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         *closing = group::faster(*closing, opening);
         let tip = self.resistance.first().map_or(zero, |r| r.tip());
         let normal = before_n + tip - opening * along;
-        let z = if ACT == act::EXACT {
+        let (kept, tangent, share) = if ACT == act::EXACT {
             let kept = zero.select_le(normal, normal, zero);
             let v_t = v.minus(n.times(v_n)).plus(load3::<T, L, V>(&self.coupling).times(kept - tip - before_n));
             let tangent = gamma.minus(n.times(before_n)).minus(v_t.times(across));
             let (limit, length) = (friction * kept, tangent.dot(tangent).sqrt());
-            n.times(kept - tip).plus(tangent.times(length.select_le(limit, one, limit / length)))
+            (kept, tangent, length.select_le(limit, one, limit / length))
         } else {
-            let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
-            // √(b/a).
-            let stretch = (along / across).sqrt();
-            let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
-            let z_n = n.times(z.dot(n));
-            z_n.minus(n.times(tip)).plus(z.minus(z_n).times(one / stretch))
+            let tangent = gamma.minus(v.times(across)).minus(n.times(before_n - v_n * across));
+            let stretch = V::load(&self.stretch);
+            let (kept, share) = cone(normal, tangent.dot(tangent).sqrt() * stretch, friction * stretch);
+            (kept, tangent, share)
         };
+        let z = n.times(kept - tip).plus(tangent.times(share));
         let d = z.minus(gamma).times(omega);
         let gamma = gamma.plus(d);
         self.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
@@ -171,22 +175,33 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
         }
     }
 
-    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], is_exact: bool) {
-        self.bodies[l] = op.contacts.bodies[contacts.start];
+    fn fill(
+        &mut self,
+        op: &BodyOperator,
+        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
+        gamma: &[DVec3],
+        is_exact: bool,
+    ) {
         self.is_exact = is_exact;
-        for (side, body) in self.bodies[l].into_iter().enumerate() {
-            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = op.masses.inv_inertia(body as usize);
-            for (k, entry) in [x.x, y.y, z.z, y.z, x.z, x.y].into_iter().enumerate() {
-                self.inv_inertia[side][k][l] = T::of(entry);
+        let most = blocks.clone().map(|block| block.len()).max().unwrap_or(0);
+        if blocks.len() < L || blocks.clone().any(|block| block.len() < most) {
+            self.bodies = [[op.masses.inv_mass.len() as u32; 2]; L];
+            self.inv_inertia = [[[T::default(); L]; 6]; 2];
+            self.contacts[..most].fill(Contact::empty());
+        }
+        self.n_contacts = most as u32;
+        for (l, block) in blocks.enumerate() {
+            self.bodies[l] = op.contacts.bodies[block.start];
+            for (side, body) in self.bodies[l].into_iter().enumerate() {
+                let DMat3 { x_axis: x, y_axis: y, z_axis: z } = op.masses.inv_inertia(body as usize);
+                for (k, entry) in [x.x, y.y, z.z, y.z, x.z, x.y].into_iter().enumerate() {
+                    self.inv_inertia[side][k][l] = T::of(entry);
+                }
+            }
+            for (contact, i) in self.contacts.iter_mut().zip(block) {
+                contact.put(l, op, i, gamma);
             }
         }
-        self.n_contacts = self.n_contacts.max(contacts.len() as u32);
-        for (contact, i) in self.contacts.iter_mut().zip(contacts) {
-            contact.put(l, op, i, gamma);
-        }
-    }
-
-    fn close(&mut self, op: &BodyOperator) {
         self.moves = op.all_move(self.bodies.as_flattened());
     }
 
@@ -204,27 +219,30 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
         motion: &Cells<Motion<T>>,
         omega: f64,
     ) -> [f64; 2] {
-        let omega = V::splat(T::of(omega));
-        let [mut residual2, mut closing] = [V::splat(T::of(0.0)); 2];
+        let (zero, omega) = (V::splat(T::of(0.0)), V::splat(T::of(omega)));
+        let (mut residual2, mut closing) = (zero, zero);
         for g in groups {
             // SAFETY: the caller's promise, here and below.
             let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
             let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = a;
             let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = b;
-            let (mut va, mut vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+            let (va, vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+            // The velocity of B relative to A, and the sum of what its contacts have changed by.
+            let mass = mass_a + mass_b;
+            let (mut v_ab, mut pushed) = (vb.minus(va), Lane3 { x: zero, y: zero, z: zero });
             let (mut wa, mut wb) = (Lane3 { x: wax, y: way, z: waz }, Lane3 { x: wbx, y: wby, z: wbz });
             for contact in &mut g.contacts[..g.n_contacts as usize] {
                 let n: Lane3<V> = load3(&contact.normal);
                 let (arm_a, arm_b): (Lane3<V>, Lane3<V>) = (load3(&contact.arms[0]), load3(&contact.arms[1]));
                 let d = if ACT == act::APPLY {
-                    contact.prepare::<V>(g.is_exact, mass_a + mass_b, &g.inv_inertia);
+                    contact.prepare::<V>(g.is_exact, mass, &g.inv_inertia);
                     load3(&contact.gamma)
                 } else {
-                    let v = vb.plus(wb.cross(arm_b)).minus(va).minus(wa.cross(arm_a));
+                    let v = v_ab.plus(wb.cross(arm_b)).minus(wa.cross(arm_a));
                     contact.solve::<ACT, V>(v, n, omega, (&mut residual2, &mut closing))
                 };
-                va = va.minus(d.times(mass_a));
-                vb = vb.plus(d.times(mass_b));
+                v_ab = v_ab.plus(d.times(mass));
+                pushed = pushed.plus(d);
                 wa = wa.minus(turned(&g.inv_inertia[0], arm_a.cross(d)));
                 wb = wb.plus(turned(&g.inv_inertia[1], arm_b.cross(d)));
                 let (gamma, inv_eta) = (load3(&contact.gamma), V::load(&contact.inv_eta));
@@ -240,6 +258,7 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
                     wb = wb.plus(turned(&g.inv_inertia[1], d));
                 }
             }
+            let (va, vb) = (va.minus(pushed.times(mass_a)), vb.plus(pushed.times(mass_b)));
             let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
             unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };

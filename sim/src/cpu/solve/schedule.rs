@@ -22,14 +22,21 @@ pub struct Colored {
 
 impl Colored {
     /// Give each block the first colour that its moving bodies do not have yet. `taken` has the colours of each body as a mask; those of
-    /// the blocks' bodies are 0 at first.
+    /// the blocks' bodies are 0 at first. Within a colour, blocks of more contacts come first: `length` has their count, at most
+    /// [`Blocks::MOST`].
     ///
     /// # Safety
     /// No other thread touches the entries of the blocks' moving bodies.
-    pub unsafe fn fill(&mut self, blocks: Range<u32>, bodies: impl Fn(u32) -> [Option<u32>; 2], taken: &Cells<u64>) {
+    pub unsafe fn fill(
+        &mut self,
+        blocks: Range<u32>,
+        bodies: impl Fn(u32) -> [Option<u32>; 2],
+        length: impl Fn(u32) -> usize,
+        taken: &Cells<u64>,
+    ) {
         // A body with more than 64 blocks: its further blocks have colours of their own.
         let mut n_colors = 64;
-        let color_of = |block: u32| {
+        let mut color_of = |block: u32| {
             let own = bodies(block);
             let own = own.iter().flatten().map(|b| *b as usize);
             // SAFETY: the caller's promise, here and below.
@@ -42,9 +49,14 @@ impl Colored {
             own.for_each(|b| unsafe { taken.set(b, taken.get(b) | 1 << first) });
             first
         };
-        let color: Vec<u32> = blocks.clone().map(color_of).collect();
-        let colored = || color.iter().copied().zip(blocks.clone());
-        distribute_cpu(n_colors as usize, colored, &mut self.start, &mut self.order);
+        let most = Blocks::MOST;
+        let place_of = |block: u32| color_of(block) * most as u32 + (most - length(block)) as u32;
+        let place: Vec<u32> = blocks.clone().map(place_of).collect();
+        let placed = || place.iter().copied().zip(blocks.clone());
+        let mut start = vec![];
+        distribute_cpu(n_colors as usize * most, placed, &mut start, &mut self.order);
+        self.start.clear();
+        self.start.extend(start.iter().step_by(most));
     }
 
     /// Give each of `n` blocks a colour of its own.
@@ -140,6 +152,7 @@ impl Tiled {
     pub fn fill(&mut self, contacts: &Contacts, blocks: &Blocks, inv_mass: &[f64]) {
         let moving = |body: u32| (inv_mass[body as usize] > 0.0).then_some(body);
         let bodies = |block: u32| contacts.bodies[blocks.contacts(block).start].map(moving);
+        let length = |block: u32| blocks.contacts(block).len();
         let (starts, n_first) = (blocks.starts(contacts), contacts.tiles.n_first);
         let mut taken = vec![0; inv_mass.len()];
         for (tiles, start) in self.rounds.iter_mut().zip(rounds_of(starts, n_first)) {
@@ -148,10 +161,10 @@ impl Tiled {
             tiles.resize_with(start.len() - 1, Colored::default);
             let each = tiles.par_iter_mut().zip(start.par_windows(2)).with_max_len(1);
             // SAFETY: the tiles of a round have no moving body in common.
-            each.for_each(|(colored, ends)| unsafe { colored.fill(ends[0]..ends[1], bodies, &taken) });
+            each.for_each(|(colored, ends)| unsafe { colored.fill(ends[0]..ends[1], bodies, length, &taken) });
         }
         taken.fill(0);
         // SAFETY: no other thread is at work.
-        unsafe { self.shared.fill(rest_of(starts), bodies, &Cells::new(&mut taken)) };
+        unsafe { self.shared.fill(rest_of(starts), bodies, length, &Cells::new(&mut taken)) };
     }
 }

@@ -8,11 +8,10 @@
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
-use super::group::{self, Group, Grouped, Motion, act, gather, scatter};
-use super::operator::Operator;
+use super::group::{self, Group, Grouped, Motion, act, gather, projected, scatter};
 use super::resistance::Resistance;
 use crate::contacts::Arms;
-use crate::lanes::{Lane3, Lanes, project};
+use crate::lanes::{Lane3, Lanes, cone};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -45,26 +44,31 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
         }
     }
 
-    fn put(&mut self, l: usize, op: &BodyOperator, contacts: Range<usize>, gamma: &[DVec3], _: bool) {
-        let (c, i) = (op.contacts, contacts.start);
-        if let Some(resistance) = self.resistance.first_mut() {
-            resistance.put(l, op, i, gamma);
+    fn fill(
+        &mut self,
+        op: &BodyOperator,
+        blocks: impl ExactSizeIterator<Item = Range<usize>> + Clone,
+        gamma: &[DVec3],
+        _: bool,
+    ) {
+        if blocks.len() < L {
+            *self = Self::empty(op.masses.inv_mass.len());
         }
-        let gamma = op.project(i, gamma[i], gamma);
-        let [arm_a, arm_b] = match &c.arms {
-            Arms::Along(reach) => reach[i],
-            Arms::Any(_) => unreachable!("spheres' arms lie along the normals"),
-        };
-        self.bodies[l] = c.bodies[i];
-        for k in 0..3 {
-            (self.normal[k][l], self.gamma[k][l]) = (T::of(c.normal[i][k]), T::of(gamma[k]));
+        let c = op.contacts;
+        let Arms::Along(reach) = &c.arms else { unreachable!("spheres' arms lie along the normals") };
+        for (l, block) in blocks.enumerate() {
+            let i = block.start;
+            if let Some(resistance) = self.resistance.first_mut() {
+                resistance.put(l, op, i, gamma);
+            }
+            self.bodies[l] = c.bodies[i];
+            for k in 0..3 {
+                (self.normal[k][l], self.gamma[k][l]) = (T::of(c.normal[i][k]), T::of(gamma[i][k]));
+            }
+            (self.reach[0][l], self.reach[1][l]) = (T::of(reach[i][0]), T::of(reach[i][1]));
+            self.offset[l] = T::of(op.offset(i));
+            self.friction[l] = T::of(op.law(i).friction);
         }
-        (self.reach[0][l], self.reach[1][l]) = (T::of(arm_a), T::of(arm_b));
-        self.offset[l] = T::of(op.offset(i));
-        self.friction[l] = T::of(op.law(i).friction);
-    }
-
-    fn close(&mut self, op: &BodyOperator) {
         self.moves = op.all_move(self.bodies.as_flattened());
     }
 
@@ -105,6 +109,8 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
             // 1/η is a third of the trace of N_ii.
             let trace = (a + b + b) * third;
             let d = if ACT == act::APPLY {
+                let gamma = projected(gamma, n, V::load(&g.friction), tip);
+                g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];
                 gamma
             } else {
                 let rolling = wa.times(reach_a).plus(wb.times(reach_b)).cross(n);
@@ -114,19 +120,19 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for SphereGroup<
                 let opening = v_n + V::load(&g.offset);
                 closing = group::faster(closing, opening);
                 let normal = before_n + tip - opening * along;
-                let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
+                let tangent = gamma.minus(v.times(across)).minus(n.times(before_n - v_n * across));
+                let length = tangent.dot(tangent).sqrt();
                 let friction = V::load(&g.friction);
-                let z = if ACT == act::EXACT {
+                let (kept, share) = if ACT == act::EXACT {
                     // Coulomb's law itself splits into the two directions.
-                    let (kept, length) = (zero.select_le(normal, normal, zero), tangent.dot(tangent).sqrt());
+                    let kept = zero.select_le(normal, normal, zero);
                     let limit = friction * kept;
-                    n.times(kept - tip).plus(tangent.times(length.select_le(limit, one, limit / length)))
+                    (kept, length.select_le(limit, one, limit / length))
                 } else {
-                    let (stretch, shrink) = ((b * along).sqrt(), (a * across).sqrt());
-                    let z = project(n.times(normal).plus(tangent.times(stretch)), n, friction * stretch);
-                    let z_n = n.times(z.dot(n));
-                    z_n.minus(n.times(tip)).plus(z.minus(z_n).times(shrink))
+                    let stretch = (b * along).sqrt();
+                    cone(normal, length * stretch, friction * stretch)
                 };
+                let z = n.times(kept - tip).plus(tangent.times(share));
                 let d = z.minus(gamma).times(omega);
                 let gamma = gamma.plus(d);
                 g.gamma = [gamma.x.to_array(), gamma.y.to_array(), gamma.z.to_array()];

@@ -3,8 +3,8 @@
 //! (`resistance`), so that others do not pay for them.
 //!
 //! The data of the blocks is packed once per solve, tile by tile and colour by colour (`schedule`), in groups of blocks that have no
-//! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight blocks and half the
-//! bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are then computed again from the
+//! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight contacts of spheres or
+//! sixteen manifolds and half the bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are then computed again from the
 //! impulses, so that the momentum has no rounding error of single precision.
 
 use super::bodies::BodyOperator;
@@ -31,10 +31,10 @@ const COARSE: f64 = 1e-5;
 pub struct Sweeps {
     blocks: Blocks,
     tiled: Tiled,
-    spheres: Precisions<SphereGroup<f32, 8, 0>, SphereGroup<f64, 4, 0>>,
-    manifolds: Precisions<ManifoldGroup<f32, 8, 0>, ManifoldGroup<f64, 4, 0>>,
-    resisting_spheres: Precisions<SphereGroup<f32, 8, 1>, SphereGroup<f64, 4, 1>>,
-    resisting_manifolds: Precisions<ManifoldGroup<f32, 8, 1>, ManifoldGroup<f64, 4, 1>>,
+    spheres: Precisions<8, SphereGroup<f32, 8, 0>, SphereGroup<f64, 4, 0>>,
+    manifolds: Precisions<16, ManifoldGroup<f32, 16, 0>, ManifoldGroup<f64, 4, 0>>,
+    resisting_spheres: Precisions<8, SphereGroup<f32, 8, 1>, SphereGroup<f64, 4, 1>>,
+    resisting_manifolds: Precisions<16, ManifoldGroup<f32, 16, 1>, ManifoldGroup<f64, 4, 1>>,
 }
 
 impl Sweeps {
@@ -69,18 +69,21 @@ pub fn run(
 }
 
 /// The packed blocks in single and in double precision.
-struct Precisions<C, F> {
-    coarse: Packed<f32, 8, C>,
+struct Precisions<const L: usize, C, F> {
+    coarse: Packed<f32, L, C>,
     fine: Packed<f64, 4, F>,
 }
 
-impl<C, F> Default for Precisions<C, F> {
+impl<const L: usize, C, F> Default for Precisions<L, C, F> {
     fn default() -> Self {
         Precisions { coarse: Packed::default(), fine: Packed::default() }
     }
 }
 
-impl<C: Group<f32, 8>, F: Group<f64, 4>> Precisions<C, F> {
+impl<const L: usize, C: Group<f32, L>, F: Group<f64, 4>> Precisions<L, C, F>
+where
+    f32: Grouped<L>,
+{
     fn run(
         &mut self,
         op: &mut BodyOperator,
@@ -179,7 +182,7 @@ impl<T, const L: usize, G> Default for Packed<T, L, G> {
 const SERIAL_LIMIT: usize = 512;
 
 impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
-    /// Pack the blocks with the impulses γ, projected onto their cones, and compute the motions of the bodies with them.
+    /// Pack the blocks with the impulses γ, project these onto their cones, and compute the motions of the bodies with them.
     fn fill(&mut self, op: &BodyOperator, (blocks, tiled): (&Blocks, &Tiled), gamma: &[DVec3], is_exact: bool) {
         let (masses, n_bodies) = (op.masses, op.masses.inv_mass.len());
         let groups_of = |color: &[u32]| color.len().div_ceil(L);
@@ -187,9 +190,9 @@ impl<T: Grouped<L>, const L: usize, G: Group<T, L>> Packed<T, L, G> {
         let [first, second] = &tiled.rounds;
         self.n_groups = [of_round(first), of_round(second), tiled.shared.colors().map(groups_of).collect()];
         let n_groups = self.n_groups.iter().flatten().sum();
-        self.groups.truncate(n_groups);
-        self.groups.reserve_exact(n_groups - self.groups.len());
-        self.groups.resize(n_groups, G::empty(n_bodies));
+        if self.groups.len() < n_groups {
+            self.groups.resize(n_groups, G::empty(n_bodies));
+        }
         let [first, second, shared] = self.parts();
         for (parts, tiles) in [first, second].into_iter().zip(&tiled.rounds) {
             let tiles = parts.into_par_iter().zip(tiles).with_max_len(1);
@@ -350,10 +353,6 @@ fn pack<'a, T: Grouped<L>, const L: usize, G: Group<T, L>>(
     is_exact: bool,
 ) {
     for (group, color) in groups.iter_mut().zip(colors.flat_map(|color| color.chunks(L))) {
-        *group = G::empty(op.masses.inv_mass.len());
-        for (l, block) in color.iter().enumerate() {
-            group.put(l, op, blocks.contacts(*block), gamma, is_exact);
-        }
-        group.close(op);
+        group.fill(op, color.iter().map(|block| blocks.contacts(*block)), gamma, is_exact);
     }
 }
