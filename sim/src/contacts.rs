@@ -11,7 +11,8 @@ pub struct Contacts {
     pub bodies: Vec<[u32; 2]>,
     /// Identity of a contact from step to step: the ids of the shapes of A and B, and the feature id.
     pub key: Vec<[u32; 3]>,
-    /// Index of the contact's sphere pair within its tile, `u32::MAX` for other contacts; those of sphere pairs come first in a tile.
+    /// Index of the contact's pair within its tile: among the pairs of spheres, which come first, or [`OTHER`] and that among the other pairs;
+    /// [`NO_PAIR`] of contacts that do not know it.
     #[serde(skip)]
     pub pair: Vec<u32>,
     /// Unit normal, out of A, world.
@@ -31,8 +32,11 @@ pub struct Contacts {
     pub tiles: Tiles,
 }
 
-/// The entry of `pair` for a contact that is not between two spheres.
-pub const NO_SPHERE_PAIR: u32 = u32::MAX;
+/// What [`Contacts::pair`] has beyond the index of a pair that is not one of spheres.
+pub const OTHER: u32 = 1 << 31;
+
+/// The entry of [`Contacts::pair`] for a contact that was read from a file or from a device.
+pub const NO_PAIR: u32 = u32::MAX;
 
 /// The partition of the contacts into tiles, the contacts of neighbouring bodies, which are solved in parallel: the tiles of one round
 /// have no moving body in common. The second round has the contacts between tiles of the first; the contacts in no tile come last.
@@ -156,7 +160,7 @@ impl Contacts {
     fn push(&mut self, from: &Contacts, i: usize, (bodies, key, law): ([u32; 2], [u32; 3], u32), factor: f64) {
         self.bodies.push(bodies);
         self.key.push(key);
-        self.pair.push(NO_SPHERE_PAIR);
+        self.pair.push(NO_PAIR);
         self.normal.push(from.normal[i]);
         self.gap.push(from.gap[i]);
         self.law.push(law);

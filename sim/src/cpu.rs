@@ -6,6 +6,7 @@
 mod bin_emit;
 mod bin_start;
 mod bounds;
+mod by_shape;
 mod collide;
 mod contact_rows;
 mod contact_solve;
@@ -177,7 +178,7 @@ impl Cpu {
             margin: &self.margin,
             tight: &self.tight_aabb,
             spheres: &self.spheres,
-            last: recycle::Last::new(&manifolds, self.pairs_hold),
+            last: recycle::Last::new(&manifolds, model.n_shapes(), self.pairs_hold),
         };
         contact_write::run(&at, &self.pairs, &mut self.touching, &mut contacts);
         state.contacts = contacts;

@@ -29,12 +29,11 @@ use super::pair_write::Pairs;
 use super::recycle::{Last, collide_or_recycle, keeps};
 use super::{bounds, sphere_pairs};
 use crate::aabb::Aabb;
-use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR, Tiles};
+use crate::contacts::{Arms, Contacts, OTHER, Tiles};
 use crate::lanes::widest;
 use crate::manifolds::{Manifolds, TileManifolds};
 use crate::model::Model;
 use crate::plan::{Narrow, StepPlan};
-use crate::pose::Pose;
 use crate::rows::{CHUNK, cut, fill_rows};
 use crate::shape::ShapeKind;
 use crate::sphere::Sphere;
@@ -67,8 +66,6 @@ pub struct Touching {
     place: Vec<u32>,
     /// Number of sphere pairs that touch in each tile.
     n: Vec<usize>,
-    /// Where the shapes are, where the plan has any shapes (n_shapes).
-    places: Vec<Pose>,
     /// Balls about the shapes with their margins, where the plan has any shapes (n_shapes).
     balls: Vec<Ball>,
     /// Other pairs that touch, by tile.
@@ -90,7 +87,7 @@ impl Ball {
         let rounding = 2.5e-7 * placed.position.abs().max_element();
         Ball {
             centre: placed.position.as_vec3().to_array(),
-            radius: ((placed.extent() + margin as f64) * (1.0 + 1e-6) + rounding) as f32,
+            radius: ((placed.extent + margin as f64) * (1.0 + 1e-6) + rounding) as f32,
         }
     }
 
@@ -115,11 +112,11 @@ struct Others {
 pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Contacts) {
     contacts.arms = match (at.plan.narrow, std::mem::take(&mut contacts.arms)) {
         (Narrow::Any, arms) => {
-            touching.places.resize(at.model.n_shapes(), Pose::default());
-            fill_rows(&mut touching.places, |s| at.state.shape_pose(at.model, s));
-            let Touching { balls, places, .. } = &mut *touching;
-            balls.resize(places.len(), Ball::default());
-            fill_rows(balls, |s| Ball::of(&Placed::of(at.model, &places[s], s), at.margin[s]));
+            let shapes = (0..at.model.n_shapes()).into_par_iter().with_min_len(CHUNK);
+            let placed: Vec<Placed> =
+                shapes.map(|s| Placed::of(at.model, at.state.shape_pose(at.model, s), s)).collect();
+            touching.balls.resize(at.model.n_shapes(), Ball::default());
+            fill_rows(&mut touching.balls, |s| Ball::of(&placed[s], at.margin[s]));
             let mut arms = if let Arms::Any(arms) = arms { arms } else { vec![] };
             let arms_of = |bodies: [u32; 2], point: &Point, _: [f64; 2]| {
                 let contact = match at.surface_of(bodies, point.gap) {
@@ -137,7 +134,7 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
                     rows.put_spheres(i, pair, pair.map(sphere), arms_of);
                 }
             };
-            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, arms_of));
+            find_and_write(at, (pairs, &placed), touching, contacts, &mut arms, (find, write, arms_of));
             Arms::Any(arms)
         }
         (Narrow::Spheres, arms) => {
@@ -151,17 +148,17 @@ pub fn run(at: &Input, pairs: &Pairs, touching: &mut Touching, contacts: &mut Co
                 Some(_) => radii,
                 None => along(bodies, point, radii),
             };
-            find_and_write(at, pairs, touching, contacts, &mut arms, (find, write, arms_of));
+            find_and_write(at, (pairs, &[]), touching, contacts, &mut arms, (find, write, arms_of));
             Arms::Along(arms)
         }
     };
 }
 
 /// The stage for one layout of arms: `find` writes the indices of the sphere pairs that touch to a column and returns their count,
-/// `write` writes their contacts, and `arms_of` makes the arms of the others.
+/// `write` writes their contacts, and `arms_of` makes the arms of the others. `placed` has where the shapes are, or is empty.
 fn find_and_write<A: Copy + Default + Send>(
     at: &Input,
-    pairs: &Pairs,
+    (pairs, placed): (&Pairs, &[Placed]),
     touching: &mut Touching,
     contacts: &mut Contacts,
     arms: &mut Vec<A>,
@@ -174,7 +171,7 @@ fn find_and_write<A: Copy + Default + Send>(
     let n_tiles = pairs.n_tiles();
     let is_serial = pairs.spheres.len() + pairs.others.len() < 4 * CHUNK;
     let min_len = if is_serial { n_tiles.max(1) } else { 1 };
-    let Touching { place, n, places, balls, others, manifolds } = touching;
+    let Touching { place, n, balls, others, manifolds } = touching;
     manifolds.tiles.resize_with(n_tiles, TileManifolds::default);
     others.resize_with(n_tiles, Others::default);
     n.resize(n_tiles, 0);
@@ -187,7 +184,7 @@ fn find_and_write<A: Copy + Default + Send>(
         .enumerate();
     each.for_each(|(tile, (slots, n, others, kept))| {
         *n = find(pairs.spheres_of(tile), slots);
-        others.find(at, (places, balls), tile, pairs.others_of(tile), kept);
+        others.find(at, (placed, balls), tile, pairs.others_of(tile), kept);
     });
 
     let Contacts { bodies, key, pair, normal, gap, law, tiles, .. } = contacts;
@@ -209,11 +206,11 @@ fn find_and_write<A: Copy + Default + Send>(
             let first = pairs.sphere_start[tile] as usize;
             let places = &touching.place[first..first + n];
             pair[..*n].copy_from_slice(places);
-            pair[*n..].fill(NO_SPHERE_PAIR);
             let mut rows = Rows { bodies, key, normal, gap, law, arms, n_materials };
             write(pairs.spheres_of(tile), places, &mut rows);
             let mut i = *n;
-            others.each(at.model, pairs.others_of(tile), |shapes, key, point| {
+            others.each(at.model, pairs.others_of(tile), |k, shapes, key, point| {
+                pair[i] = OTHER | k;
                 rows.put(i, shapes, key, point, &arms_of);
                 i += 1;
             });
@@ -246,7 +243,7 @@ impl Others {
     fn find(
         &mut self,
         at: &Input,
-        (places, balls): (&[Pose], &[Ball]),
+        (placed, balls): (&[Placed], &[Ball]),
         tile: usize,
         pairs: &[[u32; 3]],
         kept: &mut TileManifolds,
@@ -261,11 +258,7 @@ impl Others {
                 .copied()
                 .unwrap_or_else(|| bounds::tight(at.model, at.state, s as usize, at.margin[s as usize]))
         };
-        let placed = |s: u32| {
-            let s = s as usize;
-            let place = places.get(s).copied().unwrap_or_else(|| at.state.shape_pose(at.model, s));
-            Placed::of(at.model, &place, s)
-        };
+        let place = |s: u32| Placed::of(at.model, at.state.shape_pose(at.model, s as usize), s as usize);
         let is_near = |s: u32, t: u32| match (balls.get(s as usize), balls.get(t as usize)) {
             (Some(a), Some(b)) => a.is_near(b),
             _ => true,
@@ -273,7 +266,15 @@ impl Others {
         let mut out = [Point::default(); MAX_POINTS];
         for (k, &[s, t, triangle]) in pairs.iter().enumerate() {
             if is_near(s, t) && tight(s).overlaps(&tight(t)) {
-                let n = points(at, (tile, k), [s, t, triangle], [s, t].map(placed), (kept, &mut found), &mut out);
+                let own;
+                let both = match (placed.get(s as usize), placed.get(t as usize)) {
+                    (Some(a), Some(b)) => [a, b],
+                    _ => {
+                        own = [s, t].map(place);
+                        [&own[0], &own[1]]
+                    }
+                };
+                let n = points(at, (tile, k), [s, t, triangle], both, (kept, &mut found), &mut out);
                 if n > 0 {
                     self.point.extend_from_slice(&out[..n]);
                     self.touching.push([k as u32, self.point.len() as u32]);
@@ -282,9 +283,9 @@ impl Others {
         }
     }
 
-    /// Visit the contacts in order, each with its two shapes as for [`Rows::put`], its key and its point; normals point from the first
+    /// Visit the contacts in order, each with the index of its pair, its two shapes as for [`Rows::put`], its key and its point; normals point from the first
     /// shape to the second.
-    fn each(&self, model: &Model, pairs: &[[u32; 3]], mut visit: impl FnMut([Sphere; 2], [u32; 3], &Point)) {
+    fn each(&self, model: &Model, pairs: &[[u32; 3]], mut visit: impl FnMut(u32, [Sphere; 2], [u32; 3], &Point)) {
         let mut first = 0;
         for [k, end] in &self.touching {
             let [s, t, triangle] = pairs[*k as usize];
@@ -294,7 +295,7 @@ impl Others {
                 Sphere { radius, body: model.shape_body[s], material: model.shape_material[s], ..Sphere::default() }
             });
             for point in &self.point[first..*end as usize] {
-                visit(both, [s, t, (triangle << 17) ^ point.feature], point);
+                visit(*k, both, [s, t, (triangle << 17) ^ point.feature], point);
             }
             first = *end as usize;
         }
@@ -306,22 +307,22 @@ fn points(
     at: &Input,
     (tile, pair): (usize, usize),
     [s, t, triangle]: [u32; 3],
-    [a, b]: [Placed; 2],
+    [a, b]: [&Placed; 2],
     (kept, found): (&mut TileManifolds, &mut usize),
     out: &mut Points,
 ) -> usize {
     let (model, shapes, s, t) = (at.model, [s, t], s as usize, t as usize);
     let reach = (at.margin[s] + at.margin[t]) as f64;
     if let Some(surface) = surface_of(model, t) {
-        collide_triangle(&a, &Triangle::of(surface, triangle, &b), reach, out)
+        collide_triangle(a, &Triangle::of(surface, triangle, b), reach, out)
     } else if let Some(surface) = surface_of(model, s) {
-        let n = collide_triangle(&b, &Triangle::of(surface, triangle, &a), reach, out);
+        let n = collide_triangle(b, &Triangle::of(surface, triangle, a), reach, out);
         swap_shapes(out, n)
     } else if keeps(a.kind) && keeps(b.kind) {
         let last = at.last.find(tile, pair as u32, shapes, found);
-        collide_or_recycle([&a, &b], (pair as u32, shapes), (reach, at.model.recycle), last, (kept, out))
+        collide_or_recycle([a, b], (pair as u32, shapes), (reach, at.model.recycle), last, (kept, out))
     } else {
-        collide(&a, &b, reach, out)
+        collide(a, b, reach, out)
     }
 }
 

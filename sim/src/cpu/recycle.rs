@@ -5,13 +5,14 @@
 //! Relative motion is that since the points were found, so that errors do not add up. Points are looked for somewhat farther than needed,
 //! and pairs without any are kept as well: what falls side by side is not collided again in every step either.
 
+use super::by_shape::ByShape;
 use super::collide::collide_along;
 use super::collide::convex::{Axis, separation};
 use super::collide::manifold::OF_SECOND;
 use super::collide::point::{Placed, Point, Points};
 use crate::manifolds::{Kept, KeptPoint, Manifolds, TileManifolds};
 use crate::shape::ShapeKind;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Share of the least gap that relative motion may be: the normal between features that are apart turns by no more.
 const OF_GAP: f64 = 0.1;
@@ -30,21 +31,22 @@ pub struct Last<'a> {
     manifolds: &'a Manifolds,
     /// Whether the candidate pairs are those of the last step.
     pairs_hold: bool,
-    /// Shapes, tile and index of each manifold, sorted, where the pairs do not hold.
-    sorted: Vec<([u32; 2], u32, u32)>,
+    /// Tile and index of each manifold, where the pairs do not hold.
+    known: ByShape<[u32; 2]>,
 }
 
 impl<'a> Last<'a> {
-    /// The manifolds of the last step; `pairs_hold` asserts that the candidate pairs are the same.
-    pub fn new(manifolds: &'a Manifolds, pairs_hold: bool) -> Last<'a> {
-        let mut sorted = vec![];
-        if !pairs_hold {
-            for (tile, of_tile) in manifolds.tiles.iter().enumerate() {
-                sorted.extend(of_tile.kept.iter().zip(0..).map(|(kept, k)| (kept.shapes, tile as u32, k)));
-            }
-            sorted.sort_unstable();
+    /// The manifolds of the last step, of a model with so many shapes; `pairs_hold` asserts that the candidate pairs are the same.
+    pub fn new(manifolds: &'a Manifolds, n_shapes: usize, pairs_hold: bool) -> Last<'a> {
+        if pairs_hold {
+            return Last { manifolds, pairs_hold, known: ByShape::default() };
         }
-        Last { manifolds, pairs_hold, sorted }
+        let mut all = vec![];
+        for (of_tile, tile) in manifolds.tiles.iter().zip(0..) {
+            all.extend(of_tile.kept.iter().zip(0..).map(|(kept, k)| (kept.shapes, [tile, k])));
+        }
+        let known = ByShape::of(n_shapes, all.len(), |i| all[i]);
+        Last { manifolds, pairs_hold, known }
     }
 
     /// The manifold of the pair `pair` of a tile, of two shapes; `at` is where the tile's last manifold was found, for pairs that ascend.
@@ -56,9 +58,8 @@ impl<'a> Last<'a> {
             }
             (kept.get(*at)?.pair == pair).then_some((tile, *at))?
         } else {
-            let row = self.sorted.partition_point(|(known, ..)| *known < shapes);
-            let (known, tile, k) = *self.sorted.get(row)?;
-            (known == shapes).then_some((tile as usize, k as usize))?
+            let [tile, k] = *self.known.find(shapes).next()?;
+            (tile as usize, k as usize)
         };
         let of_tile = &self.manifolds.tiles[tile];
         Some((&of_tile.kept[k], of_tile.points_of(k)))
@@ -74,18 +75,15 @@ pub fn collide_or_recycle(
     last: Option<(&Kept, &[KeptPoint])>,
     (kept, out): (&mut TileManifolds, &mut Points),
 ) -> usize {
-    let extents = [a, b].map(Placed::extent);
-    if a.position.distance(b.position) > extents[0] + extents[1] + reach {
+    if a.position.distance(b.position) > a.extent + b.extent + reach {
         return 0;
     }
-    let [ra, rb] = [a, b].map(|placed| DMat3::from_quat(placed.orientation));
-    let [into_a, into_b] = [ra.transpose(), rb.transpose()];
-    let position = into_a * (b.position - a.position);
+    let position = a.local(b.position - a.position);
     let moved = |kept: &Kept| {
         let turned = a.orientation * kept.orientation;
         // Sine of half the angle.
         let half = (turned.inverse() * b.orientation).xyz().length();
-        position.distance(kept.position) + 2.0 * half * extents[0].min(extents[1])
+        position.distance(kept.position) + 2.0 * half * a.extent.min(b.extent)
     };
     let holds = |kept: &Kept| {
         let moved = moved(kept);
@@ -94,15 +92,15 @@ pub fn collide_or_recycle(
     if let Some((known, points)) = last.filter(|(known, _)| holds(known)) {
         kept.points.extend_from_slice(points);
         kept.kept.push(Kept { pair, end: kept.points.len() as u32, ..*known });
-        return carry([(a.position, ra), (b.position, rb)], points, reach, out);
+        return carry([a, b], points, reach, out);
     }
     let keep = |n: usize, kept: &mut TileManifolds, (axis, reach, slack): (DVec3, f64, f64)| {
         let (end, orientation) = (kept.points.len() as u32, (a.orientation.inverse() * b.orientation).normalize());
-        let axis = (into_a * axis).normalize_or_zero();
+        let axis = a.local(axis).normalize_or_zero();
         kept.kept.push(Kept { pair, end, shapes, position, orientation, axis, reach, slack });
         n
     };
-    let direction = last.map_or(DVec3::ZERO, |(known, _)| ra * known.axis);
+    let direction = last.map_or(DVec3::ZERO, |(known, _)| a.rotation * known.axis);
     if last.is_some_and(|(_, points)| points.is_empty()) && direction != DVec3::ZERO {
         let apart = separation(a, b, direction);
         if apart > reach {
@@ -116,8 +114,8 @@ pub fn collide_or_recycle(
     for p in &out[..n] {
         least = least.min(p.gap);
         let is_of_second = p.feature & OF_SECOND != 0;
-        let normal = if is_of_second { into_b * p.normal } else { into_a * p.normal };
-        let (on_first, on_second) = (into_a * (p.on_first - a.position), into_b * (p.on_second - b.position));
+        let normal = if is_of_second { b.local(p.normal) } else { a.local(p.normal) };
+        let (on_first, on_second) = (a.local(p.on_first - a.position), b.local(p.on_second - b.position));
         let feature = p.feature;
         kept.points.push(KeptPoint { on_first, on_second, normal: normal.normalize(), feature, is_of_second });
     }
@@ -132,14 +130,13 @@ pub fn collide_or_recycle(
     near
 }
 
-/// The points of a manifold where the shapes are now, each given by its position and rotation, those with a gap of at most `reach`, m. Returns
-/// their count.
-fn carry([a, b]: [(DVec3, DMat3); 2], points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
+/// The points of a manifold where the shapes are now, those with a gap of at most `reach`, m. Returns their count.
+fn carry([a, b]: [&Placed; 2], points: &[KeptPoint], reach: f64, out: &mut Points) -> usize {
     let mut n = 0;
     for p in points {
-        let on_first = a.0 + a.1 * p.on_first;
-        let on_second = b.0 + b.1 * p.on_second;
-        let normal = if p.is_of_second { b.1 * p.normal } else { a.1 * p.normal };
+        let on_first = a.position + a.rotation * p.on_first;
+        let on_second = b.position + b.rotation * p.on_second;
+        let normal = if p.is_of_second { b.rotation * p.normal } else { a.rotation * p.normal };
         let gap = (on_second - on_first).dot(normal);
         out[n] = Point { normal, on_first, on_second, gap, feature: p.feature };
         n += (gap <= reach) as usize;
@@ -155,6 +152,7 @@ mod tests {
     use super::*;
     use crate::fill::SplitMix64;
     use crate::geometry::Hull;
+    use crate::pose::Pose;
     use glam::DQuat;
 
     /// Least gap of the points of a manifold.
@@ -173,7 +171,7 @@ mod tests {
             let mut placed = |kind: ShapeKind, position: DVec3| {
                 let size = if kind == ShapeKind::Hull { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.8) };
                 let hull = (kind == ShapeKind::Hull).then_some(&hull);
-                Placed { kind, size, position, orientation: random.rotation(), hull }
+                Placed::new(kind, size, Pose { position, orientation: random.rotation() }, hull)
             };
             let a = placed(kinds[i % 3], DVec3::ZERO);
             let b = placed(kinds[i / 3 % 3], DVec3::new(0.0, 0.0, 1.9));
@@ -187,11 +185,8 @@ mod tests {
             find(&b, None, &mut first);
             let mut little = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0))) * 1.5e-4;
             let (shift, turn) = (little(), little());
-            let moved = Placed {
-                position: b.position + shift,
-                orientation: DQuat::from_scaled_axis(turn) * b.orientation,
-                ..b
-            };
+            let orientation = DQuat::from_scaled_axis(turn) * b.orientation;
+            let moved = Placed::new(b.kind, b.size, Pose { position: b.position + shift, orientation }, b.hull);
             let mut second = TileManifolds::default();
             let last = first.kept.first().map(|kept| (kept, &first.points[..]));
             let (old, new) = (find(&moved, last, &mut second), find(&moved, None, &mut TileManifolds::default()));

@@ -1,7 +1,7 @@
 //! The way back: the columns of a state from those on the device.
 
 use super::{Fault, Gpu};
-use crate::contacts::{Arms, Contacts, NO_SPHERE_PAIR};
+use crate::contacts::{Arms, Contacts, NO_PAIR};
 use crate::manifolds::Manifolds;
 use crate::model::Model;
 use crate::plan::Narrow;
@@ -51,7 +51,7 @@ impl Gpu {
         Ok(Contacts {
             bodies: rows.iter().map(|c| c.bodies).collect(),
             key: rows.iter().map(|c| [c.shapes[0], c.shapes[1], c.feature]).collect(),
-            pair: vec![NO_SPHERE_PAIR; n],
+            pair: vec![NO_PAIR; n],
             normal: rows.iter().map(|c| vector(c.normal).normalize()).collect(),
             arms,
             gap: rows.iter().map(|c| c.gap as f64).collect(),

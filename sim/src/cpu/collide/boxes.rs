@@ -8,12 +8,16 @@ use super::manifold::{OF_SECOND, convex_convex, cut_id, feature_id};
 use super::point::{MAX_POINTS, Placed, Point, Points, swap_shapes};
 use glam::{DMat3, DVec3};
 
+/// What a separation is more than another one, over the least half length, to be clearly greater.
+const CLEARLY: f64 = 1e-3;
+
 /// The axis between two boxes along which they are farthest apart, or overlap least.
 struct Separations {
     /// Separation along a face's normal, m, and its index: those of A, then those of B.
     face: (f64, usize),
-    /// Separation along a cross product of edges, m, and the edges' indices on A and B; minus infinity if all are parallel.
-    edge: (f64, usize, usize),
+    /// The greatest separation along a cross product of edges, m, and the edges' indices on A and B, where it is clearly greater than that
+    /// along the face's normal.
+    edge: Option<(f64, usize, usize)>,
 }
 
 impl Separations {
@@ -38,26 +42,33 @@ impl Separations {
                 face = (s, i);
             }
         }
-        let mut edge = (f64::NEG_INFINITY, 0, 0);
-        for i in 0..3 {
+        let than = face.0 + CLEARLY * a.size.min_element().min(b.size.min_element());
+        // Along the cross products of edges, times the sines of the angles between these.
+        let (m, size_a, size_b) = (middle.to_array(), a.size.to_array(), b.size.to_array());
+        let (r, abs) = (r.to_cols_array_2d(), abs.to_cols_array_2d());
+        let scaled: [[f64; 3]; 3] = std::array::from_fn(|i| {
             let (k, l) = ((i + 1) % 3, (i + 2) % 3);
-            for j in 0..3 {
-                let (column, around) = (r.col(j), abs.col(j));
-                let sine2 = 1.0 - column[i] * column[i];
-                if sine2 < PARALLEL {
-                    continue;
-                }
-                let (m, n) = ((j + 1) % 3, (j + 2) % 3);
-                let apart = (middle[l] * column[k] - middle[k] * column[l]).abs();
-                let reach_a = a.size[k] * around[l] + a.size[l] * around[k];
-                let reach_b = b.size[m] * abs.col(n)[i] + b.size[n] * abs.col(m)[i];
-                let s = (apart - reach_a - reach_b) / sine2.sqrt();
-                if s > reach {
-                    return Err(Axis { direction: towards(edge_axis([ra, rb], i, j), a, b), apart: s });
-                }
-                if s > edge.0 {
-                    edge = (s, i, j);
-                }
+            std::array::from_fn(|j| {
+                let (n, o) = ((j + 1) % 3, (j + 2) % 3);
+                let reach_a = size_a[k] * abs[j][l] + size_a[l] * abs[j][k];
+                let reach_b = size_b[n] * abs[o][i] + size_b[o] * abs[n][i];
+                (m[l] * r[j][k] - m[k] * r[j][l]).abs() - reach_a - reach_b
+            })
+        });
+        // What is negative is less without the sine.
+        let least = than.min(0.0);
+        let mut edge: Option<(f64, usize, usize)> = None;
+        for (i, j) in (0..9).map(|k| (k / 3, k % 3)).filter(|(i, j)| scaled[*i][*j] > least) {
+            let sine2 = 1.0 - r[j][i] * r[j][i];
+            if sine2 < PARALLEL {
+                continue;
+            }
+            let s = scaled[i][j] / sine2.sqrt();
+            if s > reach {
+                return Err(Axis { direction: towards(edge_axis([ra, rb], i, j), a, b), apart: s });
+            }
+            if s > edge.map_or(than, |(greatest, ..)| greatest) {
+                edge = Some((s, i, j));
             }
         }
         Ok(Separations { face, edge })
@@ -89,7 +100,7 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
     const DEEP: f64 = 0.2;
     /// What the points of boxes that are apart may be farther from each other than the boxes along the axis, over the least half length.
     const NEAR: f64 = 1e-3;
-    let rotations = [&DMat3::from_quat(a.orientation), &DMat3::from_quat(b.orientation)];
+    let rotations = [&a.rotation, &b.rotation];
     let Separations { face, edge } = match Separations::of([a, b], rotations, reach) {
         Ok(separations) => separations,
         Err(apart) => {
@@ -98,12 +109,12 @@ pub fn box_box(a: &Placed, b: &Placed, reach: f64, axis: &mut Axis, out: &mut Po
         }
     };
     let size = a.size.min_element().min(b.size.min_element());
-    let crossing = (edge.0 > face.0 + 1e-3 * size).then(|| edge_edge(a, b, rotations, edge));
+    let crossing = edge.map(|edge| edge_edge(a, b, rotations, edge));
     let normal = towards(face_axis(rotations, face.1), a, b);
     *axis = Axis { direction: normal, apart: face.0 };
     if let Some(point) = crossing {
         *axis = Axis { direction: point.normal, apart: point.gap };
-        if edge.0 > 0.0 && point.on_first.distance(point.on_second) > edge.0 + NEAR * size {
+        if point.gap > 0.0 && point.on_first.distance(point.on_second) > point.gap + NEAR * size {
             return convex_convex(a, b, reach, axis, out);
         }
         if reach <= FAST * size {
@@ -241,6 +252,7 @@ mod tests {
     use super::*;
     use crate::ShapeKind;
     use crate::fill::SplitMix64;
+    use crate::pose::Pose;
 
     #[test]
     fn faces_of_boxes_are_clipped_as_any_faces_are() {
@@ -249,10 +261,10 @@ mod tests {
         for k in 0..20_000 {
             let mut placed = |position: DVec3| {
                 let size = DVec3::from([0; 3].map(|_| random.between(0.1, 0.3)));
-                Placed { kind: ShapeKind::Box, size, position, orientation: random.rotation(), hull: None }
+                Placed::new(ShapeKind::Box, size, Pose { position, orientation: random.rotation() }, None)
             };
             let (a, b) = (placed(DVec3::new(0.3, -0.2, 0.1)), placed(DVec3::ZERO));
-            let rotations = [a, b].map(|p| DMat3::from_quat(p.orientation));
+            let rotations = [a, b].map(|p| p.rotation);
             let normal = towards(rotations[0].col(k % 3), &a, &b);
             let [mut own, mut any] = [Points::default(); 2];
             let n = clip_face((&a, &rotations[0]), (&b, &rotations[1]), k % 3, normal, 0.2, &mut own);

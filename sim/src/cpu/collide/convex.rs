@@ -32,7 +32,7 @@ pub trait Convex {
 
 impl Convex for Placed<'_> {
     fn support(&self, direction: DVec3) -> DVec3 {
-        self.position + self.orientation * support_local(self, self.orientation.inverse() * direction)
+        self.position + self.rotation * support_local(self, self.local(direction))
     }
 
     fn centre(&self) -> DVec3 {
@@ -198,21 +198,29 @@ pub fn nearest_in_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> (f64, f64, f64) {
     (va / sum, vb / sum, vc / sum)
 }
 
+/// On a tetrahedron, of which the last vertex is new: where the origin is not inside, the nearest point is on a face with it.
 fn on_tetrahedron(v: &[Vertex; 4], is_apart: bool) -> Option<Simplex> {
-    let mut best: Option<(f64, Simplex)> = None;
-    for [i, j, k, other] in [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]] {
-        let normal = (v[j].w - v[i].w).cross(v[k].w - v[i].w);
-        let (here, there) = (-v[i].w.dot(normal), (v[other].w - v[i].w).dot(normal));
-        // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
-        if is_apart || here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[other].w.length() {
-            let s = on_triangle(v[i], v[j], v[k]);
-            let distance = s.nearest().length_squared();
-            if best.as_ref().is_none_or(|b| distance < b.0) {
-                best = Some((distance, s));
+    let mut best: Option<(f64, [usize; 3], [f64; 3])> = None;
+    let faces = [[0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0], [0, 1, 2, 3]];
+    for [i, j, k, other] in &faces[..if is_apart { 3 } else { 4 }] {
+        let corners = [v[*i].w, v[*j].w, v[*k].w];
+        let [p, q, r] = corners;
+        let is_beyond = || {
+            let normal = (q - p).cross(r - p);
+            let (here, there) = (-p.dot(normal), (v[*other].w - p).dot(normal));
+            // The origin is beyond this face, or the tetrahedron is flat, so that round-off may hide which face that is.
+            here * there <= 0.0 || there.abs() <= 1e-14 * normal.length() * v[*other].w.length()
+        };
+        if is_apart || is_beyond() {
+            let weights = nearest_in_triangle(DVec3::ZERO, corners);
+            let (s, t, u) = weights;
+            let distance = (p * s + q * t + r * u).length_squared();
+            if best.is_none_or(|(least, ..)| distance < least) {
+                best = Some((distance, [*i, *j, *k], [s, t, u]));
             }
         }
     }
-    best.map(|b| b.1)
+    best.map(|(_, [i, j, k], [s, t, u])| Simplex::of(&[(v[i], s), (v[j], t), (v[k], u)]))
 }
 
 /// An axis along which two shapes are apart.

@@ -61,10 +61,10 @@ impl Feature {
 
 /// The feature of a shape that faces a direction, world, with the radius around the shape's core.
 pub fn feature(shape: &Placed, direction: DVec3) -> Feature {
-    let d = shape.orientation.inverse() * direction;
+    let d = shape.local(direction);
     let size = shape.size;
     let mut f = Feature::new();
-    let mut local = |p: DVec3, id: u32| f.push(shape.position + shape.orientation * p, id);
+    let mut local = |p: DVec3, id: u32| f.push(shape.position + shape.rotation * p, id);
     let rim = |k: usize, z: f64| {
         let [x, y] = CORNERS[k];
         DVec3::new(size.x * x, size.x * y, z)

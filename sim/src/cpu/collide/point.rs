@@ -4,7 +4,7 @@ use crate::geometry::Hull;
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::shape::ShapeKind;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 8;
@@ -18,37 +18,49 @@ pub struct Placed<'a> {
     pub size: DVec3,
     /// Position, m, world.
     pub position: DVec3,
-    /// Orientation.
+    /// Orientation, as a quaternion and as a matrix.
     pub orientation: DQuat,
+    pub rotation: DMat3,
+    /// The greatest distance of a point of the shape from its position, m; infinite for a surface.
+    pub extent: f64,
     /// Hull, where the kind is one.
     pub hull: Option<&'a Hull>,
 }
 
 impl<'a> Placed<'a> {
-    /// A shape of the model at a pose.
+    /// A shape at a pose.
     #[inline(always)]
-    pub fn of(model: &'a Model, place: &Pose, shape: usize) -> Placed<'a> {
-        let kind = model.shape_kind[shape];
-        Placed {
-            kind,
-            size: model.shape_size[shape],
-            position: place.position,
-            orientation: place.orientation,
-            hull: (kind == ShapeKind::Hull).then(|| &model.hulls[model.shape_part[shape] as usize]),
-        }
+    pub fn new(kind: ShapeKind, size: DVec3, place: Pose, hull: Option<&'a Hull>) -> Placed<'a> {
+        let Pose { position, orientation } = place;
+        let rotation = DMat3::from_quat(orientation);
+        Placed { kind, size, position, orientation, rotation, extent: extent(kind, size, hull), hull }
     }
 
-    /// The greatest distance of a point of the shape from its position, m; infinite for a surface.
-    pub fn extent(&self) -> f64 {
-        let DVec3 { x, z, .. } = self.size;
-        match self.kind {
-            ShapeKind::Sphere | ShapeKind::Ellipsoid => self.size.max_element(),
-            ShapeKind::Box => self.size.length(),
-            ShapeKind::Cylinder | ShapeKind::Cone => x.hypot(z),
-            ShapeKind::Capsule => x + z,
-            ShapeKind::Hull => self.hull.map_or(f64::INFINITY, |hull| hull.radius),
-            ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
-        }
+    /// A shape of the model at a pose.
+    #[inline(always)]
+    pub fn of(model: &'a Model, place: Pose, shape: usize) -> Placed<'a> {
+        let kind = model.shape_kind[shape];
+        let hull = (kind == ShapeKind::Hull).then(|| &model.hulls[model.shape_part[shape] as usize]);
+        Placed::new(kind, model.shape_size[shape], place, hull)
+    }
+
+    /// A direction or a vector of the world in the frame of the shape.
+    #[inline(always)]
+    pub fn local(&self, v: DVec3) -> DVec3 {
+        DVec3::new(self.rotation.x_axis.dot(v), self.rotation.y_axis.dot(v), self.rotation.z_axis.dot(v))
+    }
+}
+
+/// The greatest distance of a point of a shape from its position, m.
+fn extent(kind: ShapeKind, size: DVec3, hull: Option<&Hull>) -> f64 {
+    let DVec3 { x, z, .. } = size;
+    match kind {
+        ShapeKind::Sphere | ShapeKind::Ellipsoid => size.max_element(),
+        ShapeKind::Box => size.length(),
+        ShapeKind::Cylinder | ShapeKind::Cone => x.hypot(z),
+        ShapeKind::Capsule => x + z,
+        ShapeKind::Hull => hull.map_or(f64::INFINITY, |hull| hull.radius),
+        ShapeKind::Plane | ShapeKind::Mesh | ShapeKind::HeightField => f64::INFINITY,
     }
 }
 

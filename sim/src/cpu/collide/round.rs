@@ -31,7 +31,7 @@ pub fn spheres((a, radius_a): (DVec3, f64), (b, radius_b): (DVec3, f64)) -> Poin
 
 #[inline]
 pub fn sphere_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let up = b.orientation * DVec3::Z;
+    let up = b.rotation.z_axis;
     let height = (a.position - b.position).dot(up);
     let gap = height - a.size.x;
     if gap > reach {
@@ -59,11 +59,11 @@ fn touch(
     if distance > a.size.x + reach {
         return 0;
     }
-    let normal = -(b.orientation * outward);
+    let normal = -(b.rotation * outward);
     out[0] = Point {
         normal,
         on_first: a.position + normal * a.size.x,
-        on_second: b.position + b.orientation * surface,
+        on_second: b.position + b.rotation * surface,
         gap: distance - a.size.x,
         feature: 0,
     };
@@ -71,7 +71,7 @@ fn touch(
 }
 
 pub fn sphere_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let local = b.orientation.inverse() * (a.position - b.position);
+    let local = b.local(a.position - b.position);
     let nearest = local.clamp(-b.size, b.size);
     let offset = local - nearest;
     let distance2 = offset.length_squared();
@@ -93,7 +93,7 @@ pub fn sphere_box(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize
 
 /// A sphere against a cylinder, a capsule or a cone: a problem in the half plane (distance from the axis, height).
 pub fn sphere_turned(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let local = b.orientation.inverse() * (a.position - b.position);
+    let local = b.local(a.position - b.position);
     let radial = local.truncate().length();
     let around = if radial > 0.0 { local.truncate() / radial } else { DVec2::X };
     let p = DVec2::new(radial, local.z);

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// The contact points of a convex shape with a plane: its corners, or the deepest points of its round parts. Returns their count.
 pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usize {
-    let up = b.orientation * DVec3::Z;
+    let up = b.rotation.z_axis;
     let mut found: [(f64, DVec3, u32); 3 * MAX_POINTS] = [(0.0, DVec3::ZERO, 0); 3 * MAX_POINTS];
     let mut n = 0;
     let mut take = |p: DVec3, id: u32| {
@@ -20,8 +20,8 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
             n += 1;
         }
     };
-    let world = |p: DVec3| a.position + a.orientation * p;
-    let down = a.orientation.inverse() * -up;
+    let world = |p: DVec3| a.position + a.rotation * p;
+    let down = a.local(-up);
     match a.kind {
         ShapeKind::Box => {
             for corner in 0..8u32 {
@@ -46,7 +46,7 @@ pub fn convex_plane(a: &Placed, b: &Placed, reach: f64, out: &mut Points) -> usi
             let end = feature(a, -up);
             if end.corners().len() > 2 {
                 let is_off_lowest = |p: DVec3| {
-                    let local = a.orientation.inverse() * (p - a.position);
+                    let local = a.local(p - a.position);
                     lowest.is_none_or(|q| (local.truncate() - q).length() > 0.2 * a.size.x)
                 };
                 end.corners().iter().filter(|(p, _)| is_off_lowest(*p)).for_each(|(p, id)| take(*p, *id));
@@ -86,7 +86,7 @@ impl Triangle {
     /// A triangle of a surface at a place.
     pub fn of(surface: &Surface, triangle: u32, place: &Placed) -> Triangle {
         Triangle {
-            corners: surface.corners(triangle).map(|v| place.position + place.orientation * v),
+            corners: surface.corners(triangle).map(|v| place.position + place.rotation * v),
             sharp: surface.sharp[triangle as usize],
             is_ground: surface.is_ground(),
         }

@@ -4,10 +4,11 @@ use super::point::{MAX_POINTS, Point};
 use super::*;
 use crate::fill::SplitMix64;
 use crate::geometry::{Hull, Surface};
+use crate::pose::Pose;
 use glam::{DQuat, DVec3};
 
 fn cube(position: DVec3, orientation: DQuat) -> Placed<'static> {
-    Placed { kind: ShapeKind::Box, size: DVec3::splat(0.5), position, orientation, hull: None }
+    placed(ShapeKind::Box, [0.5; 3], position, orientation)
 }
 
 #[test]
@@ -39,13 +40,7 @@ fn crossed_edges_touch_in_one_point() {
 
 #[test]
 fn a_sphere_meets_the_face_the_edge_and_the_inside_of_a_box() {
-    let sphere = |p| Placed {
-        kind: ShapeKind::Sphere,
-        size: DVec3::splat(0.1),
-        position: p,
-        orientation: DQuat::IDENTITY,
-        hull: None,
-    };
+    let sphere = |p| placed(ShapeKind::Sphere, [0.1; 3], p, DQuat::IDENTITY);
     let block = cube(DVec3::ZERO, DQuat::IDENTITY);
     let mut out = [Point::default(); MAX_POINTS];
     assert_eq!(collide(&sphere(DVec3::new(0.0, 0.0, 0.59)), &block, 0.0, &mut out), 1);
@@ -58,7 +53,7 @@ fn a_sphere_meets_the_face_the_edge_and_the_inside_of_a_box() {
 }
 
 fn placed(kind: ShapeKind, size: [f64; 3], position: DVec3, orientation: DQuat) -> Placed<'static> {
-    Placed { kind, size: size.into(), position, orientation, hull: None }
+    Placed::new(kind, size.into(), Pose { position, orientation }, None)
 }
 
 fn points(a: &Placed, b: &Placed, reach: f64) -> Vec<Point> {
