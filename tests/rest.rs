@@ -164,7 +164,8 @@ fn a_deep_pile_of_boxes_comes_to_rest() {
     let walls = SHAFT.split("fills:").next().expect("walls").replace("0.17", "0.28");
     for method in ["apgd", "gauss_seidel"] {
         let mut sim = simulation(&format!("solver: {{method: {method}, iterations: 50}}\n{walls}{boxes}"));
-        (0..3_000).for_each(|_| drop(sim.step()));
+        // At rest after 1.7 s in the mean of 35 piles; in three of 70 a box that leant tipped over after 2.5 to 3.5 s.
+        (0..4_000).for_each(|_| drop(sim.step()));
         for _ in 0..500 {
             sim.step();
             let (speed, force) = unrest(&sim);
