@@ -241,7 +241,7 @@ fn steps_of_solids_on_surfaces_are_those_of_the_cpu() {
     layers(&model, &mut state, 36);
     // What turns another way at a seam soon meets others.
     for method in [Method::Apgd, Method::GaussSeidel] {
-        fall(&mut model, &state, (method, 5e-6), 8);
+        fall(&mut model, &state, (method, 2e-5), 3);
     }
 }
 
