@@ -243,7 +243,8 @@ impl Lanes4 for Plain<f64, 4> {
     }
 }
 
-/// Lanes in a vector register, for functions that are compiled for AVX2 (AVX-512 where it has 512 bits) and run on processors that have it alone.
+/// Lanes in a vector register, for functions that are compiled for AVX2 (AVX-512 where it has 512 bits) and run on processors that have it
+/// alone.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub struct Wide<V>(V);

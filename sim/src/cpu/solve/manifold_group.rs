@@ -88,7 +88,8 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
         self.friction[l] = T::of(op.law(i).friction);
     }
 
-    /// Project the impulses onto their cones, and evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse inertia tensors of the bodies.
+    /// Project the impulses onto their cones, and evaluate what a visit needs of N_ii, for the sum of the reciprocal masses and the inverse
+    /// inertia tensors of the bodies.
     #[inline(always)]
     fn prepare<V: Lanes<T, L>>(&mut self, is_exact: bool, mass: V, inv_inertia: &[[[T; L]; 6]; 2]) {
         let (zero, one) = (V::splat(T::of(0.0)), V::splat(T::of(1.0)));

@@ -4,8 +4,8 @@
 //!
 //! The data of the blocks is packed once per solve, tile by tile and colour by colour (`schedule`), in groups of blocks that have no
 //! body in common; a sweep streams through it. The first sweeps are in single precision, where a group has eight contacts of spheres or
-//! sixteen manifolds and half the bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are then computed again from the
-//! impulses, so that the momentum has no rounding error of single precision.
+//! sixteen manifolds and half the bytes; double precision follows once the residual is near the rounding error. The bodies' velocities are
+//! then computed again from the impulses, so that the momentum has no rounding error of single precision.
 
 use super::bodies::BodyOperator;
 use super::cells::Cells;
