@@ -85,7 +85,7 @@ impl Choice {
                 longest: level(1.0 / 60.0, 1.0 / 120.0, 1.0 / 480.0),
                 method: Method::GaussSeidel,
                 friction: FrictionLaw::Relaxed,
-                iterations: Some(count(15, 15, 20)),
+                iterations: Some(count(15, 15, 40)),
                 start_iterations: Some(count(2000, 2000, 4000)),
                 overlap: None,
                 tolerance: 1e-9,

@@ -149,7 +149,7 @@ impl<T: Real, const L: usize, const R: usize> Contact<T, L, R> {
             let (limit, length) = (friction * kept, tangent.dot(tangent).sqrt());
             (kept, tangent, length.select_le(limit, one, limit / length))
         } else {
-            let tangent = gamma.minus(v.times(across)).minus(n.times(before_n - v_n * across));
+            let tangent = gamma.minus(n.times(before_n)).minus(v.minus(n.times(v_n)).times(across));
             let stretch = V::load(&self.stretch);
             let (kept, share) = cone(normal, tangent.dot(tangent).sqrt() * stretch, friction * stretch);
             (kept, tangent, share)
@@ -227,10 +227,9 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
             let [a, b] = unsafe { gather::<T, L, V>(motion, &g.bodies) };
             let [vax, vay, vaz, mass_a, wax, way, waz, turn_a] = a;
             let [vbx, vby, vbz, mass_b, wbx, wby, wbz, turn_b] = b;
-            let (va, vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
+            let (mut va, mut vb) = (Lane3 { x: vax, y: vay, z: vaz }, Lane3 { x: vbx, y: vby, z: vbz });
             // The velocity of B relative to A, and the sum of what its contacts have changed by.
             let mass = mass_a + mass_b;
-            let (mut v_ab, mut pushed) = (vb.minus(va), Lane3 { x: zero, y: zero, z: zero });
             let (mut wa, mut wb) = (Lane3 { x: wax, y: way, z: waz }, Lane3 { x: wbx, y: wby, z: wbz });
             for contact in &mut g.contacts[..g.n_contacts as usize] {
                 let n: Lane3<V> = load3(&contact.normal);
@@ -239,11 +238,11 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
                     contact.prepare::<V>(g.is_exact, mass, &g.inv_inertia);
                     load3(&contact.gamma)
                 } else {
-                    let v = v_ab.plus(wb.cross(arm_b)).minus(wa.cross(arm_a));
+                    let v = vb.plus(wb.cross(arm_b)).minus(va).minus(wa.cross(arm_a));
                     contact.solve::<ACT, V>(v, n, omega, (&mut residual2, &mut closing))
                 };
-                v_ab = v_ab.plus(d.times(mass));
-                pushed = pushed.plus(d);
+                va = va.minus(d.times(mass_a));
+                vb = vb.plus(d.times(mass_b));
                 wa = wa.minus(turned(&g.inv_inertia[0], arm_a.cross(d)));
                 wb = wb.plus(turned(&g.inv_inertia[1], arm_b.cross(d)));
                 let (gamma, inv_eta) = (load3(&contact.gamma), V::load(&contact.inv_eta));
@@ -259,7 +258,6 @@ impl<T: Grouped<L>, const L: usize, const R: usize> Group<T, L> for ManifoldGrou
                     wb = wb.plus(turned(&g.inv_inertia[1], d));
                 }
             }
-            let (va, vb) = (va.minus(pushed.times(mass_a)), vb.plus(pushed.times(mass_b)));
             let a = [va.x, va.y, va.z, mass_a, wa.x, wa.y, wa.z, turn_a];
             let b = [vb.x, vb.y, vb.z, mass_b, wb.x, wb.y, wb.z, turn_b];
             unsafe { scatter(motion, &g.bodies, g.moves, [a, b]) };
