@@ -24,6 +24,9 @@ use std::sync::OnceLock;
 /// The part of the way to a light at whose end surfaces do not count.
 pub const BEFORE_END: f32 = 1.0 - 1e-4;
 
+/// What rounding makes of how far along a ray two facets are that share an edge, in parts of that and of where the ray begins.
+const ROUNDING: f32 = 1e-5;
+
 /// What rays meet.
 #[derive(Default)]
 pub struct Rays<'a> {
@@ -132,8 +135,8 @@ impl<'a> Rays<'a> {
         [open, displaced, solid].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// All surfaces along a direction within a length, nearest first. Those of one thing are at least `step` of how far they are from each
-    /// other: what is an edge of two of its facets is met once.
+    /// All surfaces along a direction within a length, nearest first; an edge of two facets of a primitive is met once. Of what is round,
+    /// the second is at least `step` of how far the first is from that.
     #[allow(clippy::too_many_arguments)]
     pub fn layers(
         &self,
@@ -158,12 +161,14 @@ impl<'a> Rays<'a> {
         }
         met.retain(|(t, _)| *t < length);
         met.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1.source, a.1.index).cmp(&(b.1.source, b.1.index))));
+        met.retain(|(t, item)| !scene.leaves_particle(*item, from + dir * *t, dir));
         if met.len() > 1 {
-            let mut last: HashMap<_, f32> = HashMap::new();
+            let mut last: HashMap<u32, f32> = HashMap::new();
+            let rounding = ROUNDING * from.abs().max_element();
             met.retain(|(t, item)| {
-                let before = last.entry(scene.whole_of(*item)).or_insert(f32::NEG_INFINITY);
-                let counts = *t > *before + step(*before);
-                *before = if counts { *t } else { *before };
+                let whole = scene.whole_of(*item);
+                let counts = last.get(&whole).is_none_or(|before| *t > *before + ROUNDING * before.abs() + rounding);
+                counts.then(|| last.insert(whole, *t));
                 counts
             });
         }
