@@ -18,7 +18,7 @@ fn assert_near(found: f32, expected: f32, what: &str) {
 }
 
 /// The statistics of an image.
-fn stats(options: &str, world: &str) -> serde_json::Value {
+pub fn stats(options: &str, world: &str) -> serde_json::Value {
     let work = scratch();
     let at = |name: &str| work.path().join(name).to_str().unwrap().to_string();
     std::fs::write(
@@ -290,8 +290,10 @@ fn an_edge_of_two_faces_is_one_layer() {
     };
     for (what, world) in [("object", object), ("sheets", sheets(1e-4)), ("double", sheets(0.0))] {
         let off = render(&plain, &world).pixels.iter().filter(|p| (p[3] - 0.75).abs() > 1e-6).count();
-        // At a corner of four faces a sample may meet one of them alone, and the sheet behind for another.
-        assert!(off <= 2, "{off} pixels of two: {what}");
+        // At a corner of four faces a sample may meet one of them alone, and the sheet behind for another. On an edge that faces of two sheets
+        // have in one place, nothing tells these apart.
+        let most = if what == "double" { 20 } else { 2 };
+        assert!(off <= most, "{off} pixels of two: {what}");
     }
 }
 

@@ -46,7 +46,25 @@ fn what_cannot_be_drawn_as_it_stands_is_said_with_its_place() {
         let answer = said(&[], &format!("{head}{world}WorldEnd\n"));
         assert!(answer.errors().contains(expected), "{world}: {}", answer.errors());
     }
-    for whole in ["", &closed] {
+    // Cones, tubes and bowls without their ends, however they are turned; one with a wedge cut out.
+    for angle in [0, 37, 90, 200] {
+        for part in ["Cone 1 .7 360", "Cylinder .7 -.7 .7 360", "Sphere .8 -.8 0 360", "Sphere .8 -.8 .8 350"] {
+            let part = format!("SolidBegin \"primitive\" Rotate {angle} 1 .3 0 {part} SolidEnd\n");
+            let answer = said(&[], &format!("{head}{}WorldEnd\n", solid(&part)));
+            assert!(answer.errors().contains("does not enclose a volume"), "{part}: {}", answer.errors());
+        }
+    }
+    let cube = "SubdivisionMesh \"catmull-clark\" [4 4 4 4 4 4] [0 1 3 2 2 3 5 4 4 5 7 6 6 7 1 0 1 7 5 3 6 0 2 4]
+        [\"crease\" \"interpolateboundary\"] [5 1 0 0] [0 1 3 2 0] [5] \"P\" [-1 -1 1 1 -1 1 -1 1 1 1 1 1 -1 1 -1 1 1 -1 -1 -1 -1 1 -1 -1]";
+    let creased = format!("SolidBegin \"primitive\" Rotate 30 1 1 0 {cube} SolidEnd\n");
+    let small = |size: f32, part: &str| {
+        format!("SolidBegin \"primitive\" Rotate 30 1 1 0 Scale {size} {size} {size} {part} SolidEnd\n")
+    };
+    let tube = "Cylinder 1 -1 1 360 Disk -1 1 360 Disk 1 1 360";
+    let pencil = "Cone 2 1 360 Disk 0 1 360";
+    for whole in
+        ["", &closed, &creased, &small(0.001, tube), &small(0.005, tube), &small(0.005, pencil), &small(0.5, pencil)]
+    {
         let answer = said(&[], &format!("{head}{}WorldEnd\n", solid(&format!("Sphere .8 -.8 .8 360\n{whole}"))));
         assert!(!answer.errors().contains("enclose"), "{whole}: {}", answer.errors());
     }

@@ -333,23 +333,7 @@ impl Context {
             self.scene.warn(format!("a primitive that reaches farther than {FARTHEST:e} units is not drawn"));
             return Ok(());
         }
-        if let Some(light) = self.attributes.area_light {
-            if !self.moves.is_empty() {
-                self.scene.warn("an area light shines from where it is when the shutter opens".into());
-            }
-            let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
-            let reversed = self.attributes.reversed;
-            match &shape {
-                SourceShape::One(shape) => area.add(shape, to_world, reversed),
-                SourceShape::Spheres(columns) => {
-                    (0..columns.len()).for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), reversed))
-                }
-                SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
-                    let place = to_world * columns.matrix(i);
-                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, reversed));
-                }),
-            }
-        }
+        self.shine(&shape);
         let shutter = self.open_shutter();
         let (attributes, wholes) = match (self.of_patches.clone(), self.of_instances) {
             (Some(own), _) => own,
@@ -402,6 +386,27 @@ impl Context {
             self.scene.sources.push(source);
         }
         Ok(())
+    }
+
+    /// Add a primitive to the area light that primitives become, if they do.
+    fn shine(&mut self, shape: &SourceShape) {
+        if let Some(light) = self.attributes.area_light {
+            if !self.moves.is_empty() {
+                self.scene.warn("an area light shines from where it is when the shutter opens".into());
+            }
+            let (area, to_world) = (&mut self.scene.area_lights[light].area, self.transform);
+            let reversed = self.attributes.reversed;
+            match shape {
+                SourceShape::One(shape) => area.add(shape, to_world, reversed),
+                SourceShape::Spheres(columns) => {
+                    (0..columns.len()).for_each(|i| area.add(&Shape::Sphere, to_world * columns.matrix(i), reversed))
+                }
+                SourceShape::Objects(columns, parts) => (0..columns.len()).for_each(|i| {
+                    let place = to_world * columns.matrix(i);
+                    parts.iter().for_each(|part| area.add(&part.shape, place * part.place, reversed));
+                }),
+            }
+        }
     }
 
     /// The attributes of a primitive that is added to the scene.

@@ -81,15 +81,11 @@ fn draw_bucket(
     loop {
         if samples.is_crowded(1) && !deferred.has_uncut() {
             deferred.flush(frame, samples, shading, &mut stats);
-            let wholes = wholes.get_or_insert_with(|| {
-                let mut all = HashMap::new();
-                let to_come = items.clone().filter_map(|(_, item)| whole_of(*item));
-                to_come.for_each(|whole| *all.entry(whole).or_default() += 1);
-                all
-            });
+            let to_come = || items.clone().filter_map(|(_, item)| whole_of(*item));
+            let wholes = wholes.get_or_insert_with(|| counted(to_come()));
             pack(frame, samples, &dicer.queue, items.peek().map(|(z, _)| *z), wholes);
         }
-        if samples.is_overfull() && bucket.width.max(bucket.height) > SMALL {
+        if (samples.is_overfull() || deferred.is_overfull()) && bucket.width.max(bucket.height) > SMALL {
             return None;
         }
         // Between solids those that are whole may be cut, once none of their pieces waits.
@@ -138,6 +134,13 @@ fn draw_bucket(
     seconds.dice = drawn - seconds.sample - seconds.shade - seconds.filter;
     seconds.filter += begun.elapsed().as_secs_f64() - drawn;
     Some((pixels, stats))
+}
+
+/// How many there are of each name.
+fn counted(names: impl Iterator<Item = u32>) -> HashMap<u32, u32> {
+    let mut all = HashMap::new();
+    names.for_each(|name| *all.entry(name).or_default() += 1);
+    all
 }
 
 /// Pack the layers of samples, all of which have their colours, between two items or pieces.

@@ -354,9 +354,9 @@ fn finds_outward(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize
 
 /// Lines that are drawn through a primitive to find whether it encloses a volume, how many more if one of them says that it does not, and
 /// how many of all may say so: one may run through an edge.
-const LINES: usize = 64;
+const LINES: usize = 128;
 const MORE_LINES: usize = 256;
-const MOST_ODD: usize = 4;
+const MOST_ODD: usize = 2;
 
 /// Whether lines through a primitive with these facets, from one side of it to the other, meet its surfaces an odd number of times.
 fn is_open(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> bool {

@@ -12,7 +12,6 @@ pub mod visible;
 
 use crate::cpu::lanes::LANES;
 use crate::cpu::micropolygon::Micropolygon;
-use crate::cpu::samples::layers::Packed;
 use crate::film::display::{self, Aov};
 use crate::film::jitter::{Jitter, PERIOD};
 use crate::scene::camera::{RasterPlane, is_clipped};
@@ -178,7 +177,7 @@ pub struct Samples {
     list: Vec<u32>,
     layers: Vec<Layer>,
     /// Memory that layers are packed into.
-    packed: Packed,
+    packed: (Vec<Layer>, Vec<f32>),
     /// How many of the layers have been given their colours, and how many may be there before they are packed.
     n_colored: usize,
     room: usize,

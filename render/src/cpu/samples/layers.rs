@@ -179,7 +179,7 @@ impl Samples {
     pub(super) fn clear_layers(&mut self) {
         self.layers.clear();
         self.layers.shrink_to(MAX_LAYERS);
-        self.packed.layers.shrink_to(MAX_LAYERS);
+        self.packed.0.shrink_to(MAX_LAYERS);
         self.layer_outputs.clear();
         (self.n_colored, self.room, self.closed) = (0, MIN_ROOM, false);
     }
@@ -285,7 +285,8 @@ impl Samples {
     /// one depth whose primitives are there as a whole. Where they let nothing through, nothing behind them is seen any more.
     pub fn pack(&mut self, to_come: &ToCome<'_>, aovs: &[Aov]) {
         let mut line = Line::default();
-        let mut packed = Packed { depth: self.depth, ..std::mem::take(&mut self.packed) };
+        let (layers, outputs) = std::mem::take(&mut self.packed);
+        let mut packed = Packed { layers, outputs, depth: self.depth };
         for k in 0..self.list.len() {
             if self.list[k] == NONE {
                 continue;
@@ -311,15 +312,14 @@ impl Samples {
         std::mem::swap(&mut self.layer_outputs, &mut packed.outputs);
         packed.layers.clear();
         packed.outputs.clear();
-        self.packed = packed;
+        self.packed = (packed.layers, packed.outputs);
         (self.n_colored, self.room) = (0, MIN_ROOM.max(2 * self.layers.len()));
         self.block_dirty.fill(true);
     }
 }
 
 /// Layers that have been packed.
-#[derive(Default)]
-pub(super) struct Packed {
+struct Packed {
     layers: Vec<Layer>,
     outputs: Vec<f32>,
     depth: usize,
