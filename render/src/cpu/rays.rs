@@ -347,7 +347,7 @@ fn finds_outward(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize
         let dir = (normal + Vec3::new(0.0213, 0.0127, -0.0171)).normalize_or_zero();
         // Where the facet itself lies is known as far as numbers are.
         let bias = (1e-3 * size).max(1e-6 * from.abs().max_element());
-        count(from, dir, bias) % 2 == 0
+        count(from, dir, bias).is_multiple_of(2)
     };
     [0.23, 0.51, 0.83].into_iter().filter(|part| leaves_it(*part)).count() >= 2
 }
@@ -377,7 +377,8 @@ fn is_open(facets: &[[Vec3; 3]], count: &impl Fn(Vec3, Vec3, f32) -> usize) -> b
         // All ways alike: by height and turn (Archimedes).
         let (height, turn) = (2.0 * spread(0.569_84) - 1.0, std::f32::consts::TAU * spread(0.682_328));
         let dir = Vec3::new(turn.cos(), turn.sin(), 0.0) * (1.0 - height * height).sqrt() + Vec3::Z * height;
-        count(through - dir * (1.1 * size), dir, 0.0) % 2 == 1
+        // From so far away that no facet counts as the one that the line starts from.
+        !count(through - dir * (2.0 * size), dir, 0.0).is_multiple_of(2)
     };
     (0..LINES).any(|k| is_odd(k, LINES)) && (0..MORE_LINES).filter(|k| is_odd(*k, MORE_LINES)).count() > MOST_ODD
 }
