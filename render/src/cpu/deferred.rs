@@ -188,6 +188,12 @@ impl Deferred {
         self.n >= most || self.grids.len() >= MAX_GRIDS
     }
 
+    /// Whether parts of solids that are not whole come near to what is deferred at most: what of them is within others, or behind them, would
+    /// be shaded.
+    pub fn is_overfull(&self) -> bool {
+        self.uncut && self.n >= MAX_POINTS * SOLID_TIMES / 4 * 3
+    }
+
     /// Whether solids should be cut and flushed as soon as they are whole: what is hidden within others, or behind them, is not shaded.
     pub fn cuts_early(&self) -> bool {
         self.uncut && self.n >= SOLID_POINTS

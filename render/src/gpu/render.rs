@@ -119,7 +119,7 @@ fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2]) -> Result<Vec<[u32; 4]>,
     if light && let Some(why) = supported::refused_rays(frame.scene, plain.is_some()) {
         return Err(Refusal::Unsupported(why));
     }
-    let id = |item: Item| (frame.first_ids[item.source as usize] + item.index as usize) as u32;
+    let id = |item: Item| frame.scene.id_of(item) as u32;
     let sky = sky.then(|| frame.rays.surroundings(frame.scene));
     Ok(world::rows(plain.filter(|_| light), sky, &id))
 }

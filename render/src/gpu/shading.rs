@@ -318,7 +318,7 @@ impl Few {
         let points = if whole { &mut grid.points } else { &mut self.gathered };
         let surface = Surface { item: grid.item, view: &view, reach: grid.reach, z: grid.z, time: 0.0 };
         let scene = prepare(frame, &surface, points);
-        let id = frame.first_ids[grid.item.source as usize] + grid.item.index as usize;
+        let id = frame.scene.id_of(grid.item);
         let [x, y, z] = scene.flat.unwrap_or_default().to_array();
         let own = [(id & 0xffff) as f32, (id >> 16) as f32, scene.bias[0], scene.bias[1], x, y, z];
         add(batch, (&view.attributes.surface, &view.attached.surface), points, &scene, &own)?;

@@ -122,12 +122,16 @@ impl Samples {
             let triangle = triangles.at(id, self.time.get(k).copied().unwrap_or(0.0));
             let w = triangle.weights(layer.weights);
             let mix = |[a, b, c]: [Vec3A; 3]| (a * w[0] + b * w[1] + c * w[2]).to_array();
-            layer.paint(mix(triangle.color), mix(triangle.opacity), triangle.matte);
+            let opacity = mix(triangle.opacity);
+            layer.paint(mix(triangle.color), opacity, triangle.matte);
             let own = &mut self.layer_outputs[at * self.depth..][..self.depth];
             if triangle.matte {
                 own.fill(0.0);
             } else {
                 triangle.outputs(outputs, w, own);
+                for (own, channel) in own.iter_mut().zip(&self.weighted) {
+                    *own *= channel.map_or(1.0, |c| opacity[c].clamp(0.0, 1.0));
+                }
             }
         }
         self.n_colored = self.layers.len();
