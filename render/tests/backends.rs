@@ -47,6 +47,8 @@ struct Compared {
     holes: usize,
     /// Samples that see something.
     seen: usize,
+    /// The part of the pixels whose other variables agree to a thousandth of the larger of 1 and the number.
+    variables: f64,
 }
 
 fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
@@ -61,7 +63,13 @@ fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
         (0..4).all(|c| (byte(a[c]) - byte(b[c])).abs() <= 2.0)
     };
     let pixels = own.image.pixels.iter().zip(&other.image.pixels);
+    assert!(own.image.aovs == other.image.aovs && own.image.extra.len() == other.image.extra.len());
+    let alike = |(a, b): (&f32, &f32)| a == b || (a - b).abs() <= 1e-3 * b.abs().max(1.0);
+    let depth = (own.image.extra.len() / own.image.pixels.len()).max(1);
+    let variables = own.image.extra.chunks(depth).zip(other.image.extra.chunks(depth));
+    let n_alike = variables.filter(|(a, b)| a.iter().zip(*b).all(alike)).count();
     Compared {
+        variables: if own.image.extra.is_empty() { 1.0 } else { part(n_alike, own.image.pixels.len()) },
         ids: part(pairs().filter(|(a, b)| a == b).count(), own.identities.len()),
         pixels: part(pixels.filter(|pair| near(*pair)).count(), own.image.pixels.len()),
         holes: pairs().filter(|(a, b)| **a == 0 && **b != 0).count(),
@@ -70,12 +78,12 @@ fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
 }
 
 fn same(name: &str, rib: &str, device: &Arc<DeviceRenderer>) -> String {
-    let Compared { ids, pixels, holes, seen } = compare(rib, device);
-    eprintln!("{name}: ids {ids}, pixels {pixels}, {seen} samples see something");
-    if ids >= 0.9999 && pixels >= 0.999 && holes == 0 && seen > 0 {
+    let Compared { ids, pixels, holes, seen, variables } = compare(rib, device);
+    eprintln!("{name}: ids {ids}, pixels {pixels}, variables {variables}, {seen} samples see something");
+    if ids >= 0.9999 && pixels >= 0.999 && holes == 0 && seen > 0 && variables >= 0.999 {
         return String::new();
     }
-    format!("{name}: ids {ids}, pixels {pixels}, holes {holes}, {seen} samples see something\n")
+    format!("{name}: ids {ids}, pixels {pixels}, variables {variables}, holes {holes}, {seen} samples see something\n")
 }
 
 const CAMERA: &str =
@@ -164,6 +172,172 @@ fn what_is_blurred_is_the_same_on_a_device() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Spheres that overlap.
+fn balls(n: usize) -> String {
+    let ball = |k: usize| {
+        let (x, y, z) = ((k % 7) as f32 * 0.4 - 1.2, (k % 5) as f32 * 0.4 - 0.8, (k % 3) as f32 * 0.5 - 0.5);
+        format!("TransformBegin Translate {x} {y} {z} Sphere 0.5 -0.5 0.5 360 TransformEnd ")
+    };
+    (0..n).map(ball).collect()
+}
+
+/// What may be translucent: constant opacities, those of shaders and of primitive variables, many layers one behind the other, holes,
+/// what turns out opaque, and haze behind it.
+#[test]
+fn what_is_translucent_is_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let floor = "AttributeBegin Opacity [1 1 1] Color [0.8 0.7 0.5] Patch \"bilinear\" \"P\" [-3 -1 3 3 -1 3 -3 -1 -3 3 -1 -3] AttributeEnd ";
+    let shades = "Attribute \"visibility\" \"string transmission\" \"transparent\" Patch \"bilinear\" \"P\" [-2 -1 0 2 -1 0 -2 1 1 2 1 1] \"varying color Os\" [0 0 0 1 1 1 1 0.5 0 0.3 0.6 0.9] \"varying color Cs\" [1 0 0 0 1 0 0 0 1 1 1 1]";
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        ("constant", "", format!("{floor} Opacity [0.5 0.3 0.8] Color [0.2 0.5 0.9] {}", balls(40))),
+        (
+            "glass",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"Os\" Surface \"glass\" Sphere 1 -1 1 360 Translate 0.5 0.2 -1.5 Sphere 0.4 -0.4 0.4 360"
+            ),
+        ),
+        ("variables", "", format!("{floor} {shades} Translate 0 0 -0.5 {shades}")),
+        (
+            "flat",
+            "",
+            format!("{floor} ShadingInterpolation \"constant\" {shades} Opacity [0.4 0.4 0.4] Torus 1 0.3 0 360 360"),
+        ),
+        (
+            "hole",
+            "Imager \"background\"",
+            format!("{floor} {shades} Matte 1 Opacity [0.5 0.5 0.5] Sphere 0.6 -0.6 0.6 360"),
+        ),
+        (
+            "haze",
+            "",
+            format!("Atmosphere \"fog\" \"uniform float distance\" 5 {floor} Opacity [0.5 0.3 0.8] {}", balls(8)),
+        ),
+        (
+            "opaque",
+            "",
+            format!(
+                "{floor} Attribute \"visibility\" \"string transmission\" \"opaque\" Opacity [0.5 0.5 0.5] Sphere 0.4 -0.4 0.4 360 Translate 0 0.2 1.2 Surface \"glass\" Opacity [1 1 1] Sphere 1 -1 1 360"
+            ),
+        ),
+        (
+            "motion",
+            "Shutter 0 1",
+            format!(
+                "{floor} Opacity [0.5 0.3 0.8] MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0.3 0 MotionEnd {}",
+                balls(40)
+            ),
+        ),
+        ("lens", "DepthOfField 2 0.3 5.5", format!("{floor} {shades} Opacity [0.5 0.3 0.8] {}", balls(40))),
+    ] {
+        wrong += &same(name, &format!("{options} {CAMERA}{LIT}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// However little of a frame is on the device at a time, the image is the same to the bit: windows, waves, the layers of parts of a window, and
+/// lists of some samples after those of others.
+#[test]
+fn an_image_does_not_depend_on_what_is_on_the_device_at_a_time() {
+    let Some(device) = device() else { return };
+    let rib = format!(
+        "Display \"+z.exr\" \"exr\" \"z\" {CAMERA}{LIT} Torus 2 0.4 0 360 360 Opacity [0.5 0.3 0.8] {} WorldEnd",
+        balls(40)
+    );
+    let whole = render(&rib, Some(device), None);
+    assert_eq!(whole.drawn_by, DrawnBy::Gpu);
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    let (samples, points, layers) = (1 << 15, 1 << 12, 1 << 10);
+    own.limits = render::DeviceLimits { samples, wave: [1 << 10, 1 << 11], points, values: 1 << 12, layers };
+    let parts = render(&rib, Some(Arc::new(own)), None);
+    assert_eq!(parts.drawn_by, DrawnBy::Gpu);
+    assert!(whole.identities == parts.identities);
+    assert!(whole.image == parts.image);
+    // All of it in one part has more layers than fit.
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    own.limits.layers = 1 << 14;
+    let ranges = render(&rib, Some(Arc::new(own)), None);
+    assert_eq!(ranges.drawn_by, DrawnBy::Gpu);
+    assert!(whole.identities == ranges.identities && whole.image == ranges.image);
+}
+
+/// Clipping planes, levels of detail that fade into each other, and colours and opacities that move.
+#[test]
+fn what_is_there_in_part_is_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let lights = LIT.replace("WorldBegin", "");
+    let detail = "Detail [-1 1 -1 1 -1 1] DetailRange [0 0 0 2000] Color [1 0 0] Sphere 1 -1 1 360 DetailRange [0 2000 10000 10000] Color [0 0 1] Sphere 0.9 -0.9 0.9 360";
+    let fading = "MotionBegin [0 1] Color [1 0 0] Color [0 0 1] MotionEnd Sphere 1 -1 1 360
+        MotionBegin [0 0.5 1] Opacity [1 1 1] Opacity [0.2 0.2 0.2] Opacity [1 0 0] MotionEnd Translate 0 0.5 -1 Sphere 0.7 -0.7 0.7 360";
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        (
+            "planes",
+            "",
+            format!(
+                "ClippingPlane 0 0 0.2 0 0 1 ClippingPlane 0.5 0 0 1 0.2 0.1 WorldBegin {lights} Sphere 1 -1 1 360 Torus 2 0.4 0 360 360"
+            ),
+        ),
+        (
+            "planes and motion",
+            "Shutter 0 1",
+            format!(
+                "ClippingPlane 0 0 0.2 0 0 1 WorldBegin {lights} MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0 0 MotionEnd Sphere 1 -1 1 360"
+            ),
+        ),
+        ("detail", "", format!("WorldBegin {lights} {detail}")),
+        ("fading", "Shutter 0 1", format!("WorldBegin {lights} {fading}")),
+    ] {
+        wrong += &same(name, &format!("{options} {CAMERA}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Whatever displays take: variables of the renderer, of primitives and of shaders, of what is opaque, translucent, a hole, moved or out of
+/// focus.
+#[test]
+fn displays_of_variables_are_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let all = [
+        "z",
+        "id",
+        "P",
+        "N",
+        "Ng",
+        "I",
+        "u",
+        "s",
+        "Cs",
+        "Os",
+        "Ci",
+        "Oi",
+        "motion",
+        "color own",
+        "float shade",
+        "normal bump",
+    ];
+    let displays: String =
+        all.iter().map(|mode| format!("Display \"+{}.exr\" \"exr\" \"{mode}\"\n", mode.replace(' ', "_"))).collect();
+    let floor = "AttributeBegin Opacity [1 1 1] Color [0.8 0.7 0.5] Patch \"bilinear\" \"P\" [-3 -1 3 3 -1 3 -3 -1 -3 3 -1 -3] \"varying color own\" [1 0 0 0 1 0 0 0 1 1 1 1] \"uniform float shade\" [0.7] AttributeEnd ";
+    let shades = "Attribute \"visibility\" \"string transmission\" \"transparent\" Patch \"bilinear\" \"P\" [-2 -1 0 2 -1 0 -2 1 1 2 1 1] \"varying color Os\" [0 0 0 1 1 1 1 0.5 0 0.3 0.6 0.9] \"varying color own\" [1 0 0 0 1 0 0 0 1 1 1 1]";
+    let world = format!(
+        "{floor} Sphere 0.8 -0.8 0.8 360 TransformBegin Translate 0 0 -1.2 {shades} TransformEnd
+        TransformBegin Translate 1 0.5 -2 Matte 1 Sphere 0.3 -0.3 0.3 360 Matte 0 TransformEnd
+        Translate 0.4 0.2 -1.4 Color [0.2 0.9 0.4] Opacity [0.5 0.4 0.9] Sphere 0.5 -0.5 0.5 360"
+    );
+    let mut wrong = String::new();
+    for (name, options, world) in [
+        ("still", "", world.clone()),
+        ("haze", "", format!("Atmosphere \"fog\" \"uniform float distance\" 5 {world}")),
+        ("motion", "Shutter 0 1", format!("MotionBegin [0 1] Translate 0 0 0 Translate 0.5 0.3 0 MotionEnd {world}")),
+        ("lens", "DepthOfField 2 0.3 5.5", world.clone()),
+    ] {
+        wrong += &same(name, &format!("{options} {displays} {CAMERA}{LIT}{world} WorldEnd"), &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
 /// Windows, buckets and shards of any size give the same bits.
 #[test]
 fn an_image_of_a_device_does_not_depend_on_how_it_is_cut() {
@@ -187,16 +361,35 @@ fn an_image_of_a_device_does_not_depend_on_how_it_is_cut() {
     assert!(bits(&whole) == sums.collect::<Vec<_>>(), "by shards");
 }
 
+/// Colours that are no finite numbers are reported alike, with the shader.
+#[test]
+fn colours_that_are_no_numbers_are_reported_on_a_device() {
+    let Some(device) = device() else { return };
+    let bright = "Color [1e30 1e30 1e30] LightSource \"ambientlight\" \"c\" \"intensity\" 1e30 Sphere 1 -1 1 360";
+    for world in [bright.into(), format!("Opacity [0.5 0.5 0.5] {bright}")] {
+        let rib = format!("{CAMERA}{LIT}{world} WorldEnd");
+        let said = |device| {
+            let result = render(&rib, device, None);
+            let is_gpu = result.drawn_by == DrawnBy::Gpu;
+            let warnings: Vec<String> = result.warnings.iter().filter(|w| w.contains("no finite")).cloned().collect();
+            (is_gpu, warnings)
+        };
+        let (own, other) = (said(Some(device.clone())), said(None));
+        assert!(own.0 && !other.0);
+        // How many points are shaded differs.
+        let without_count = |all: &[String]| -> Vec<String> {
+            all.iter().map(|w| w.split(|c: char| c.is_ascii_digit()).collect::<Vec<_>>().join("")).collect()
+        };
+        assert!(own.1.len() == 1 && own.1[0].contains("the shader `matte`"), "{:?}", own.1);
+        assert_eq!(without_count(&own.1), without_count(&other.1));
+    }
+}
+
 /// What is not built for devices is the processor's whole, and why is said.
 #[test]
 fn what_a_device_does_not_draw_is_drawn_by_the_processor() {
     let Some(device) = device() else { return };
-    let ball = "Sphere 1 -1 1 360";
     for (options, world, why) in [
-        ("ClippingPlane 0 0 0 0 0 1", ball, "clipping planes"),
-        ("", "Opacity [0.5 0.5 0.5] Sphere 1 -1 1 360", "the surface `matte` may be translucent"),
-        ("", "Surface \"glass\" Sphere 1 -1 1 360", "the surface `glass` may be translucent"),
-        ("Display \"t.exr\" \"exr\" \"N\"", ball, "a display takes the variable `N`"),
         (
             "",
             "Surface \"shinymetal\" \"uniform string texturename\" [\"sky.env\"] Sphere 1 -1 1 360",

@@ -4,7 +4,9 @@
 use crate::cpu::displace::{displace, face_eye};
 use crate::cpu::frame::Frame;
 use crate::cpu::raster::Raster;
+use crate::cpu::samples::BLOCK;
 use crate::cpu::samples::cull::blocks_of;
+use crate::film::display::place_of;
 use crate::gprim::bound::raster_bound;
 use crate::gprim::dice::Dicer;
 use crate::gprim::grid::{Grid, Sink, Subject};
@@ -36,6 +38,17 @@ pub struct Diced {
     pub reach: f32,
     /// Its least depth.
     pub z: f32,
+    /// The times at which it is shaded again, as its colour or opacity moves.
+    pub fades: Vec<f32>,
+    /// How far its points move on the raster, if a display takes that.
+    pub motion: Vec<[f32; 2]>,
+}
+
+impl Diced {
+    /// Count of its points, and of these as shaded again.
+    pub fn n_shaded(&self) -> usize {
+        self.points.n() * (1 + self.fades.len())
+    }
 }
 
 /// The part of the raster that is drawn, and how deep blocks of its pixels are.
@@ -46,6 +59,8 @@ pub struct Window {
     pub size: [usize; 2],
     /// The greatest depth of the samples of each block; none before the first wave.
     pub blocks: Vec<f32>,
+    /// The pixels that are wanted, from the first one on: the first, and the one after the last.
+    pub part: [[usize; 2]; 2],
 }
 
 impl Window {
@@ -53,12 +68,15 @@ impl Window {
     fn shows(&self, bound: &RasterBound) -> bool {
         let (min, max) = (bound.min.to_array(), bound.max.to_array());
         let [left, top] = self.corner.map(|x| x as f32);
-        let [width, height] = self.size.map(|n| n as f32);
-        if !(max[0] >= left && max[1] >= top && min[0] <= left + width && min[1] <= top + height) {
+        let [[x0, y0], [x1, y1]] = self.part.map(|at| [left + at[0] as f32, top + at[1] as f32]);
+        if !(max[0] >= x0 && max[1] >= y0 && min[0] <= x1 && min[1] <= y1) {
             return false;
         }
         let Some(([x0, x1], [y0, y1])) = blocks_of([left, top], self.size, min, max) else { return false };
-        let columns = self.size[0].div_ceil(crate::cpu::samples::BLOCK);
+        let columns = self.size[0].div_ceil(BLOCK);
+        let [first, end] = self.part;
+        let [x0, y0] = [x0.max(first[0] / BLOCK), y0.max(first[1] / BLOCK)];
+        let [x1, y1] = [x1.min((end[0] - 1) / BLOCK), y1.min((end[1] - 1) / BLOCK)];
         let mut all = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * columns + x));
         self.blocks.is_empty() || all.any(|block| self.blocks[block] >= bound.z)
     }
@@ -205,6 +223,8 @@ impl Sink for Taken<'_> {
             return;
         }
         self.stats.micropolygons += self.raster.micropolygons.len() as u64;
+        let is_moved = place_of(&self.frame.aovs, "motion").is_some();
+        let motion = if is_moved { self.raster.motion().collect() } else { vec![] };
         self.diced.push(Diced {
             item,
             points: std::mem::take(&mut grid.points),
@@ -213,6 +233,8 @@ impl Sink for Taken<'_> {
             micropolygons: std::mem::take(&mut self.raster.micropolygons),
             reach: grid.reach,
             z: bound.z,
+            fades: view.attributes.fade_times(),
+            motion,
         });
     }
 }

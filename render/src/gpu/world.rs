@@ -5,8 +5,10 @@ use crate::cpu::bvh::{Bvh, Occluder};
 use crate::cpu::openness::Surroundings;
 use crate::cpu::tree::Tree;
 use crate::scene::source::Item;
+use crate::scene::world::Scene;
 use glam::{Vec3, Vec4};
 use sl::wgsl::Query;
+use std::collections::HashMap;
 
 /// The queries that kernels may ask, and the text of their answers.
 pub const FUNCTIONS: [(Query, &str); 4] = [
@@ -19,19 +21,26 @@ pub const FUNCTIONS: [(Query, &str); 4] = [
 /// Those that ask what rays meet.
 pub const OF_RAYS: [Query; 3] = [Query::Transmission, Query::Map, Query::Hit];
 
-/// What these need.
-pub const DECLARATIONS: &str = concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"));
+/// What these need, where nothing that casts shadows lets a part of the light through, and where something does.
+pub const DECLARATIONS: [&str; 2] = [
+    concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"), "\n", include_str!("light.wgsl")),
+    concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"), "\n", include_str!("light_through.wgsl")),
+];
 
 /// Rows of the head.
 const HEAD: usize = 3;
 
 /// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
-pub fn rows(rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
+pub fn rows(scene: &Scene, rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
     let mut rows = vec![[0; 4]; HEAD];
     if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
+        let translucent = push_translucent(&mut rows, scene, bvh);
         rows[0] = [push_tree(&mut rows, bvh.tree()), 0, bvh.tree().nodes().len() as u32, 0];
         rows[0][1] = rows.len() as u32;
-        bvh.occluders().iter().for_each(|(item, occluder)| push_occluder(&mut rows, bvh, id(*item), occluder));
+        for (item, occluder) in bvh.occluders() {
+            let row = if bvh.is_translucent(*item) { translucent[&scene.whole_of(*item)] } else { 0 };
+            push_occluder(&mut rows, bvh, [id(*item), row], occluder);
+        }
     }
     if let Some(sky) = sky {
         push_sky(&mut rows, sky, id);
@@ -73,17 +82,31 @@ fn walk(n: usize, second: impl Fn(usize) -> Option<usize>) -> Vec<u32> {
     next
 }
 
-fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, id: u32, occluder: &Occluder) {
+/// Add what lets a part of the light through: its opacity and its own row, which is the same for all parts of a thing; the rows by things.
+fn push_translucent(rows: &mut Vec<[u32; 4]>, scene: &Scene, bvh: &Bvh) -> HashMap<(usize, u32), u32> {
+    let mut all = HashMap::new();
+    for (item, _) in bvh.occluders().iter().filter(|(item, _)| bvh.is_translucent(*item)) {
+        all.entry(scene.whole_of(*item)).or_insert_with(|| {
+            let [r, g, b] = scene.attributes(*item).opacity.map(f32::to_bits);
+            let row = rows.len() as u32;
+            rows.push([r, g, b, row]);
+            row
+        });
+    }
+    all
+}
+
+fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) {
     let none = [0; 4];
     rows.extend(match *occluder {
-        Occluder::Sphere { center, radius } => [[0, id, 0, 0], bits(center.extend(radius)), none, none],
+        Occluder::Sphere { center, radius } => [[0, id, 0, row], bits(center.extend(radius)), none, none],
         Occluder::Ellipsoid { inverse } => {
             let m = bvh.inverse(inverse);
-            [[1, id, 0, 0], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
+            [[1, id, 0, row], bits(m.row(0)), bits(m.row(1)), bits(m.row(2))]
         }
         Occluder::Triangle { a, ab, ac, room } => {
             let kind = if room.is_none() { 2 } else { 3 };
-            [[kind, id, room.unwrap_or(0.0).to_bits(), 0], point(a), point(ab), point(ac)]
+            [[kind, id, room.unwrap_or(0.0).to_bits(), row], point(a), point(ab), point(ac)]
         }
     });
 }

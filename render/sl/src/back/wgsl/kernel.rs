@@ -116,6 +116,14 @@ impl Kernel {
         &self.shaders[0].outputs
     }
 
+    /// What it gives of a name: an output parameter, else a global that it changes.
+    pub fn output_of(&self, name: &str, global: Option<Global>) -> Option<Output> {
+        let params = &self.shaders[0].bound.program.params;
+        let find = |is_it: &dyn Fn(Target) -> bool| self.outputs().iter().find(|o| is_it(o.target)).copied();
+        let parameter = find(&|target| matches!(target, Target::Parameter(k) if params[k].name == name));
+        parameter.or_else(|| find(&|target| global.is_some_and(|g| target == Target::Global(g))))
+    }
+
     /// Whether it asks the host's functions a query.
     pub fn asks(&self, query: Query) -> bool {
         self.queries.contains(&query)
@@ -126,13 +134,13 @@ impl Kernel {
         self.shaders[0].slots.iter().any(|slot| matches!(slot, Slot::Answer { what, .. } if *what == of))
     }
 
-    /// A map that a shader looks up, other than shadow maps of lights: the names of the shader and of the map.
+    /// A map that a shader looks up, other than shadow maps of lights: the names of the shader and of the map. One without a name is none.
     pub fn other_map(&self) -> Option<(&str, &str)> {
         let other = |(k, shader): (usize, &'_ Shader)| {
             shader
                 .slots
                 .iter()
-                .position(|slot| matches!(slot, Slot::Map { how, .. } if k == 0 || *how != Lookup::Shadow))
+                .position(|slot| matches!(slot, Slot::Map { how, name } if !name.is_empty() && (k == 0 || *how != Lookup::Shadow)))
                 .map(|slot| (k, slot))
         };
         let (k, slot) = self.shaders.iter().enumerate().find_map(other)?;
