@@ -338,6 +338,64 @@ fn displays_of_variables_are_the_same_on_a_device() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Textures of bytes, encoded and linear, and of floats, with what lies beyond their edges, near and far and askew; environments by longitude
+/// and latitude and by the faces of a cube; one that is not there.
+#[test]
+fn textures_are_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().to_string();
+    let value = |x: u32, y: u32, c: u32| ((x * 7 + y * 13 + c * 101 + (x / 5) * (y / 3) * 29) % 256) as u8;
+    let bytes =
+        |n: [u32; 2]| image::RgbaImage::from_fn(n[0], n[1], |x, y| image::Rgba([0, 1, 2, 3].map(|c| value(x, y, c))));
+    bytes([53, 31]).save(path("bytes.png")).unwrap();
+    let floats = |x: u32, y: u32| image::Rgb([0, 1, 2].map(|c| value(x, y, c) as f32 / 100.0));
+    let floats = image::ImageBuffer::from_fn(40, 24, floats);
+    image::DynamicImage::ImageRgb32F(floats).save(path("floats.exr")).unwrap();
+    let faces: Vec<String> = (0..6).map(|k| format!("face{k}.png")).collect();
+    faces.iter().enumerate().for_each(|(k, name)| bytes([16 + k as u32, 16]).save(path(name)).unwrap());
+    let faces: Vec<String> = faces.iter().map(|name| format!("{:?}", path(name))).collect();
+    let maps: String = [("black", "clamp"), ("clamp", "periodic"), ("periodic", "black")]
+        .iter()
+        .enumerate()
+        .map(|(k, (s, t))| format!("MakeTexture {:?} \"tex{k}\" \"{s}\" \"{t}\" \"box\" 1 1\n", path("bytes.png")))
+        .collect();
+    let maps = format!(
+        "{maps} MakeTexture {0:?} \"float\" \"periodic\" \"periodic\" \"box\" 1 1 MakeLatLongEnvironment {0:?} \"all\" \"box\" 1 1
+        MakeCubeFaceEnvironment {1} \"cube\" 90 \"box\" 1 1\n",
+        path("floats.exr"),
+        faces.join(" ")
+    );
+    let painted = |name: &str, scale: f32| {
+        format!(
+            "AttributeBegin Surface \"paintedplastic\" \"uniform string texturename\" [\"{name}\"] TextureCoordinates -0.3 -0.4 {scale} -0.2 -0.5 {scale} {scale} {scale}
+            Patch \"bilinear\" \"P\" [-1 -1 2 1 -1 2 -1 1 -2 1 1 -2] AttributeEnd "
+        )
+    };
+    let mirror = |name: &str| {
+        format!(
+            "AttributeBegin Surface \"shinymetal\" \"uniform string texturename\" [\"{name}\"] Sphere 0.7 -0.7 0.7 360 Translate 0.9 0.8 0 Torus 0.4 0.2 0 360 360 AttributeEnd "
+        )
+    };
+    let mut wrong = String::new();
+    for (name, world) in [
+        ("wraps", ["tex0", "tex1", "tex2"].map(|name| painted(name, 1.7) + "Translate 1.1 0 0 ").concat()),
+        ("floats", painted("float", 6.0) + "Translate 1.2 0 0 " + &painted("nothing", 1.0)),
+        ("far", painted("tex1", 40.0)),
+        ("environments", mirror("all") + "Translate -1.3 0 0 " + &mirror("cube")),
+    ] {
+        let rib = format!("{maps} {CAMERA}{LIT}{world} WorldEnd");
+        wrong += &same(name, &rib, &device);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+    // What is not in memory as a whole is the processor's.
+    let rib =
+        format!("Option \"limits\" \"int texturememory\" [1] {maps} {CAMERA}{LIT}{} WorldEnd", painted("tex0", 1.7));
+    let own = render(&rib, Some(device), None);
+    assert!(matches!(&own.drawn_by, DrawnBy::Fallback(why) if why.contains("`tex0` is larger")), "{:?}", own.drawn_by);
+    assert!(own.image == render(&rib, None, None).image);
+}
+
 /// Windows, buckets and shards of any size give the same bits.
 #[test]
 fn an_image_of_a_device_does_not_depend_on_how_it_is_cut() {
@@ -390,11 +448,7 @@ fn colours_that_are_no_numbers_are_reported_on_a_device() {
 fn what_a_device_does_not_draw_is_drawn_by_the_processor() {
     let Some(device) = device() else { return };
     for (options, world, why) in [
-        (
-            "",
-            "Surface \"shinymetal\" \"uniform string texturename\" [\"sky.env\"] Sphere 1 -1 1 360",
-            "the shader `shinymetal` looks up the map",
-        ),
+        ("", "Surface \"glass\" Sphere 1 -1 1 360", "the shader `glass` says how much light gets through"),
         (
             "",
             "SolidBegin \"difference\" SolidBegin \"primitive\" Sphere 1 -1 1 360 SolidEnd SolidBegin \"primitive\" Translate 1 0 0 Sphere 1 -1 1 360 SolidEnd SolidEnd",

@@ -98,12 +98,13 @@ impl Renderer {
         let start = Instant::now();
         let frame = Frame::new(scene, options, camera);
         let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own, self.limits.values)?;
-        let needs = shaders.find(&frame)?;
+        let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
+        let needs = shaders.find(&frame, &layered)?;
         shaders.set_world(&world_of(&frame, needs)?)?;
         let hierarchy = start.elapsed().as_secs_f64();
         let items = scene.sources.iter().map(|s| s.len() as u64).sum();
         let stats = Stats { items, seconds: Seconds { hierarchy, ..Seconds::default() }, ..Stats::default() };
-        let mut drawing = Drawing::new(self, &frame, shaders, stats);
+        let mut drawing = Drawing::new(self, &frame, shaders, layered, stats);
         drawing.windows(progress)?;
         drawing.finish()
     }
@@ -117,7 +118,13 @@ fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2]) -> Result<Vec<[u32; 4]>,
     }
     let id = |item: Item| (frame.first_ids[item.source as usize] + item.index as usize) as u32;
     let sky = sky.then(|| frame.rays.surroundings(frame.scene));
-    Ok(world::rows(frame.scene, plain.filter(|_| light), sky, &id))
+    let maps = frame.scene.textures.numbered();
+    let too_large = |map| {
+        Refusal::Unsupported(format!(
+            "the map `{map}` is larger than textures may be in memory, which is not built for graphics devices"
+        ))
+    };
+    world::rows(frame.scene, plain.filter(|_| light), sky, &maps, &id).map_err(too_large)
 }
 
 /// What a window of an image is drawn in.
@@ -142,11 +149,16 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    fn new(renderer: &'a Renderer, frame: &'a Frame<'a>, shaders: Shaders<'a>, stats: Stats) -> Drawing<'a> {
+    fn new(
+        renderer: &'a Renderer,
+        frame: &'a Frame<'a>,
+        shaders: Shaders<'a>,
+        layered: Vec<bool>,
+        stats: Stats,
+    ) -> Drawing<'a> {
         let options = frame.options;
         let image = Image::new(options.width, options.height, frame.aovs.clone());
         let kept = if options.keep_ids { image.pixels.len() * per_pixel(frame) } else { 0 };
-        let layered = (0..frame.scene.sources.len()).map(|k| is_layered(frame, k)).collect();
         Drawing { renderer, frame, shaders, layered, stats, image, identities: vec![0; kept] }
     }
 

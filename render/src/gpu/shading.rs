@@ -14,7 +14,7 @@ use crate::scene::world::Scene;
 use crate::stats::Stats;
 use gpu::{Buffer, Commands, Device, GpuError, Kernels, Work};
 use sl::Global;
-use sl::ir::Ask;
+use sl::ir::{Ask, Lookup};
 use sl::machine::BoundShader;
 use sl::wgsl::{Batch, Host, Kernel, Query, Target};
 use std::sync::Arc;
@@ -74,20 +74,26 @@ impl<'a> Shaders<'a> {
         Ok(Shaders { device, kernels, own, looks: vec![], world, nothing, most_values })
     }
 
-    /// Find kernels for all that the camera may see; whether any asks what stops light, and what closes the sky.
+    /// Find kernels for all that the camera may see, of whose sources some become layers; whether any asks what stops light, and what closes
+    /// the sky.
     ///
     /// # Errors
     /// A shader that has no kernel.
-    pub fn find(&mut self, frame: &Frame<'_>) -> Result<[bool; 2], Refusal> {
+    pub fn find(&mut self, frame: &Frame<'_>, layered: &[bool]) -> Result<[bool; 2], Refusal> {
         for (k, source) in frame.scene.sources.iter().enumerate() {
-            if source.attributes.visible && !source.attributes.matte && source.len() > 0 {
+            let is_shaded = !source.attributes.matte || layered[k];
+            if source.attributes.visible && is_shaded && source.len() > 0 {
                 let item = Item { source: k as u32, index: 0 };
                 self.look(frame, item, &frame.scene.view(item))?;
             }
         }
         let kernels = || self.looks.iter().flat_map(|look| [Some(&look.kernel), look.through.as_ref()]).flatten();
         let asks = |queries: &[Query]| kernels().any(|kernel| queries.iter().any(|query| kernel.asks(*query)));
-        Ok([asks(&OF_RAYS), asks(&[Query::Openness])])
+        let has_shadows = kernels().any(|kernel| kernel.maps().any(|(how, ..)| how == Lookup::Shadow));
+        for (_, name, _) in kernels().flat_map(Kernel::maps).filter(|(how, ..)| *how != Lookup::Shadow) {
+            frame.scene.textures.number(name);
+        }
+        Ok([has_shadows || asks(&OF_RAYS), asks(&[Query::Openness])])
     }
 
     /// Let kernels read the scene.
@@ -106,29 +112,12 @@ impl<'a> Shaders<'a> {
             return Ok(k);
         }
         let scene = View::new(frame.scene, &frame.rays, item, view, [0.0; 2]);
-        let group = GROUP.min(self.device.adapter.max_invocations);
-        let declarations = DECLARATIONS[frame.rays.any_translucent() as usize];
-        let host = Host { group, functions: &FUNCTIONS, declarations, scene: &scene };
-        let kernel = Kernel::new(&a.surface, &a.light_list, host)?;
+        let kernel = self.kernel(frame, &a.surface, &a.light_list, &scene)?;
         let through = a.atmosphere.as_ref().map(|shader| {
-            let scene = View {
-                shader_to_world: a.atmosphere_space,
-                ..View::new(frame.scene, &frame.rays, item, view, [0.0; 2])
-            };
-            Kernel::new(shader, &a.light_list, Host { scene: &scene, ..host })
+            let scene = View { shader_to_world: a.atmosphere_space, ..scene };
+            self.kernel(frame, shader, &a.light_list, &scene)
         });
         let through = through.transpose()?;
-        for kernel in [Some(&kernel), through.as_ref()].into_iter().flatten() {
-            if let Some((shader, map)) = kernel.other_map() {
-                return Err(Refusal::of_shader(shader, &format!("looks up the map `{map}`")));
-            }
-            if let Some(light) = kernel.light_of_primitive() {
-                return Err(Refusal::of_shader(
-                    light,
-                    "is a light's that reads what differs from primitive to primitive",
-                ));
-            }
-        }
         if let (Some(shader), Some(through)) = (&a.atmosphere, &through) {
             if through.asks_by_name(Ask::Surface) {
                 return Err(Refusal::of_shader(&shader.program.name, "asks a surface shader what it has left"));
@@ -143,6 +132,30 @@ impl<'a> Shaders<'a> {
         let lost = Buffer::of(self.device, "points without finite colours", &[0, u32::MAX, 0, u32::MAX])?;
         self.looks.push(Look { surface, lights, atmosphere, kernel, through, lost });
         Ok(self.looks.len() - 1)
+    }
+
+    /// Write the kernel of a shader for lights.
+    fn kernel(
+        &self,
+        frame: &Frame<'_>,
+        shader: &Arc<BoundShader>,
+        lights: &[Arc<BoundShader>],
+        scene: &View<'_>,
+    ) -> Result<Kernel, Refusal> {
+        let group = GROUP.min(self.device.adapter.max_invocations);
+        let declarations = DECLARATIONS[frame.rays.any_translucent() as usize];
+        let host = |functions| Host { group, functions, declarations, scene };
+        let mut kernel = Kernel::new(shader, lights, host(&FUNCTIONS[0]))?;
+        if kernel.maps().any(|(how, ..)| how != Lookup::Shadow) {
+            kernel = Kernel::new(shader, lights, host(&FUNCTIONS[1]))?;
+        }
+        if let Some((_, map, _)) = kernel.maps().find(|(how, _, by_light)| *how == Lookup::Shadow && !by_light) {
+            return Err(Refusal::of_shader(&shader.program.name, &format!("looks up the shadow map `{map}`")));
+        }
+        if let Some(light) = kernel.light_of_primitive() {
+            return Err(Refusal::of_shader(light, "is a light's that reads what differs from primitive to primitive"));
+        }
+        Ok(kernel)
     }
 
     /// Tell the scene of colours and opacities that are no finite numbers.
@@ -261,7 +274,7 @@ impl<'a> Shaders<'a> {
         }
         let inputs = [groups_of.bind(), grids.bind(), slots.bind(), lights.bind(), values.bind()];
         let mut bound: Vec<_> = inputs.into_iter().chain([results.bind(), status.bind()]).collect();
-        if FUNCTIONS.iter().any(|(query, _)| kernel.asks(*query)) {
+        if FUNCTIONS[0].iter().any(|(query, _)| kernel.asks(*query)) {
             bound.push(self.world.bind());
         }
         commands.dispatch(device, &compiled, &bound, &[], Work::Groups(batch.groups.len() as u32));

@@ -2,7 +2,7 @@
 // nothing is in shadow.
 // Twin: cpu/view.rs
 
-fn scene_map(map: u32, q: Lookup) -> vec4<f32> {
+fn shadow_map(q: Lookup) -> vec4<f32> {
     if !q.has_light {
         return vec4<f32>();
     }

@@ -6,20 +6,29 @@ use crate::cpu::openness::Surroundings;
 use crate::cpu::tree::Tree;
 use crate::scene::source::Item;
 use crate::scene::world::Scene;
+use crate::texture::TextureLevels;
+use crate::texture::texels::{Levels, Texels, decoded};
 use glam::{Vec3, Vec4};
 use sl::wgsl::Query;
 use std::collections::HashMap;
 
-/// The queries that kernels may ask, and the text of their answers.
-pub const FUNCTIONS: [(Query, &str); 4] = [
-    (Query::Transmission, include_str!("transmission.wgsl")),
-    (Query::Map, include_str!("shadow.wgsl")),
-    (Query::Hit, include_str!("hit.wgsl")),
-    (Query::Openness, include_str!("sky.wgsl")),
+/// The queries that kernels may ask, and the text of their answers: where no maps are named other than shadow maps, and where some are.
+pub const FUNCTIONS: [[(Query, &str); 4]; 2] = [
+    functions(concat!(include_str!("shadow.wgsl"), "\n", include_str!("shadows_alone.wgsl"))),
+    functions(concat!(include_str!("shadow.wgsl"), "\n", include_str!("maps.wgsl"))),
 ];
 
-/// Those that ask what rays meet.
-pub const OF_RAYS: [Query; 3] = [Query::Transmission, Query::Map, Query::Hit];
+const fn functions(maps: &'static str) -> [(Query, &'static str); 4] {
+    [
+        (Query::Transmission, include_str!("transmission.wgsl")),
+        (Query::Map, maps),
+        (Query::Hit, include_str!("hit.wgsl")),
+        (Query::Openness, include_str!("sky.wgsl")),
+    ]
+}
+
+/// Those that ask what rays meet, besides lookups in shadow maps.
+pub const OF_RAYS: [Query; 2] = [Query::Transmission, Query::Hit];
 
 /// What these need, where nothing that casts shadows lets a part of the light through, and where something does.
 pub const DECLARATIONS: [&str; 2] = [
@@ -28,10 +37,16 @@ pub const DECLARATIONS: [&str; 2] = [
 ];
 
 /// Rows of the head.
-const HEAD: usize = 3;
+const HEAD: usize = 4;
 
 /// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
-pub fn rows(scene: &Scene, rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &dyn Fn(Item) -> u32) -> Vec<[u32; 4]> {
+pub fn rows(
+    scene: &Scene,
+    rays: Option<&Bvh>,
+    sky: Option<&Surroundings>,
+    maps: &[String],
+    id: &dyn Fn(Item) -> u32,
+) -> Result<Vec<[u32; 4]>, String> {
     let mut rows = vec![[0; 4]; HEAD];
     if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
         let translucent = push_translucent(&mut rows, scene, bvh);
@@ -45,7 +60,56 @@ pub fn rows(scene: &Scene, rays: Option<&Bvh>, sky: Option<&Surroundings>, id: &
     if let Some(sky) = sky {
         push_sky(&mut rows, sky, id);
     }
-    rows
+    if !maps.is_empty() {
+        push_maps(&mut rows, scene, maps)?;
+    }
+    Ok(rows)
+}
+
+/// Add the textures of names; the first number is that of no map.
+fn push_maps(rows: &mut Vec<[u32; 4]>, scene: &Scene, names: &[String]) -> Result<(), String> {
+    let first = rows.len();
+    rows[3] = [first as u32, 1 + names.len() as u32, 0, 0];
+    rows.resize(first + 1 + names.len(), [0; 4]);
+    rows[3][2] = rows.len() as u32;
+    rows.extend((0..64).map(|k| [0, 1, 2, 3].map(|i| decoded((4 * k + i) as f32 / 255.0).to_bits())));
+    for (k, name) in names.iter().enumerate() {
+        let added = scene.textures.visit(name, &scene.warnings, |textures, tangent| {
+            let at = rows.len();
+            rows[first + 1 + k] = [1 + (textures.len() > 1) as u32, at as u32, tangent.to_bits(), 0];
+            rows.resize(at + textures.len().div_ceil(4), [0; 4]);
+            textures.iter().enumerate().try_for_each(|(i, texture)| {
+                rows[at + i / 4][i % 4] = rows.len() as u32;
+                push_texture(rows, texture)
+            })
+        });
+        if added == Some(None) {
+            return Err(name.clone());
+        }
+    }
+    Ok(())
+}
+
+/// Add a texture; none if its texels are not in memory.
+fn push_texture(rows: &mut Vec<[u32; 4]>, texture: &TextureLevels<'_>) -> Option<()> {
+    let Levels::Resident(levels) = texture.levels else { return None };
+    let first = rows.len();
+    rows.resize(first + 1 + levels.len(), [0; 4]);
+    let mut kind = texture.wrap[0] | texture.wrap[1] << 2;
+    for (k, (w, h, texels)) in levels.iter().enumerate() {
+        rows[first + 1 + k] = [*w as u32, *h as u32, rows.len() as u32, 0];
+        match texels {
+            Texels::Bytes(all, encoded) => {
+                kind |= if *encoded { 32 } else { 16 };
+                let word = |four: &[[u8; 4]], i: usize| four.get(i).map_or(0, |texel| u32::from_le_bytes(*texel));
+                rows.extend(all.chunks(4).map(|four| [0, 1, 2, 3].map(|i| word(four, i))));
+            }
+            Texels::Floats(all) => rows.extend(all.iter().map(|texel| texel.map(f32::to_bits))),
+        }
+    }
+    let (w, h, _) = levels.first()?;
+    rows[first] = [*w as u32, *h as u32, levels.len() as u32, kind];
+    Some(())
 }
 
 fn bits(v: Vec4) -> [u32; 4] {
