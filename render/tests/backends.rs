@@ -1,6 +1,9 @@
 //! Images of both back ends: what each sample sees, and each pixel to two steps of 8 bits; and what a device leaves to the processor.
 //! Without any adapter the comparisons say so; `REQUIRE_GPU=1` makes that a failure.
 
+#[path = "backends/table.rs"]
+mod table;
+
 use render::film::bucket::Shard;
 use render::ri::files::Files;
 use render::ri::reader;
@@ -28,17 +31,28 @@ fn root() -> PathBuf {
 
 /// Render a scene on a device, or on the processor.
 fn render(rib: &str, device: Option<Arc<DeviceRenderer>>, shard: Option<Shard>) -> RenderResult {
+    drawn(rib, &root(), device, shard).unwrap_or_else(|e| panic!("{e}\n{rib}")).expect("an image")
+}
+
+/// The last image of a scene of a folder, or what is wrong with it.
+fn drawn(
+    rib: &str,
+    folder: &Path,
+    device: Option<Arc<DeviceRenderer>>,
+    shard: Option<Shard>,
+) -> Result<Option<RenderResult>, String> {
     let folders = ["", "shaders/surface", "shaders/displacement", "shaders/light", "shaders/volume", "shaders/imager"];
-    let folders = folders.iter().map(|folder| root().join(folder)).chain([root().join("shaders/include")]).collect();
-    let files = Files { folders, ..Files::default() };
-    let mut context = Context::new(files.clone()).unwrap();
+    let library = folders.iter().map(|folder| root().join(folder)).chain([root().join("shaders/include")]);
+    let files = Files { folders: [folder.into()].into_iter().chain(library).collect(), ..Files::default() };
+    let mut context = Context::new(files.clone()).map_err(|e| e.to_string())?;
     (context.device, context.keep_ids, context.shard) = (device, true, shard);
     reader::read(Path::new("t.rib"), rib.as_bytes(), &files, &mut context, &mut |_, _| Ok(()))
-        .unwrap_or_else(|e| panic!("{e}\n{rib}"));
-    context.results.pop().expect("an image")
+        .map_err(|e| e.to_string())?;
+    Ok(context.results.pop())
 }
 
 /// How far the images of both back ends are the same.
+#[derive(Clone, Copy)]
 struct Compared {
     /// Parts of the samples that see the same triangle, and of the pixels within 2 of 255.
     ids: f64,
@@ -51,10 +65,20 @@ struct Compared {
     variables: f64,
 }
 
+impl Compared {
+    fn agrees(&self) -> bool {
+        self.ids >= 0.9999 && self.pixels >= 0.999 && self.holes == 0 && self.variables >= 0.999
+    }
+}
+
 fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
     let own = render(rib, Some(device.clone()), None);
     assert_eq!(own.drawn_by, DrawnBy::Gpu, "{rib}");
-    let other = render(rib, None, None);
+    compared(&own, &render(rib, None, None))
+}
+
+/// How far the image of a device is that of the processor.
+fn compared(own: &RenderResult, other: &RenderResult) -> Compared {
     assert!(other.identities.len() == own.identities.len() && !own.identities.is_empty());
     let part = |n: usize, of: usize| n as f64 / of as f64;
     let pairs = || own.identities.iter().zip(&other.identities);
@@ -78,9 +102,9 @@ fn compare(rib: &str, device: &Arc<DeviceRenderer>) -> Compared {
 }
 
 fn same(name: &str, rib: &str, device: &Arc<DeviceRenderer>) -> String {
-    let Compared { ids, pixels, holes, seen, variables } = compare(rib, device);
+    let c @ Compared { ids, pixels, holes, seen, variables } = compare(rib, device);
     eprintln!("{name}: ids {ids}, pixels {pixels}, variables {variables}, {seen} samples see something");
-    if ids >= 0.9999 && pixels >= 0.999 && holes == 0 && seen > 0 && variables >= 0.999 {
+    if c.agrees() && seen > 0 {
         return String::new();
     }
     format!("{name}: ids {ids}, pixels {pixels}, variables {variables}, holes {holes}, {seen} samples see something\n")

@@ -455,7 +455,7 @@ fn is_layered(frame: &Frame<'_>, source: usize) -> bool {
 
 /// Numbers of a pixel that take as much room as its samples and what displays take of these.
 fn numbers_of_pixel(frame: &Frame<'_>) -> usize {
-    per_pixel(frame) * (8 + frame.depth) / 8
+    per_pixel(frame) * (4 + frame.depth) / 4
 }
 
 /// Samples of a pixel.
