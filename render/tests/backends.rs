@@ -177,6 +177,18 @@ fn rays_are_the_same_on_a_device() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
+/// Rays that meet displaced surfaces as they are seen: shadows of stones on each other and on a bumpy ground, and through what is translucent.
+#[test]
+fn rays_meet_displaced_surfaces_on_a_device() {
+    let Some(device) = device() else { return };
+    let world = "WorldBegin LightSource \"shadowspot\" \"a\" \"from\" [2 4 -3] \"to\" [0 0 0] \"intensity\" 20 \"uniform string shadowname\" [\"any.sm\"]
+        LightSource \"distantlight\" \"b\" \"to\" [0.4 -0.5 1] \"intensity\" 0.4 Surface \"matte\" Displacement \"stone\" Attribute \"displacementbound\" \"float sphere\" [0.2]
+        AttributeBegin Surface \"occlusionsurf\" \"uniform float samples\" 8 Patch \"bilinear\" \"P\" [-2 -0.8 2 2 -0.8 2 -2 -0.8 -2 2 -0.8 -2] AttributeEnd
+        Sphere 0.8 -0.8 0.8 360 Translate 1.2 0 0 Scale 1 1.5 1 Sphere 0.4 -0.4 0.4 360 Translate -2 0 0 Opacity [0.5 0.7 0.9] Torus 0.5 0.2 0 360 360 WorldEnd";
+    let wrong = same("displaced", &format!("{CAMERA}{world}"), &device);
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
 /// Motion, of bodies, of the camera and of form, and a lens; alone and together.
 #[test]
 fn what_is_blurred_is_the_same_on_a_device() {
@@ -264,20 +276,38 @@ fn what_is_translucent_is_the_same_on_a_device() {
 /// lists of some samples after those of others.
 #[test]
 fn an_image_does_not_depend_on_what_is_on_the_device_at_a_time() {
-    let Some(device) = device() else { return };
+    let Some(unlimited) = device() else { return };
     let rib = format!(
         "Display \"+z.exr\" \"exr\" \"z\" {CAMERA}{LIT} Torus 2 0.4 0 360 360 Opacity [0.5 0.3 0.8] {} WorldEnd",
         balls(40)
     );
-    let whole = render(&rib, Some(device), None);
+    let whole = render(&rib, Some(unlimited.clone()), None);
     assert_eq!(whole.drawn_by, DrawnBy::Gpu);
     let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
     let (samples, points, layers) = (1 << 15, 1 << 12, 1 << 10);
-    own.limits = render::DeviceLimits { samples, wave: [1 << 10, 1 << 11], points, values: 1 << 12, layers };
+    own.limits = render::DeviceLimits {
+        samples,
+        round: 64,
+        wave: [1 << 10, 1 << 11],
+        points,
+        values: 1 << 12,
+        facets: 1 << 20,
+        layers,
+    };
     let parts = render(&rib, Some(Arc::new(own)), None);
     assert_eq!(parts.drawn_by, DrawnBy::Gpu);
     assert!(whole.identities == parts.identities);
     assert!(whole.image == parts.image);
+    // Within the least memory that may be given.
+    let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
+    own.limit_memory(render::LEAST_DEVICE_MEMORY);
+    let own = Arc::new(own);
+    let large = rib.replace("Format 96 72", "Format 320 240");
+    let small = render(&large, Some(own.clone()), None);
+    assert_eq!(small.drawn_by, DrawnBy::Gpu);
+    assert!(small.image == render(&large, Some(unlimited.clone()), None).image);
+    eprintln!("{} of {} bytes", own.most_memory(), unlimited.most_memory());
+    assert!(own.most_memory() <= render::LEAST_DEVICE_MEMORY && unlimited.most_memory() > render::LEAST_DEVICE_MEMORY);
     // All of it in one part has more layers than fit.
     let mut own = DeviceRenderer::open(&gpu::Choice::Any).unwrap();
     own.limits.layers = 1 << 14;

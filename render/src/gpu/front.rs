@@ -19,9 +19,6 @@ use rayon::prelude::*;
 use sl::machine::{Machine, Points};
 use std::cmp::Ordering;
 
-/// Items, and pieces of items, that are diced at a time.
-const ROUND: usize = 1024;
-
 /// A grid on the raster, some of whose micropolygons may be visible.
 pub struct Diced {
     /// The item that it is of.
@@ -117,44 +114,65 @@ pub struct Front<'a> {
     frame: &'a Frame<'a>,
     items: std::iter::Peekable<std::vec::IntoIter<(f32, Item)>>,
     queue: Queue,
+    /// Grids that were diced before others whose turn is earlier.
+    early: Vec<(Turn, Diced)>,
+    /// Items, and pieces of items, that are diced at a time.
+    round: usize,
 }
 
 impl<'a> Front<'a> {
-    /// Of items with their least depths, the nearest first.
-    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>) -> Front<'a> {
-        Front { frame, items: items.into_iter().peekable(), queue: Queue::default() }
+    /// Of items with their least depths, the nearest first; so many of them, or of their pieces, are diced at a time.
+    pub fn new(frame: &'a Frame<'a>, items: Vec<(f32, Item)>, round: usize) -> Front<'a> {
+        Front { frame, items: items.into_iter().peekable(), queue: Queue::default(), early: vec![], round }
     }
 
-    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns: of what
-    /// is equally deep, the first is visible.
+    /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
+    /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
-        let (mut grids, mut n) = (vec![], 0);
-        while n < n_points {
-            let turns = self.turns();
-            if turns.is_empty() {
-                break;
+        let mut n = 0;
+        loop {
+            while n < n_points && self.round(window, &mut n, stats) {}
+            self.early.sort_by(|a, b| a.0.cmp(&b.0));
+            let end = match self.next() {
+                Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
+                None => self.early.len(),
+            };
+            if end > 0 || self.next().is_none() {
+                let early = self.early.split_off(end);
+                return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
             }
-            let frame = self.frame;
-            let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
-                .par_iter()
-                .with_min_len(4)
-                .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
-                .collect();
-            for (turn, (own, waiting, of_turn)) in turns.into_iter().zip(diced) {
-                n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
-                grids.extend(own.into_iter().map(|grid| (turn, grid)));
-                self.queue.extend(waiting);
-                *stats = stats.add(of_turn);
-            }
+            n = 0;
         }
-        grids.sort_by(|a: &(Turn, Diced), b| a.0.cmp(&b.0));
-        grids.into_iter().map(|(_, grid)| grid).collect()
+    }
+
+    /// Dice some items and pieces, and add their points; false if there are none.
+    fn round(&mut self, window: &Window, n: &mut usize, stats: &mut Stats) -> bool {
+        let (turns, frame) = (self.turns(), self.frame);
+        let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
+            .par_iter()
+            .with_min_len(4)
+            .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
+            .collect();
+        for (turn, (own, waiting, of_turn)) in turns.iter().zip(diced) {
+            *n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
+            self.early.extend(own.into_iter().map(|grid| (*turn, grid)));
+            self.queue.extend(waiting);
+            *stats = stats.add(of_turn);
+        }
+        !turns.is_empty()
+    }
+
+    /// What is diced next.
+    fn next(&mut self) -> Option<Turn> {
+        let item = self.items.peek().map(|(z, item)| Turn::Item(*z, *item));
+        let piece = self.queue.first().map(Turn::Piece);
+        [item, piece].into_iter().flatten().min_by(Turn::cmp)
     }
 
     /// The next items and pieces, in the order of their depths.
     fn turns(&mut self) -> Vec<Turn> {
         let mut turns = vec![];
-        while turns.len() < ROUND {
+        while turns.len() < self.round {
             let piece = self.queue.pop_before(self.items.peek()).map(Turn::Piece);
             let next = piece.or_else(|| self.items.next().map(|(z, item)| Turn::Item(z, item)));
             let Some(turn) = next else { break };

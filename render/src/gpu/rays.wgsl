@@ -3,8 +3,8 @@
 // occluder and their count, 0 of others. Occluders are four:
 // kind and primitive, and last the row of what lets a part of light through, else 0; of a sphere, its middle and radius; of an ellipsoid, the rows of the matrix that makes it the unit sphere; of a
 // triangle, a corner and two edges, and after the primitive how near the start of a ray it may be in its own way. Kinds: 0 sphere, 1 ellipsoid,
-// 2 triangle of a flat patch, 3 triangle of a curved one.
-// Twin: cpu/bvh.rs
+// 2 triangle of a flat patch, 3 triangle of a curved one, 4 triangle of a displaced surface, which is met as it is seen.
+// Twin: cpu/bvh.rs, cpu/mesh.rs
 
 // Not 0, of the same sign.
 fn not_zero(x: f32) -> f32 {
@@ -62,6 +62,14 @@ fn near_start(head: vec4<u32>, is_own: bool, ab: vec3<f32>, ac: vec3<f32>, start
     return max(select(min(near.x, 1e-5 * size + 4e-6 * far), near.y, is_own), room);
 }
 
+// The same of a triangle of any kind: of what is displaced only rounding leaves room.
+fn near_triangle(head: vec4<u32>, is_own: bool, ab: vec3<f32>, ac: vec3<f32>, start: vec3<f32>, near: vec2<f32>) -> f32 {
+    if head.x == 4u {
+        return bitcast<f32>(head.z);
+    }
+    return near_start(head, is_own, ab, ac, start, near);
+}
+
 fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: vec2<f32>) -> bool {
     let head = world[at];
     let is_own = head.y == own;
@@ -79,7 +87,7 @@ fn stops(start: vec3<f32>, way: vec3<f32>, far: f32, at: u32, own: u32, near: ve
         return stops_ellipsoid(start, way, far, a, b, c);
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return t < far && t > near_start(head, is_own, b.xyz, c.xyz, start, near);
+    return t < far && t > near_triangle(head, is_own, b.xyz, c.xyz, start, near);
 }
 
 // Whether a ray meets a box within a length.
@@ -156,7 +164,7 @@ fn distance_beyond(start: vec3<f32>, way: vec3<f32>, at: u32, own: u32, near: ve
         return root(dot(d, d), dot(o, d), dot(o, o) - 1.0, max(select(0.0, near.y, is_own), least));
     }
     let t = meet_triangle(start, way, a.xyz, b.xyz, c.xyz, head.x == 2u);
-    return select(-1.0, t, t > max(near_start(head, is_own, b.xyz, c.xyz, start, near), least));
+    return select(-1.0, t, t > max(near_triangle(head, is_own, b.xyz, c.xyz, start, near), least));
 }
 
 // How far along a ray from the surface that is shaded anything is met; negative if nothing is.

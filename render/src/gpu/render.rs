@@ -61,6 +61,24 @@ impl Renderer {
         self.device.lose();
     }
 
+    /// Take no more than so many bytes of the device's memory for buffers: less of a frame is there at a time. A frame that does not fit all
+    /// the same is not drawn.
+    pub fn limit_memory(&mut self, bytes: u64) {
+        self.limits = Limits::within(bytes);
+        self.device.limit_memory(bytes);
+    }
+
+    /// The most triangles of displaced surfaces that rays may meet: those of half of what a kernel can bind, or of a quarter of the memory.
+    fn most_facets(&self) -> usize {
+        let Limits { facets, .. } = self.limits;
+        facets.min(self.device.adapter.max_binding as usize / (2 * world::FACET_BYTES))
+    }
+
+    /// The most bytes that buffers have taken together.
+    pub fn most_memory(&self) -> u64 {
+        self.device.most_memory()
+    }
+
     /// Whether the device is lost or a command of it has failed, so that it draws nothing more.
     pub fn has_failed(&self) -> bool {
         self.device.check().is_err()
@@ -100,7 +118,7 @@ impl Renderer {
         let mut shaders = Shaders::new(&self.device, &self.kernels, &self.own, self.limits.values)?;
         let layered: Vec<bool> = (0..scene.sources.len()).map(|k| is_layered(&frame, k)).collect();
         let needs = shaders.find(&frame, &layered)?;
-        shaders.set_world(&world_of(&frame, needs)?)?;
+        shaders.set_world(&world_of(&frame, needs, self.most_facets())?)?;
         let hierarchy = start.elapsed().as_secs_f64();
         let items = scene.sources.iter().map(|s| s.len() as u64).sum();
         let stats = Stats { items, seconds: Seconds { hierarchy, ..Seconds::default() }, ..Stats::default() };
@@ -111,11 +129,8 @@ impl Renderer {
 }
 
 /// What kernels read of a scene, as far as they ask what stops light and what closes the sky.
-fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2]) -> Result<Vec<[u32; 4]>, Refusal> {
-    let plain = frame.rays.plain_surfaces();
-    if light && let Some(why) = supported::refused_rays(frame.scene, plain.is_some()) {
-        return Err(Refusal::Unsupported(why));
-    }
+fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2], most: usize) -> Result<Vec<[u32; 4]>, Refusal> {
+    let met = if light { Some(met_of(frame, most)?) } else { None };
     let id = |item: Item| (frame.first_ids[item.source as usize] + item.index as usize) as u32;
     let sky = sky.then(|| frame.rays.surroundings(frame.scene));
     let maps = frame.scene.textures.numbered();
@@ -124,7 +139,7 @@ fn world_of(frame: &Frame<'_>, [light, sky]: [bool; 2]) -> Result<Vec<[u32; 4]>,
             "the map `{map}` is larger than textures may be in memory, which is not built for graphics devices"
         ))
     };
-    world::rows(frame.scene, plain.filter(|_| light), sky, &maps, &id).map_err(too_large)
+    world::rows(frame.scene, met, sky, &maps, &id).map_err(too_large)
 }
 
 /// What a window of an image is drawn in.
@@ -134,6 +149,18 @@ struct Room<'a> {
     layers: Option<Layers<'a>>,
     /// What displays take besides colours, if they do.
     outputs: Option<Outputs>,
+}
+
+/// What rays of shaders meet, of which so many triangles may be displaced.
+fn met_of<'f>(frame: &'f Frame<'_>, most: usize) -> Result<world::Met<'f>, Refusal> {
+    let surfaces = frame.rays.open_surfaces();
+    if let Some(why) = supported::refused_rays(frame.scene, surfaces.is_some()) {
+        return Err(Refusal::Unsupported(why));
+    }
+    let (bvh, displaced) = surfaces.expect("refused without");
+    let many = "rays meet more displaced surfaces than fit, which is not built for graphics devices";
+    let facets = displaced.map_or(Some(vec![]), |displaced| displaced.all_facets(most));
+    Ok(world::Met { bvh, facets: facets.ok_or_else(|| Refusal::Unsupported(many.into()))? })
 }
 
 /// An image that is drawn.
@@ -174,9 +201,11 @@ impl<'a> Drawing<'a> {
         let (frame, renderer) = (self.frame, self.renderer);
         let (width, height) = (frame.options.width, frame.options.height);
         let across = width.min(WINDOW_WIDTH);
-        let down = (renderer.limits.samples / numbers_of_pixel(frame) / across).clamp(1, height);
-        let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let margin = frame.margin();
+        let wide = across + 2 * margin[0];
+        let down = (renderer.limits.samples / numbers_of_pixel(frame) / wide).saturating_sub(2 * margin[1]);
+        let down = down.clamp(1, height);
+        let (columns, rows) = (width.div_ceil(across), height.div_ceil(down));
         let [w, h] = [across + 2 * margin[0], down + 2 * margin[1]];
         let (n_blocks, n_samples) = (w.div_ceil(BLOCK) * h.div_ceil(BLOCK), w * h * per_pixel(frame));
         let Renderer { device, kernels, own, limits } = renderer;
@@ -238,8 +267,8 @@ impl<'a> Drawing<'a> {
     /// Draw what is opaque in a window.
     fn opaque(&mut self, room: &mut Room<'_>, window: &mut Window, items: Vec<(f32, Item)>) -> Result<(), Refusal> {
         let frame = self.frame;
-        let mut front = Front::new(frame, items);
         let limits = self.renderer.limits;
+        let mut front = Front::new(frame, items, limits.round);
         let (mut held, mut wave) = (vec![], limits.wave[0]);
         loop {
             let grids = front.wave(window, wave, &mut self.stats);
@@ -315,7 +344,7 @@ impl<'a> Drawing<'a> {
     ) -> Result<Option<Vec<Diced>>, Refusal> {
         let Room { samples, layers: Some(layers), .. } = room else { return Ok(Some(vec![])) };
         let limits = self.renderer.limits;
-        let mut front = Front::new(self.frame, items.to_vec());
+        let mut front = Front::new(self.frame, items.to_vec(), limits.round);
         let mut held: Vec<Diced> = vec![];
         loop {
             let grids = front.wave(window, limits.wave[1], &mut self.stats);

@@ -11,7 +11,7 @@ pub fn refused(scene: &Scene) -> Option<String> {
 }
 
 /// Why rays of shaders cannot be answered, as a sentence: what is in their way is more than surfaces whose opacities are known.
-pub fn refused_rays(scene: &Scene, are_plain: bool) -> Option<String> {
+pub fn refused_rays(scene: &Scene, are_open: bool) -> Option<String> {
     let casts = |source: &&Source| source.attributes.casts_shadows && source.len() > 0;
     let asks = |source: &&Source| !source.blocks_light() && !source.shadow_is_known();
     let what = match scene.sources.iter().filter(casts).find(asks) {
@@ -21,7 +21,7 @@ pub fn refused_rays(scene: &Scene, are_plain: bool) -> Option<String> {
                 source.attributes.surface.program.name
             )
         }
-        None if !are_plain => "rays meet displaced surfaces".into(),
+        None if !are_open => "rays meet solids".into(),
         None => return None,
     };
     Some(format!("{what}, which is not built for graphics devices"))

@@ -9,6 +9,7 @@ use crate::scene::world::Scene;
 use crate::texture::TextureLevels;
 use crate::texture::texels::{Levels, Texels, decoded};
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 use sl::wgsl::Query;
 use std::collections::HashMap;
 
@@ -36,26 +37,29 @@ pub const DECLARATIONS: [&str; 2] = [
     concat!(include_str!("world.wgsl"), "\n", include_str!("rays.wgsl"), "\n", include_str!("light_through.wgsl")),
 ];
 
+/// What rays meet: undisplaced, and the triangles of what is displaced, each with how near its start a ray does not meet it.
+pub struct Met<'a> {
+    pub bvh: &'a Bvh,
+    pub facets: Vec<(Item, [Vec3; 3], f32)>,
+}
+
+/// Bytes of a triangle and of its part of the tree.
+pub const FACET_BYTES: usize = 96;
+
 /// Rows of the head.
 const HEAD: usize = 4;
 
 /// The rows of a scene: what stops light, where shaders ask for that, and what closes the sky.
 pub fn rows(
     scene: &Scene,
-    rays: Option<&Bvh>,
+    rays: Option<Met<'_>>,
     sky: Option<&Surroundings>,
     maps: &[String],
     id: &dyn Fn(Item) -> u32,
 ) -> Result<Vec<[u32; 4]>, String> {
     let mut rows = vec![[0; 4]; HEAD];
-    if let Some(bvh) = rays.filter(|bvh| !bvh.tree().is_empty()) {
-        let translucent = push_translucent(&mut rows, scene, bvh);
-        rows[0] = [push_tree(&mut rows, bvh.tree()), 0, bvh.tree().nodes().len() as u32, 0];
-        rows[0][1] = rows.len() as u32;
-        for (item, occluder) in bvh.occluders() {
-            let row = if bvh.is_translucent(*item) { translucent[&scene.whole_of(*item)] } else { 0 };
-            push_occluder(&mut rows, bvh, [id(*item), row], occluder);
-        }
+    if let Some(rays) = rays {
+        push_rays(&mut rows, scene, &rays, id);
     }
     if let Some(sky) = sky {
         push_sky(&mut rows, sky, id);
@@ -146,18 +150,68 @@ fn walk(n: usize, second: impl Fn(usize) -> Option<usize>) -> Vec<u32> {
     next
 }
 
+/// Add what stops light, with the tree of it.
+fn push_rays(rows: &mut Vec<[u32; 4]>, scene: &Scene, Met { bvh, facets }: &Met<'_>, id: &dyn Fn(Item) -> u32) {
+    if bvh.occluders().is_empty() && facets.is_empty() {
+        return;
+    }
+    let items = || bvh.occluders().iter().map(|(item, _)| *item).chain(facets.iter().map(|(item, ..)| *item));
+    let translucent = push_translucent(rows, scene, items().filter(|item| bvh.is_translucent(*item)));
+    let named = |item: Item| {
+        let row = if bvh.is_translucent(item) { translucent[&scene.whole_of(item)] } else { 0 };
+        [id(item), row]
+    };
+    let push = |rows: &mut Vec<[u32; 4]>, tree: &Tree, order: &mut dyn Iterator<Item = usize>| {
+        rows[0] = [push_tree(rows, tree), 0, tree.nodes().len() as u32, 0];
+        rows[0][1] = rows.len() as u32;
+        for k in order {
+            match bvh.occluders().get(k) {
+                Some((item, occluder)) => push_occluder(rows, bvh, named(*item), occluder),
+                None => push_facet(rows, named, &facets[k - bvh.occluders().len()]),
+            }
+        }
+    };
+    if facets.is_empty() {
+        return push(rows, bvh.tree(), &mut (0..bvh.occluders().len()));
+    }
+    // One tree over both.
+    let of_facet = |(_, [a, b, c], _): &(Item, [Vec3; 3], f32)| {
+        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+        let room = 1e-6 * low.abs().max(high.abs()).max_element();
+        (low - room, high + room)
+    };
+    let mut bounds: Vec<(Vec3, Vec3)> = bvh.occluders().iter().map(|(_, occluder)| bvh.bound(occluder)).collect();
+    bounds.extend(facets.iter().map(of_facet));
+    let (tree, order) = Tree::new(bounds.into_par_iter());
+    push(rows, &tree, &mut order.into_iter().map(|k| k as usize));
+}
+
 /// Add what lets a part of the light through: its opacity and its own row, which is the same for all parts of a thing; the rows by things.
-fn push_translucent(rows: &mut Vec<[u32; 4]>, scene: &Scene, bvh: &Bvh) -> HashMap<(usize, u32), u32> {
+fn push_translucent(
+    rows: &mut Vec<[u32; 4]>,
+    scene: &Scene,
+    items: impl Iterator<Item = Item>,
+) -> HashMap<(usize, u32), u32> {
     let mut all = HashMap::new();
-    for (item, _) in bvh.occluders().iter().filter(|(item, _)| bvh.is_translucent(*item)) {
-        all.entry(scene.whole_of(*item)).or_insert_with(|| {
-            let [r, g, b] = scene.attributes(*item).opacity.map(f32::to_bits);
+    for item in items {
+        all.entry(scene.whole_of(item)).or_insert_with(|| {
+            let [r, g, b] = scene.attributes(item).opacity.map(f32::to_bits);
             let row = rows.len() as u32;
             rows.push([r, g, b, row]);
             row
         });
     }
     all
+}
+
+/// Add a triangle of what is displaced.
+fn push_facet(
+    rows: &mut Vec<[u32; 4]>,
+    named: impl Fn(Item) -> [u32; 2],
+    (item, [a, b, c], room): &(Item, [Vec3; 3], f32),
+) {
+    let [id, row] = named(*item);
+    rows.extend([[4, id, room.to_bits(), row], point(*a), point(*b - *a), point(*c - *a)]);
 }
 
 fn push_occluder(rows: &mut Vec<[u32; 4]>, bvh: &Bvh, [id, row]: [u32; 2], occluder: &Occluder) {

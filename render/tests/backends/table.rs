@@ -61,8 +61,11 @@ fn scenes() -> Vec<(String, String, PathBuf)> {
     all
 }
 
-/// A scene on a back end, with the seconds that it took; what is wrong with it if there is no image.
+/// A scene on a back end, with the seconds that it took, but for the compiling of kernels; what is wrong with it if there is no image.
 fn timed(text: &str, folder: &Path, device: Option<Arc<DeviceRenderer>>) -> Result<(RenderResult, f64), String> {
+    if device.is_some() {
+        drawn(text, folder, device.clone(), None)?;
+    }
     let start = Instant::now();
     let result = drawn(text, folder, device, None)?;
     Ok((result.ok_or("it makes no image")?, start.elapsed().as_secs_f64()))
