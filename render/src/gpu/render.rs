@@ -371,6 +371,9 @@ impl<'a> Drawing<'a> {
         let [_, n] = samples.n();
         let (ranges, wanted) = layers.find(samples, [part.first * n, part.end * n])?;
         self.stats.seconds.sample += start.elapsed().as_secs_f64();
+        if ranges.is_empty() {
+            return layers.compose(samples, &ranges, None).map_err(Refusal::from);
+        }
         let start = Instant::now();
         if let Some(outputs) = &mut *outputs {
             outputs.reserve(&self.renderer.device, samples.n_points)?;
