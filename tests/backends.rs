@@ -31,7 +31,8 @@ fn scree_render_draws_on_a_device() {
     assert!(!answer.errors().contains("processor"), "{}", answer.errors());
     answer.ok();
     assert!(image() == drawn, "within less memory");
-    write("SolidBegin \"primitive\" Sphere 1 -1 1 360 SolidEnd");
+    let part = |x: f32| format!("SolidBegin \"primitive\" Translate {x} 0 0 Sphere 1 -1 1 360 SolidEnd");
+    write(&format!("SolidBegin \"difference\" {} {} SolidEnd", part(0.0), part(1.0)));
     let answer = scree(&command);
     assert_eq!(
         answer.errors().matches("the processor has drawn the image: the scene has solids").count(),
