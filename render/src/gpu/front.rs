@@ -137,11 +137,13 @@ impl<'a> Front<'a> {
                 Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            if end > 0 || self.next().is_none() {
+            let ready: usize = self.early[..end].iter().map(|(_, grid)| grid.points.n()).sum();
+            if ready >= n_points || self.next().is_none() {
                 let early = self.early.split_off(end);
                 return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
             }
-            n = 0;
+            // The rest waits for what is nearer.
+            n = ready;
         }
     }
 
