@@ -111,7 +111,8 @@ impl Bvh {
         }
     }
 
-    fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
+    /// The box around an occluder.
+    pub fn bound(&self, occluder: &Occluder) -> (Vec3, Vec3) {
         match *occluder {
             Occluder::Sphere { center, radius } => (center - radius, center + radius),
             Occluder::Ellipsoid { inverse } => {

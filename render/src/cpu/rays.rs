@@ -77,9 +77,9 @@ impl<'a> Rays<'a> {
         Rays { surfaces: Bvh::build(scene, met), ..Rays::default() }
     }
 
-    /// What they meet, if that is neither displaced nor of solids.
-    pub fn plain_surfaces(&self) -> Option<&Bvh> {
-        (self.displaced.is_none() && self.solids.is_none()).then_some(&self.surfaces)
+    /// What they meet, undisplaced and displaced, if none of it is of solids.
+    pub fn open_surfaces(&self) -> Option<(&Bvh, Option<&Displaced<'a>>)> {
+        self.solids.is_none().then_some((&self.surfaces, self.displaced.as_deref()))
     }
 
     /// Whether rays meet an item as displaced.

@@ -124,6 +124,17 @@ pub(crate) fn within(w: [f32; 3]) -> [f32; 3] {
     w.map(|x| x / sum)
 }
 
+/// A step that visits all of so many samples, near the golden section.
+pub(crate) fn step(n: usize) -> usize {
+    let common = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1)
+}
+
 /// Pixels along the edge of a block whose greatest depth is kept for culling.
 pub(crate) const BLOCK: usize = 4;
 
@@ -191,6 +202,8 @@ pub struct Samples {
     weighted: Vec<Option<usize>>,
     /// The identities of what is visible, if these are kept; 0 where nothing is.
     identities: Vec<u64>,
+    /// The depths of these.
+    identity_z: Vec<f32>,
     /// The samples by their moments, where there is a lens.
     pub(crate) lens: LensSamples,
     block_z: Vec<f32>,
@@ -223,6 +236,7 @@ impl Samples {
         self.outputs.clear();
         self.outputs.resize(n * self.depth, 0.0);
         self.identities.clear();
+        self.identity_z.clear();
         self.blocks = width.div_ceil(BLOCK);
         self.block_z.clear();
         self.block_z.resize(self.blocks * height.div_ceil(BLOCK), f32::INFINITY);
@@ -316,15 +330,7 @@ impl Samples {
         let stratum = |x: f32, strata: usize| ((x.fract() * strata as f32) as usize).min(strata - 1);
         let [px, py] = [(x, self.x0), (y, self.y0)].map(|(x, first)| (x.floor() as i64 + first) as u32);
         let hash = (px.wrapping_mul(0x9e37_79b1) ^ py.wrapping_mul(0x85eb_ca77)).wrapping_mul(0xc2b2_ae3d) >> 12;
-        let common = |mut a: usize, mut b: usize| {
-            while b > 0 {
-                (a, b) = (b, a % b);
-            }
-            a
-        };
-        // A step that visits all of them, near the golden section.
-        let step = (n * 618 / 1000..n).find(|step| common(*step, n) == 1).unwrap_or(1);
-        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step + hash as usize) % n;
+        let rank = ((stratum(y, sy) * sx + stratum(x, sx)) * step(n) + hash as usize) % n;
         (rank as f32 + 0.5) / n as f32
     }
 

@@ -382,6 +382,10 @@ impl sl::machine::Scene for View<'_> {
         segments.iter().zip(light).for_each(|(s, light)| *light = self.light_along(s.from.into(), s.to.into()));
     }
 
+    fn map_number(&self, how: Lookup, name: &str) -> u32 {
+        if how == Lookup::Shadow || name.is_empty() { 0 } else { self.scene.textures.number(name) }
+    }
+
     fn print(&self, text: &str) {
         self.scene.print(text);
     }
