@@ -3,20 +3,19 @@
 // in    colors     [n_points]   colours of points, by their opacity
 // in    opacities  [n_points]
 // in    ends       [n]          where the list of a sample ends
-// inout layers     [n_layers]   key of the depth, and id; none of what repeats another
+// inout layers     [n_layers]   key of the depth, and id; none of what repeats another, as far as `join` has found it or then
 // inout depth      [n_samples]  the key of the depth of what is opaque; then of what is half opaque
 // inout color      [n_samples]  colour and coverage
 // out   visible    [n_samples]  the id of what is nearest and lets nothing through at any corner, if that is a layer
 // Twin: cpu/samples/layers.rs
 #import within
 #import layer_lists
+#import layer_repeats
 
-// What one primitive's layers are apart at least, as a part of their depth; and the light that counts as none.
-const SAME: f32 = 1e-4;
+// The light that counts as none.
 const CLOSED: f32 = 9.094947e-13;
 // The opacity from which on a layer counts as what is visible.
 const OPAQUE: f32 = 0.999999;
-const NONE: u32 = 0xffffffffu;
 
 // What layers have come to.
 struct Sum {
@@ -80,20 +79,6 @@ fn opacity_at(seen: Seen, point: u32) -> vec3<f32> {
     return now + (opacities[point + seen.next].xyz - now) * seen.part;
 }
 
-// Whether a layer repeats one of its primitive before it.
-fn repeats(first: u32, at: u32, z: f32, primitive: u32) -> bool {
-    for (var k = at; k > first; k -= 1u) {
-        let before = layers[k - 1u];
-        if z - depth_of(before.x) > rounded(SAME * z) {
-            return false;
-        }
-        if before.y != NONE && grids[grid_of(micropolygons[before.y >> 1u])].x == primitive {
-            return true;
-        }
-    }
-    return false;
-}
-
 fn is_closed(open: vec3<f32>) -> bool {
     return all(abs(open) < vec3<f32>(CLOSED));
 }
@@ -146,6 +131,9 @@ fn compose(k: u32) {
     for (var run = first; run < end; run += 32768u) {
         for (var at = run; at < min(end, run + 32768u); at += 1u) {
             let layer = layers[at];
+            if layer.y == NONE {
+                continue;
+            }
             let z = depth_of(layer.x);
             // What is equally deep is one layer.
             if sum.n > 0u && z != sum.z && is_closed(sum.open) {

@@ -37,6 +37,8 @@ pub struct Diced {
     pub z: f32,
     /// The times at which it is shaded again, as its colour or opacity moves.
     pub fades: Vec<f32>,
+    /// Whether its first and last points along u and along v are edges of the primitive.
+    pub rims: [bool; 4],
     /// How far its points move on the raster, if a display takes that.
     pub motion: Vec<[f32; 2]>,
 }
@@ -129,39 +131,37 @@ impl<'a> Front<'a> {
     /// Dice what comes next, until there are about so many points; nothing if all is diced. The grids are in the order of their turns, those of
     /// later waves after those of earlier ones: of what is equally deep, the first is visible, however much is diced at a time.
     pub fn wave(&mut self, window: &Window, n_points: usize, stats: &mut Stats) -> Vec<Diced> {
-        let mut n = 0;
         loop {
-            while n < n_points && self.round(window, &mut n, stats) {}
             self.early.sort_by(|a, b| a.0.cmp(&b.0));
-            let end = match self.next() {
+            let next = self.next();
+            let end = match next {
                 Some(next) => self.early.partition_point(|(turn, _)| turn.cmp(&next).is_lt()),
                 None => self.early.len(),
             };
-            let ready: usize = self.early[..end].iter().map(|(_, grid)| grid.points.n()).sum();
-            if ready >= n_points || self.next().is_none() {
+            let count = |some: &[(Turn, Diced)]| some.iter().map(|(_, grid)| grid.points.n()).sum::<usize>();
+            if count(&self.early[..end]) >= n_points || next.is_none() {
                 let early = self.early.split_off(end);
                 return std::mem::replace(&mut self.early, early).into_iter().map(|(_, grid)| grid).collect();
             }
-            // The rest waits for what is nearer.
-            n = ready;
+            // Where there is enough that waits for what is nearer, nothing is diced that is farther: it may be hidden.
+            let last = self.early.last().map(|(turn, _)| *turn).filter(|_| count(&self.early) >= n_points);
+            self.round(window, last, stats);
         }
     }
 
-    /// Dice some items and pieces, and add their points; false if there are none.
-    fn round(&mut self, window: &Window, n: &mut usize, stats: &mut Stats) -> bool {
-        let (turns, frame) = (self.turns(), self.frame);
+    /// Dice some items and pieces, those up to a turn if it is given.
+    fn round(&mut self, window: &Window, until: Option<Turn>, stats: &mut Stats) {
+        let (turns, frame) = (self.turns(until), self.frame);
         let diced: Vec<(Vec<Diced>, Vec<Waiting>, Stats)> = turns
             .par_iter()
             .with_min_len(4)
             .map_init(Hand::default, |hand, turn| hand.dice(frame, window, *turn))
             .collect();
         for (turn, (own, waiting, of_turn)) in turns.iter().zip(diced) {
-            *n += own.iter().map(|grid| grid.points.n()).sum::<usize>();
             self.early.extend(own.into_iter().map(|grid| (*turn, grid)));
             self.queue.extend(waiting);
             *stats = stats.add(of_turn);
         }
-        !turns.is_empty()
     }
 
     /// What is diced next.
@@ -171,10 +171,11 @@ impl<'a> Front<'a> {
         [item, piece].into_iter().flatten().min_by(Turn::cmp)
     }
 
-    /// The next items and pieces, in the order of their depths.
-    fn turns(&mut self) -> Vec<Turn> {
+    /// The next items and pieces, in the order of their depths, those up to a turn if it is given.
+    fn turns(&mut self, until: Option<Turn>) -> Vec<Turn> {
         let mut turns = vec![];
-        while turns.len() < self.round {
+        let comes = |next: &Turn| until.is_none_or(|until| next.cmp(&until).is_le());
+        while turns.len() < self.round && self.next().is_some_and(|next| comes(&next)) {
             let piece = self.queue.pop_before(self.items.peek()).map(Turn::Piece);
             let next = piece.or_else(|| self.items.next().map(|(z, item)| Turn::Item(z, item)));
             let Some(turn) = next else { break };
@@ -254,6 +255,7 @@ impl Sink for Taken<'_> {
             reach: grid.reach,
             z: bound.z,
             fades: view.attributes.fade_times(),
+            rims: grid.origin.map_or([false; 4], |part| part.rims()),
             motion,
         });
     }

@@ -19,6 +19,8 @@ const PARTS: &[Part<'static>] = &[
     ("layered", include_str!("layered.wgsl")),
     ("layer_takes", include_str!("layer_takes.wgsl")),
     ("layer_lists", include_str!("layer_lists.wgsl")),
+    ("layer_repeats", include_str!("layer_repeats.wgsl")),
+    ("join", include_str!("join.wgsl")),
     ("compose", include_str!("compose.wgsl")),
     ("no_outputs", include_str!("no_outputs.wgsl")),
     ("layer_outputs", include_str!("layer_outputs.wgsl")),
@@ -78,6 +80,8 @@ pub struct LayerKernels {
     pub layer_total: Kernel,
     pub layer_sort: Kernel,
     pub layer_points: Kernel,
+    pub layer_join: Kernel,
+    pub blur_layer_join: Kernel,
     pub layer_colors: Kernel,
     pub layer_colors_outputs: Kernel,
     pub blur_layer_colors: Kernel,
@@ -92,7 +96,7 @@ impl LayerKernels {
     pub fn new(device: &Device, kernels: &Kernels) -> Result<LayerKernels, GpuError> {
         Ok(
             kernels!(LayerKernels, device kernels: layer_count, layer_fill, blur_layer_count, blur_layer_fill, layer_total, layer_sort,
-            layer_points, layer_colors, layer_colors_outputs, blur_layer_colors, blur_layer_colors_outputs),
+            layer_points, layer_join, blur_layer_join, layer_colors, layer_colors_outputs, blur_layer_colors, blur_layer_colors_outputs),
         )
     }
 }

@@ -1,7 +1,8 @@
 // Layers of samples: which micropolygons are layers at a sample, and what is asked of them.
 // in   micropolygons  [n_micropolygons]  first point, points of a row, 1 if smooth and 2 if matte and 4 times the first row of its grid, track
-// in   grids          [n_rows]           of a grid: name of its primitive, count of its points, count of the times at which it is shaded again;
-//                                        the part of the samples that see it, as bits; then these times, four a row
+// in   grids          [n_rows]           of a grid: name of its primitive, count of its points, count of the times at which it is shaded again, one
+//                                        more than the name of its mesh, 0 if it shares none; the part of the samples that see it, as bits, its
+//                                        first point, and which of its sides are edges of the primitive, a bit each; then these times, four a row
 // in   params         [18]               those of samples, 13 of them; then the first sample and the one after the last, the step of samples in
 //                                        their order, count of clipping planes, numbers of a sample's outputs
 // Twin: cpu/samples.rs, cpu/samples/layers.rs

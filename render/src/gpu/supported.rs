@@ -12,17 +12,7 @@ pub fn is_translucent(source: &Source) -> bool {
 pub fn refused(scene: &Scene) -> Option<String> {
     let is_solid = |source: &Source| source.len() > 0 && source.attributes.solid.is_some();
     let has_solids = scene.sources.iter().any(is_solid);
-    let meets = |source: &Source| {
-        source.len() > 0 && source.attributes.visible && source.wholes.shared && is_translucent(source)
-    };
-    let what = if has_solids {
-        "the scene has solids"
-    } else if scene.sources.iter().any(meets) {
-        "faces of a translucent mesh meet"
-    } else {
-        return None;
-    };
-    Some(format!("{what}, which is not built for graphics devices"))
+    has_solids.then(|| "the scene has solids, which is not built for graphics devices".into())
 }
 
 /// Why rays of shaders cannot be answered, as a sentence: what is in their way is more than surfaces whose opacities are known.
